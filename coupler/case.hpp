@@ -1,0 +1,112 @@
+#pragma once
+// A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
+// with the conversions kept in `units` for what goes back out. adapters/toml reads it, case_check judges it.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/units.hpp"
+#include "rigid/rigid_step.hpp"
+
+namespace silt::coupler {
+
+enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
+
+enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
+
+struct BoundarySpec {
+  BoundaryKind kind = BoundaryKind::periodic;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
+  double density = 1;                          // outlets
+  bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+};
+
+enum class Precision { single_, double_ };
+enum class TimeCoupling { explicit_, implicit_ };
+enum class WallScheme { bounce_back, cli };
+enum class Refill { equilibrium, grad };
+enum class ForceForm { galilean, exact };
+
+struct FluidSpec {
+  double kinematic_viscosity = 0, relaxation_time = 0;
+  bool bgk = false;        // else trt
+  double magic = 3. / 16;  // Lambda of trt
+  Precision precision = Precision::single_;
+  rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
+  // initial velocity: "rest", "uniform", "taylor-green"; amplitude and (for taylor-green) one wave a period
+  std::string initial = "rest";
+  rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
+};
+
+struct CouplingSpec {
+  WallScheme wall_scheme = WallScheme::cli;
+  TimeCoupling time = TimeCoupling::implicit_;
+  Refill refill = Refill::grad;
+  ForceForm force = ForceForm::galilean;
+  bool pressure_anchor = true;
+};
+
+struct ContactSpec {
+  std::string backend = "auto", resolver = "sffd";
+  rigid::ResolverSettings resolver_settings;
+  int substeps = 1;
+  double margin = 1.0;
+};
+
+struct BodySpec {  // one body; kind is the index of the [[bodies]] or [[fill]] entry it came from
+  int shape = 0, material = 0, kind = 0;
+  double density = 1;  // relative to the fluid's (lattice)
+  rigid::Motion motion = rigid::Motion::free;
+  rigid::Pose pose;    // of the shape as the case gives it, not of its centre of mass
+  rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+};
+
+struct FillSpec {
+  int shape = 0, material = 0, kind = 0, count = 0;
+  double density = 1, gap = 0;           // gap: least distance between bounding spheres' surfaces and to walls
+  bool random_orientation = true;
+  rigid::Vec3 lower, upper;
+  std::uint64_t seed = 1;
+};
+
+struct SeriesSpec {  // 0: never
+  std::int64_t every = 0;
+};
+
+struct OutputSpec {
+  SeriesSpec fields, bodies, checkpoint, report;
+  std::vector<std::string> quantities;  // "velocity", "density", "vorticity" is not here yet
+  int keep_checkpoints = 2;
+};
+
+struct Case {
+  std::string title, text;  // text: case.toml as read, with --set applied, for provenance
+  std::filesystem::path directory;
+  Units units;
+
+  std::array<int, 3> cells{};
+  std::array<BoundarySpec, 6> boundary;           // by Side
+  std::optional<std::array<int, 3>> block_cells;  // none: "auto"
+  bool periodic(int axis) const { return boundary[2 * axis].kind == BoundaryKind::periodic; }
+
+  std::optional<FluidSpec> fluid;
+  CouplingSpec coupling;
+  ContactSpec contacts;
+  rigid::Vec3 gravity = rigid::Vec3::Zero();
+
+  std::vector<std::string> shape_names, material_names;
+  std::vector<rigid::Shape> shapes;               // as given (a compound need not be centred)
+  std::vector<rigid::Material> pair_materials;    // material_names.size()^2
+  std::vector<BodySpec> bodies;
+  std::vector<FillSpec> fills;
+  std::vector<std::string> kind_names;            // one a [[bodies]] / [[fill]] entry: "light spheres", ...
+
+  std::int64_t steps = 0;
+  OutputSpec output;
+  bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,30 @@
+#pragma once
+// Conversion between the units of a case and lattice units, one line a quantity, both ways: x_lattice =
+// lattice(x_case, dimension), x_case = physical(x_lattice, dimension). In a lattice-unit case all scales are 1.
+#include <cmath>
+
+namespace silt::coupler {
+
+struct Dimension {  // exponents of length, time, mass
+  int length, time, mass;
+};
+namespace dimension {
+inline constexpr Dimension none{0, 0, 0}, length{1, 0, 0}, time{0, 1, 0}, velocity{1, -1, 0},
+    acceleration{1, -2, 0}, viscosity{2, -1, 0}, density{-3, 0, 1}, mass{0, 0, 1}, force{1, -2, 1},
+    torque{2, -2, 1}, angular_velocity{0, -1, 0}, energy{2, -2, 1}, pressure{-1, -2, 1};
+}
+
+struct Units {
+  double cell_size = 1, time_step = 1, density = 1;  // in the units of the case
+  bool si = false;
+
+  /// One lattice unit of a quantity, in the units of the case.
+  double scale(Dimension d) const {
+    const double mass = density * cell_size * cell_size * cell_size;
+    return std::pow(cell_size, d.length) * std::pow(time_step, d.time) * std::pow(mass, d.mass);
+  }
+  double lattice(double x, Dimension d) const { return x / scale(d); }
+  double physical(double x, Dimension d) const { return x * scale(d); }
+};
+
+}  // namespace silt::coupler

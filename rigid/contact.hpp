@@ -1,0 +1,40 @@
+#pragma once
+// A contact: what collision detection hands to a resolver.
+#include <compare>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "rigid/types.hpp"
+
+namespace silt::rigid {
+
+/// One point of a contact between two convex shapes, in the frame the query was made in.
+struct ContactPoint {
+  Vec3 on_a, on_b;       // surface points: on_b - on_a = gap * normal
+  Vec3 normal;           // unit, from a to b
+  double gap;            // < 0: overlap
+  std::uint32_t feature; // stable from step to step for the same pair of features (vertex, edge, face)
+};
+
+/// Which periodic image of body b is meant: -1, 0, 1 an axis.
+struct Image {
+  std::int8_t x = 0, y = 0, z = 0;
+  auto operator<=>(const Image&) const = default;
+};
+
+struct Contact {
+  BodyId a, b;            // a < b
+  Image image;            // of b, relative to the canonical position of a
+  std::uint64_t feature;  // part of a, part of b, feature of the parts
+  Vec3 normal;            // unit, from a to b
+  double gap;
+  Vec3 r_a, r_b;          // the common contact point (midway between the surfaces) from each centre of mass
+  double restitution, friction;
+
+  auto pair() const { return std::tuple(a, b, image); }
+  /// The order in which contacts are resolved and summed, on any number of ranks.
+  auto key() const { return std::tuple(a, b, image, feature); }
+};
+
+}  // namespace silt::rigid
