@@ -1,6 +1,6 @@
 #pragma once
 // A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
-// with the conversions kept in `units` for what goes back out. adapters/toml reads it, case_check judges it.
+// with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml), case_check judges it.
 #include <array>
 #include <cstdint>
 #include <filesystem>

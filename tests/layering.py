@@ -9,7 +9,7 @@ ENGINES = r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/|hdf5|H5|toml)"
 FORBIDDEN = {  # folder: pattern of includes it must not have
     "lbm": rf"(rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
     "rigid": rf"(lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
-    "adapters": r"(coupler/(?!case\.hpp|units\.hpp))",
+    "adapters": r"coupler/",
     "coupler": ENGINES,
 }
 
