@@ -25,6 +25,20 @@ std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& 
   return oriented(cross / sine, b.centre - a.centre);
 }
 
+/// Calls use(unit axis from a to b, whether of two crossed edges): the normals of the faces of the Minkowski
+/// difference of the cores.
+template <class Use>
+void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
+  const Vec3 d = b.centre - a.centre;
+  for (const RoundedBox* box : {&a, &b})
+    if (box->extent() == 3)
+      for (int i = 0; i < 3; ++i) use(oriented(box->axes.col(i), d), false);
+  if (!a.extent() || !b.extent()) return;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const auto n = crossed_edges(a, i, b, j)) use(*n, true);
+}
+
 /// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the distance.
 Separation point_to_core(const Vec3& x, const RoundedBox& core) {
   const Vec3 local = core.local(x);
@@ -87,22 +101,25 @@ Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
 
 Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b) {
   Separation best{Vec3::UnitZ(), -infinity};
-  const Vec3 d = b.centre - a.centre;
-  auto consider = [&](const Vec3& n, double handicap) {
+  const double edge_handicap = 10 * rounding * length_scale(a, b);  // of two equal axes the face's is kept
+  for_each_candidate(a, b, [&](const Vec3& n, bool crossed) {
     const double gap = core_separation(a, b, n);
-    if (gap - handicap > best.core_gap) best = {n, gap};
-  };
-  const bool box_a = a.extent() == 3, box_b = b.extent() == 3;
-  if (box_a)
-    for (int i = 0; i < 3; ++i) consider(oriented(a.axes.col(i), d), 0);
-  if (box_b)
-    for (int j = 0; j < 3; ++j) consider(oriented(b.axes.col(j), d), 0);
-  if (!a.extent() || !b.extent()) return best;
-  const double handicap = 10 * rounding * length_scale(a, b);  // of two equal axes the face's is kept
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (const auto n = crossed_edges(a, i, b, j)) consider(*n, handicap);
+    if (gap - (crossed ? edge_handicap : 0) > best.core_gap) best = {n, gap};
+  });
   return best;
+}
+
+Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle) {
+  Vec3 nearest = n;
+  double least = angle * angle;
+  for_each_candidate(a, b, [&](const Vec3& axis, bool) {
+    const Vec3 towards = axis.dot(n) < 0 ? Vec3(-axis) : axis;
+    const double distance = (towards - n).squaredNorm();
+    if (distance >= least) return;
+    least = distance;
+    nearest = towards;
+  });
+  return nearest;
 }
 
 std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedBox& b, double tolerance) {

@@ -23,4 +23,7 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
 /// and one is a box. core_gap is minus infinity for a pair without candidates (spheres, parallel capsules).
 Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b);
 
+/// The separating-axis candidate within `angle` (radian) of unit n, or n itself.
+Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle);
+
 }  // namespace silt::adapters

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "adapters/analytic/analytic_backend.hpp"
+#include "adapters/bullet/bullet_backend.hpp"
 
 namespace silt::adapters {
 
@@ -19,6 +20,7 @@ struct Entry {
 constexpr Entry backends[] = {
     {"auto", [] { return std::unique_ptr<rigid::CollisionBackend>(new AnalyticBackend); }},
     {"analytic", [] { return std::unique_ptr<rigid::CollisionBackend>(new AnalyticBackend); }},
+    {"bullet", make_bullet_backend},
 };
 
 }  // namespace
