@@ -28,6 +28,7 @@ class BodyExchange {
   /// Line 1: forces and torques on copies are added at the owner and cleared on the copies.
   virtual void sum_forces(BodySet&) {}
   /// Lines 6 and 23: wraps positions, hands over ownership, makes, updates and drops copies; visitors go.
+  /// With the ownership go the stored impulses, and the force and torque (the kick comes after line 13).
   virtual void synchronise(BodySet&);
   /// Does this rank create the contact whose point is x_W? (Exactly one rank does.)
   virtual bool owns_contact_at(const Vec3& x_W) const { return (void)x_W, true; }

@@ -76,9 +76,12 @@ struct BodySet {
 
   BodyRecord record(std::size_t row) const;
   void assign(std::size_t row, const BodyRecord&);  // all but forces and stored impulses
-  /// Inserts before row (keeping the sections' order is the caller's business), with zero force.
+  /// Inserts before row, with zero force. Neither this nor erase touches the four counts above or the look-up:
+  /// keeping the sections' order is the caller's business.
   void insert(std::size_t row, const BodyRecord&);
   void erase(std::size_t row);
+  /// Appends to the owned bodies and counts it. Call reindex() after the last one.
+  void add(const BodyRecord&);
   void resize(std::size_t rows);
   /// Sorts the owned and the copied section by id and rebuilds the look-up. Call after any change of rows.
   void reindex();
@@ -86,6 +89,7 @@ struct BodySet {
   std::size_t row_of(BodyId) const;
 
   Mat3 inverse_inertia_W(std::size_t row) const;  // zero unless free
+  bool is_isotropic(std::size_t row) const;       // the same moment of inertia about every axis
   double inverse_mass(std::size_t row) const { return is_free(row) ? 1.0 / mass[row] : 0.0; }
   Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
   Vec3 velocity_at(std::size_t row, const Vec3& r_W) const {
@@ -95,7 +99,7 @@ struct BodySet {
 
   void add_force(std::size_t row, const Vec3& force_W) { force[row].add(force_W); }
   void add_torque(std::size_t row, const Vec3& torque_W) { torque[row].add(torque_W); }
-  /// Also keeps angular velocity and momentum consistent with each other.
+  /// Both keep angular velocity and momentum consistent with each other (a new pose: the angular velocity stays).
   void set_pose(std::size_t row, const Pose&);
   void set_velocity(std::size_t row, const Vec3& velocity, const Vec3& angular_velocity);
 

@@ -4,24 +4,10 @@
 #include "rigid/body_set.hpp"
 #include "rigid/collision_backend.hpp"
 #include "rigid/contact_resolver.hpp"
+#include "rigid/detect_contacts.hpp"
+#include "rigid/world.hpp"
 
 namespace silt::rigid {
-
-struct Material {
-  double restitution = 0, friction = 0;
-};
-
-/// What all ranks know alike: shapes, materials and laws. Tables of pairs are [i * materials + j], symmetric.
-struct World {
-  std::vector<Shape> shapes;
-  std::vector<double> bounding_radii;        // one a shape
-  std::vector<Material> materials;           // of pairs: materials.size() == material_count^2
-  int material_count = 0;
-  Vec3 gravity = Vec3::Zero();
-  double contact_margin = 1.0;               // largest gap a speculative contact may have, lattice units
-
-  const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
-};
 
 struct StageClock {  // seconds of the last step, by the paper's parts of the physics engine
   double integrate = 0, collision_detection = 0, contact_response = 0, synchronisation = 0;
@@ -37,7 +23,9 @@ struct RigidStepReport {
 class RigidStep {
  public:
   RigidStep(const World&, CollisionBackend&, ContactResolver&, BodyExchange&);
-  /// Advances every body by dt (1 / substeps of a fluid step); forces are consumed and cleared.
+  /// Advances every body by dt (1 / substeps of a fluid step); forces are consumed and cleared. Keeps the order
+  /// of Algorithm 1 but for the velocity half of lines 2-5, which waits until line 13 is done: rows change at the
+  /// synchronisations, and no step in between reads a velocity that the kick would change.
   RigidStepReport operator()(BodySet&, double dt);
   /// The same for `substeps` equal parts of a step of length 1, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);
@@ -47,8 +35,16 @@ class RigidStep {
   CollisionBackend& backend_;
   ContactResolver& resolver_;
   BodyExchange& exchange_;
+  RigidStepReport after_forces(BodySet&, double dt);  // lines 2 to 23
+  void first_kick(BodySet&, double dt);
+  void kick(BodySet&, std::size_t row, double dt, Vec3& v, Vec3& w) const;
+  void take_velocities(BodySet&, double dt);
+  void take_position_correction(BodySet&, double dt) const;
+
+  DetectContacts detect_contacts_;
   std::vector<Contact> contacts_;
   StepVelocities velocities_;
+  std::vector<Vec3> kicked_w_;  // angular velocities the resolver was given
 };
 
 }  // namespace silt::rigid

@@ -72,6 +72,8 @@ Shape recentred(const Shape&, const Vec3& centre);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
 
+/// Axis-aligned box of one part of a body, in the frame the body's pose is given in.
+BoundingBox part_box(const Part&, const Pose& body);
 /// The convex parts of any shape (one for a convex shape itself).
 std::vector<Part> convex_parts(const Shape&);
 

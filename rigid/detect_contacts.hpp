@@ -1,0 +1,46 @@
+#pragma once
+// Lines 7 to 12 of Algorithm 1: which bodies touch, or may touch before the step is over, and where.
+#include <vector>
+
+#include "rigid/body_exchange.hpp"
+#include "rigid/broad_phase.hpp"
+#include "rigid/collision_backend.hpp"
+#include "rigid/contact.hpp"
+#include "rigid/world.hpp"
+
+namespace silt::rigid {
+
+/// Keeps only buffers and what follows from the shapes from call to call; the result depends on its arguments
+/// alone, and is the same whichever rank finds a contact.
+class DetectContacts {
+ public:
+  /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
+  /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach in dt,
+  /// at most world.contact_margin. Returns the number of candidate pairs.
+  std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
+                         std::vector<Contact>& contacts);
+
+ private:
+  struct ShapeParts {
+    std::vector<Part> parts;
+    std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
+    bool sphere, half_space;
+  };
+  void learn_shapes(const World&);
+  void set_reach(const World&, const BodySet&, double dt);
+  double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
+  void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, const CandidatePair&,
+                    double margin, std::vector<Contact>& contacts);
+  bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
+                   const Pose& pose_b, double margin) const;
+
+  std::vector<ShapeParts> shapes_;
+  BroadPhase broad_phase_;
+  std::vector<Reach> reach_;
+  std::vector<double> turn_;  // how far rotation moves a body's surface in the step
+  std::vector<Vec3> wall_normals_;
+  std::vector<CandidatePair> pairs_;
+  std::vector<ContactPoint> points_;
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,81 @@
+#include "rigid/ray_interval.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+using Interval = std::optional<RayInterval>;
+
+/// Real roots of a t^2 + 2 b t + c, a > 0, without cancellation.
+Interval roots(double a, double b, double c) {
+  const double discriminant = b * b - a * c;
+  if (discriminant < 0) return {};
+  const double s = std::sqrt(discriminant);
+  const double q = b >= 0 ? -b - s : -b + s;
+  const double t1 = q / a, t2 = q != 0 ? c / q : 0.0;
+  return RayInterval{std::min(t1, t2), std::max(t1, t2)};
+}
+
+/// |o_d + t d_d| <= half_width along one axis.
+Interval slab(double o, double d, double half_width) {
+  if (d == 0) return std::abs(o) <= half_width ? Interval{RayInterval{-infinity, infinity}} : Interval{};
+  const double t1 = (-half_width - o) / d, t2 = (half_width - o) / d;
+  return RayInterval{std::min(t1, t2), std::max(t1, t2)};
+}
+
+Interval intersect(const Interval& a, const Interval& b) {
+  if (!a || !b) return {};
+  const RayInterval i{std::max(a->enter, b->enter), std::min(a->leave, b->leave)};
+  return i.enter <= i.leave ? Interval{i} : Interval{};
+}
+
+/// Of two pieces of one convex shape: their hull.
+Interval join(const Interval& a, const Interval& b) {
+  if (!a) return b;
+  if (!b) return a;
+  return RayInterval{std::min(a->enter, b->enter), std::max(a->leave, b->leave)};
+}
+
+Interval sphere(double radius, const Vec3& o, const Vec3& d) {
+  const double distance = o.norm();  // the difference of squares, factored: exact close to the surface
+  return roots(d.squaredNorm(), o.dot(d), (distance - radius) * (distance + radius));
+}
+
+struct LineInside {
+  const Vec3 &o, &d;
+
+  Interval operator()(const Sphere& s) const { return sphere(s.radius, o, d); }
+  Interval operator()(const Box& b) const {
+    return intersect(intersect(slab(o[0], d[0], b.half_edges[0]), slab(o[1], d[1], b.half_edges[1])),
+                     slab(o[2], d[2], b.half_edges[2]));
+  }
+  Interval operator()(const Capsule& c) const {
+    const double a = d[0] * d[0] + d[1] * d[1], rho = std::hypot(o[0], o[1]);
+    Interval barrel;
+    if (a > 0)
+      barrel = roots(a, o[0] * d[0] + o[1] * d[1], (rho - c.radius) * (rho + c.radius));
+    else if (rho <= c.radius)
+      barrel = RayInterval{-infinity, infinity};
+    const Vec3 top(0, 0, c.half_length);
+    return join(intersect(barrel, slab(o[2], d[2], c.half_length)),
+                join(sphere(c.radius, o - top, d), sphere(c.radius, o + top, d)));
+  }
+  Interval operator()(const HalfSpace& h) const {
+    const double distance = h.normal.dot(o), speed = h.normal.dot(d);
+    if (speed == 0) return distance <= 0 ? Interval{RayInterval{-infinity, infinity}} : Interval{};
+    const double t = -distance / speed;
+    return speed < 0 ? RayInterval{t, infinity} : RayInterval{-infinity, t};
+  }
+};
+
+}  // namespace
+
+std::optional<RayInterval> ray_interval(const ConvexShape& shape, const Vec3& origin_B, const Vec3& direction_B) {
+  return std::visit(LineInside{origin_B, direction_B}, shape);
+}
+
+}  // namespace silt::rigid

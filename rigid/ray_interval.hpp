@@ -1,0 +1,16 @@
+#pragma once
+// Where a straight line is inside a convex shape: one interval, in closed form.
+#include <optional>
+
+#include "rigid/shape.hpp"
+
+namespace silt::rigid {
+
+struct RayInterval {
+  double enter, leave;  // parameters along the line, enter <= leave; may be infinite for a half-space
+};
+
+/// The part of the line origin + t direction inside the shape; none if the line misses it.
+std::optional<RayInterval> ray_interval(const ConvexShape&, const Vec3& origin_B, const Vec3& direction_B);
+
+}  // namespace silt::rigid

@@ -1,0 +1,168 @@
+#include "rigid/rigid_step.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "rigid/integrate.hpp"
+
+namespace silt::rigid {
+
+namespace {
+
+/// Adds the time since the last call, or since it was made, to one of the stages.
+class Stopwatch {
+ public:
+  void lap(double& seconds) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void clear_forces(BodySet& bodies) {
+  std::fill(bodies.force.begin(), bodies.force.end(), FixedVec3{});
+  std::fill(bodies.torque.begin(), bodies.torque.end(), FixedVec3{});
+}
+
+/// Counted at the owner of the lower id.
+std::uint64_t mixed_owner_contacts(const BodySet& bodies, const std::vector<Contact>& contacts) {
+  if (bodies.copies + bodies.visitors == 0) return 0;
+  return std::count_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
+    return !is_wall(c.b) && bodies.row_of(c.a) < bodies.owned && bodies.row_of(c.b) >= bodies.owned;
+  });
+}
+
+void add(RigidStepReport& sum, const RigidStepReport& one) {
+  const ResolverStatistics& r = one.resolver;
+  sum.resolver.contacts = r.contacts;
+  sum.resolver.sweeps += r.sweeps;
+  sum.resolver.infeasible += r.infeasible;
+  sum.resolver.residual = std::max(sum.resolver.residual, r.residual);
+  sum.resolver.penetration = std::max(sum.resolver.penetration, r.penetration);
+  sum.resolver.cone_excess = std::max(sum.resolver.cone_excess, r.cone_excess);
+  sum.pairs = one.pairs;
+  sum.mixed_owner_contacts = one.mixed_owner_contacts;
+  sum.seconds.integrate += one.seconds.integrate;
+  sum.seconds.collision_detection += one.seconds.collision_detection;
+  sum.seconds.contact_response += one.seconds.contact_response;
+  sum.seconds.synchronisation += one.seconds.synchronisation;
+}
+
+}  // namespace
+
+RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResolver& resolver, BodyExchange& exchange)
+    : world_(world), backend_(backend), resolver_(resolver), exchange_(exchange) {}
+
+RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
+  Stopwatch watch;
+  StageClock before;
+  exchange_.sum_forces(bodies);  // line 1
+  watch.lap(before.synchronisation);
+  RigidStepReport report = after_forces(bodies, dt);
+  report.seconds.synchronisation += before.synchronisation;
+  clear_forces(bodies);
+  return report;
+}
+
+RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
+  Stopwatch watch;
+  RigidStepReport report;
+  exchange_.sum_forces(bodies);  // line 1
+  watch.lap(report.seconds.synchronisation);
+  for (int i = 0; i < substeps; ++i) add(report, after_forces(bodies, 1.0 / substeps));
+  clear_forces(bodies);
+  return report;
+}
+
+RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt) {
+  RigidStepReport report;
+  StageClock& seconds = report.seconds;
+  Stopwatch watch;
+
+  drift(bodies, 0.5 * dt);  // lines 2-5, positions
+  watch.lap(seconds.integrate);
+
+  exchange_.synchronise(bodies);  // line 6
+  watch.lap(seconds.synchronisation);
+
+  report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
+  watch.lap(seconds.collision_detection);
+
+  exchange_.exchange_contacts(bodies, contacts_);  // line 13
+  report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
+  watch.lap(seconds.synchronisation);
+
+  first_kick(bodies, dt);  // lines 2-5, velocities
+  watch.lap(seconds.integrate);
+
+  report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);  // lines 14-20
+  watch.lap(seconds.contact_response);
+
+  take_velocities(bodies, dt);
+  take_position_correction(bodies, dt);
+  drift(bodies, 0.5 * dt);  // lines 21-22
+  watch.lap(seconds.integrate);
+
+  exchange_.synchronise(bodies);  // line 23
+  watch.lap(seconds.synchronisation);
+  return report;
+}
+
+/// Fills velocities_ for every row: before, and (owned free bodies) after, gravity and external force.
+void RigidStep::first_kick(BodySet& bodies, double dt) {
+  velocities_.before_v = bodies.velocity;
+  velocities_.before_w = bodies.angular_velocity;
+  velocities_.v = bodies.velocity;
+  velocities_.w = bodies.angular_velocity;
+  velocities_.in_contact.assign(bodies.size(), 0);
+  const double share = resolver_.first_kick();
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (bodies.is_free(row)) {
+      velocities_.v[row] += (dt * bodies.weight_factor[row]) * world_.gravity;
+      kick(bodies, row, share * dt, velocities_.v[row], velocities_.w[row]);
+    }
+  kicked_w_ = velocities_.w;
+}
+
+/// Force and torque of one body over dt.
+void RigidStep::kick(BodySet& bodies, std::size_t row, double dt, Vec3& v, Vec3& w) const {
+  v += (dt / bodies.mass[row]) * bodies.force[row].value();
+  const Vec3 torque = bodies.torque[row].value();
+  if (torque == Vec3::Zero()) return;
+  bodies.angular_momentum[row] += dt * torque;
+  w += dt * (bodies.inverse_inertia_W(row) * torque);
+}
+
+/// The resolver's velocities become the bodies'; what is left of the kick (ffd) follows.
+void RigidStep::take_velocities(BodySet& bodies, double dt) {
+  const double share = 1 - resolver_.first_kick();
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!bodies.is_free(row)) continue;
+    const Vec3 contacts = velocities_.w[row] - kicked_w_[row];
+    if (contacts != Vec3::Zero()) {
+      const Mat3 r = bodies.orientation[row].toRotationMatrix();
+      bodies.angular_momentum[row] += r * (bodies.inertia_B[row] * (r.transpose() * contacts));
+    }
+    if (share > 0 && !velocities_.in_contact[row])
+      kick(bodies, row, share * dt, velocities_.v[row], velocities_.w[row]);
+    bodies.velocity[row] = velocities_.v[row];
+    bodies.angular_velocity[row] = velocities_.w[row];
+  }
+}
+
+/// Split impulses move bodies apart without giving them speed.
+void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
+  if (velocities_.push_v.empty()) return;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!bodies.is_free(row)) continue;
+    bodies.position[row] += dt * velocities_.push_v[row];
+    const Vec3& turn = velocities_.push_w[row];
+    if (turn != Vec3::Zero())
+      bodies.orientation[row] = (rotation_by(dt * turn) * bodies.orientation[row]).normalized();
+  }
+}
+
+}  // namespace silt::rigid

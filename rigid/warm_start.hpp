@@ -1,0 +1,21 @@
+#pragma once
+// What a step remembers of its contact impulses for the next one. Both bodies of a pair keep the same values, so
+// that the owner of either can start from them.
+#include <span>
+
+#include "rigid/body_set.hpp"
+#include "rigid/contact_pair.hpp"
+
+namespace silt::rigid {
+
+/// Sets the impulses of a pair's rows (contacts and rows in the same order, sorted by key) to those that `stored`
+/// holds, laid on the new normal and inside the cone. `partner`: the other body. A contact not found starts at zero.
+/// Where the pair's image changed (a body crossed a periodic side) the same feature of another image will do.
+void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact>,
+                     std::span<ContactRow>);
+
+/// Appends the pair's impulses to what one of its bodies remembers.
+void remember_impulses(std::span<const Contact>, std::span<const ContactRow>, BodyId partner,
+                       std::vector<StoredImpulse>& stored);
+
+}  // namespace silt::rigid
