@@ -32,7 +32,7 @@ void check_domain(const Case& scene, Findings& findings) {
     if (!scene.block_cells) continue;
     const int block = (*scene.block_cells)[d];
     if (block < std::min(thinnest_block, scene.cells[d]))
-      findings.error("domain.blocks", fmt::format("domain.blocks[{}] is {} cells; it must be at least {}", d, block,
+      findings.error("domain.blocks", fmt::format("domain.blocks[{}] is {}; it must be at least {} cells", d, block,
                                                   thinnest_block));
     else if (block > scene.cells[d])
       findings.warning("domain.blocks", fmt::format("domain.blocks[{}] is {} cells; the domain has only {} along {}",
@@ -117,14 +117,24 @@ void check_materials(const Case& scene, Findings& findings) {
                                                   shown(scene.contacts.margin)));
 }
 
+// A body that moves further in a sub-step than contacts reach ahead may pass through another.
+void check_margin(const Case& scene, Findings& findings, const std::string& key, double speed) {
+  const double step = speed / scene.contacts.substeps;
+  if (step > scene.contacts.margin)
+    findings.warning(key, fmt::format("{}: the body moves {} cells in a sub-step, but contacts.margin is {}: it may pass "
+                                      "through others; raise contacts.margin or contacts.substeps", key, shown(step),
+                                      shown(scene.contacts.margin)));
+}
+
 void check_body_speeds(const Case& scene, Findings& findings) {
-  if (!scene.fluid) return;
   std::vector<int> seen;
   for (const BodySpec& body : scene.bodies) {
     if (std::count(seen.begin(), seen.end(), body.entry)) continue;  // one message an entry
     seen.push_back(body.entry);
     const double rim = rigid::bounding_radius(scene.shapes[body.shape]) * body.angular_velocity.norm();
     const std::string entry = fmt::format("bodies[{}]", std::max(0, body.entry));
+    check_margin(scene, findings, entry + ".velocity", body.velocity.norm());
+    if (!scene.fluid) continue;
     check_speed(scene, findings, entry + ".velocity", body.velocity);
     if (rim > 0) check_speed(scene, findings, entry + ".angular_velocity", rigid::Vec3(rim, 0, 0));
   }

@@ -78,6 +78,9 @@ class TableReader {
   /// The tables of an array of tables.
   std::vector<TableReader> tables(std::string_view key);
 
+  /// What the other keys mean is open (an unknown type): none of them is to be called unknown.
+  void judge_no_keys() { context_->known_keys.erase(table_); }
+
   /// Reports a key that must be there; `what` says what it stands for.
   void missing(std::string_view key, std::string_view what);
   /// "fluid.density is -1; it must be above 0"

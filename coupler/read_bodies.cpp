@@ -116,6 +116,7 @@ rigid::Compound read_compound(TableReader& table) {
   for (TableReader& part : table.tables("parts")) {
     if (!part.has("type")) part.missing("type", "one of " + joined(convex_types));
     const auto type = part.choice("type", convex_types);
+    if (!type) part.judge_no_keys();
     if (!type) continue;
     rigid::Pose pose;
     pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
@@ -208,6 +209,8 @@ void read_shapes(TableReader& root, Case& scene) {
     } else if (const auto type = table.choice("type", shape_types)) {
       scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table))
                                                  : as_shape(read_convex(table, *type)));
+    } else {
+      table.judge_no_keys();
     }
     scene.shapes.resize(scene.shape_names.size() + 1, rigid::Sphere{1});
     if (std::count(scene.shape_names.begin(), scene.shape_names.end(), name))

@@ -68,9 +68,10 @@ std::optional<BoundaryKind> boundary_kind(const std::string& name) {
 const std::vector<std::string> boundary_names = {"periodic",  "no-slip",        "moving",
                                                  "free-slip", "velocity-inlet", "pressure-outlet"};
 
-// One side: a name, or a table with a type and what goes with it.
-BoundarySpec read_side(ReadContext& context, const Node& node, const std::string& path) {
+// One side: a name, or a table with a type and what goes with it; none if it has errors.
+std::optional<BoundarySpec> read_side(ReadContext& context, const Node& node, const std::string& path) {
   BoundarySpec side;
+  const std::size_t errors_before = context.errors.size();
   const Place place = node.key.empty() ? node.place : node.key_place;
   if (node.kind == Node::Kind::string) {
     if (const auto kind = boundary_kind(node.string)) {
@@ -83,12 +84,12 @@ BoundarySpec read_side(ReadContext& context, const Node& node, const std::string
       context.fail(place, fmt::format("{} is \"{}\"; it must be one of {}{}", path, node.string, joined(boundary_names),
                                       nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
     }
-    return side;
+    return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
   }
   if (node.kind != Node::Kind::table) {
     context.fail(place, fmt::format("{} is {}; it must be one of {}, or a table with a type", path, written(node),
                                     joined(boundary_names)));
-    return side;
+    return {};
   }
   TableReader table(context, &node, path, place);
   if (!table.has("type")) table.missing("type", "one of " + joined(boundary_names));
@@ -100,7 +101,7 @@ BoundarySpec read_side(ReadContext& context, const Node& node, const std::string
   if (side.kind == BoundaryKind::pressure_outlet)
     side.density = table.quantity("density", dimension::density, range::above(0)).value_or(1);
   side.solid_for_bodies = table.boolean("solid_for_bodies").value_or(true);
-  return side;
+  return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
 }
 
 void read_axis(TableReader& boundary, int axis, Case& scene) {
@@ -110,7 +111,7 @@ void read_axis(TableReader& boundary, int axis, Case& scene) {
     boundary.missing(name, "\"periodic\", or the kinds of its two sides, [low, high]");
     return;
   }
-  BoundarySpec* sides = &scene.boundary[2 * axis];
+  std::optional<BoundarySpec> sides[2];
   ReadContext& context = boundary.context();
   if (node->kind == Node::Kind::array) {
     if (node->children.size() != 2) {
@@ -122,7 +123,9 @@ void read_axis(TableReader& boundary, int axis, Case& scene) {
   } else {
     sides[0] = sides[1] = read_side(context, *node, boundary.path(name));
   }
-  if ((sides[0].kind == BoundaryKind::periodic) != (sides[1].kind == BoundaryKind::periodic))
+  if (!sides[0] || !sides[1]) return;
+  for (int side = 0; side < 2; ++side) scene.boundary[2 * axis + side] = *sides[side];
+  if ((sides[0]->kind == BoundaryKind::periodic) != (sides[1]->kind == BoundaryKind::periodic))
     boundary.fail(name, fmt::format("{} is periodic on one side only; a periodic axis has no sides, write \"periodic\"",
                                     boundary.path(name)));
 }
@@ -130,7 +133,7 @@ void read_axis(TableReader& boundary, int axis, Case& scene) {
 void read_boundary(TableReader& domain, Case& scene) {
   const Node* node = domain.find("boundary");
   if (node && node->kind == Node::Kind::string) {  // one kind all round
-    scene.boundary.fill(read_side(domain.context(), *node, "domain.boundary"));
+    scene.boundary.fill(read_side(domain.context(), *node, "domain.boundary").value_or(BoundarySpec{}));
     return;
   }
   if (!node) domain.missing("boundary", "{ x = ..., y = ..., z = ... }, each \"periodic\" or [low, high]");
@@ -214,8 +217,7 @@ void read_units(TableReader& root, Case& scene) {
   if (units.present() && !units.has("system")) units.missing("system", "\"si\" or \"lattice\"");
   const auto system = units.choice("system", {"si", "lattice"});
   fluid.has("density");
-  if (!system)  // what the other keys mean is open: none of them is called unknown
-    for (const char* key : {"cell_size", "time_step", "relaxation_time", "max_velocity", "density"}) units.has(key);
+  if (!system) units.judge_no_keys();
   if (system == "si") {
     read_si_scales(units, fluid, scene);
   } else if (system == "lattice") {
@@ -246,7 +248,8 @@ void read_fluid(TableReader& root, Case& scene) {
     FluidSpec& spec = scene.fluid.emplace();
     const std::string given = fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
     if (given == "relaxation_time") {
-      spec.relaxation_time = fluid.number(given, range::above(0.5)).value_or(1);
+      spec.relaxation_time = fluid.number(given, range::any).value_or(1);
+      if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
       spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;
     } else if (!given.empty()) {
       spec.kinematic_viscosity = fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);

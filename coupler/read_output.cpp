@@ -91,6 +91,7 @@ void read_quantities(TableReader& root, Case& scene) {
       table.fail("name", fmt::format("{}: there already is a quantity '{}'", table.path("name"), quantity.name));
     names.push_back(quantity.name);
     const auto type = table.choice("type", quantity_types);
+    if (!type) table.judge_no_keys();
     if (!type) continue;
     quantity.type = *type;
     if (is_about_bodies(*type))
