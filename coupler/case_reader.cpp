@@ -35,7 +35,7 @@ void ReadContext::fail(const Place& place, const std::string& text) {
 }
 
 void ReadContext::report_unread(const Node& table, const std::string& path) {
-  const auto asked = known_keys.find(&table);
+  const auto asked = unjudged.count(&table) ? known_keys.end() : known_keys.find(&table);
   const auto is_known = [&](const std::string& key) {
     return asked != known_keys.end() && std::count(asked->second.begin(), asked->second.end(), key) > 0;
   };

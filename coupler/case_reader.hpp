@@ -39,6 +39,7 @@ struct ReadContext {
   bool units_known = true;  // else nothing that depends on a scale is judged
   std::vector<Diagnostic> errors;
   std::map<const Node*, std::vector<std::string>> known_keys;  // of each table, in the order they were asked for
+  std::set<const Node*> unjudged;                              // tables whose unread keys are no errors
   std::map<std::string, Place> places;                         // of each key found, by its path
 
   void fail(const Place&, const std::string& text);
@@ -79,7 +80,7 @@ class TableReader {
   std::vector<TableReader> tables(std::string_view key);
 
   /// What the other keys mean is open (an unknown type): none of them is to be called unknown.
-  void judge_no_keys() { context_->known_keys.erase(table_); }
+  void judge_no_keys() { context_->unjudged.insert(table_); }
 
   /// Reports a key that must be there; `what` says what it stands for.
   void missing(std::string_view key, std::string_view what);

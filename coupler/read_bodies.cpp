@@ -206,6 +206,7 @@ void read_shapes(TableReader& root, Case& scene) {
         table.find("type")->string == "half-space") {
       table.fail("type", fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
                                      "body's shape is one of {}", table.path("type"), joined(shape_types)));
+      table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types)) {
       scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table))
                                                  : as_shape(read_convex(table, *type)));
