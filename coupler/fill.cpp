@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "coupler/neighbour_grid.hpp"
@@ -54,14 +56,26 @@ class Filler {
  public:
   explicit Filler(const Case& scene)
       : scene_(scene), extent_(extent_of(scene)), frames_(frames_of(scene)), grid_(extent_, bucket_edge()) {
-    bodies_ = scene.bodies;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      const auto box = rigid::bounding_box(scene.shapes[bodies_[i].shape], bodies_[i].pose);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      const BodySpec& body = scene.bodies[i];
+      const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
       grid_.insert(static_cast<int>(i), box.lower, box.upper);
     }
   }
 
-  void place(const FillSpec& fill, std::size_t index) {
+  /// The largest bodies first: small ones still find room between them.
+  std::vector<std::size_t> order() const {
+    std::vector<std::size_t> order(scene_.fills.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return frames_[scene_.fills[a].shape].radius > frames_[scene_.fills[b].shape].radius;
+    });
+    return order;
+  }
+
+  std::vector<BodySpec> place(std::size_t index) {
+    const FillSpec& fill = scene_.fills[index];
+    std::vector<BodySpec> placed;
     const ShapeFrame frame = frames_[fill.shape];
     const auto [lower, upper] = room(fill, index, frame.radius);
     Random random(fill.seed, index);
@@ -76,11 +90,10 @@ class Filler {
         if (extent_.periodic[d])
           body.pose.position[d] -= extent_.size[d] * std::floor(body.pose.position[d] / extent_.size[d]);
       insert(*centre, frame.radius);
-      bodies_.push_back(body);
+      placed.push_back(body);
     }
+    return placed;
   }
-
-  std::vector<BodySpec> bodies() { return std::move(bodies_); }
 
  private:
   // Of the shapes that fills use.
@@ -134,7 +147,7 @@ class Filler {
     bool is_free = true;
     grid_.visit(centre - reach, centre + reach, [&](int i) {
       if (i < given)
-        is_free = distance_to(scene_.shapes[bodies_[i].shape], bodies_[i].pose, centre, extent_) >= radius + gap;
+        is_free = distance_to(scene_.shapes[scene_.bodies[i].shape], scene_.bodies[i].pose, centre, extent_) >= radius + gap;
       else
         is_free = nearest_image(balls_[i - given].centre - centre, extent_).norm() >= balls_[i - given].radius + radius + gap;
       return is_free;
@@ -144,7 +157,7 @@ class Filler {
 
   void insert(const Vec3& centre, double radius) {
     const Vec3 reach = Vec3::Constant(radius);
-    grid_.insert(static_cast<int>(bodies_.size()), centre - reach, centre + reach);
+    grid_.insert(static_cast<int>(scene_.bodies.size() + balls_.size()), centre - reach, centre + reach);
     balls_.push_back({centre, radius});
   }
 
@@ -169,8 +182,7 @@ class Filler {
   const Case& scene_;
   rigid::Extent extent_;
   std::vector<ShapeFrame> frames_;  // by shape
-  NeighbourGrid grid_;  // given bodies first, then balls_
-  std::vector<BodySpec> bodies_;
+  NeighbourGrid grid_;  // of the given bodies, then of the balls
   std::vector<Ball> balls_;
 };
 
@@ -184,8 +196,11 @@ rigid::Extent extent_of(const Case& scene) {
 
 std::vector<BodySpec> place_bodies(const Case& scene) {
   Filler filler(scene);
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) filler.place(scene.fills[i], i);
-  return filler.bodies();
+  std::vector<std::vector<BodySpec>> placed(scene.fills.size());
+  for (const std::size_t i : filler.order()) placed[i] = filler.place(i);
+  std::vector<BodySpec> bodies = scene.bodies;
+  for (const auto& fill : placed) bodies.insert(bodies.end(), fill.begin(), fill.end());
+  return bodies;
 }
 
 }  // namespace silt::coupler
