@@ -17,11 +17,14 @@ namespace {
 using rigid::Motion;
 using rigid::Vec3;
 
-constexpr double fewest_cells_across = 6;   // NUMERICS 1
-constexpr double start_overlap = 0.02;      // cells that bodies may overlap at the start: rounding of a case's numbers
-constexpr std::size_t most_messages = 10;   // of one kind: more of them would say nothing new
+constexpr double fewest_cells_across = 6;  // NUMERICS 1
+constexpr double start_overlap =
+    0.02;  // cells that bodies may overlap at the start: rounding of a case's numbers
+constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
 
-std::string entry_key(const BodySpec& body) { return fmt::format("bodies[{}]", std::max(0, body.entry)); }
+std::string entry_key(const BodySpec& body) {
+  return fmt::format("bodies[{}]", std::max(0, body.entry));
+}
 
 std::string position_key(const Case& scene, const BodySpec& body) {
   const std::string key = entry_key(body);
@@ -33,23 +36,29 @@ std::string shown_point(const Case& scene, const Vec3& x) {
   return fmt::format("[{}, {}, {}]", shown(x[0] * cell), shown(x[1] * cell), shown(x[2] * cell));
 }
 
-std::string shown_length(const Case& scene, double x) { return shown(x * scene.units.cell_size); }
+std::string shown_length(const Case& scene, double x) {
+  return shown(x * scene.units.cell_size);
+}
 
-std::string of_fill(std::size_t index, const char* key) { return fmt::format("fill[{}].{}", index, key); }
+std::string of_fill(std::size_t index, const char* key) {
+  return fmt::format("fill[{}].{}", index, key);
+}
 
 void check_size(const Case& scene, Findings& findings, int shape, Motion motion, const std::string& key) {
   const double across = resolved_diameter(scene.shapes[shape]);
   if (scene.fluid && across < fewest_cells_across)
-    findings.warning(key, fmt::format("{}: shape '{}' is {} cells across; below {} its drag is inaccurate: use "
-                                      "smaller cells", key, scene.shape_names[shape], shown(across),
-                                      fewest_cells_across));
+    findings.warning(key,
+                     fmt::format("{}: shape '{}' is {} cells across; below {} its drag is inaccurate: use "
+                                 "smaller cells",
+                                 key, scene.shape_names[shape], shown(across), fewest_cells_across));
   if (motion == Motion::fixed) return;
   const double reach = 2 * rigid::bounding_radius(scene.shapes[shape]) + scene.contacts.margin;
   for (int d = 0; d < 3; ++d)
     if (scene.periodic(d) && reach > scene.cells[d])
-      findings.error(key, fmt::format("{}: shape '{}' with its contact margin reaches over {} cells, but the periodic "
-                                      "axis {} has {}: the body would meet itself; lengthen the axis", key,
-                                      scene.shape_names[shape], shown(reach), "xyz"[d], scene.cells[d]));
+      findings.error(
+          key, fmt::format("{}: shape '{}' with its contact margin reaches over {} cells, but the periodic "
+                           "axis {} has {}: the body would meet itself; lengthen the axis",
+                           key, scene.shape_names[shape], shown(reach), "xyz"[d], scene.cells[d]));
 }
 
 void check_sizes(const Case& scene, Findings& findings) {
@@ -58,22 +67,23 @@ void check_sizes(const Case& scene, Findings& findings) {
     if (!seen.insert(body.entry).second) continue;
     check_size(scene, findings, body.shape, body.motion, entry_key(body) + ".shape");
     if (!(body.density > 0))
-      findings.error(entry_key(body) + ".density", fmt::format("{}.density is {}; it must be above 0", entry_key(body),
-                                                               shown(body.density)));
+      findings.error(entry_key(body) + ".density", fmt::format("{}.density is {}; it must be above 0",
+                                                               entry_key(body), shown(body.density)));
   }
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
     check_size(scene, findings, fill.shape, Motion::free, of_fill(i, "shape"));
     if (!(fill.density > 0))
-      findings.error(of_fill(i, "density"), fmt::format("fill[{}].density is {}; it must be above 0", i,
-                                                        shown(fill.density)));
+      findings.error(of_fill(i, "density"),
+                     fmt::format("fill[{}].density is {}; it must be above 0", i, shown(fill.density)));
     for (int d = 0; d < 3; ++d)
       if (fill.lower[d] < -start_overlap || fill.upper[d] > scene.cells[d] + start_overlap ||
           !(fill.lower[d] < fill.upper[d])) {
-        findings.error(of_fill(i, "box"), fmt::format("fill[{}].box is {} to {}; it must lie in the domain, {} to {}",
-                                                      i, shown_point(scene, fill.lower), shown_point(scene, fill.upper),
-                                                      shown_point(scene, Vec3::Zero()),
-                                                      shown_point(scene, extent_of(scene).size)));
+        findings.error(
+            of_fill(i, "box"),
+            fmt::format("fill[{}].box is {} to {}; it must lie in the domain, {} to {}", i,
+                        shown_point(scene, fill.lower), shown_point(scene, fill.upper),
+                        shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size)));
         break;
       }
   }
@@ -86,8 +96,9 @@ bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
   const std::string key = position_key(scene, body);
   for (int d = 0; d < 3; ++d)
     if (!(x[d] >= 0 && x[d] <= size[d])) {
-      findings.error(key, fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
-                                      shown_point(scene, Vec3::Zero()), shown_point(scene, size)));
+      findings.error(key,
+                     fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
+                                 shown_point(scene, Vec3::Zero()), shown_point(scene, size)));
       return false;
     }
   if (body.motion == Motion::fixed) return true;
@@ -98,10 +109,12 @@ bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
     const double high = scene.boundary[2 * d + 1].solid_for_bodies ? box.upper[d] - size[d] : 0;
     if (std::max(low, high) <= start_overlap) continue;
     const double allowed_low = x[d] - box.lower[d], allowed_high = size[d] - (box.upper[d] - x[d]);
-    findings.error(key, fmt::format("{} is {}: the body reaches {} into the {} wall of {}; its {} must be between {} "
-                                    "and {}", key, shown_point(scene, x), shown_length(scene, std::max(low, high)),
-                                    low > high ? "lower" : "upper", "xyz"[d], "xyz"[d],
-                                    shown_length(scene, allowed_low), shown_length(scene, allowed_high)));
+    findings.error(
+        key, fmt::format("{} is {}: the body reaches {} into the {} wall of {}; its {} must be between {} "
+                         "and {}",
+                         key, shown_point(scene, x), shown_length(scene, std::max(low, high)),
+                         low > high ? "lower" : "upper", "xyz"[d], "xyz"[d], shown_length(scene, allowed_low),
+                         shown_length(scene, allowed_high)));
     return false;
   }
   return true;
@@ -110,7 +123,8 @@ bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
 void check_pairs(const Case& scene, Findings& findings) {
   const rigid::Extent extent = extent_of(scene);
   double edge = 1;
-  for (const BodySpec& body : scene.bodies) edge = std::max(edge, 2 * rigid::bounding_radius(scene.shapes[body.shape]));
+  for (const BodySpec& body : scene.bodies)
+    edge = std::max(edge, 2 * rigid::bounding_radius(scene.shapes[body.shape]));
   NeighbourGrid grid(extent, edge);
   std::size_t messages = 0;
   for (std::size_t j = 0; j < scene.bodies.size() && messages < most_messages; ++j) {
@@ -121,12 +135,16 @@ void check_pairs(const Case& scene, Findings& findings) {
     for (const int i : partners) {
       const BodySpec& a = scene.bodies[i];
       if (a.motion != Motion::free && b.motion != Motion::free) continue;
-      const double depth = overlap_depth(scene.shapes[a.shape], a.pose, scene.shapes[b.shape], b.pose, extent);
+      const double depth =
+          overlap_depth(scene.shapes[a.shape], a.pose, scene.shapes[b.shape], b.pose, extent);
       if (depth <= start_overlap || messages++ >= most_messages) continue;
       const std::string key = position_key(scene, b);
-      findings.error(key, fmt::format("{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; "
-                                      "move them apart", key, shown_point(scene, b.pose.position),
-                                      shown_point(scene, a.pose.position), a.entry, shown_length(scene, depth)));
+      findings.error(
+          key,
+          fmt::format("{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; "
+                      "move them apart",
+                      key, shown_point(scene, b.pose.position), shown_point(scene, a.pose.position), a.entry,
+                      shown_length(scene, depth)));
     }
     grid.insert(static_cast<int>(j), box.lower, box.upper);
   }
@@ -140,9 +158,10 @@ void check_fill_volumes(const Case& scene, Findings& findings) {
     const double volume = rigid::mass_properties(scene.shapes[fill.shape]).volume;
     const double room = (fill.upper - fill.lower).prod();
     if (fill.count * volume <= room * densest) continue;
-    findings.error(of_fill(i, "count"), fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
-                                                    "box; at most {:.0f} can fit", i, fill.count,
-                                                    shown(fill.count * volume / room), room * densest / volume));
+    findings.error(of_fill(i, "count"),
+                   fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
+                               "box; at most {:.0f} can fit",
+                               i, fill.count, shown(fill.count * volume / room), room * densest / volume));
   }
 }
 
@@ -152,8 +171,9 @@ void check_falling(const Case& scene, Findings& findings) {
   const bool walls = std::any_of(scene.boundary.begin(), scene.boundary.end(),
                                  [](const BoundarySpec& b) { return b.kind != BoundaryKind::periodic; });
   if (scene.gravity.norm() > 0 && !walls && !something_fixed)
-    findings.warning("gravity.acceleration", "gravity acts, but nothing holds the fluid and the bodies: a domain that is "
-                                             "periodic all round accelerates for ever unless they balance");
+    findings.warning("gravity.acceleration",
+                     "gravity acts, but nothing holds the fluid and the bodies: a domain that is "
+                     "periodic all round accelerates for ever unless they balance");
 }
 
 }  // namespace
@@ -176,8 +196,9 @@ void check_bodies(const Case& scene, Findings& findings) {
   std::size_t messages = 0;
   for (const BodySpec& body : scene.bodies) {
     if (std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) {
-      findings.error(entry_key(body) + ".shape", entry_key(body) + ": a body cannot be a half-space; walls come from "
-                                                                   "domain.boundary");
+      findings.error(entry_key(body) + ".shape", entry_key(body) +
+                                                     ": a body cannot be a half-space; walls come from "
+                                                     "domain.boundary");
       return;
     }
     if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;

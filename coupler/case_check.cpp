@@ -26,30 +26,34 @@ void check_domain(const Case& scene, Findings& findings) {
                                                 scene.cells[d], "xyz"[d]));
     const BoundaryKind low = scene.boundary[2 * d].kind, high = scene.boundary[2 * d + 1].kind;
     if ((low == BoundaryKind::periodic) != (high == BoundaryKind::periodic))
-      findings.error(fmt::format("domain.boundary.{}", "xyz"[d]),
-                     fmt::format("domain.boundary.{} is periodic on one side only; a periodic axis has no sides",
-                                 "xyz"[d]));
+      findings.error(
+          fmt::format("domain.boundary.{}", "xyz"[d]),
+          fmt::format("domain.boundary.{} is periodic on one side only; a periodic axis has no sides",
+                      "xyz"[d]));
     if (!scene.block_cells) continue;
     const int block = (*scene.block_cells)[d];
     if (block < std::min(thinnest_block, scene.cells[d]))
-      findings.error("domain.blocks", fmt::format("domain.blocks[{}] is {}; it must be at least {} cells", d, block,
-                                                  thinnest_block));
+      findings.error("domain.blocks", fmt::format("domain.blocks[{}] is {}; it must be at least {} cells", d,
+                                                  block, thinnest_block));
     else if (block > scene.cells[d])
-      findings.warning("domain.blocks", fmt::format("domain.blocks[{}] is {} cells; the domain has only {} along {}",
-                                                    d, block, scene.cells[d], "xyz"[d]));
+      findings.warning("domain.blocks",
+                       fmt::format("domain.blocks[{}] is {} cells; the domain has only {} along {}", d, block,
+                                   scene.cells[d], "xyz"[d]));
   }
 }
 
 std::string in_case_units(const Case& scene, double x, Dimension dimension, const char* si) {
-  return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si) : std::string();
+  return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si)
+                        : std::string();
 }
 
 void check_speed(const Case& scene, Findings& findings, const std::string& key, const rigid::Vec3& velocity) {
   const double speed = velocity.norm();
   const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed),
                                         in_case_units(scene, speed, dimension::velocity, "m/s"));
-  const std::string remedy = scene.units.si ? "shorten units.time_step (a smaller relaxation time with it) or the velocity"
-                                            : "lower it";
+  const std::string remedy =
+      scene.units.si ? "shorten units.time_step (a smaller relaxation time with it) or the velocity"
+                     : "lower it";
   if (!(speed <= impossible_velocity))
     findings.error(key, fmt::format("{}; it must be at most {}: {}", found, impossible_velocity, remedy));
   else if (speed > doubtful_velocity)
@@ -63,20 +67,26 @@ void check_relaxation(const Case& scene, Findings& findings) {
                         ? "fluid.kinematic_viscosity"
                         : "fluid.relaxation_time";
   if (!(tau > 0.5))
-    findings.error(key, fmt::format("the relaxation time is {}; it must be above 0.5 (a viscosity above 0)", shown(tau)));
+    findings.error(key, fmt::format("the relaxation time is {}; it must be above 0.5 (a viscosity above 0)",
+                                    shown(tau)));
   else if (tau < doubtful_relaxation_low)
-    findings.warning(key, fmt::format("the relaxation time is {}; below {} runs tend to blow up: use smaller cells, a "
-                                      "longer time step or a higher viscosity", shown(tau), doubtful_relaxation_low));
+    findings.warning(
+        key, fmt::format("the relaxation time is {}; below {} runs tend to blow up: use smaller cells, a "
+                         "longer time step or a higher viscosity",
+                         shown(tau), doubtful_relaxation_low));
   else if (tau > doubtful_relaxation_high)
-    findings.warning(key, fmt::format("the relaxation time is {}; above {} walls and slow flow lose accuracy: shorten "
-                                      "the time step", shown(tau), doubtful_relaxation_high));
+    findings.warning(
+        key, fmt::format("the relaxation time is {}; above {} walls and slow flow lose accuracy: shorten "
+                         "the time step",
+                         shown(tau), doubtful_relaxation_high));
 }
 
 void check_fluid(const Case& scene, Findings& findings) {
   if (!scene.fluid) return;
   check_relaxation(scene, findings);
   if (!(scene.fluid->magic > 0))
-    findings.error("fluid.magic", fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));
+    findings.error("fluid.magic",
+                   fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));
   if (scene.fluid->initial != "rest")
     check_speed(scene, findings, "fluid.initial.velocity", scene.fluid->initial_velocity);
   bool inlet = false, outlet = false;
@@ -86,21 +96,27 @@ void check_fluid(const Case& scene, Findings& findings) {
     if (boundary.kind == BoundaryKind::velocity_inlet || boundary.kind == BoundaryKind::moving)
       check_speed(scene, findings, fmt::format("{}.velocity", side_keys[side]), boundary.velocity);
     if (boundary.kind == BoundaryKind::moving && std::abs(boundary.velocity[side / 2]) > 0)
-      findings.error(fmt::format("{}.velocity", side_keys[side]),
-                     fmt::format("{} moves through itself: the velocity of a moving wall must have no component along "
-                                 "{}", side_keys[side], "xyz"[side / 2]));
+      findings.error(
+          fmt::format("{}.velocity", side_keys[side]),
+          fmt::format("{} moves through itself: the velocity of a moving wall must have no component along "
+                      "{}",
+                      side_keys[side], "xyz"[side / 2]));
     if (boundary.kind == BoundaryKind::velocity_inlet) inlet = true, inlet_key = side_keys[side];
     if (boundary.kind == BoundaryKind::pressure_outlet) {
       outlet = true;
       if (!(boundary.density > 0.5 && boundary.density < 1.5))
-        findings.error(fmt::format("{}.density", side_keys[side]),
-                       fmt::format("{}.density is {} times the fluid's; it must be between 0.5 and 1.5: in this method "
-                                   "density is pressure", side_keys[side], shown(boundary.density)));
+        findings.error(
+            fmt::format("{}.density", side_keys[side]),
+            fmt::format("{}.density is {} times the fluid's; it must be between 0.5 and 1.5: in this method "
+                        "density is pressure",
+                        side_keys[side], shown(boundary.density)));
     }
   }
   if (inlet && !outlet)
-    findings.error(inlet_key, fmt::format("{} is a velocity-inlet, but no side is a pressure-outlet: the density would "
-                                          "grow without end; make one side \"pressure-outlet\"", inlet_key));
+    findings.error(inlet_key,
+                   fmt::format("{} is a velocity-inlet, but no side is a pressure-outlet: the density would "
+                               "grow without end; make one side \"pressure-outlet\"",
+                               inlet_key));
 }
 
 void check_materials(const Case& scene, Findings& findings) {
@@ -109,8 +125,8 @@ void check_materials(const Case& scene, Findings& findings) {
       findings.error("contacts.restitution", fmt::format("a restitution is {}; it must be between 0 and 1",
                                                          shown(material.restitution)));
     if (!(material.friction >= 0))
-      findings.error("contacts.friction", fmt::format("a friction is {}; it must be at least 0",
-                                                      shown(material.friction)));
+      findings.error("contacts.friction",
+                     fmt::format("a friction is {}; it must be at least 0", shown(material.friction)));
   }
   if (scene.contacts.margin < 0)
     findings.error("contacts.margin", fmt::format("contacts.margin is {} cells; it must be at least 0",
@@ -121,9 +137,10 @@ void check_materials(const Case& scene, Findings& findings) {
 void check_margin(const Case& scene, Findings& findings, const std::string& key, double speed) {
   const double step = speed / scene.contacts.substeps;
   if (step > scene.contacts.margin)
-    findings.warning(key, fmt::format("{}: the body moves {} cells in a sub-step, but contacts.margin is {}: it may pass "
-                                      "through others; raise contacts.margin or contacts.substeps", key, shown(step),
-                                      shown(scene.contacts.margin)));
+    findings.warning(
+        key, fmt::format("{}: the body moves {} cells in a sub-step, but contacts.margin is {}: it may pass "
+                         "through others; raise contacts.margin or contacts.substeps",
+                         key, shown(step), shown(scene.contacts.margin)));
 }
 
 void check_body_speeds(const Case& scene, Findings& findings) {
@@ -141,11 +158,13 @@ void check_body_speeds(const Case& scene, Findings& findings) {
 }
 
 void check_run(const Case& scene, Findings& findings) {
-  if (scene.steps < 1) findings.error("run.steps", fmt::format("the run has {} steps; it must have at least 1", scene.steps));
+  if (scene.steps < 1)
+    findings.error("run.steps", fmt::format("the run has {} steps; it must have at least 1", scene.steps));
   if (!scene.fluid && !scene.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
   if (!scene.fluid && scene.output.fields.every > 0)
-    findings.error("output.fields", "output.fields asks for fields of the fluid, but the case has no [fluid]; remove it");
+    findings.error("output.fields",
+                   "output.fields asks for fields of the fluid, but the case has no [fluid]; remove it");
   if (!scene.has_bodies() && scene.output.bodies.every > 0)
     findings.warning("output.bodies", "output.bodies asks for bodies, but the case has none");
   for (std::size_t i = 0; i < scene.quantities.size(); ++i) {
@@ -168,7 +187,8 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   check_materials(scene, findings);
   check_run(scene, findings);
   check_body_speeds(scene, findings);
-  if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; })) check_bodies(scene, findings);
+  if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; }))
+    check_bodies(scene, findings);
   if (!has_errors(findings.list) && !scene.fills.empty()) {
     try {
       place_bodies(scene);

@@ -88,6 +88,8 @@ std::string suggestion(std::string_view wanted, std::span<const std::string> nam
          (nearest.empty() ? "; known: " : " known: ") + joined(names);
 }
 
-std::string shown(double x) { return fmt::format("{:.6g}", x); }
+std::string shown(double x) {
+  return fmt::format("{:.6g}", x);
+}
 
 }  // namespace silt::coupler

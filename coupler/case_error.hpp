@@ -18,7 +18,8 @@ struct Diagnostic {
   Place place;
   std::string text;
 
-  /// "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0", with "warning: " before a warning's text.
+  /// "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0", with "warning: " before a warning's
+  /// text.
   std::string line() const;
 };
 
@@ -37,8 +38,8 @@ bool has_errors(std::span<const Diagnostic>);
 /// One line each, errors and warnings in the order given.
 std::string listed(std::span<const Diagnostic>);
 
-/// The name closest to `wanted` by edit distance (a swap of neighbours counts one), or "" if none is close: more
-/// than a third of the letters differ, and neither begins with or contains the other.
+/// The name closest to `wanted` by edit distance (a swap of neighbours counts one), or "" if none is close:
+/// more than a third of the letters differ, and neither begins with or contains the other.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
 /// "a, b, c"
 std::string joined(std::span<const std::string> names, std::string_view separator = ", ");

@@ -40,9 +40,10 @@ std::string text_of(const fs::path& directory, const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (stream && fs::is_regular_file(file)) return {std::istreambuf_iterator<char>(stream), {}};
   const auto names = cases_near(directory);
-  throw CaseError(Place{file.string()},
-                  fmt::format("there is no such file, or it cannot be read; a case is a directory with a case.toml{}",
-                              names.empty() ? "" : suggestion(directory.filename().string(), names)));
+  throw CaseError(
+      Place{file.string()},
+      fmt::format("there is no such file, or it cannot be read; a case is a directory with a case.toml{}",
+                  names.empty() ? "" : suggestion(directory.filename().string(), names)));
 }
 
 }  // namespace
@@ -51,7 +52,8 @@ int index_of(TableReader& reader, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
-  reader.fail(key, fmt::format("{}: unknown {} '{}'{}", reader.path(key), what, name, suggestion(name, names)));
+  reader.fail(key,
+              fmt::format("{}: unknown {} '{}'{}", reader.path(key), what, name, suggestion(name, names)));
   return -1;
 }
 
@@ -64,7 +66,8 @@ Place Case::place(std::string path) const {
   }
 }
 
-Case read_case_text(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
+Case read_case_text(const std::string& text, const std::string& file,
+                    const std::vector<std::string>& overrides) {
   const Node root = parsed(text, file, overrides);
   Case scene;
   scene.text = text;
@@ -95,7 +98,9 @@ Case read_case_text(const std::string& text, const std::string& file, const std:
 
 Case read_case(const fs::path& directory, const std::vector<std::string>& overrides) {
   const bool is_file = directory.extension() == ".toml";
-  const fs::path folder = is_file ? directory : directory.has_filename() ? directory : directory.parent_path();
+  const fs::path folder = is_file                    ? directory
+                          : directory.has_filename() ? directory
+                                                     : directory.parent_path();
   const fs::path file = is_file ? directory : folder / "case.toml";
   return read_case_text(text_of(folder, file), file.string(), overrides);
 }

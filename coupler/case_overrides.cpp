@@ -59,9 +59,11 @@ Node* element(Node& array, const std::string& step, const Place& place) {
   std::size_t index = 0;
   const auto end = std::from_chars(step.data(), step.data() + step.size(), index);
   if (end.ec != std::errc{} || end.ptr != step.data() + step.size())
-    throw CaseError(place, fmt::format("'{}' must be the number of an entry, from 0, as in bodies[0].density", step));
+    throw CaseError(
+        place, fmt::format("'{}' must be the number of an entry, from 0, as in bodies[0].density", step));
   if (index >= array.children.size())
-    throw CaseError(place, fmt::format("there is no entry {}: the list has {}", index, array.children.size()));
+    throw CaseError(place,
+                    fmt::format("there is no entry {}: the list has {}", index, array.children.size()));
   return &array.children[index];
 }
 

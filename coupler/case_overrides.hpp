@@ -6,8 +6,8 @@
 
 namespace silt::coupler {
 
-/// Sets one value in the tree, making tables on the way. A key that says the same thing in another way (run.steps
-/// and run.time) is removed. Throws CaseError.
+/// Sets one value in the tree, making tables on the way. A key that says the same thing in another way
+/// (run.steps and run.time) is removed. Throws CaseError.
 void apply_override(adapters::Node& root, const std::string& argument);
 
 }  // namespace silt::coupler

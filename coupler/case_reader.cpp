@@ -8,7 +8,9 @@
 namespace silt::coupler {
 namespace {
 
-Place place_of(const Node& node) { return node.key.empty() ? node.place : node.key_place; }
+Place place_of(const Node& node) {
+  return node.key.empty() ? node.place : node.key_place;
+}
 
 std::string found(const Node& node) {
   using Kind = Node::Kind;
@@ -24,7 +26,8 @@ bool Range::holds(double x) const {
 }
 
 std::string Range::text() const {
-  if (std::isfinite(low) && std::isfinite(high)) return fmt::format("between {} and {}", shown(low), shown(high));
+  if (std::isfinite(low) && std::isfinite(high))
+    return fmt::format("between {} and {}", shown(low), shown(high));
   if (std::isfinite(low)) return fmt::format("{} {}", low_allowed ? "at least" : "above", shown(low));
   if (std::isfinite(high)) return fmt::format("{} {}", high_allowed ? "at most" : "below", shown(high));
   return "a finite number";
@@ -113,7 +116,8 @@ std::optional<rigid::Vec3> read_vector(ReadContext& context, const Node& node, c
     if (good) v[d] = node.children[d].number();
   }
   if (good) return v;
-  context.fail(place_of(node), fmt::format("{} is {}; it must be three finite numbers, [x, y, z]", path, found(node)));
+  context.fail(place_of(node),
+               fmt::format("{} is {}; it must be three finite numbers, [x, y, z]", path, found(node)));
   return {};
 }
 
@@ -131,7 +135,8 @@ std::optional<rigid::Vec3> TableReader::vector(std::string_view key, Dimension d
 std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high) {
   const Node* node = find(key);
   if (!node) return {};
-  if (node->kind == Node::Kind::integer && node->integer >= low && node->integer <= high) return node->integer;
+  if (node->kind == Node::Kind::integer && node->integer >= low && node->integer <= high)
+    return node->integer;
   refuse(key, high == std::numeric_limits<std::int64_t>::max()
                   ? fmt::format("a whole number of at least {}", low)
                   : fmt::format("a whole number between {} and {}", low, high));
@@ -154,7 +159,8 @@ std::optional<std::string> TableReader::string(std::string_view key) {
   return {};
 }
 
-std::optional<std::string> TableReader::choice(std::string_view key, const std::vector<std::string>& allowed) {
+std::optional<std::string> TableReader::choice(std::string_view key,
+                                               const std::vector<std::string>& allowed) {
   const Node* node = find(key);
   if (!node) return {};
   if (node->kind != Node::Kind::string) {
@@ -184,7 +190,8 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
                           std::all_of(node->children.begin(), node->children.end(),
                                       [](const Node& n) { return n.kind == Node::Kind::table; });
   if (!all_tables) {
-    refuse(key, path_.empty() ? fmt::format("an array of tables, written [[{}]]", key) : "an array of tables");
+    refuse(key,
+           path_.empty() ? fmt::format("an array of tables, written [[{}]]", key) : "an array of tables");
     return result;
   }
   for (const Node& child : node->children)
@@ -192,7 +199,8 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
   return result;
 }
 
-std::string TableReader::one_of(std::initializer_list<const char*> keys, bool required, std::string_view what) {
+std::string TableReader::one_of(std::initializer_list<const char*> keys, bool required,
+                                std::string_view what) {
   std::string given;
   std::vector<std::string> all(keys.begin(), keys.end());
   for (const char* key : keys) {
@@ -204,8 +212,8 @@ std::string TableReader::one_of(std::initializer_list<const char*> keys, bool re
       given = key;
   }
   if (given.empty() && required)
-    context_->fail(place_, fmt::format("{} needs one of {}: {}", path_.empty() ? "the case" : "[" + path_ + "]",
-                                       joined(all), what));
+    context_->fail(place_, fmt::format("{} needs one of {}: {}",
+                                       path_.empty() ? "the case" : "[" + path_ + "]", joined(all), what));
   return given;
 }
 

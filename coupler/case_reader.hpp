@@ -1,6 +1,7 @@
 #pragma once
-// Typed access to the tables of a case file that keeps account of who read what: every key asked for becomes a known
-// key of its table, and a key that nobody asked for is an error. Nothing here throws; errors are collected.
+// Typed access to the tables of a case file that keeps account of who read what: every key asked for becomes
+// a known key of its table, and a key that nobody asked for is an error. Nothing here throws; errors are
+// collected.
 #include <initializer_list>
 #include <limits>
 #include <map>
@@ -27,9 +28,15 @@ struct Range {
 };
 namespace range {
 inline constexpr Range any{};
-inline constexpr Range above(double low) { return {low, any.high, false, true}; }
-inline constexpr Range at_least(double low) { return {low, any.high, true, true}; }
-inline constexpr Range between(double low, double high) { return {low, high, true, true}; }
+inline constexpr Range above(double low) {
+  return {low, any.high, false, true};
+}
+inline constexpr Range at_least(double low) {
+  return {low, any.high, true, true};
+}
+inline constexpr Range between(double low, double high) {
+  return {low, high, true, true};
+}
 }  // namespace range
 
 /// What the readers of all sections share.
@@ -38,9 +45,10 @@ struct ReadContext {
   Units units;
   bool units_known = true;  // else nothing that depends on a scale is judged
   std::vector<Diagnostic> errors;
-  std::map<const Node*, std::vector<std::string>> known_keys;  // of each table, in the order they were asked for
-  std::set<const Node*> unjudged;                              // tables whose unread keys are no errors
-  std::map<std::string, Place> places;                         // of each key found, by its path
+  std::map<const Node*, std::vector<std::string>>
+      known_keys;                       // of each table, in the order they were asked for
+  std::set<const Node*> unjudged;       // tables whose unread keys are no errors
+  std::map<std::string, Place> places;  // of each key found, by its path
 
   void fail(const Place&, const std::string& text);
   /// An error for every key below the table that no reader asked for.

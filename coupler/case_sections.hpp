@@ -1,6 +1,6 @@
 #pragma once
-// The readers of the sections of a case file, in the order read_case calls them. Each reads its keys from the root
-// table and leaves what it found in the Case; errors go to the reader's context.
+// The readers of the sections of a case file, in the order read_case calls them. Each reads its keys from the
+// root table and leaves what it found in the Case; errors go to the reader's context.
 #include "coupler/case.hpp"
 #include "coupler/case_reader.hpp"
 
@@ -22,8 +22,9 @@ void read_run(TableReader& root, Case&);         // [run]
 void read_output(TableReader& root, Case&);      // [output]
 void read_quantities(TableReader& root, Case&);  // [[quantities]]
 
-/// Index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if it is not there.
-int index_of(TableReader&, std::string_view key, const std::string& name, const std::vector<std::string>& names,
-             std::string_view what);
+/// Index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if it is not
+/// there.
+int index_of(TableReader&, std::string_view key, const std::string& name,
+             const std::vector<std::string>& names, std::string_view what);
 
 }  // namespace silt::coupler

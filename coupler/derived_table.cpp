@@ -16,7 +16,8 @@ constexpr int populations = 19;
 class Table {
  public:
   explicit Table(const Case& scene) : scene_(scene) {}
-  void line(const std::string& name, const std::string& in_case_units, const std::string& in_lattice_units = "") {
+  void line(const std::string& name, const std::string& in_case_units,
+            const std::string& in_lattice_units = "") {
     text += fmt::format("  {:<26}{:<34}{}", name, in_case_units, in_lattice_units);
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
@@ -36,16 +37,24 @@ class Table {
   const Case& scene_;
 };
 
-std::string three(double a, double b, double c) { return fmt::format("{} x {} x {}", shown(a), shown(b), shown(c)); }
+std::string three(double a, double b, double c) {
+  return fmt::format("{} x {} x {}", shown(a), shown(b), shown(c));
+}
 
 std::string boundary_name(const BoundarySpec& side) {
   switch (side.kind) {
-    case BoundaryKind::periodic: return "periodic";
-    case BoundaryKind::no_slip: return "no-slip";
-    case BoundaryKind::moving: return "moving";
-    case BoundaryKind::free_slip: return "free-slip";
-    case BoundaryKind::velocity_inlet: return "velocity-inlet";
-    case BoundaryKind::pressure_outlet: return "pressure-outlet";
+    case BoundaryKind::periodic:
+      return "periodic";
+    case BoundaryKind::no_slip:
+      return "no-slip";
+    case BoundaryKind::moving:
+      return "moving";
+    case BoundaryKind::free_slip:
+      return "free-slip";
+    case BoundaryKind::velocity_inlet:
+      return "velocity-inlet";
+    case BoundaryKind::pressure_outlet:
+      return "pressure-outlet";
   }
   return "";
 }
@@ -87,7 +96,8 @@ void add_fluid(const Case& scene, Table& table) {
   const FluidSpec& fluid = *scene.fluid;
   table.heading("fluid");
   table.quantity("density", 1, dimension::density, "kg/m3", "");
-  table.quantity("kinematic viscosity", fluid.kinematic_viscosity, dimension::viscosity, "m2/s", "cells2/step");
+  table.quantity("kinematic viscosity", fluid.kinematic_viscosity, dimension::viscosity, "m2/s",
+                 "cells2/step");
   table.line("relaxation time", "", shown(fluid.relaxation_time));
   table.line("collision", fluid.bgk ? "bgk" : fmt::format("trt, Lambda = {}", shown(fluid.magic)));
   table.line("storage", fluid.precision == Precision::double_ ? "double" : "single");
@@ -120,8 +130,10 @@ void add_kind(const Case& scene, Table& table, const std::string& name, const Ki
   if (!scene.fluid || !kind.free || scene.gravity.norm() == 0) return;
   const double diameter = std::cbrt(6 / std::numbers::pi * volume), nu = scene.fluid->kinematic_viscosity;
   const double speed = terminal_velocity(diameter, kind.density, scene.gravity.norm(), nu);
-  table.quantity("  terminal velocity", speed, dimension::velocity, "m/s", "cells/step (sphere of its volume, unbounded)");
-  table.line("  its Reynolds, Mach", "", fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
+  table.quantity("  terminal velocity", speed, dimension::velocity, "m/s",
+                 "cells/step (sphere of its volume, unbounded)");
+  table.line("  its Reynolds, Mach", "",
+             fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
 }
 
 void add_bodies(const Case& scene, Table& table) {
@@ -143,7 +155,8 @@ void add_bodies(const Case& scene, Table& table) {
   constexpr std::size_t most_lines = 12;
   for (std::size_t i = 0; i < std::min(entries.size(), most_lines); ++i)
     add_kind(scene, table, fmt::format("bodies[{}]", entries[i].first), entries[i].second);
-  if (entries.size() > most_lines) table.line("", fmt::format("and {} more entries", entries.size() - most_lines));
+  if (entries.size() > most_lines)
+    table.line("", fmt::format("and {} more entries", entries.size() - most_lines));
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
     add_kind(scene, table, fmt::format("fill[{}] {}", i, scene.kind_names[fill.kind]),
@@ -188,7 +201,8 @@ double terminal_velocity(double diameter, double density, double gravity, double
 double fluid_memory(const Case& scene) {
   if (!scene.fluid) return 0;
   const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
-  return cells * (populations * (scene.fluid->precision == Precision::double_ ? 8 : 4) + (scene.has_bodies() ? 1 : 0));
+  return cells * (populations * (scene.fluid->precision == Precision::double_ ? 8 : 4) +
+                  (scene.has_bodies() ? 1 : 0));
 }
 
 std::string derived_table(const Case& scene) {

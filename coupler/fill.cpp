@@ -20,7 +20,8 @@ using rigid::Vec3;
 // draws for one body before the box counts as full
 constexpr int most_draws = 20000;
 
-// The standard fixes the numbers of this engine, but not those of its distributions: so the mapping is our own.
+// The standard fixes the numbers of this engine, but not those of its distributions: so the mapping is our
+// own.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream) : engine_(seed + 0x9e3779b97f4a7c15u * (stream + 1)) {}
@@ -80,13 +81,15 @@ class Filler {
     const auto [lower, upper] = room(fill, index, frame.radius);
     Random random(fill.seed, index);
     BodySpec body;
-    body.shape = fill.shape, body.material = fill.material, body.kind = fill.kind, body.density = fill.density;
+    body.shape = fill.shape, body.material = fill.material, body.kind = fill.kind,
+    body.density = fill.density;
     for (int n = 0; n < fill.count; ++n) {
       const auto centre = free_place(random, lower, upper, frame.radius, fill.gap);
       if (!centre) refuse(fill, index, frame.radius, n);
       if (fill.random_orientation) body.pose.orientation = random.orientation();
       body.pose.position = *centre - body.pose.orientation * frame.centre_of_mass;
-      for (int d = 0; d < 3; ++d)  // the shape's origin may lie across a periodic border: no fault, but not canonical
+      for (int d = 0; d < 3;
+           ++d)  // the shape's origin may lie across a periodic border: no fault, but not canonical
         if (extent_.periodic[d])
           body.pose.position[d] -= extent_.size[d] * std::floor(body.pose.position[d] / extent_.size[d]);
       insert(*centre, frame.radius);
@@ -106,11 +109,13 @@ class Filler {
 
   double bucket_edge() const {
     double edge = 1;
-    for (const FillSpec& fill : scene_.fills) edge = std::max(edge, 2 * frames_[fill.shape].radius + fill.gap);
+    for (const FillSpec& fill : scene_.fills)
+      edge = std::max(edge, 2 * frames_[fill.shape].radius + fill.gap);
     return edge;
   }
 
-  // Where a centre may be: the fill's box less a radius, and less the gap too where a side of the box is a wall.
+  // Where a centre may be: the fill's box less a radius, and less the gap too where a side of the box is a
+  // wall.
   std::pair<Vec3, Vec3> room(const FillSpec& fill, std::size_t index, double radius) const {
     Vec3 lower = fill.lower, upper = fill.upper;
     for (int d = 0; d < 3; ++d) {
@@ -123,7 +128,8 @@ class Filler {
         continue;
       }
       lower[d] = extent_.periodic[d] ? lower[d] + radius : std::max(lower[d] + radius, radius + fill.gap);
-      upper[d] = extent_.periodic[d] ? upper[d] - radius : std::min(upper[d] - radius, length - radius - fill.gap);
+      upper[d] =
+          extent_.periodic[d] ? upper[d] - radius : std::min(upper[d] - radius, length - radius - fill.gap);
       if (lower[d] > upper[d])
         refuse_shape(index, d, radius,
                      fmt::format("the box less the gaps to its walls is {} cells wide",
@@ -132,7 +138,8 @@ class Filler {
     return {lower, upper};
   }
 
-  std::optional<Vec3> free_place(Random& random, const Vec3& lower, const Vec3& upper, double radius, double gap) {
+  std::optional<Vec3> free_place(Random& random, const Vec3& lower, const Vec3& upper, double radius,
+                                 double gap) {
     for (int draw = 0; draw < most_draws; ++draw) {
       Vec3 centre;
       for (int d = 0; d < 3; ++d) centre[d] = random.between(lower[d], upper[d]);
@@ -147,9 +154,11 @@ class Filler {
     bool is_free = true;
     grid_.visit(centre - reach, centre + reach, [&](int i) {
       if (i < given)
-        is_free = distance_to(scene_.shapes[scene_.bodies[i].shape], scene_.bodies[i].pose, centre, extent_) >= radius + gap;
+        is_free = distance_to(scene_.shapes[scene_.bodies[i].shape], scene_.bodies[i].pose, centre,
+                              extent_) >= radius + gap;
       else
-        is_free = nearest_image(balls_[i - given].centre - centre, extent_).norm() >= balls_[i - given].radius + radius + gap;
+        is_free = nearest_image(balls_[i - given].centre - centre, extent_).norm() >=
+                  balls_[i - given].radius + radius + gap;
       return is_free;
     });
     return is_free;
@@ -161,28 +170,33 @@ class Filler {
     balls_.push_back({centre, radius});
   }
 
-  std::string shown_radius(double radius) const { return shown(scene_.units.physical(2 * radius, dimension::length)); }
+  std::string shown_radius(double radius) const {
+    return shown(scene_.units.physical(2 * radius, dimension::length));
+  }
 
   [[noreturn]] void refuse_shape(std::size_t index, int axis, double radius, const std::string& why) const {
-    throw CaseError(scene_.place(fmt::format("fill[{}].box", index)),
-                    fmt::format("fill[{}]: bodies of {} cells ({}) do not fit along {}: {}; enlarge it or make the "
-                                "bodies smaller", index, shown(2 * radius), shown_radius(radius), "xyz"[axis], why));
+    throw CaseError(
+        scene_.place(fmt::format("fill[{}].box", index)),
+        fmt::format("fill[{}]: bodies of {} cells ({}) do not fit along {}: {}; enlarge it or make the "
+                    "bodies smaller",
+                    index, shown(2 * radius), shown_radius(radius), "xyz"[axis], why));
   }
 
   [[noreturn]] void refuse(const FillSpec& fill, std::size_t index, double radius, int placed) const {
     const double ball = 4. / 3 * std::numbers::pi * std::pow(radius + fill.gap / 2, 3);
     const double share = fill.count * ball / (fill.upper - fill.lower).prod();
-    throw CaseError(scene_.place(fmt::format("fill[{}].count", index)),
-                    fmt::format("fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
-                                "would take {:.0f} % of the box, and random places run out near 35 % of what other "
-                                "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
-                                index, fill.count, placed, 100 * share));
+    throw CaseError(
+        scene_.place(fmt::format("fill[{}].count", index)),
+        fmt::format("fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
+                    "would take {:.0f} % of the box, and random places run out near 35 % of what other "
+                    "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
+                    index, fill.count, placed, 100 * share));
   }
 
   const Case& scene_;
   rigid::Extent extent_;
   std::vector<ShapeFrame> frames_;  // by shape
-  NeighbourGrid grid_;  // of the given bodies, then of the balls
+  NeighbourGrid grid_;              // of the given bodies, then of the balls
   std::vector<Ball> balls_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// A uniform grid of buckets over the domain that finds which boxes may touch a box. Used before step 1 only: to fill
-// the domain with bodies and to look for overlaps.
+// A uniform grid of buckets over the domain that finds which boxes may touch a box. Used before step 1 only:
+// to fill the domain with bodies and to look for overlaps.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +25,8 @@ class NeighbourGrid {
     for_buckets(lower, upper, [&](std::size_t bucket) { buckets_[bucket].push_back(index); });
   }
 
-  /// Calls f(index) for all boxes that may touch [lower, upper], for some more than once, until f returns false.
+  /// Calls f(index) for all boxes that may touch [lower, upper], for some more than once, until f returns
+  /// false.
   template <class F>
   void visit(const rigid::Vec3& lower, const rigid::Vec3& upper, F&& f) const {
     bool going = true;

@@ -72,7 +72,8 @@ double overlap_depth(const Shape& a, const Pose& pose_a, const Shape& b, const P
   return std::max(depth_into(a, pose_a, b, pose_b), depth_into(b, pose_b, a, pose_a));
 }
 
-double overlap_depth(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, const Extent& extent) {
+double overlap_depth(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b,
+                     const Extent& extent) {
   const double reach = rigid::bounding_radius(a) + rigid::bounding_radius(b);
   double depth = none;
   for_images(extent, [&](const Vec3& shift) {

@@ -1,5 +1,6 @@
 #pragma once
-// Do two bodies overlap? For scenes before step 1: errs to the side of "no", so that no legal scene is refused.
+// Do two bodies overlap? For scenes before step 1: errs to the side of "no", so that no legal scene is
+// refused.
 #include <vector>
 
 #include "rigid/body_exchange.hpp"
@@ -13,8 +14,8 @@ struct InnerBall {
   double radius;
 };
 
-/// Balls that together stand for a shape: exact for a sphere; a chain of balls for a capsule; for a box the largest
-/// ball at its centre and a grid of points on its faces; for a compound those of its parts.
+/// Balls that together stand for a shape: exact for a sphere; a chain of balls for a capsule; for a box the
+/// largest ball at its centre and a grid of points on its faces; for a compound those of its parts.
 std::vector<InnerBall> inner_balls(const rigid::Shape&);
 
 /// How far a shape reaches into another, at least, in cells; negative if no overlap is found (then, for two

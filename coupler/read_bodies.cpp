@@ -57,7 +57,8 @@ void read_materials(TableReader& root, const rigid::Material& standard, Case& sc
   read_material_pairs(root, scene);
 }
 
-// From one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis points.
+// From one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
+// points.
 Quat read_orientation(TableReader& table) {
   const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
   if (given == "orientation") {
@@ -99,7 +100,8 @@ rigid::ConvexShape read_convex(TableReader& table, const std::string& type) {
   if (type == "capsule") {
     if (!table.has("length")) table.missing("length", "of the segment between the centres of the two ends");
     const double radius = read_radius(table);
-    return rigid::Capsule{radius, table.quantity("length", dimension::length, range::above(0)).value_or(2) / 2};
+    return rigid::Capsule{radius,
+                          table.quantity("length", dimension::length, range::above(0)).value_or(2) / 2};
   }
   if (!table.has("edges")) table.missing("edges", "the lengths of the box, [x, y, z]");
   const Vec3 edges = table.vector("edges", dimension::length).value_or(Vec3::Ones());
@@ -112,7 +114,8 @@ const std::vector<std::string> shape_types = {"sphere", "box", "capsule", "compo
 
 rigid::Compound read_compound(TableReader& table) {
   rigid::Compound compound;
-  if (!table.has("parts")) table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
+  if (!table.has("parts"))
+    table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
   for (TableReader& part : table.tables("parts")) {
     if (!part.has("type")) part.missing("type", "one of " + joined(convex_types));
     const auto type = part.choice("type", convex_types);
@@ -123,7 +126,8 @@ rigid::Compound read_compound(TableReader& table) {
     pose.orientation = read_orientation(part);
     compound.parts.push_back({read_convex(part, *type), pose});
   }
-  if (compound.parts.empty() && table.has("parts")) table.fail("parts", table.path("parts") + " has no usable part");
+  if (compound.parts.empty() && table.has("parts"))
+    table.fail("parts", table.path("parts") + " has no usable part");
   return compound;
 }
 
@@ -132,7 +136,8 @@ rigid::Shape as_shape(const rigid::ConvexShape& convex) {
 }
 
 int read_shape_name(TableReader& table, const Case& scene) {
-  if (!table.has("shape")) table.missing("shape", "the name of one of [[shapes]]: " + joined(scene.shape_names));
+  if (!table.has("shape"))
+    table.missing("shape", "the name of one of [[shapes]]: " + joined(scene.shape_names));
   const auto name = table.string("shape");
   return name ? std::max(0, index_of(table, "shape", *name, scene.shape_names, "shape")) : 0;
 }
@@ -171,7 +176,8 @@ std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
       return positions;
     }
     for (std::size_t i = 0; i < node->children.size(); ++i)
-      if (const auto x = read_vector(table.context(), node->children[i], fmt::format("{}[{}]", table.path(given), i)))
+      if (const auto x =
+              read_vector(table.context(), node->children[i], fmt::format("{}[{}]", table.path(given), i)))
         positions.push_back(*x / units.cell_size);
   }
   return positions;
@@ -204,8 +210,10 @@ void read_shapes(TableReader& root, Case& scene) {
     const std::string name = table.string("name").value_or("");
     if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
         table.find("type")->string == "half-space") {
-      table.fail("type", fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
-                                     "body's shape is one of {}", table.path("type"), joined(shape_types)));
+      table.fail("type",
+                 fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
+                             "body's shape is one of {}",
+                             table.path("type"), joined(shape_types)));
       table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types)) {
       scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table))
@@ -236,8 +244,10 @@ void read_bodies(TableReader& root, Case& scene) {
     body.pose.orientation = read_orientation(table);
     if (motion == "fixed") {
       for (const char* key : {"velocity", "angular_velocity"})
-        if (table.has(key)) table.fail(key, fmt::format("{} is given for a fixed body; remove it, or set motion = "
-                                                        "\"prescribed\"", table.path(key)));
+        if (table.has(key))
+          table.fail(key, fmt::format("{} is given for a fixed body; remove it, or set motion = "
+                                      "\"prescribed\"",
+                                      table.path(key)));
     } else {
       body.velocity = table.vector("velocity", dimension::velocity).value_or(body.velocity);
       body.angular_velocity =
@@ -261,13 +271,15 @@ void read_fills(TableReader& root, Case& scene) {
     fill.count = static_cast<int>(table.integer("count", 1, 100'000'000).value_or(1));
     fill.gap = table.quantity("gap", dimension::length, range::at_least(0)).value_or(fill.gap);
     fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
-    fill.random_orientation = table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
+    fill.random_orientation =
+        table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
     for (int d = 0; d < 3; ++d) fill.upper[d] = scene.cells[d];
     if (const Node* box = table.find("box")) {
       if (box->kind == Node::Kind::array && box->children.size() == 2) {
         const auto lower = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
         const auto upper = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
-        if (lower && upper) fill.lower = *lower / scene.units.cell_size, fill.upper = *upper / scene.units.cell_size;
+        if (lower && upper)
+          fill.lower = *lower / scene.units.cell_size, fill.upper = *upper / scene.units.cell_size;
         if (lower && upper && (fill.upper - fill.lower).minCoeff() <= 0)
           table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
       } else {

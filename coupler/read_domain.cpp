@@ -17,8 +17,8 @@ constexpr double most_cells_an_axis = 1 << 20;
 constexpr const char* axis_names[3] = {"x", "y", "z"};
 
 void read_time_step(TableReader& units, TableReader& fluid, Case& scene) {
-  const std::string given = units.one_of({"time_step", "relaxation_time", "max_velocity"}, true,
-                                         "they fix the length of a step");
+  const std::string given =
+      units.one_of({"time_step", "relaxation_time", "max_velocity"}, true, "they fix the length of a step");
   Units& u = scene.units;
   if (given == "time_step") {
     u.time_step = units.number("time_step", range::above(0)).value_or(0);
@@ -47,7 +47,8 @@ void read_si_scales(TableReader& units, TableReader& fluid, Case& scene) {
   u.cell_size = units.number("cell_size", range::above(0)).value_or(0);
   read_time_step(units, fluid, scene);
   if (fluid.present()) {
-    if (units.has("density")) units.fail("density", "units.density is only for cases without [fluid]; it is fluid.density");
+    if (units.has("density"))
+      units.fail("density", "units.density is only for cases without [fluid]; it is fluid.density");
     if (!fluid.has("density")) fluid.missing("density", "the density of the fluid in kg/m3");
     u.density = fluid.number("density", range::above(0)).value_or(0);
   } else {
@@ -77,18 +78,21 @@ std::optional<BoundarySpec> read_side(ReadContext& context, const Node& node, co
     if (const auto kind = boundary_kind(node.string)) {
       side.kind = *kind;
       if (side.kind == BoundaryKind::moving || side.kind == BoundaryKind::velocity_inlet)
-        context.fail(place, fmt::format("{} is \"{}\", which needs a velocity: {{ type = \"{}\", velocity = [x, y, z] }}",
-                                        path, node.string, node.string));
+        context.fail(
+            place,
+            fmt::format("{} is \"{}\", which needs a velocity: {{ type = \"{}\", velocity = [x, y, z] }}",
+                        path, node.string, node.string));
     } else {
       const std::string nearest = nearest_name(node.string, boundary_names);
-      context.fail(place, fmt::format("{} is \"{}\"; it must be one of {}{}", path, node.string, joined(boundary_names),
+      context.fail(place, fmt::format("{} is \"{}\"; it must be one of {}{}", path, node.string,
+                                      joined(boundary_names),
                                       nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
     }
     return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
   }
   if (node.kind != Node::Kind::table) {
-    context.fail(place, fmt::format("{} is {}; it must be one of {}, or a table with a type", path, written(node),
-                                    joined(boundary_names)));
+    context.fail(place, fmt::format("{} is {}; it must be one of {}, or a table with a type", path,
+                                    written(node), joined(boundary_names)));
     return {};
   }
   TableReader table(context, &node, path, place);
@@ -119,15 +123,17 @@ void read_axis(TableReader& boundary, int axis, Case& scene) {
       return;
     }
     for (int side = 0; side < 2; ++side)
-      sides[side] = read_side(context, node->children[side], fmt::format("{}[{}]", boundary.path(name), side));
+      sides[side] =
+          read_side(context, node->children[side], fmt::format("{}[{}]", boundary.path(name), side));
   } else {
     sides[0] = sides[1] = read_side(context, *node, boundary.path(name));
   }
   if (!sides[0] || !sides[1]) return;
   for (int side = 0; side < 2; ++side) scene.boundary[2 * axis + side] = *sides[side];
   if ((sides[0]->kind == BoundaryKind::periodic) != (sides[1]->kind == BoundaryKind::periodic))
-    boundary.fail(name, fmt::format("{} is periodic on one side only; a periodic axis has no sides, write \"periodic\"",
-                                    boundary.path(name)));
+    boundary.fail(
+        name, fmt::format("{} is periodic on one side only; a periodic axis has no sides, write \"periodic\"",
+                          boundary.path(name)));
 }
 
 void read_boundary(TableReader& domain, Case& scene) {
@@ -152,8 +158,8 @@ void read_cells(TableReader& domain, Case& scene) {
   for (int d = 0; d < 3; ++d) {
     const double cells = (*size)[d] / cell, n = std::max(1.0, std::round(cells));
     if (cells > most_cells_an_axis) {
-      domain.fail("size", fmt::format("domain.size[{}] is {} cells; at most {:.0f} are possible", d, shown(cells),
-                                      most_cells_an_axis));
+      domain.fail("size", fmt::format("domain.size[{}] is {} cells; at most {:.0f} are possible", d,
+                                      shown(cells), most_cells_an_axis));
       return;
     }
     whole = whole && std::abs(cells - n) <= cell_count_tolerance;
@@ -161,10 +167,11 @@ void read_cells(TableReader& domain, Case& scene) {
     scene.cells[d] = static_cast<int>(n);
   }
   if (!whole)
-    domain.fail("size", fmt::format("domain.size is [{}, {}, {}]; it must be whole multiples of the cell size {}, at "
-                                    "least one; the nearest is [{}, {}, {}]",
-                                    shown((*size)[0]), shown((*size)[1]), shown((*size)[2]), shown(cell),
-                                    shown(nearest[0]), shown(nearest[1]), shown(nearest[2])));
+    domain.fail("size",
+                fmt::format("domain.size is [{}, {}, {}]; it must be whole multiples of the cell size {}, at "
+                            "least one; the nearest is [{}, {}, {}]",
+                            shown((*size)[0]), shown((*size)[1]), shown((*size)[2]), shown(cell),
+                            shown(nearest[0]), shown(nearest[1]), shown(nearest[2])));
 }
 
 void read_blocks(TableReader& domain, Case& scene) {
@@ -196,7 +203,8 @@ void read_initial(TableReader& fluid, FluidSpec& spec) {
 void read_coupling(TableReader& root, Case& scene) {
   TableReader table = root.table("coupling");
   if (!table.present()) return;
-  if (!scene.fluid) root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
+  if (!scene.fluid)
+    root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
   CouplingSpec& c = scene.coupling;
   if (const auto name = table.choice("wall_scheme", {"bounce-back", "cli"}))
     c.wall_scheme = *name == "cli" ? WallScheme::cli : WallScheme::bounce_back;
@@ -223,8 +231,10 @@ void read_units(TableReader& root, Case& scene) {
   } else if (system == "lattice") {
     const auto density = fluid.number("density", range::above(0));
     if (density && *density != 1)
-      fluid.fail("density", fmt::format("fluid.density is {}; in lattice units it is 1, and densities of bodies are "
-                                        "relative to it", shown(*density)));
+      fluid.fail("density",
+                 fmt::format("fluid.density is {}; in lattice units it is 1, and densities of bodies are "
+                             "relative to it",
+                             shown(*density)));
   }
   Units& u = scene.units;
   ReadContext& context = root.context();
@@ -246,18 +256,21 @@ void read_fluid(TableReader& root, Case& scene) {
   TableReader fluid = root.table("fluid");
   if (fluid.present()) {
     FluidSpec& spec = scene.fluid.emplace();
-    const std::string given = fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
+    const std::string given =
+        fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
     if (given == "relaxation_time") {
       spec.relaxation_time = fluid.number(given, range::any).value_or(1);
       if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
       spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;
     } else if (!given.empty()) {
-      spec.kinematic_viscosity = fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);
+      spec.kinematic_viscosity =
+          fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);
       spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
     }
     spec.bgk = fluid.choice("collision", {"trt", "bgk"}).value_or("trt") == "bgk";
     spec.magic = fluid.number("magic", range::above(0)).value_or(spec.magic);
-    if (fluid.has("magic") && spec.bgk) fluid.fail("magic", "fluid.magic is Lambda of trt; bgk has none, remove it");
+    if (fluid.has("magic") && spec.bgk)
+      fluid.fail("magic", "fluid.magic is Lambda of trt; bgk has none, remove it");
     if (fluid.choice("precision", {"single", "double"}).value_or("single") == "double")
       spec.precision = Precision::double_;
     spec.body_force = fluid.vector("body_force", dimension::acceleration).value_or(spec.body_force);

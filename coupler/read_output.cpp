@@ -31,12 +31,13 @@ void read_field_names(TableReader& fields, OutputSpec& output) {
     return;
   }
   for (const Node& name : list->children)
-    if (index_of(fields, "quantities", name.string, known, "quantity") >= 0) output.quantities.push_back(name.string);
+    if (index_of(fields, "quantities", name.string, known, "quantity") >= 0)
+      output.quantities.push_back(name.string);
 }
 
-const std::vector<std::string> quantity_types = {"max-speed",          "drag-coefficient", "profile-error",
-                                                 "taylor-green-velocity", "taylor-green-decay", "mean-height",
-                                                 "drift",              "max-height-after"};
+const std::vector<std::string> quantity_types = {
+    "max-speed",          "drag-coefficient", "profile-error", "taylor-green-velocity",
+    "taylor-green-decay", "mean-height",      "drift",         "max-height-after"};
 
 bool is_about_bodies(const std::string& type) {
   return type == "max-speed" || type == "drag-coefficient" || type == "mean-height" || type == "drift" ||
@@ -60,7 +61,8 @@ void read_run(TableReader& root, Case& scene) {
     constexpr double most_steps = 1e15;
     const double steps = run.quantity("time", dimension::time, range::above(0)).value_or(1);
     if (root.context().units_known && !(steps < most_steps))
-      run.refuse("time", fmt::format("less than {} steps of {}", shown(most_steps), shown(scene.units.time_step)));
+      run.refuse("time",
+                 fmt::format("less than {} steps of {}", shown(most_steps), shown(scene.units.time_step)));
     else
       scene.steps = std::max<std::int64_t>(1, std::llround(steps));
   }
@@ -77,7 +79,8 @@ void read_output(TableReader& root, Case& scene) {
   read_series(checkpoint, output.checkpoint);
   read_series(report, output.report);
   read_field_names(fields, output);
-  output.keep_checkpoints = static_cast<int>(checkpoint.integer("keep", 1, 1000).value_or(output.keep_checkpoints));
+  output.keep_checkpoints =
+      static_cast<int>(checkpoint.integer("keep", 1, 1000).value_or(output.keep_checkpoints));
 }
 
 void read_quantities(TableReader& root, Case& scene) {
@@ -88,7 +91,8 @@ void read_quantities(TableReader& root, Case& scene) {
     if (!table.has("type")) table.missing("type", "one of " + joined(quantity_types));
     quantity.name = table.string("name").value_or("");
     if (!quantity.name.empty() && std::count(names.begin(), names.end(), quantity.name))
-      table.fail("name", fmt::format("{}: there already is a quantity '{}'", table.path("name"), quantity.name));
+      table.fail("name",
+                 fmt::format("{}: there already is a quantity '{}'", table.path("name"), quantity.name));
     names.push_back(quantity.name);
     const auto type = table.choice("type", quantity_types);
     if (!type) table.judge_no_keys();

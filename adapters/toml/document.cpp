@@ -1,9 +1,9 @@
 #include "adapters/toml/document.hpp"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <toml++/toml.h>
 
 namespace silt::adapters {
 namespace {
@@ -14,13 +14,20 @@ Place place_of(const ::toml::source_region& region, const std::string& file) {
 
 Node::Kind kind_of(const ::toml::node& node) {
   switch (node.type()) {
-    case ::toml::node_type::table: return Node::Kind::table;
-    case ::toml::node_type::array: return Node::Kind::array;
-    case ::toml::node_type::string: return Node::Kind::string;
-    case ::toml::node_type::integer: return Node::Kind::integer;
-    case ::toml::node_type::floating_point: return Node::Kind::floating;
-    case ::toml::node_type::boolean: return Node::Kind::boolean;
-    default: return Node::Kind::date;
+    case ::toml::node_type::table:
+      return Node::Kind::table;
+    case ::toml::node_type::array:
+      return Node::Kind::array;
+    case ::toml::node_type::string:
+      return Node::Kind::string;
+    case ::toml::node_type::integer:
+      return Node::Kind::integer;
+    case ::toml::node_type::floating_point:
+      return Node::Kind::floating;
+    case ::toml::node_type::boolean:
+      return Node::Kind::boolean;
+    default:
+      return Node::Kind::date;
   }
 }
 
@@ -79,26 +86,40 @@ Node* Node::find(std::string_view wanted) {
 
 std::string_view kind_name(Node::Kind kind) {
   switch (kind) {
-    case Node::Kind::table: return "a table";
-    case Node::Kind::array: return "an array";
-    case Node::Kind::string: return "a string";
-    case Node::Kind::integer: return "an integer";
-    case Node::Kind::floating: return "a number";
-    case Node::Kind::boolean: return "a boolean";
-    case Node::Kind::date: return "a date or time";
+    case Node::Kind::table:
+      return "a table";
+    case Node::Kind::array:
+      return "an array";
+    case Node::Kind::string:
+      return "a string";
+    case Node::Kind::integer:
+      return "an integer";
+    case Node::Kind::floating:
+      return "a number";
+    case Node::Kind::boolean:
+      return "a boolean";
+    case Node::Kind::date:
+      return "a date or time";
   }
   return "unknown";
 }
 
 std::string written(const Node& node) {
   switch (node.kind) {
-    case Node::Kind::table: return "{ ... }";
-    case Node::Kind::string: return '"' + node.string + '"';
-    case Node::Kind::integer: return std::to_string(node.integer);
-    case Node::Kind::floating: return written_number(node.floating);
-    case Node::Kind::boolean: return node.boolean ? "true" : "false";
-    case Node::Kind::date: return "a date or time";
-    case Node::Kind::array: break;
+    case Node::Kind::table:
+      return "{ ... }";
+    case Node::Kind::string:
+      return '"' + node.string + '"';
+    case Node::Kind::integer:
+      return std::to_string(node.integer);
+    case Node::Kind::floating:
+      return written_number(node.floating);
+    case Node::Kind::boolean:
+      return node.boolean ? "true" : "false";
+    case Node::Kind::date:
+      return "a date or time";
+    case Node::Kind::array:
+      break;
   }
   constexpr std::size_t longest = 6;
   std::string text = "[";

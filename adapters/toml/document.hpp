@@ -8,7 +8,8 @@
 
 namespace silt::adapters {
 
-/// Where something stands: "case.toml:12:5". line 0: the whole file, or no file at all (a command line option).
+/// Where something stands: "case.toml:12:5". line 0: the whole file, or no file at all (a command line
+/// option).
 struct Place {
   std::string file;
   int line = 0, column = 0;  // from 1

@@ -1,4 +1,5 @@
-// Judging: impossible scenes are refused (see also bad_cases/), doubtful ones warned of, legal ones left alone.
+// Judging: impossible scenes are refused (see also bad_cases/), doubtful ones warned of, legal ones left
+// alone.
 #include <gtest/gtest.h>
 
 #include "coupler/overlap.hpp"
@@ -9,9 +10,13 @@ namespace {
 
 using rigid::Vec3;
 
-std::string warnings(const CaseText& c) { return listed(check_case(c.read())); }
+std::string warnings(const CaseText& c) {
+  return listed(check_case(c.read()));
+}
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != text.npos;
+}
 
 TEST(CaseCheck, ALegalSceneHasNothingToSay) {
   EXPECT_EQ(warnings(CaseText{}), "");
@@ -21,7 +26,8 @@ TEST(CaseCheck, ALegalSceneHasNothingToSay) {
 TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
   CaseText c;
   c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
-  EXPECT_TRUE(contains(warnings(c), "case.toml:7:1: warning: the relaxation time is 0.505; below 0.51")) << warnings(c);
+  EXPECT_TRUE(contains(warnings(c), "case.toml:7:1: warning: the relaxation time is 0.505; below 0.51"))
+      << warnings(c);
   c.fluid = "[fluid]\nrelaxation_time = 2.5\n";
   EXPECT_TRUE(contains(warnings(c), "above 2 walls and slow flow lose accuracy")) << warnings(c);
 }
@@ -62,13 +68,15 @@ TEST(CaseCheck, RequireRunnableKeepsWarningsAndThrowsErrors) {
 TEST(CaseCheck, FixedBodiesMayReachIntoWallsAndEachOther) {
   CaseText c;
   c.bodies =
-      "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\npositions = [[16, 16, 2], [16, 16, 6], [16, 0, 2]]\n";
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\npositions = [[16, 16, 2], [16, 16, 6], "
+      "[16, 0, 2]]\n";
   EXPECT_EQ(warnings(c), "");
 }
 
 TEST(CaseCheck, TouchingBodiesAreLegal) {
   CaseText c;
-  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\npositions = [[16, 16, 4], [16, 16, 12], [24, 16, 12]]\n";
+  c.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\npositions = [[16, 16, 4], [16, 16, 12], [24, 16, 12]]\n";
   EXPECT_EQ(warnings(c), "");
   c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"box\"\nedges = [8, 8, 8]\n";
   EXPECT_EQ(warnings(c), "");
@@ -81,14 +89,17 @@ TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Cas
   scene.steps = 0;
   scene.bodies[0].density = -1;
   const std::string text = listed(check_case(scene));
-  for (const char* part : {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
+  for (const char* part :
+       {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
     EXPECT_TRUE(contains(text, part)) << part << " is not in\n" << text;
 }
 
 // Legal scenes must never be refused: the depth found is never above the true one.
 TEST(Overlap, FindsOverlapsAndNeverInventsThem) {
   const rigid::Shape ball = rigid::Sphere{2}, box = rigid::Box{{2, 2, 2}}, rod = rigid::Capsule{1, 3};
-  const auto at = [](double x, double y = 0, double z = 0) { return rigid::Pose{{x, y, z}, rigid::Quat::Identity()}; };
+  const auto at = [](double x, double y = 0, double z = 0) {
+    return rigid::Pose{{x, y, z}, rigid::Quat::Identity()};
+  };
   EXPECT_NEAR(overlap_depth(ball, at(0), ball, at(3)), 1, 1e-12);
   EXPECT_NEAR(overlap_depth(ball, at(0), ball, at(5)), -1, 1e-12);
   EXPECT_NEAR(overlap_depth(ball, at(0), box, at(3.5)), 0.5, 1e-12);

@@ -32,9 +32,10 @@ TEST(CaseFile, ConvertsSiToLatticeUnits) {
 TEST(CaseFile, UnitsThereAndBack) {
   Units units;
   units.cell_size = 2.5e-4, units.time_step = 5e-4, units.density = 960;
-  for (const Dimension d : {dimension::length, dimension::time, dimension::velocity, dimension::acceleration,
-                            dimension::viscosity, dimension::density, dimension::mass, dimension::force,
-                            dimension::torque, dimension::angular_velocity, dimension::energy, dimension::pressure})
+  for (const Dimension d :
+       {dimension::length, dimension::time, dimension::velocity, dimension::acceleration,
+        dimension::viscosity, dimension::density, dimension::mass, dimension::force, dimension::torque,
+        dimension::angular_velocity, dimension::energy, dimension::pressure})
     EXPECT_NEAR(units.lattice(units.physical(0.37, d), d), 0.37, 1e-15);
   EXPECT_NEAR(units.physical(1, dimension::velocity), 0.5, 1e-15);
   EXPECT_NEAR(units.physical(1, dimension::pressure), 960 * 0.25, 1e-9);
@@ -187,8 +188,9 @@ TEST(CaseFile, RemembersWhereKeysStand) {
 
 TEST(CaseFile, OverridesReplaceAddAndDisplace) {
   CaseText c;
-  const Case scene = c.read({"fluid.relaxation_time=0.9", "contacts.backend=bullet", "contacts.resolver=\"ffd\"",
-                             "bodies[0].position=[8, 8, 8]", "domain.blocks=[8,8,8]", "run.time=7"});
+  const Case scene =
+      c.read({"fluid.relaxation_time=0.9", "contacts.backend=bullet", "contacts.resolver=\"ffd\"",
+              "bodies[0].position=[8, 8, 8]", "domain.blocks=[8,8,8]", "run.time=7"});
   EXPECT_EQ(scene.fluid->relaxation_time, 0.9);
   EXPECT_EQ(scene.contacts.backend, "bullet");
   EXPECT_EQ(scene.contacts.resolver, "ffd");
@@ -201,8 +203,9 @@ TEST(CaseFile, OverridesReplaceAddAndDisplace) {
 
 TEST(CaseFile, EntriesOfOneNameMakeOneKind) {
   CaseText c;
-  c.bodies += "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [16, 16, 26]\n[[fill]]\nname = \"more\"\n"
-              "shape = \"ball\"\ndensity = 2\ncount = 3\n";
+  c.bodies +=
+      "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [16, 16, 26]\n[[fill]]\nname = \"more\"\n"
+      "shape = \"ball\"\ndensity = 2\ncount = 3\n";
   const Case scene = c.read();
   EXPECT_EQ(scene.kind_names, (std::vector<std::string>{"ball", "more"}));
   EXPECT_EQ(scene.bodies[1].kind, 0);
@@ -212,7 +215,8 @@ TEST(CaseFile, EntriesOfOneNameMakeOneKind) {
 
 TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(SILT_SOURCE_DIR) / "cases")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(SILT_SOURCE_DIR) / "cases")) {
     if (!std::filesystem::exists(entry.path() / "case.toml")) continue;
     SCOPED_TRACE(entry.path().string());
     ++count;
@@ -223,7 +227,8 @@ TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
     EXPECT_TRUE(std::filesystem::exists(entry.path() / "README.md"));
     const std::string reference = file_text(entry.path() / "reference.toml");
     for (const QuantitySpec& quantity : scene.quantities)
-      EXPECT_NE(reference.find('"' + quantity.name + '"'), std::string::npos) << quantity.name << " has no reference";
+      EXPECT_NE(reference.find('"' + quantity.name + '"'), std::string::npos)
+          << quantity.name << " has no reference";
   }
   EXPECT_GE(count, 9);
 }
@@ -232,8 +237,8 @@ TEST(DerivedTable, GivesBothSystemsOfUnits) {
   CaseText c = si_case();
   c.rest = "[gravity]\nacceleration = [0, 0, -9.81]\n";
   const std::string table = derived_table(c.read());
-  for (const char* part : {"0.032 x 0.032 x 0.032 m", "32 x 32 x 32 cells", "1e-05 m2/s", "0.1 cells2/step", "0.8",
-                           "8 cells", "terminal velocity", "2.5 MB"})
+  for (const char* part : {"0.032 x 0.032 x 0.032 m", "32 x 32 x 32 cells", "1e-05 m2/s", "0.1 cells2/step",
+                           "0.8", "8 cells", "terminal velocity", "2.5 MB"})
     EXPECT_NE(table.find(part), std::string::npos) << part << " is not in\n" << table;
 }
 
