@@ -1,0 +1,250 @@
+#include "adapters/hdf5/file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace silt::adapters::hdf5 {
+namespace {
+
+/// The system's own words inside a message of HDF5's file driver, where there are any.
+std::string innermost_reason() {
+  std::string reason;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned, const H5E_error2_t* e, void* out) -> herr_t {
+        auto& text = *static_cast<std::string*>(out);
+        if (text.empty() && e->desc) text = e->desc;
+        return 0;
+      },
+      &reason);
+  const std::string mark = "error message = '";
+  if (const auto at = reason.find(mark); at != std::string::npos) {
+    const auto from = at + mark.size();
+    reason = reason.substr(from, reason.find('\'', from) - from);
+  }
+  return reason;
+}
+
+/// From now on HDF5 prints nothing by itself.
+void quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+Handle access_list(const Path& file) {
+  quiet();
+  Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
+  return list;
+}
+
+}  // namespace
+
+void fail(const Path& file, const std::string& what) {
+  const std::string reason = innermost_reason();
+  H5Eclear2(H5E_DEFAULT);
+  throw Error(file.string() + ": " + what + (reason.empty() ? "" : ": " + reason));
+}
+
+File File::create(const Path& path, Format format) {
+  const Handle access = access_list(path);
+  if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  H5Pset_file_locking(access, false, true);
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path, "cannot create the file");
+  return File(path, std::move(file));
+}
+
+File File::open(const Path& path, bool writable) {
+  const Handle access = access_list(path);
+  // A reader that holds the file's lock (a plotting script) must not stop the run.
+  H5Pset_file_locking(access, false, true);
+  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
+              "cannot open the file as HDF5 (missing, truncated or altered)");
+  return File(path, std::move(file));
+}
+
+File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
+  const Handle access = access_list(path);
+  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  H5Pset_all_coll_metadata_ops(access, true);
+  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
+              "cannot open the file on all ranks");
+  return File(path, std::move(file));
+}
+
+void File::flush() { check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)"); }
+
+void File::close() {
+  const herr_t flushed = H5Fflush(handle_, H5F_SCOPE_LOCAL);
+  if (flushed < 0) fail(path_, "cannot write (is the disk full?)");
+  if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
+}
+
+bool File::exists(const std::string& name) const { return H5Lexists(handle_, name.c_str(), H5P_DEFAULT) > 0; }
+
+Handle File::group(const std::string& name, bool create) {
+  const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)
+                          : H5Gopen2(handle_, name.c_str(), H5P_DEFAULT);
+  return {id, H5Gclose, path_, (create ? "cannot create group " : "has no group ") + name};
+}
+
+Handle File::dataset(const std::string& name) const {
+  return {H5Dopen2(handle_, name.c_str(), H5P_DEFAULT), H5Dclose, path_, "has no dataset " + name};
+}
+
+Handle File::create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path_,
+                     "shape of " + name);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_layout(list, H5D_CONTIGUOUS);
+  H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
+          "cannot create dataset " + name};
+}
+
+Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsize_t> row, hsize_t chunk_rows) {
+  std::vector<hsize_t> now{0}, most{H5S_UNLIMITED}, chunk{chunk_rows};
+  for (auto* v : {&now, &most, &chunk}) v->insert(v->end(), row.begin(), row.end());
+  const int rank = static_cast<int>(now.size());
+  const Handle space(H5Screate_simple(rank, now.data(), most.data()), H5Sclose, path_, "shape of " + name);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_chunk(list, rank, chunk.data());
+  return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
+          "cannot create dataset " + name};
+}
+
+std::vector<hsize_t> File::shape(hid_t dataset) const {
+  const Handle space(H5Dget_space(dataset), H5Sclose, path_, "shape of a dataset");
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> shape(rank < 0 ? 0 : rank);
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  return shape;
+}
+
+void File::attribute(hid_t owner, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
+                     const void* data) {
+  const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
+                                   : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                     H5Sclose, path_, "shape of attribute " + name);
+  if (H5Aexists(owner, name.c_str()) > 0) H5Adelete(owner, name.c_str());
+  const Handle attribute(H5Acreate2(owner, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, path_,
+                         "cannot create attribute " + name);
+  check(H5Awrite(attribute, type, data), "cannot write attribute " + name);
+}
+
+namespace {
+/// ASCII by name (what vtkHDFReader insists on), any bytes inside.
+Handle string_type(std::size_t length, const Path& path) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "string type");
+  H5Tset_size(type, length ? length : 1);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return type;
+}
+void mark_utf8(hid_t type, const std::string& text) {
+  for (const unsigned char c : text)
+    if (c > 127) {
+      H5Tset_cset(type, H5T_CSET_UTF8);
+      return;
+    }
+}
+}  // namespace
+
+void File::attribute(hid_t owner, const std::string& name, const std::string& value) {
+  const Handle type = string_type(value.size(), path_);
+  mark_utf8(type, value);
+  attribute(owner, name, type, {}, value.empty() ? "\0" : value.data());
+}
+
+void File::attribute(hid_t owner, const std::string& name, const std::vector<std::string>& values) {
+  const Handle type = string_type(H5T_VARIABLE, path_);
+  H5Tset_strpad(type, H5T_STR_NULLTERM);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  std::vector<const char*> pointers;
+  for (const auto& v : values) pointers.push_back(v.c_str());
+  attribute(owner, name, type, {values.size()}, pointers.data());
+}
+
+void File::attribute(hid_t owner, const std::string& name, std::int64_t value) {
+  attribute(owner, name, H5T_NATIVE_INT64, {}, &value);
+}
+void File::attribute(hid_t owner, const std::string& name, std::uint64_t value) {
+  attribute(owner, name, H5T_NATIVE_UINT64, {}, &value);
+}
+void File::attribute(hid_t owner, const std::string& name, double value) {
+  attribute(owner, name, H5T_NATIVE_DOUBLE, {}, &value);
+}
+
+bool File::has_attribute(hid_t owner, const std::string& name) const { return H5Aexists(owner, name.c_str()) > 0; }
+
+std::string File::string_attribute(hid_t owner, const std::string& name) const {
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_, "has no attribute " + name);
+  const Handle type(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
+    throw Error(path_.string() + ": attribute " + name + " is not a text");
+  std::string value(H5Tget_size(type), '\0');
+  check(H5Aread(attribute, type, value.data()), "cannot read attribute " + name);
+  while (!value.empty() && value.back() == '\0') value.pop_back();
+  return value;
+}
+
+template <class T>
+T File::scalar_attribute(hid_t owner, const std::string& name, hid_t type) const {
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_, "has no attribute " + name);
+  const Handle stored(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
+  if (H5Tequal(stored, type) <= 0 || H5Aget_storage_size(attribute) != sizeof(T))
+    throw Error(path_.string() + ": attribute " + name + " is not a single number of the expected type");
+  T value{};
+  check(H5Aread(attribute, type, &value), "cannot read attribute " + name);
+  return value;
+}
+
+std::int64_t File::int_attribute(hid_t owner, const std::string& name) const {
+  return scalar_attribute<std::int64_t>(owner, name, H5T_NATIVE_INT64);
+}
+std::uint64_t File::uint_attribute(hid_t owner, const std::string& name) const {
+  return scalar_attribute<std::uint64_t>(owner, name, H5T_NATIVE_UINT64);
+}
+double File::double_attribute(hid_t owner, const std::string& name) const {
+  return scalar_attribute<double>(owner, name, H5T_NATIVE_DOUBLE);
+}
+
+void File::write_provenance(const Provenance& p) {
+  const Handle g = group("/provenance", true);
+  attribute(g, "version", p.version);
+  attribute(g, "commit", p.commit);
+  attribute(g, "title", p.title);
+  attribute(g, "ranks", p.ranks);
+  attribute(g, "backend", p.backend);
+  attribute(g, "compiler", p.compiler);
+  attribute(g, "host", p.host);
+  attribute(g, "created", p.created);
+  const Handle type = string_type(p.case_text.size(), path_);
+  mark_utf8(type, p.case_text);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, path_, "scalar");
+  const Handle text(H5Dcreate2(g, "case_text", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, path_,
+                    "cannot create the case text");
+  check(H5Dwrite(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, p.case_text.empty() ? "\0" : p.case_text.data()),
+        "cannot write the case text");
+}
+
+namespace {
+void sync_one(const Path& path, int flags) {
+  const int file = ::open(path.c_str(), flags);
+  const bool good = file >= 0 && ::fsync(file) == 0;
+  const int error = errno;
+  if (file >= 0) ::close(file);
+  if (!good) throw Error(path.string() + ": cannot flush to the disk: " + std::strerror(error));
+}
+Path folder_of(const Path& path) { return path.has_parent_path() ? path.parent_path() : Path("."); }
+}  // namespace
+
+void sync_to_disk(const Path& path) { sync_one(path, O_RDONLY); }
+
+void rename_durably(const Path& from, const Path& to) {
+  std::error_code error;
+  std::filesystem::rename(from, to, error);
+  if (error) throw Error(to.string() + ": cannot rename " + from.string() + " to it: " + error.message());
+  sync_one(folder_of(to), O_RDONLY | O_DIRECTORY);
+}
+
+}  // namespace silt::adapters::hdf5
