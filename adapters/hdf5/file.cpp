@@ -95,6 +95,7 @@ Handle File::create_contiguous(const std::string& name, hid_t type, const std::v
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path_,
                      "shape of " + name);
   const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_obj_track_times(list, false);  // the same data is the same file, to the byte
   H5Pset_layout(list, H5D_CONTIGUOUS);
   H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
@@ -108,6 +109,7 @@ Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsi
   const int rank = static_cast<int>(now.size());
   const Handle space(H5Screate_simple(rank, now.data(), most.data()), H5Sclose, path_, "shape of " + name);
   const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_obj_track_times(list, false);
   H5Pset_chunk(list, rank, chunk.data());
   return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
           "cannot create dataset " + name};
@@ -221,7 +223,9 @@ void File::write_provenance(const Provenance& p) {
   const Handle type = string_type(p.case_text.size(), path_);
   mark_utf8(type, p.case_text);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, path_, "scalar");
-  const Handle text(H5Dcreate2(g, "case_text", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, path_,
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_obj_track_times(list, false);
+  const Handle text(H5Dcreate2(g, "case_text", type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
                     "cannot create the case text");
   check(H5Dwrite(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, p.case_text.empty() ? "\0" : p.case_text.data()),
         "cannot write the case text");
