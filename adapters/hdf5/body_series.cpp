@@ -41,6 +41,12 @@ std::vector<Column> time_columns(const std::string& unit) {
           {"time", offsetof(TimeRow, time), Column::float64, 1, unit}};
 }
 
+/// Bytes that appending so many rows can add to the file: the chunks it begins.
+std::uint64_t room_to_append(std::size_t rows) {
+  const std::uint64_t chunks = rows / rows_a_chunk + 1;
+  return chunks * rows_a_chunk * sizeof(BodyRow) + times_a_chunk * sizeof(TimeRow) + hdf5::metadata_room;
+}
+
 std::vector<hsize_t> row_shape(const Column& c) {
   return c.components > 1 ? std::vector<hsize_t>{static_cast<hsize_t>(c.components)} : std::vector<hsize_t>{};
 }
@@ -124,6 +130,7 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
 }
 
 void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
+  hdf5::reserve(path, provenance.case_text.size() + hdf5::metadata_room);
   File file = File::create(path, hdf5::Format::classic);
   const Handle root = file.group("/", false);
   file.attribute(root, "format", std::string("silt bodies"));
@@ -204,6 +211,7 @@ void BodySeries::append(std::int64_t step, double time, std::span<const BodyRow>
     if (twice != rows.end())
       throw hdf5::Error(path_.string() + ": body " + std::to_string(twice->id) + " has two owners in step " +
                         std::to_string(step));
+    hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(rows.size()));
     File file = File::open(path_, true);
     // Rows first and on their way to the file, then the time that makes them count.
     append_columns(file, "/bodies/", body_columns(), rows.data(), sizeof(BodyRow), rows_, rows.size());

@@ -56,6 +56,8 @@ class CheckpointWriter {
   void commit(int keep);
 
  private:
+  template <class T>
+  void set_any(const std::string& name, const T& value);
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -18,20 +18,25 @@ using hdf5::ImpulseRow;
 
 struct CheckpointWriter::State {
   MPI_Comm comm;
-  hdf5::Path path, part;
-  int rank = 0;
+  hdf5::Path path;
+  hdf5::TemporaryFile temporary;
   std::map<std::string, std::uint64_t> checksums;  // of the cell datasets, rank 0
-  bool committed = false;
+
+  const hdf5::Path& part() const { return temporary.path(); }
+  /// The file, with room for so many bytes of data more. Rank 0.
+  File open_to_add(std::uint64_t bytes) const {
+    hdf5::reserve(part(), std::filesystem::file_size(part()) + bytes + hdf5::metadata_room);
+    return File::open(part(), true);
+  }
 };
 
-CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path, const Provenance& provenance)
-    : state_(std::make_unique<State>()) {
-  state_->comm = comm;
-  state_->path = path;
-  state_->part = path.string() + ".part";
-  MPI_Comm_rank(comm, &state_->rank);
+CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path, const Provenance& provenance) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  state_.reset(new State{comm, path, {path.string() + ".part", rank == 0}, {}});
   on_rank_0(comm, [&] {
-    File file = File::create(state_->part, hdf5::Format::checked);
+    hdf5::reserve(state_->part(), hdf5::metadata_room + provenance.case_text.size());
+    File file = File::create(state_->part(), hdf5::Format::checked);
     const Handle root = file.group("/", false);
     file.attribute(root, "format", std::string(hdf5::checkpoint_format));
     file.attribute(root, "format_version", checkpoint_format_version);
@@ -46,20 +51,21 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& p
   });
 }
 
-CheckpointWriter::~CheckpointWriter() {
-  std::error_code ignored;
-  if (state_->rank == 0 && !state_->committed) std::filesystem::remove(state_->part, ignored);
-}
+CheckpointWriter::~CheckpointWriter() = default;
 
-namespace {
 template <class T>
-void set_on_rank_0(MPI_Comm comm, const hdf5::Path& part, const std::string& name, const T& value) {
-  on_rank_0(comm, [&] {
-    File file = File::open(part, true);
+void CheckpointWriter::set_any(const std::string& name, const T& value) {
+  on_rank_0(state_->comm, [&] {
+    File file = state_->open_to_add(0);
     file.attribute(file.group("/state", false), name, value);
     file.close();
   });
 }
+void CheckpointWriter::set(const std::string& name, std::int64_t value) { set_any(name, value); }
+void CheckpointWriter::set(const std::string& name, double value) { set_any(name, value); }
+void CheckpointWriter::set(const std::string& name, const std::string& value) { set_any(name, value); }
+
+namespace {
 template <class T>
 hid_t cell_type();
 template <>
@@ -83,12 +89,6 @@ std::uint64_t box_checksum(const CellBox& box, std::array<int, 3> n, int q, std:
 }
 }  // namespace
 
-void CheckpointWriter::set(const std::string& name, std::int64_t v) { set_on_rank_0(state_->comm, state_->part, name, v); }
-void CheckpointWriter::set(const std::string& name, double v) { set_on_rank_0(state_->comm, state_->part, name, v); }
-void CheckpointWriter::set(const std::string& name, const std::string& v) {
-  set_on_rank_0(state_->comm, state_->part, name, v);
-}
-
 template <class T>
 void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int components,
                              const std::vector<CellBox>& boxes,
@@ -98,7 +98,7 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
   on_rank_0(comm, [&] {
     std::vector<hsize_t> shape{hsize_t(n[2]), hsize_t(n[1]), hsize_t(n[0])};
     if (components > 1) shape.insert(shape.begin(), components);
-    File file = File::open(state_->part, true);
+    File file = state_->open_to_add(std::uint64_t(components) * n[0] * n[1] * n[2] * sizeof(T));
     file.create_contiguous(full, cell_type<T>(), shape);
     file.close();
   });
@@ -106,7 +106,7 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
   std::optional<File> file;
   Handle dataset;
   together(comm, [&] { selection.emplace(n, boxes); });
-  together(comm, [&] { file.emplace(File::open_parallel(comm, state_->part, true)); });
+  together(comm, [&] { file.emplace(File::open_parallel(comm, state_->part(), true)); });
   together(comm, [&] { dataset = file->dataset(full); });
   std::uint64_t mine = 0, sum = 0;
   for (int q = 0; q < components; ++q) {
@@ -195,7 +195,7 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
     const auto sorted = in_order(all, order);
     const auto sorted_counts = in_order(counts, order);
     const auto sorted_rows = reordered(rows, counts, order);
-    File file = File::open(state_->part, true);
+    File file = state_->open_to_add(sorted.size() * sizeof(rigid::BodyRecord) + sorted_rows.size() * sizeof(ImpulseRow));
     write_columns(file, "/bodies", hdf5::record_columns(), sorted.data(), sizeof(rigid::BodyRecord), sorted.size());
     hdf5::write_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, {sorted_counts.size()}, sorted_counts.data(),
                         sorted_counts.size() * sizeof(std::uint64_t));
@@ -207,18 +207,17 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
 
 void CheckpointWriter::commit(int keep) {
   on_rank_0(state_->comm, [&] {
-    File file = File::open(state_->part, true);
+    File file = state_->open_to_add(0);
     for (const auto& [name, checksum] : state_->checksums) file.attribute(file.dataset(name), "checksum", checksum);
     file.attribute(file.group("/", false), "complete", std::int64_t{1});
     file.close();
-    hdf5::sync_to_disk(state_->part);
+    hdf5::sync_to_disk(state_->part());
   });
-  hdf5::verify_checkpoint(state_->comm, state_->part);
+  hdf5::verify_checkpoint(state_->comm, state_->part());
   on_rank_0(state_->comm, [&] {
-    hdf5::rename_durably(state_->part, state_->path);
+    state_->temporary.rename_to(state_->path);
     drop_old_checkpoints(state_->path, keep);
   });
-  state_->committed = true;
 }
 
 }  // namespace silt::adapters

@@ -55,6 +55,14 @@ void create_file(const Path& path, const ImageGrid& grid, const std::vector<Fiel
   file.close();
 }
 
+std::uint64_t expected_size(const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
+                            const Provenance& provenance) {
+  const std::uint64_t cells = std::uint64_t(grid.cells[0]) * grid.cells[1] * grid.cells[2];
+  std::uint64_t bytes = provenance.case_text.size() + 4096;
+  for (const FieldQuantity& q : quantities) bytes += cells * q.components * (q.double_precision ? 8 : 4);
+  return bytes;
+}
+
 std::vector<std::byte> packed_values(const BoxSelection& selection, const FieldQuantity& q) {
   const std::size_t size = q.double_precision ? sizeof(double) : sizeof(float);
   std::vector<double> wide;
@@ -113,34 +121,31 @@ void update_series(const Path& field_path, double time) {
 void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageGrid& grid,
                   const std::vector<CellBox>& boxes, const std::vector<FieldQuantity>& quantities, double time,
                   std::int64_t step, const Provenance& provenance) {
-  const Path part = path.string() + ".part";
-  on_rank_0(comm, [&] { create_file(part, grid, quantities, time, step, provenance); });
-  try {
-    std::optional<BoxSelection> selection;
-    std::optional<File> file;
-    together(comm, [&] { selection.emplace(grid.cells, boxes); });
-    together(comm, [&] { file.emplace(File::open_parallel(comm, part, true)); });
-    for (const FieldQuantity& q : quantities) {
-      std::vector<std::byte> values;
-      Handle dataset;
-      together(comm, [&] { values = packed_values(*selection, q); });
-      together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
-      const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-      // One element of the selection is one number: the components are an axis of the dataset.
-      together(comm, [&] { selection->write(*file, dataset, type, -1, values.data()); });
-    }
-    together(comm, [&] { file->close(); });
-    on_rank_0(comm, [&] {
-      std::filesystem::rename(part, path);
-      update_series(path, time);
-    });
-  } catch (...) {
-    int rank = 0;
-    MPI_Comm_rank(comm, &rank);
-    std::error_code ignored;
-    if (rank == 0) std::filesystem::remove(part, ignored);
-    throw;
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  hdf5::TemporaryFile part(path.string() + ".part", rank == 0);
+  on_rank_0(comm, [&] {
+    hdf5::reserve(part.path(), expected_size(grid, quantities, provenance));
+    create_file(part.path(), grid, quantities, time, step, provenance);
+    hdf5::reserve(part.path(), std::filesystem::file_size(part.path()));
+  });
+  std::optional<BoxSelection> selection;
+  std::optional<File> file;
+  together(comm, [&] { selection.emplace(grid.cells, boxes); });
+  together(comm, [&] { file.emplace(File::open_parallel(comm, part.path(), true)); });
+  for (const FieldQuantity& q : quantities) {
+    std::vector<std::byte> values;
+    Handle dataset;
+    together(comm, [&] { values = packed_values(*selection, q); });
+    together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
+    const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+    together(comm, [&] { selection->write(*file, dataset, type, -1, values.data()); });
   }
+  together(comm, [&] { file->close(); });
+  on_rank_0(comm, [&] {
+    part.rename_to(path);
+    update_series(path, time);
+  });
 }
 
 }  // namespace silt::adapters

@@ -1,6 +1,8 @@
 #include "adapters/hdf5/file.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -50,7 +52,7 @@ File File::create(const Path& path, Format format) {
   if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_file_locking(access, false, true);
   Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path, "cannot create the file");
-  return File(path, std::move(file));
+  return File(path, std::move(file), true);
 }
 
 File File::open(const Path& path, bool writable) {
@@ -59,7 +61,7 @@ File File::open(const Path& path, bool writable) {
   H5Pset_file_locking(access, false, true);
   Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
               "cannot open the file as HDF5 (missing, truncated or altered)");
-  return File(path, std::move(file));
+  return File(path, std::move(file), writable);
 }
 
 File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
@@ -71,11 +73,35 @@ File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
   return File(path, std::move(file));
 }
 
+File::~File() {
+  if (own_writing_ && handle_ >= 0 && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0) abandon();
+}
+
+/// After a failed write: whatever HDF5 still wants to write to this file goes to memory and is forgotten. Otherwise
+/// closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in MPI_Finalize.
+void File::abandon() const {
+  int* file = nullptr;
+  if (!own_writing_ || H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0) return;
+  const int memory = memfd_create("abandoned", MFD_CLOEXEC);
+  if (memory < 0) return;
+  dup2(memory, *file);
+  ::close(memory);
+}
+
+void File::check(herr_t status, const std::string& what) const {
+  if (status >= 0) return;
+  try {
+    fail(path_, what);
+  } catch (const Error&) {
+    abandon();
+    throw;
+  }
+}
+
 void File::flush() { check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)"); }
 
 void File::close() {
-  const herr_t flushed = H5Fflush(handle_, H5F_SCOPE_LOCAL);
-  if (flushed < 0) fail(path_, "cannot write (is the disk full?)");
+  flush();
   if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
 }
 
@@ -232,23 +258,47 @@ void File::write_provenance(const Provenance& p) {
 }
 
 namespace {
-void sync_one(const Path& path, int flags) {
-  const int file = ::open(path.c_str(), flags);
-  const bool good = file >= 0 && ::fsync(file) == 0;
+/// Opens, acts, closes; throws with the system's reason if act returns other than 0.
+template <class Act>
+void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
+  const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+  const bool good = file >= 0 && act(file) == 0;
   const int error = errno;
   if (file >= 0) ::close(file);
-  if (!good) throw Error(path.string() + ": cannot flush to the disk: " + std::strerror(error));
+  if (!good) throw Error(path.string() + ": cannot " + what + ": " + std::strerror(error));
 }
-Path folder_of(const Path& path) { return path.has_parent_path() ? path.parent_path() : Path("."); }
 }  // namespace
 
-void sync_to_disk(const Path& path) { sync_one(path, O_RDONLY); }
+void sync_to_disk(const Path& path) { with_descriptor(path, O_RDONLY, "flush to the disk", ::fsync); }
 
-void rename_durably(const Path& from, const Path& to) {
+void reserve(const Path& path, std::uint64_t size) {
+  const std::string what = "reserve " + std::to_string(size) + " bytes (is the disk full?)";
+  with_descriptor(path, O_WRONLY | O_CREAT, what, [&](int file) {
+    struct stat before;
+    if (::fstat(file, &before) != 0) return -1;
+    if (::fallocate(file, 0, 0, static_cast<off_t>(size)) == 0) return 0;
+    const int error = errno;
+    if (error == EOPNOTSUPP || error == ENOSYS) return 0;
+    if (::ftruncate(file, before.st_size) != 0) return -1;
+    errno = error;
+    return -1;
+  });
+}
+
+TemporaryFile::~TemporaryFile() {
+  std::error_code ignored;
+  if (!mine_) return;
+  std::filesystem::resize_file(path_, 0, ignored);  // gives the space back even while someone has it open
+  std::filesystem::remove(path_, ignored);
+}
+
+void TemporaryFile::rename_to(const Path& to) {
   std::error_code error;
-  std::filesystem::rename(from, to, error);
-  if (error) throw Error(to.string() + ": cannot rename " + from.string() + " to it: " + error.message());
-  sync_one(folder_of(to), O_RDONLY | O_DIRECTORY);
+  std::filesystem::rename(path_, to, error);
+  if (error) throw Error(to.string() + ": cannot rename " + path_.string() + " to it: " + error.message());
+  mine_ = false;
+  const Path folder = to.has_parent_path() ? to.parent_path() : Path(".");
+  with_descriptor(folder, O_RDONLY | O_DIRECTORY, "flush the folder to the disk", ::fsync);
 }
 
 }  // namespace silt::adapters::hdf5

@@ -66,9 +66,9 @@ class File {
   void flush();
   /// Writes out everything; throws where that fails. The destructor closes silently.
   void close();
-  void check(herr_t status, const std::string& what) const {
-    if (status < 0) fail(path_, what);
-  }
+  ~File();
+  File(File&&) = default;
+  void check(herr_t status, const std::string& what) const;
 
   bool exists(const std::string& name) const;
   Handle group(const std::string& name, bool create);
@@ -97,16 +97,40 @@ class File {
   void write_provenance(const Provenance&);
 
  private:
-  File(Path path, Handle handle) : path_(std::move(path)), handle_(std::move(handle)) {}
+  File(Path path, Handle handle, bool own_writing = false)
+      : path_(std::move(path)), handle_(std::move(handle)), own_writing_(own_writing) {}
+  void abandon() const;
   template <class T>
   T scalar_attribute(hid_t owner, const std::string& name, hid_t type) const;
   Path path_;
   Handle handle_;
+  bool own_writing_;  // writable, and not shared with other ranks
 };
 
-/// Writes a file's content and its directory entry to the disk. Throws Error.
+/// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when it
+/// closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the file is then
+/// as long as before. Does nothing where the file system cannot reserve.
+void reserve(const Path&, std::uint64_t size);
+
+/// Room for what HDF5 itself needs in one go of adding datasets, attributes or chunks, bytes.
+inline constexpr std::uint64_t metadata_room = 1 << 17;
+
+/// A file on its way: on rank 0 it is removed, its space given back, unless it is kept in the end.
+class TemporaryFile {
+ public:
+  TemporaryFile(Path path, bool mine) : path_(std::move(path)), mine_(mine) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  ~TemporaryFile();
+  const Path& path() const { return path_; }
+  /// Gives it its name, durable.
+  void rename_to(const Path&);
+
+ private:
+  Path path_;
+  bool mine_;
+};
+
+/// Writes a file's content to the disk itself. Throws Error.
 void sync_to_disk(const Path&);
-/// Renames over the target, durable.
-void rename_durably(const Path& from, const Path& to);
 
 }  // namespace silt::adapters::hdf5

@@ -85,6 +85,30 @@ void verify_head(const File& file) {
   if (!file.has_attribute(root, "complete")) throw Error(file.path().string() + ": was not written to its end");
 }
 
+/// Reads every header and every attribute of the file: HDF5 compares their checksums, and nothing can fail later.
+void verify_metadata(const File& file) {
+  struct Visit {
+    static herr_t attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
+      const hid_t a = H5Aopen(object, name, H5P_DEFAULT);
+      if (a < 0) return -1;
+      const hid_t type = H5Aget_type(a);
+      std::vector<char> value(H5Aget_storage_size(a) + 1);
+      const herr_t status = H5Aread(a, type, value.data());
+      H5Tclose(type);
+      H5Aclose(a);
+      return status;
+    }
+    static herr_t object(hid_t root, const char* name, const H5O_info_t*, void*) {
+      const hid_t o = H5Oopen(root, name, H5P_DEFAULT);
+      if (o < 0) return -1;
+      const herr_t status = H5Aiterate2(o, H5_INDEX_NAME, H5_ITER_INC, nullptr, attribute, nullptr);
+      H5Oclose(o);
+      return status;
+    }
+  };
+  file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, nullptr), "the file's structure is altered");
+}
+
 void verify_tables(const File& file) {
   for (const auto& [group, columns] :
        {std::pair{std::string("/bodies/"), &record_columns()}, {std::string("/impulses/"), &impulse_columns()}}) {
@@ -136,6 +160,7 @@ void verify_checkpoint(MPI_Comm comm, const Path& path) {
     if (!std::filesystem::exists(path)) throw Error(path.string() + ": there is no such file");
     file.emplace(File::open(path, false));
     verify_head(*file);
+    verify_metadata(*file);
     verify_tables(*file);
   });
   together(comm, [&] {
