@@ -78,5 +78,14 @@ TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
   EXPECT_TRUE(rank() != 0 || std::filesystem::is_empty(scratch.path()));
 }
 
+// The writer for reads_in_vtk.py, which sets the variable.
+TEST(Writer, DISABLED_of_fields) {
+  const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
+  for (const int step : {0, 50}) {
+    const auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5}, step == 0, true);
+    write(MPI_COMM_WORLD, folder / ("fields_0000" + std::to_string(step) + ".hdf"), boxes, 0.01 * step);
+  }
+}
+
 }  // namespace
 }  // namespace silt::tests
