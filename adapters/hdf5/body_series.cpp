@@ -130,8 +130,9 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
 }
 
 void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
-  hdf5::reserve(path, provenance.case_text.size() + hdf5::metadata_room);
-  File file = File::create(path, hdf5::Format::classic);
+  hdf5::TemporaryFile part(path.string() + ".part", true);
+  hdf5::reserve(part.path(), provenance.case_text.size() + hdf5::metadata_room);
+  File file = File::create(part.path(), hdf5::Format::classic);
   const Handle root = file.group("/", false);
   file.attribute(root, "format", std::string("silt bodies"));
   file.attribute(root, "format_version", std::int64_t{1});
@@ -145,6 +146,7 @@ void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Pro
   write_kinds(file, info);
   file.write_provenance(provenance);
   file.close();
+  part.rename_to(path);
 }
 
 /// The whole times of a file whose last append may have been cut off: rows of every column are there.

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -59,8 +60,11 @@ File File::open(const Path& path, bool writable) {
   const Handle access = access_list(path);
   // A reader that holds the file's lock (a plotting script) must not stop the run.
   H5Pset_file_locking(access, false, true);
-  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
-              "cannot open the file as HDF5 (missing, truncated or altered)");
+  std::error_code ignored;
+  const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
+  // HDF5 would take an empty file for a new one.
+  if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
+  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path, what);
   return File(path, std::move(file), writable);
 }
 
@@ -258,14 +262,26 @@ void File::write_provenance(const Provenance& p) {
 }
 
 namespace {
-/// Opens, acts, closes; throws with the system's reason if act returns other than 0.
+/// Opens (or creates, by the flags), acts, closes; throws with the system's reason if act returns other than 0.
 template <class Act>
 void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
   const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-  const bool good = file >= 0 && act(file) == 0;
+  if (file < 0) throw Error(path.string() + ": cannot open or create: " + std::strerror(errno));
+  const bool good = act(file) == 0;
   const int error = errno;
-  if (file >= 0) ::close(file);
+  ::close(file);
   if (!good) throw Error(path.string() + ": cannot " + what + ": " + std::strerror(error));
+}
+}  // namespace
+
+namespace {
+/// 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
+int room_for(int file, std::uint64_t bytes) {
+  struct statvfs disk;
+  if (::fstatvfs(file, &disk) != 0 || static_cast<std::int64_t>(bytes) <= 0) return 0;
+  if (disk.f_bavail * disk.f_frsize >= bytes) return 0;
+  errno = ENOSPC;
+  return -1;
 }
 }  // namespace
 
@@ -278,7 +294,7 @@ void reserve(const Path& path, std::uint64_t size) {
     if (::fstat(file, &before) != 0) return -1;
     if (::fallocate(file, 0, 0, static_cast<off_t>(size)) == 0) return 0;
     const int error = errno;
-    if (error == EOPNOTSUPP || error == ENOSYS) return 0;
+    if (error == EOPNOTSUPP || error == ENOSYS) return room_for(file, size - 512 * std::uint64_t(before.st_blocks));
     if (::ftruncate(file, before.st_size) != 0) return -1;
     errno = error;
     return -1;

@@ -109,7 +109,7 @@ class File {
 
 /// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when it
 /// closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the file is then
-/// as long as before. Does nothing where the file system cannot reserve.
+/// as long as before. Where the file system cannot reserve, it only looks whether there is room.
 void reserve(const Path&, std::uint64_t size);
 
 /// Room for what HDF5 itself needs in one go of adding datasets, attributes or chunks, bytes.

@@ -81,7 +81,7 @@ TEST(BodySeries, errors_reach_every_rank) {
   EXPECT_TEXT(error_of([&] { series.append(3, 0, {}); }), "step 3 does not come after step 3");
   EXPECT_TEXT(error_of([&] { BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "c.h5", 0); }), "c.h5");
   EXPECT_TEXT(error_of([&] { BodySeries::create(MPI_COMM_WORLD, scratch / "no" / "b.h5", info, {}); }),
-              "cannot create the file: No such file or directory");
+              "cannot open or create: No such file or directory");
 }
 
 // Writers for series_in_h5py.py, which sets the variable.

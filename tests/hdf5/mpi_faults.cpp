@@ -93,6 +93,7 @@ TEST(FullDisk, is_told_of_a_field_file) {
     EXPECT_TEXT(error, "fields_1.hdf.part: cannot");
     MPI_Barrier(MPI_COMM_WORLD);
     EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+    MPI_Barrier(MPI_COMM_WORLD);
   }
   EXPECT_EQ(error_of(write), "");
 }
