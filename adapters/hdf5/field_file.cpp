@@ -118,6 +118,12 @@ void update_series(const Path& field_path, double time) {
 
 }  // namespace
 
+std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step) {
+  std::string number = std::to_string(step);
+  if (number.size() < 12) number.insert(0, 12 - number.size(), '0');
+  return folder / ("fields_" + number + ".hdf");
+}
+
 void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageGrid& grid,
                   const std::vector<CellBox>& boxes, const std::vector<FieldQuantity>& quantities, double time,
                   std::int64_t step, const Provenance& provenance) {

@@ -30,6 +30,9 @@ struct FieldQuantity {
   bool double_precision = false;
 };
 
+/// FOLDER/fields_000000000100.hdf: names sort like steps.
+std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step);
+
 /// Collective; a rank without boxes joins with an empty list. Names, units and the number of quantities must be the
 /// same on every rank. Cells no rank holds are zero. Also keeps NAME.hdf.series, the list of times next to the
 /// file (fields_000100.hdf: fields.hdf.series), in which entries at or after this time are replaced.
