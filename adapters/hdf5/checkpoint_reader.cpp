@@ -1,18 +1,18 @@
 #include <algorithm>
 #include <optional>
 
-#include "adapters/hdf5/box_selection.hpp"
 #include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/slab_exchange.hpp"
 #include "adapters/hdf5/together.hpp"
 #include "adapters/hdf5/verify_checkpoint.hpp"
 
 namespace silt::adapters {
 
-using hdf5::BoxSelection;
 using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
 using hdf5::ImpulseRow;
+using hdf5::SlabExchange;
 
 struct CheckpointReader::State {
   MPI_Comm comm;
@@ -134,12 +134,12 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
                              const std::function<void(int, std::size_t, const T*)>& take) const {
   const std::string full = "/cells/" + name;
   const MPI_Comm comm = state_->comm;
-  std::optional<BoxSelection> selection;
   std::optional<File> file;
   Handle dataset;
+  std::array<int, 3> cells{};
   int n = 0;
   together(comm, [&] {
-    selection.emplace(lattice(name), boxes);
+    cells = lattice(name);
     n = components(name);
     if (!is_stored_as<T>(state_->file->dataset(full)))
       throw hdf5::Error(state_->path.string() + ": " + full + " was stored in another precision than asked for");
@@ -147,11 +147,11 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
   together(comm, [&] { file.emplace(File::open_parallel(comm, state_->path, false)); });
   together(comm, [&] { dataset = file->dataset(full); });
   const Handle type(H5Dget_type(dataset), H5Tclose, state_->path, "type of " + full);
-  std::vector<std::byte> packed(selection->cells() * sizeof(T));
+  const SlabExchange slabs(comm, cells, boxes);
   for (int q = 0; q < n; ++q) {
-    together(comm, [&] { selection->read(*file, dataset, type, n > 1 ? q : -1, packed.data()); });
+    const auto packed = slabs.read(*file, dataset, type, n > 1 ? q : -1, sizeof(T));
     together(comm, [&] {
-      selection->unpack(packed, sizeof(T),
+      slabs.unpack(packed, sizeof(T),
                         [&](std::size_t box, const void* in) { take(q, box, static_cast<const T*>(in)); });
     });
   }

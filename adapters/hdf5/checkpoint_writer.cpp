@@ -3,18 +3,18 @@
 #include <numeric>
 #include <optional>
 
-#include "adapters/hdf5/box_selection.hpp"
 #include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/slab_exchange.hpp"
 #include "adapters/hdf5/together.hpp"
 #include "adapters/hdf5/verify_checkpoint.hpp"
 
 namespace silt::adapters {
 
-using hdf5::BoxSelection;
 using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
 using hdf5::ImpulseRow;
+using hdf5::SlabExchange;
 
 struct CheckpointWriter::State {
   MPI_Comm comm;
@@ -102,24 +102,21 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
     file.create_contiguous(full, cell_type<T>(), shape);
     file.close();
   });
-  std::optional<BoxSelection> selection;
+  const SlabExchange slabs(comm, n, boxes);
   std::optional<File> file;
   Handle dataset;
-  together(comm, [&] { selection.emplace(n, boxes); });
   together(comm, [&] { file.emplace(File::open_parallel(comm, state_->part(), true)); });
   together(comm, [&] { dataset = file->dataset(full); });
   std::uint64_t mine = 0, sum = 0;
   for (int q = 0; q < components; ++q) {
     std::vector<std::byte> packed;
     together(comm, [&] {
-      packed = selection->pack(sizeof(T), [&](std::size_t box, void* out) {
+      packed = slabs.pack(sizeof(T), [&](std::size_t box, void* out) {
         fill(q, box, static_cast<T*>(out));
         mine += box_checksum(boxes[box], n, q, sizeof(T), out);
       });
     });
-    together(comm, [&] {
-      selection->write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, packed.data());
-    });
+    together(comm, [&] { slabs.write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, sizeof(T), packed); });
   }
   dataset.close();
   together(comm, [&] { file->close(); });

@@ -4,16 +4,16 @@
 #include <fstream>
 #include <optional>
 
-#include "adapters/hdf5/box_selection.hpp"
+#include "adapters/hdf5/slab_exchange.hpp"
 #include "adapters/hdf5/together.hpp"
 
 namespace silt::adapters {
 namespace {
 
-using hdf5::BoxSelection;
 using hdf5::File;
 using hdf5::Handle;
 using hdf5::Path;
+using hdf5::SlabExchange;
 
 std::string dataset_name(const FieldQuantity& q) { return "/VTKHDF/PointData/" + q.name; }
 
@@ -55,19 +55,22 @@ void create_file(const Path& path, const ImageGrid& grid, const std::vector<Fiel
   file.close();
 }
 
+std::size_t cell_bytes(const FieldQuantity& q) {
+  return q.components * (q.double_precision ? sizeof(double) : sizeof(float));
+}
+
 std::uint64_t expected_size(const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
                             const Provenance& provenance) {
   const std::uint64_t cells = std::uint64_t(grid.cells[0]) * grid.cells[1] * grid.cells[2];
   std::uint64_t bytes = provenance.case_text.size() + 4096;
-  for (const FieldQuantity& q : quantities) bytes += cells * q.components * (q.double_precision ? 8 : 4);
+  for (const FieldQuantity& q : quantities) bytes += cells * cell_bytes(q);
   return bytes;
 }
 
-std::vector<std::byte> packed_values(const BoxSelection& selection, const FieldQuantity& q) {
-  const std::size_t size = q.double_precision ? sizeof(double) : sizeof(float);
+std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuantity& q) {
   std::vector<double> wide;
-  return selection.pack(size * q.components, [&](std::size_t box, void* out) {
-    const std::size_t n = selection.boxes()[box].cells() * q.components;
+  return slabs.pack(cell_bytes(q), [&](std::size_t box, void* out) {
+    const std::size_t n = slabs.boxes()[box].cells() * q.components;
     if (q.double_precision) return q.values(box, static_cast<double*>(out));
     wide.resize(n);
     q.values(box, wide.data());
@@ -135,17 +138,16 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageG
     create_file(part.path(), grid, quantities, time, step, provenance);
     hdf5::reserve(part.path(), std::filesystem::file_size(part.path()));
   });
-  std::optional<BoxSelection> selection;
+  const SlabExchange slabs(comm, grid.cells, boxes);
   std::optional<File> file;
-  together(comm, [&] { selection.emplace(grid.cells, boxes); });
   together(comm, [&] { file.emplace(File::open_parallel(comm, part.path(), true)); });
   for (const FieldQuantity& q : quantities) {
     std::vector<std::byte> values;
     Handle dataset;
-    together(comm, [&] { values = packed_values(*selection, q); });
+    together(comm, [&] { values = packed_values(slabs, q); });
     together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
     const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-    together(comm, [&] { selection->write(*file, dataset, type, -1, values.data()); });
+    together(comm, [&] { slabs.write(*file, dataset, type, -1, cell_bytes(q), values); });
   }
   together(comm, [&] { file->close(); });
   on_rank_0(comm, [&] {

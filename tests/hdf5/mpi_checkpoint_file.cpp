@@ -192,6 +192,30 @@ void round_trip() {
 TEST(Checkpoint, comes_back_to_the_bit_in_single_precision) { round_trip<float>(); }
 TEST(Checkpoint, comes_back_to_the_bit_in_double_precision) { round_trip<double>(); }
 
+TEST(Checkpoint, of_a_lattice_with_fewer_planes_than_ranks) {
+  const Scratch scratch;
+  const std::array<int, 3> thin{6, 5, 3};
+  const auto path = adapters::checkpoint_path(scratch.path(), 1);
+  const auto boxes = blocks_of(rank(), ranks(), thin, {2, 2, 2});
+  const auto number = [](int q, int x, int y, int z) { return std::uint8_t(q * 90 + z * 30 + y * 6 + x + 1); };
+  {
+    CheckpointWriter writer(MPI_COMM_WORLD, path, {});
+    writer.cells<std::uint8_t>("n", thin, 2, boxes, [&](int q, std::size_t box, std::uint8_t* out) {
+      for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) { out[i] = number(q, x, y, z); });
+    });
+    writer.commit(0);
+  }
+  const CheckpointReader reader(MPI_COMM_WORLD, path);
+  const CellBox box{{1, 0, 1}, {5, 4, 3}};  // the same on every rank: readers may overlap
+  std::size_t wrong = 0, calls = 0;
+  reader.cells<std::uint8_t>("n", {box}, [&](int q, std::size_t, const std::uint8_t* in) {
+    ++calls;
+    for_each_cell(box, [&](int x, int y, int z, std::size_t i) { wrong += in[i] != number(q, x, y, z); });
+  });
+  EXPECT_EQ(calls, 2u);
+  EXPECT_EQ(wrong, 0u);
+}
+
 TEST(Checkpoint, keeps_the_newest_and_removes_unfinished_ones) {
   const Scratch scratch;
   if (rank() == 0) std::ofstream(adapters::checkpoint_path(scratch.path(), 150).string() + ".part") << "cut off";
