@@ -36,6 +36,7 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
     laps.end(Stage::lbm_communication);
     if (scene_.bodies) {
       scene_.flow->evaluate_forces(bodies, scene_.gravity);  // line 3: what surfaces return, forces on bodies
+      if (scene_.forces_seen) scene_.forces_seen(bodies);
       laps.end(Stage::force_evaluation);
     }
   }

@@ -1,6 +1,7 @@
 #pragma once
 // One step of fluid and bodies: Algorithm 2 of Goetz et al., SC10.
 #include <array>
+#include <functional>
 #include <string_view>
 
 #include "coupler/flow.hpp"
@@ -26,6 +27,8 @@ struct SceneParts {
   int substeps = 1;
   rigid::Vec3 gravity = rigid::Vec3::Zero();
   bool bodies = false;  // any, fixed ones included
+  /// Called when the fluid's forces stand in the rows' accumulators and nothing has consumed them; may be empty.
+  std::function<void(const rigid::BodySet&)> forces_seen;
 };
 
 class CoupledStep {
