@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "adapters/hdf5/body_series.hpp"
+#include "adapters/hdf5/boxes.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {

@@ -1,6 +1,7 @@
 #include "adapters/hdf5/describe_file.hpp"
 
 #include <cstdio>
+#include <string_view>
 #include <vector>
 
 #include "adapters/hdf5/file.hpp"
@@ -22,7 +23,10 @@ std::string attribute_text(const File& file, hid_t owner, const std::string& nam
     if (H5Tis_variable_str(type) <= 0) return n == 1 ? file.string_attribute(owner, name) : "(texts)";
     std::vector<char*> values(n, nullptr);
     file.check(H5Aread(attribute, type, values.data()), "cannot read attribute " + name);
-    for (const char* v : values) text += (text.empty() ? "" : ", ") + std::string(v ? v : "");
+    for (const char* v : values) {
+      if (!text.empty()) text += ", ";
+      if (v) text += v;
+    }
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, values.data());
     return text;
   }
@@ -46,8 +50,7 @@ std::string attributes_text(const File& file, hid_t owner) {
   H5Aiterate2(owner, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names);
   std::string text;
   for (const auto& name : names) {
-    text += "    " + name + ": ";
-    text += attribute_text(file, owner, name) + "\n";
+    text.append("    ").append(name).append(": ").append(attribute_text(file, owner, name)).append("\n");
   }
   return text;
 }
@@ -57,7 +60,10 @@ std::string dataset_text(const File& file, const std::string& name) {
   const Handle type(H5Dget_type(data), H5Tclose, file.path(), "type of " + name);
   const auto shape = file.shape(data);
   std::string text = "  " + name + " [";
-  for (std::size_t d = 0; d < shape.size(); ++d) text += (d ? " x " : "") + std::to_string(shape[d]);
+  for (std::size_t d = 0; d < shape.size(); ++d) {
+    if (d > 0) text += " x ";
+    text += std::to_string(shape[d]);
+  }
   text += "] ";
   const H5T_class_t kind = H5Tget_class(type);
   text += kind == H5T_FLOAT ? "float" : kind == H5T_INTEGER ? "integer" : "text";
@@ -77,7 +83,9 @@ std::string describe_file(const std::filesystem::path& path) {
   Objects objects;
   const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t {
     auto& all = *static_cast<Objects*>(to);
-    const std::string full = std::string(name) == "." ? "/" : "/" + std::string(name);
+    const std::string_view relative(name);
+    std::string full(1, '/');
+    if (relative != ".") full.append(relative);
     (info->type == H5O_TYPE_DATASET ? all.datasets : all.groups).push_back(full);
     return 0;
   };
