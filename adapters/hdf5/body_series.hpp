@@ -5,7 +5,8 @@
 //   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
 //           angular_velocity [R][3]  force [R][3]  torque [R][3]          sorted by id within a time
 //   /kinds  (name, bounding radius and parts of the shape of each kind)   /provenance
-// With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first (scripts/body_series.py).
+// With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first:
+// scripts/body_series.py
 #include <mpi.h>
 
 #include <array>
