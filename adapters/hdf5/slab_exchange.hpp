@@ -1,13 +1,11 @@
 #pragma once
-// Private to adapters/hdf5: this rank's boxes of a dataset [q][z][y][x][c], [z][y][x][c] or [z][y][x], in and
-// out.
+// Private to adapters/hdf5: this rank's boxes of a dataset [q][z][y][x][c], [z][y][x][c] or [z][y][x].
 //
 // Blocks are scattered over the file in short rows. MPI-IO can sort that out by itself (two-phase I/O), but
 // spends several times the time of the disk on it. So the ranks first swap rows such that each holds a slab
 // of whole planes, and then each writes (reads) its slab in one piece:
 //
-//   boxes of rank r  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  planes nz r / ranks .. nz (r + 1) /
-//   ranks
+//   boxes  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  planes nz r / ranks .. nz (r + 1) / ranks of rank r
 #include <functional>
 #include <vector>
 
