@@ -5,7 +5,7 @@
 // spends several times the time of the disk on it. So the ranks first swap rows such that each holds a slab
 // of whole planes, and then each writes (reads) its slab in one piece:
 //
-//   boxes  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  planes nz r / ranks .. nz (r + 1) / ranks of rank r
+//   boxes  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  planes nz r / ranks .. nz (r + 1) / ranks
 #include <functional>
 #include <vector>
 
