@@ -10,6 +10,7 @@ namespace {
 
 constexpr int most_rounds = 100;     // few are needed but where a box slides: 40 leave 1e-9 there, 12 let a stack drift
 constexpr double converged = 1e-14;  // change of an impulse in a round, relative to the largest
+constexpr double converged_push = 1e-6;  // the same where only positions are corrected
 constexpr double decoupled = 1e-12;  // mixing of directions, relative to k_n: none
 
 /// The solver's own copy of a pair: velocities at the contacts along their directions.
@@ -62,13 +63,12 @@ void solve_single(ContactRow& row, const double* u) {
   p[1] *= shrink, p[2] *= shrink;
 }
 
-void iterate(Block& block, bool frictionless, double relative_to_first) {
-  double first = 0;
+void iterate(Block& block, bool frictionless) {
+  const double tolerance = frictionless ? converged_push : converged;
   for (int i = 0; i < most_rounds; ++i) {
     block.change = block.scale = 0;
     for (std::size_t k = 0; k < block.rows.size(); ++k) block.solve(k, frictionless);
-    if (i == 0) first = block.change;
-    if (block.change <= std::max(converged * converged * block.scale, relative_to_first * relative_to_first * first)) return;
+    if (block.change <= tolerance * tolerance * block.scale) return;
   }
 }
 
@@ -106,8 +106,7 @@ bool set_effective_masses(std::span<ContactRow> rows, const SplitMass& a, const 
   return simple;
 }
 
-PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Twist& a, const Twist& b, PairLaw law,
-                      double relative_to_first) {
+PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Twist& a, const Twist& b, PairLaw law) {
   constexpr std::size_t usual = 16;  // contacts of a pair of convex bodies; compounds may have more
   double few_u[3 * usual];
   std::array<double, 3> few_old[usual];
@@ -124,7 +123,7 @@ PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Tw
     solve_single(rows[0], u);
   } else {
     Block block{rows, matrix, u, 3 * rows.size()};
-    iterate(block, law == PairLaw::frictionless, relative_to_first);
+    iterate(block, law == PairLaw::frictionless);
   }
   PairChange total;
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -60,9 +60,8 @@ enum class PairLaw {
   frictionless,  // normal impulses only
 };
 
-/// Block Gauss-Seidel over the rows from the velocities given, until a round changes less than `tolerance` of the
-/// largest impulse or of the first round's change.
-PairChange solve_pair(std::span<ContactRow>, const double* matrix, const Twist& a, const Twist& b, PairLaw,
-                      double relative_to_first);
+/// Solves the rows from the velocities given, to round-off (stacks vibrate if it is left at less): block
+/// Gauss-Seidel.
+PairChange solve_pair(std::span<ContactRow>, const double* matrix, const Twist& a, const Twist& b, PairLaw);
 
 }  // namespace silt::rigid

@@ -10,7 +10,6 @@ namespace silt::rigid {
 namespace {
 
 constexpr int width = 7;              // doubles a body in a share: v, w, number
-constexpr double inner_reduction = 0;
 constexpr double rounding = 1e-5;     // times mass x speed: an impulse this small says nothing about convergence
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
@@ -148,8 +147,7 @@ double SffdResolver::sweep(std::vector<double>& state, double tolerance, bool fi
     if (!first && (p.final_after_one || !woken)) continue;
     const PairLaw law = p.single ? PairLaw::single : push ? PairLaw::frictionless : PairLaw::coulomb;
     const PairChange change = solve_pair({rows_.data() + p.first, p.last - p.first}, matrices_.data() + p.matrix,
-                                         twist(state, a.row), twist(state, b.row), law,
-                                         p.final_after_one ? 0.0 : inner_reduction);
+                                         twist(state, a.row), twist(state, b.row), law);
     a.impulse -= change.impulse;
     a.angular_impulse -= change.angular_a;
     b.impulse += change.impulse;

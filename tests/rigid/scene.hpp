@@ -36,7 +36,8 @@ struct Scene {
   }
   BodyId add_with_id(BodyId id, int shape, const Vec3& x, const Vec3& v, const Vec3& w, double mass,
                      const Quat& q = Quat::Identity()) {
-    const MassProperties p = mass_properties(world.shapes[shape]);
+    while (masses_.size() <= static_cast<std::size_t>(shape)) masses_.push_back(mass_properties(world.shapes[masses_.size()]));
+    const MassProperties& p = masses_[shape];
     BodyRecord r;
     r.id = id;
     r.shape = shape;
@@ -89,6 +90,7 @@ struct Scene {
 
  private:
   BodyId next_id_ = 0;
+  std::vector<MassProperties> masses_;  // of the shapes
 };
 
 }  // namespace silt::rigid::testing
