@@ -98,9 +98,10 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
                       points_);
       reduce_manifold(points_);
       for (const ContactPoint& point : points_) {
-        const Vec3 middle = 0.5 * (point.on_a + point.on_b);
+        // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
+        const Vec3 common = b.half_space ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
         contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, packed_feature(i, j, point.feature),
-                            point.normal, point.gap, middle, middle - from_a_to_b, material.restitution,
+                            point.normal, point.gap, common, common - from_a_to_b, material.restitution,
                             material.friction});
         if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }

@@ -10,6 +10,7 @@ namespace silt::rigid {
 namespace {
 
 constexpr int width = 7;              // doubles a body in a share: v, w, number
+constexpr double inner_reduction = 0;
 constexpr double rounding = 1e-5;     // times mass x speed: an impulse this small says nothing about convergence
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
@@ -68,7 +69,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
   rows_.reserve(contacts.size());
   for (const Contact& c : contacts) {
     ContactRow row;
-    row.normal = c.normal, row.r_a = c.r_a, row.r_b = c.r_b;
+    row.direction = contact_directions(c.normal), row.r_a = c.r_a, row.r_b = c.r_b;
     row.friction = c.friction;
     const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
     row.target = target_velocity(c, dt,
@@ -90,7 +91,7 @@ void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>&
     recall_impulses(bodies.stored_impulses[bodies_[at_a ? p.a : p.b].row], at_a ? c.b : c.a,
                     {contacts.data() + p.first, rows.size()}, rows);
     for (const ContactRow& row : rows) {
-      const Vec3 impulse = row.impulse();
+      const Vec3 impulse = row.impulse_W();
       bodies_[p.a].impulse -= impulse;
       bodies_[p.a].angular_impulse -= row.r_a.cross(impulse);
       bodies_[p.b].impulse += impulse;
@@ -106,23 +107,31 @@ void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>&
   }
 }
 
-void SffdResolver::split_masses(const BodySet& bodies, double dt, bool push) {
+void SffdResolver::split_masses(const BodySet& bodies) {
+  std::size_t needed = 0;
+  for (Pair& p : pairs_) {
+    p.matrix = needed;
+    needed += matrix_size(p.last - p.first);
+  }
+  matrices_.resize(needed);
   for (Pair& p : pairs_) {
     const Body &a = bodies_[p.a], &b = bodies_[p.b];
-    const Twist twist_a = twist(state_, a.row), twist_b = twist(state_, b.row);
-    p.reduced_mass = 1 / (a.inverse_mass + b.inverse_mass);
-    const double arms = rows_[p.first].r_a.norm() + (is_wall(bodies.id[b.row]) ? 0.0 : rows_[p.first].r_b.norm());
-    if (push) {
-      p.least_scale = p.reduced_mass * push_rounding * arms / dt;
-      continue;
-    }
     const double n_a = state_[a.row * width + 6], n_b = state_[b.row * width + 6];
-    p.mass_a = {n_a * a.inverse_mass, n_a * a.inverse_inertia};
-    p.mass_b = {n_b * b.inverse_mass, n_b * b.inverse_inertia};
-    p.one_round = set_effective_masses({rows_.data() + p.first, p.last - p.first}, p.mass_a, p.mass_b);
+    p.single = set_effective_masses({rows_.data() + p.first, p.last - p.first},
+                                    {n_a * a.inverse_mass, n_a * a.inverse_inertia},
+                                    {n_b * b.inverse_mass, n_b * b.inverse_inertia}, matrices_.data() + p.matrix);
     p.final_after_one = (n_a == 1 || !bodies.is_free(a.row)) && (n_b == 1 || !bodies.is_free(b.row));
-    const double speed = std::max({twist_a.v.norm(), twist_b.v.norm(), arms * twist_a.w.norm(), arms * twist_b.w.norm()});
-    p.least_scale = rounding * p.reduced_mass * speed;
+    p.reduced_mass = 1 / (a.inverse_mass + b.inverse_mass);
+  }
+}
+
+void SffdResolver::set_least_scales(const BodySet& bodies, double dt, bool push) {
+  for (Pair& p : pairs_) {
+    const std::size_t a = bodies_[p.a].row, b = bodies_[p.b].row;
+    const double arms = rows_[p.first].r_a.norm() + (is_wall(bodies.id[b]) ? 0.0 : rows_[p.first].r_b.norm());
+    const Twist t_a = twist(state_, a), t_b = twist(state_, b);
+    const double speed = std::max({t_a.v.norm(), t_b.v.norm(), arms * t_a.w.norm(), arms * t_b.w.norm()});
+    p.least_scale = p.reduced_mass * (push ? push_rounding * arms / dt : rounding * speed);
   }
 }
 
@@ -137,8 +146,10 @@ double SffdResolver::sweep(std::vector<double>& state, double tolerance, bool fi
     const bool woken = (a.inverse_mass > 0 && state[a.row * width + 6] != 0) ||
                        (b.inverse_mass > 0 && state[b.row * width + 6] != 0);
     if (!first && (p.final_after_one || !woken)) continue;
-    const PairChange change = solve_pair({rows_.data() + p.first, p.last - p.first}, p.mass_a, p.mass_b,
-                                         twist(state, a.row), twist(state, b.row), p.one_round, push);
+    const PairLaw law = p.single ? PairLaw::single : push ? PairLaw::frictionless : PairLaw::coulomb;
+    const PairChange change = solve_pair({rows_.data() + p.first, p.last - p.first}, matrices_.data() + p.matrix,
+                                         twist(state, a.row), twist(state, b.row), law,
+                                         p.final_after_one ? 0.0 : inner_reduction);
     a.impulse -= change.impulse;
     a.angular_impulse -= change.angular_a;
     b.impulse += change.impulse;
@@ -192,12 +203,12 @@ void SffdResolver::set_push_targets(const std::vector<Contact>& contacts, double
     for (std::size_t k = p.first; k < p.last; ++k) {
       ContactRow& row = rows_[k];
       const Contact& c = contacts[k];
-      const double u = row.normal.dot(twist(state_, bodies_[p.b].row).at(row.r_b) -
+      const double u = row.normal().dot(twist(state_, bodies_[p.b].row).at(row.r_b) -
                                       twist(state_, bodies_[p.a].row).at(row.r_a));
       const double overlap = settings_.correction * (-c.gap - settings_.slop) / dt - std::max(0.0, u);
       row.target = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
-      row.p_n = 0;
-      row.p_t.setZero();
+      row.impulse = {};
+      row.friction = 0;
     }
 }
 
@@ -226,7 +237,8 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   collect_pairs(bodies, contacts);
   start(bodies, contacts, dt, velocities);
   exchange.share(bodies, state_, width);
-  split_masses(bodies, dt, false);
+  split_masses(bodies);
+  set_least_scales(bodies, dt, false);
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
   remember(bodies, contacts);
@@ -241,12 +253,12 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
     statistics.penetration = std::max(statistics.penetration, -c.gap);
   }
   for (const ContactRow& row : rows_)
-    if (row.p_n > 0)
-      statistics.cone_excess = std::max(statistics.cone_excess, row.p_t.norm() / row.p_n - row.friction);
+    if (row.impulse[0] > 0)
+      statistics.cone_excess = std::max(statistics.cone_excess, row.tangential_impulse() / row.impulse[0] - row.friction);
   if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0) {
     exchange.share(bodies, state_, width);
     set_push_targets(contacts, dt);
-    split_masses(bodies, dt, true);
+    set_least_scales(bodies, dt, true);
     push_.resize(bodies.size() * width);
     for (const Body& b : bodies_) store(push_, b.row, Twist{}, 0);
     double residual = 0;

@@ -32,8 +32,8 @@ class SffdResolver : public ContactResolver {
   struct Pair {
     std::size_t first, last;            // its contacts
     std::size_t a, b;                   // in bodies_
-    SplitMass mass_a = {}, mass_b = {};
-    bool one_round = false, final_after_one = false;
+    std::size_t matrix = 0;             // where it starts in matrices_
+    bool single = false, final_after_one = false;
     double reduced_mass = 0, least_scale = 0;  // impulses below least_scale are rounding
   };
 
@@ -41,7 +41,8 @@ class SffdResolver : public ContactResolver {
   std::size_t involve(const BodySet&, std::size_t row);
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const BodySet&, const std::vector<Contact>&);
-  void split_masses(const BodySet&, double dt, bool push);
+  void split_masses(const BodySet&);
+  void set_least_scales(const BodySet&, double dt, bool push);
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<double>& state, double tolerance, bool push, double& residual);
   double sweep(std::vector<double>& state, double tolerance, bool first, bool push);
   void apply_impulses(std::vector<double>& state);
@@ -53,6 +54,7 @@ class SffdResolver : public ContactResolver {
   std::vector<Body> bodies_;
   std::vector<Pair> pairs_;
   std::vector<ContactRow> rows_;        // one a contact
+  std::vector<double> matrices_;        // of the pairs, one after the other
   std::vector<std::int32_t> index_;     // of a row in bodies_, -1: takes no part
   // what the sweeps read and write, a row of the BodySet: v, w, and a number that travels with them (before the
   // first sweep the body's number of pairs, then whether it changed)

@@ -1,0 +1,147 @@
+#include "adapters/analytic/deepest.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace silt::adapters {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Differences below this part of the pair's size are rounding.
+constexpr double rounding = 1e-13;
+/// Edges more nearly parallel than this (sine) have no normal of their own worth trying: a face's is as good.
+constexpr double parallel_sine = 1e-8;
+
+/// Unit axis with the sign that points from a to b.
+Vec3 oriented(const Vec3& axis, const Vec3& d) { return axis.dot(d) < 0 ? Vec3(-axis) : axis; }
+
+/// Normal to the edges along axis i of a and j of b; nothing where they are parallel.
+std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& b, int j) {
+  if (a.half[i] <= 0 || b.half[j] <= 0) return {};
+  const Vec3 cross = a.axes.col(i).cross(b.axes.col(j));
+  const double sine = cross.norm();
+  if (sine < parallel_sine) return {};
+  return oriented(cross / sine, b.centre - a.centre);
+}
+
+/// Calls use(unit axis from a to b, whether of two crossed edges): the normals of the faces of the Minkowski
+/// difference of the cores.
+template <class Use>
+void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
+  const Vec3 d = b.centre - a.centre;
+  for (const RoundedBox* box : {&a, &b})
+    if (box->extent() == 3)
+      for (int i = 0; i < 3; ++i) use(oriented(box->axes.col(i), d), false);
+  if (!a.extent() || !b.extent()) return;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const auto n = crossed_edges(a, i, b, j)) use(*n, true);
+}
+
+/// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the distance.
+Separation point_to_core(const Vec3& x, const RoundedBox& core) {
+  const Vec3 local = core.local(x);
+  const Vec3 outside = local - local.cwiseMax(-core.half).cwiseMin(core.half);
+  const double distance = outside.norm();
+  if (distance == 0) return {Vec3::Zero(), 0};
+  return {core.axes * (outside / distance), distance};
+}
+
+/// Nearest of the vertices of `core` to `other`; normal from `other` to `core`.
+Separation nearest_vertex(const RoundedBox& core, const RoundedBox& other) {
+  Separation best{Vec3::Zero(), infinity};
+  const int nx = core.half.x() > 0, ny = core.half.y() > 0, nz = core.half.z() > 0;
+  for (int z = -nz; z <= nz; z += 2)
+    for (int y = -ny; y <= ny; y += 2)
+      for (int x = -nx; x <= nx; x += 2) {
+        const Separation s = point_to_core(core.vertex(Vec3(x, y, z)), other);
+        if (s.core_gap < best.core_gap) best = s;
+      }
+  return best;
+}
+
+/// Whether the interiors of the two edges that support n, along axis i of a and j of b, lie over each other.
+bool edges_cross(const RoundedBox& a, int i, const RoundedBox& b, int j, const Vec3& n) {
+  Vec3 mid_a = a.centre, mid_b = b.centre;
+  for (int k = 0; k < 3; ++k) {
+    if (k != i) mid_a += (a.axes.col(k).dot(n) < 0 ? -a.half[k] : a.half[k]) * a.axes.col(k);
+    if (k != j) mid_b += (b.axes.col(k).dot(n) < 0 ? b.half[k] : -b.half[k]) * b.axes.col(k);
+  }
+  const Vec3 u = a.axes.col(i), v = b.axes.col(j), d = mid_b - mid_a;
+  const double cosine = u.dot(v), det = 1 - cosine * cosine;
+  const double s = (d.dot(u) - cosine * d.dot(v)) / det, t = (cosine * d.dot(u) - d.dot(v)) / det;
+  return std::abs(s) <= a.half[i] && std::abs(t) <= b.half[j];
+}
+
+/// The exact distance of cores that do not overlap.
+Separation closest_features(const RoundedBox& a, const RoundedBox& b) {
+  Separation best = nearest_vertex(b, a);
+  const Separation of_a = nearest_vertex(a, b);
+  if (of_a.core_gap < best.core_gap) best = {-of_a.normal, of_a.core_gap};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const auto n = crossed_edges(a, i, b, j)) {
+        const double gap = core_separation(a, b, *n);
+        if (gap > 0 && gap < best.core_gap && edges_cross(a, i, b, j, *n)) best = {*n, gap};
+      }
+  return best;
+}
+
+/// Cores that touch and have no inside: spheres at one point, segments that cross or lie in one line.
+Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
+  if (const auto n = crossed_edges(a, 2, b, 2)) return {*n, 0};
+  const RoundedBox& line = a.extent() ? a : b;
+  const Vec3 d = b.centre - a.centre;
+  // any unit vector will do, the same one every time
+  return {line.extent() ? oriented(line.axes.col(0), d) : Vec3::UnitZ(), 0};
+}
+
+}  // namespace
+
+Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b) {
+  Separation best{Vec3::UnitZ(), -infinity};
+  const double edge_handicap = 10 * rounding * length_scale(a, b);  // of two equal axes the face's is kept
+  for_each_candidate(a, b, [&](const Vec3& n, bool crossed) {
+    const double gap = core_separation(a, b, n);
+    if (gap - (crossed ? edge_handicap : 0) > best.core_gap) best = {n, gap};
+  });
+  return best;
+}
+
+Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle) {
+  Vec3 nearest = n;
+  double least = angle * angle;
+  for_each_candidate(a, b, [&](const Vec3& axis, bool) {
+    const Vec3 towards = axis.dot(n) < 0 ? Vec3(-axis) : axis;
+    const double distance = (towards - n).squaredNorm();
+    if (distance >= least) return;
+    least = distance;
+    nearest = towards;
+  });
+  return nearest;
+}
+
+std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedBox& b, double tolerance) {
+  const int extent_a = a.extent(), extent_b = b.extent();
+  const double reach = tolerance + a.radius + b.radius, scale = length_scale(a, b);
+  if (extent_a == 0 || extent_b == 0) {  // a point and a box, a segment, a point
+    const bool a_is_point = extent_a == 0;
+    Separation s = a_is_point ? point_to_core(a.centre, b) : point_to_core(b.centre, a);
+    if (s.core_gap > reach) return {};
+    if (a_is_point) s.normal = -s.normal;
+    if (s.core_gap > rounding * scale) return s;
+    return extent_a + extent_b == 3 ? best_separating_axis(a, b) : touching_cores(a, b);
+  }
+  const Separation axis = best_separating_axis(a, b);
+  if (axis.core_gap > reach) return {};
+  const bool with_box = extent_a == 3 || extent_b == 3;
+  if (with_box && axis.core_gap <= 0) return axis;
+  const Separation closest = closest_features(a, b);
+  if (closest.core_gap > reach) return {};
+  if (closest.core_gap <= rounding * scale) return with_box ? axis : touching_cores(a, b);
+  // where an axis shows the whole distance its normal is the more exact
+  return closest.core_gap <= axis.core_gap + 10 * rounding * scale ? axis : closest;
+}
+
+}  // namespace silt::adapters

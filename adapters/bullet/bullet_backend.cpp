@@ -1,0 +1,201 @@
+// The only translation unit that sees Bullet's headers.
+#include "adapters/bullet/bullet_backend.hpp"
+
+#include <btBulletCollisionCommon.h>
+
+#include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <variant>
+
+#include "adapters/common/engine_backend.hpp"
+
+#ifndef BT_USE_DOUBLE_PRECISION
+#error "build against bullet-float64: Bullet in single precision is off by up to 3e-4 at coordinates of 1000"
+#endif
+
+namespace silt::adapters {
+
+namespace {
+
+using rigid::ConvexShape;
+using rigid::Pose;
+
+btVector3 to_bullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+btTransform to_bullet(const Pose& pose) {
+  const auto& q = pose.orientation;
+  return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(pose.position));
+}
+
+/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, 0 for a box and a plane (the default of
+/// 0.04 would round the box's edges).
+class BulletShape {
+ public:
+  explicit BulletShape(const ConvexShape& shape) {
+    if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) {
+      shape_.emplace<btSphereShape>(sphere->radius);
+    } else if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) {
+      shape_.emplace<btCapsuleShapeZ>(capsule->radius, 2 * capsule->half_length);
+    } else if (const auto* box = std::get_if<rigid::Box>(&shape)) {
+      shape_.emplace<btBoxShape>(to_bullet(box->half_edges)).setMargin(0);
+    } else {
+      shape_.emplace<btStaticPlaneShape>(to_bullet(std::get<rigid::HalfSpace>(shape).normal), 0).setMargin(0);
+    }
+  }
+  btCollisionShape* get() {
+    return std::visit(
+        [](auto& s) -> btCollisionShape* {
+          if constexpr (std::is_same_v<std::decay_t<decltype(s)>, std::monostate>)
+            return nullptr;
+          else
+            return &s;
+        },
+        shape_);
+  }
+  const btConvexShape* convex() { return static_cast<const btConvexShape*>(get()); }
+
+ private:
+  std::variant<std::monostate, btSphereShape, btCapsuleShapeZ, btBoxShape, btStaticPlaneShape> shape_;
+};
+
+/// Keeps the deepest point that contactPairTest reports.
+struct Deepest : btCollisionWorld::ContactResultCallback {
+  const btCollisionObject* a;
+  std::optional<Answer> answer;
+
+  explicit Deepest(const btCollisionObject* first) : a(first) {}
+  btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* first, int, int,
+                           const btCollisionObjectWrapper*, int, int) override {
+    const double gap = point.getDistance();
+    if (answer && answer->gap <= gap) return 0;
+    // Bullet's normal points from its second object to its first
+    const Vec3 n = from_bullet(point.m_normalWorldOnB);
+    answer = Answer{first->getCollisionObject() == a ? Vec3(-n) : n, gap};
+    return 0;
+  }
+};
+
+class BulletBackend : public EngineBackend {
+ public:
+  BulletBackend() : dispatcher_(&configuration_), world_(&dispatcher_, nullptr, &configuration_) {}
+  std::string_view name() const override { return "bullet"; }
+
+ protected:
+  /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where they are.
+  int methods(const Query&) const override { return 3; }
+  std::optional<Answer> ask(int method, const Query& q) override {
+    if (method == 1) return gjk_apart(q);
+    if (method == 2) return gjk_epa(q, Vec3::Zero());
+    const bool boxes = std::holds_alternative<rigid::Box>(q.a) && std::holds_alternative<rigid::Box>(q.b);
+    if (!boxes) return closest(q);
+    if (const auto overlap = box_box(q); overlap && overlap->gap < -touching) return overlap;
+    const auto near = closest(q);
+    return near && std::abs(near->gap) < touching ? gjk_apart(q) : near;
+  }
+
+ private:
+  /// Gap (lattice units) below which the normal, a difference of two nearly equal points, is asked for again
+  /// with the shapes moved apart.
+  static constexpr double touching = 1e-3;
+
+  /// The separating-axis test that Bullet's world uses for two boxes: overlap only. It prefers a face to crossed
+  /// edges that are up to 5 % less deep; the check of the answer finds that out.
+  static std::optional<Answer> box_box(const Query& q) {
+    BulletShape a(q.a), b(q.b);
+    btBoxBoxDetector detector(static_cast<btBoxShape*>(a.get()), static_cast<btBoxShape*>(b.get()));
+    btDiscreteCollisionDetectorInterface::ClosestPointInput input;
+    input.m_transformA = to_bullet(q.pose_a);
+    input.m_transformB = to_bullet(q.pose_b);
+    btPointCollector found;
+    detector.getClosestPoints(input, found, nullptr);
+    if (!found.m_hasResult) return {};
+    // it adds 1e-5 to every cosine before it tests crossed edges, and divides by their sine
+    const auto& [box_a, box_b] = std::pair(std::get<rigid::Box>(q.a), std::get<rigid::Box>(q.b));
+    const double padding = 1e-3 * (box_a.half_edges + box_b.half_edges).norm();
+    return Answer{-from_bullet(found.m_normalOnBInWorld), found.m_distance, padding};
+  }
+
+  /// Closest points up to the tolerance or overlap, as the world's contactPairTest dispatches them. No manifold
+  /// outlives the query: warm ones drift.
+  std::optional<Answer> closest(const Query& q) {
+    BulletShape shape_a(q.a), shape_b(q.b);
+    btCollisionObject a, b;
+    a.setCollisionShape(shape_a.get());
+    b.setCollisionShape(shape_b.get());
+    a.setWorldTransform(to_bullet(q.pose_a));
+    b.setWorldTransform(to_bullet(q.pose_b));
+    Deepest deepest(&a);
+    deepest.m_closestDistanceThreshold = q.tolerance;
+    world_.contactPairTest(&a, &b, deepest);
+    if (!deepest.answer || deepest.answer->gap > q.tolerance) return {};
+    return deepest.answer;
+  }
+
+  static std::optional<Answer> gjk_epa(const Query& q, const Vec3& shift_of_b) {
+    BulletShape a(q.a), b(q.b);
+    btVoronoiSimplexSolver simplex;
+    btGjkEpaPenetrationDepthSolver epa;
+    btGjkPairDetector detector(a.convex(), b.convex(), &simplex, &epa);
+    btGjkPairDetector::ClosestPointInput input;
+    input.m_transformA = to_bullet(q.pose_a);
+    input.m_transformB = to_bullet(Pose{q.pose_b.position + shift_of_b, q.pose_b.orientation});
+    btPointCollector found;
+    detector.getClosestPoints(input, found, nullptr);
+    const Vec3 n = -from_bullet(found.m_normalOnBInWorld);
+    const double gap = found.m_distance - n.dot(shift_of_b);
+    if (!found.m_hasResult || gap > q.tolerance) return {};
+    return Answer{n, gap};
+  }
+
+  /// With b moved off along the normal found so far, until the normal stays.
+  static std::optional<Answer> gjk_apart(const Query& q) {
+    constexpr double distance = 0.01;  // lattice units
+    constexpr int rounds = 5;
+    std::optional<Answer> answer = gjk_epa(q, Vec3::Zero());
+    for (int round = 0; round < rounds && answer; ++round) {
+      const Vec3 before = answer->normal;
+      answer = gjk_epa(q, distance * before);
+      if (answer && (answer->normal - before).squaredNorm() < 1e-24) break;
+    }
+    return answer;
+  }
+
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btCollisionWorld world_;
+};
+
+/// Debian ships Bullet twice, in float and in double, and a mix of the two links without complaint and computes
+/// rubbish. The hull's constructor has a name that holds the type of its numbers, so the wrong library does not
+/// resolve it; the box that comes back through a virtual call must be the box that went in.
+void check_precision() {
+  const btScalar corners[] = {1.0 / 3, 0, 0, 0, 0, 0, 2.0 / 3, 0, 0, 1e9 + 1.0 / 3, 0, 0};
+  btConvexHullShape hull(corners, 3, 4 * sizeof(btScalar));
+  hull.setMargin(0);
+  btSphereShape sphere(1.0 / 3);
+  btVector3 lower, upper;
+  btTransform at(btQuaternion::getIdentity(), btVector3(1000, -1000, 1.0 / 7));
+  static_cast<btCollisionShape&>(sphere).getAabb(at, lower, upper);
+  const bool right = std::abs(upper.x() - (1000 + 1.0 / 3)) < 1e-12 && std::abs(lower.y() + 1000 + 1.0 / 3) < 1e-12 &&
+                     std::abs(lower.z() - (1.0 / 7 - 1.0 / 3)) < 1e-12 && hull.getNumPoints() == 3 &&
+                     hull.getScaledPoint(2).y() == 1e9 + 1.0 / 3;
+  if (!right)
+    throw std::runtime_error(
+        "Bullet at run time is not the double-precision build (libBulletCollision-float64) this program was built "
+        "against: install libbullet3.24 and remove other builds of Bullet from the library path");
+}
+
+}  // namespace
+
+std::unique_ptr<rigid::CollisionBackend> make_bullet_backend() {
+  check_precision();
+  return std::make_unique<BulletBackend>();
+}
+
+}  // namespace silt::adapters

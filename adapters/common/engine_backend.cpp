@@ -1,0 +1,77 @@
+#include "adapters/common/engine_backend.hpp"
+
+#include <cmath>
+
+#include "adapters/analytic/deepest.hpp"
+#include "adapters/common/manifold.hpp"
+
+namespace silt::adapters {
+
+using rigid::ConvexShape;
+using rigid::HalfSpace;
+using rigid::Pose;
+
+namespace {
+
+double support_gap(const Query& q, const Vec3& n) {
+  const auto support = [&](const ConvexShape& shape, const Pose& pose, const Vec3& direction) {
+    return pose.to_world(rigid::support(shape, pose.orientation.conjugate() * direction));
+  };
+  return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
+}
+
+/// Whether `answer` is the pair's separation: attained by the supporting planes, exceeded by no candidate axis. Sets the
+/// gap to that of the supporting planes, so that the two agree to the last bit the arithmetic has.
+bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer& answer) {
+  const double slack = answer_tolerance * length_scale(a, b);
+  if (!(std::abs(answer.normal.squaredNorm() - 1) < 1e-6)) return false;  // also refuses NaN
+  answer.normal = nearest_candidate_axis(a, b, answer.normal.normalized(), snap_angle);
+  const double gap = support_gap(q, answer.normal);
+  if (!(std::abs(gap - answer.gap) <= slack + (gap < 0 ? answer.padding : 0))) return false;
+  if (gap < 0 && best_separating_axis(a, b).core_gap - a.radius - b.radius > gap + slack) return false;
+  answer.gap = gap;
+  return true;
+}
+
+}  // namespace
+
+bool EngineBackend::supports(const ConvexShape& a, const ConvexShape&) const {
+  return !std::holds_alternative<HalfSpace>(a);
+}
+
+void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, const ConvexShape& shape_b,
+                            const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
+  ++counters_.queries;
+  const Query q{shape_a, shape_b, pose_a, pose_b, tolerance};
+  const RoundedBox a = rounded_box(shape_a, pose_a);
+  if (std::holds_alternative<HalfSpace>(shape_b)) return collide_with_plane(q, a, out);
+  const RoundedBox b = rounded_box(shape_b, pose_b);
+  const double radii = a.radius + b.radius;
+  for (int method = 0; method < methods(q); ++method) {
+    std::optional<Answer> answer = ask(method, q);
+    if (answer && confirmed(q, a, b, *answer))
+      return append_manifold(a, b, answer->normal, answer->gap + radii, tolerance, out);
+    if (!answer) {
+      const double slack = answer_tolerance * length_scale(a, b);
+      if (best_separating_axis(a, b).core_gap - radii > tolerance - slack) return;
+      if (!deepest_separation(a, b, tolerance - slack)) return;
+    }
+    ++counters_.fallbacks;
+  }
+  if (const auto deepest = deepest_separation(a, b, tolerance))
+    append_manifold(a, b, deepest->normal, deepest->core_gap, tolerance, out);
+}
+
+void EngineBackend::collide_with_plane(const Query& q, const RoundedBox& a, std::vector<rigid::ContactPoint>& out) {
+  const Vec3 outward = q.pose_b.orientation * std::get<HalfSpace>(q.b).normal;
+  const Vec3 lowest = q.pose_a.to_world(rigid::support(q.a, q.pose_a.orientation.conjugate() * -outward));
+  const double gap = outward.dot(lowest - q.pose_b.position);
+  const double slack = answer_tolerance * (a.half.norm() + a.radius + std::abs(gap));
+  const std::optional<Answer> answer = ask(0, q);
+  const bool right = answer ? (answer->normal + outward).norm() < 1e-9 && std::abs(answer->gap - gap) <= slack
+                            : gap > q.tolerance - slack;
+  if (!right) ++counters_.fallbacks;
+  append_plane_manifold(a, q.pose_b.position, outward, q.tolerance, out);
+}
+
+}  // namespace silt::adapters

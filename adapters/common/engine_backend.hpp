@@ -1,0 +1,52 @@
+#pragma once
+// What every engine's backend does around the engine: ask, check, fall back, build the points.
+#include <optional>
+
+#include "adapters/common/rounded_box.hpp"
+#include "rigid/collision_backend.hpp"
+
+namespace silt::adapters {
+
+/// An engine's answer is taken where it agrees with the supporting planes to this part of the pair's size
+/// (length_scale, sizes and distance: some 60 lattice units for bodies of 10, so 6e-8 of a cell).
+inline constexpr double answer_tolerance = 1e-9;
+/// A normal this near (radian) to that of a face or of two crossed edges is taken to be it.
+inline constexpr double snap_angle = 1e-6;
+
+/// A pair as asked; the cores are those of rounded_box (b's is of no use for a half-space).
+struct Query {
+  const rigid::ConvexShape &a, &b;
+  const rigid::Pose &pose_a, &pose_b;
+  double tolerance;  // lattice units: the gap up to which contacts are wanted
+};
+
+/// The deepest (or nearest) point of a pair, as an engine sees it.
+struct Answer {
+  Vec3 normal;  // unit, from a to b
+  double gap;   // lattice units, < 0: overlap
+  /// What the engine pads the gap by (lattice units), where that is known; the normal then has to do.
+  double padding = 0;
+};
+
+/// From the engine come normal and gap of the deepest point. They are checked: the gap must be that of the
+/// supporting planes, n . (support_B(-n) - support_A(n)), which no direction exceeds by more than rounding (for overlap:
+/// no separating-axis candidate). "No contact" is checked too. What fails is counted and asked by the
+/// engine's next method, at last by closed forms. The other points of a flat contact are built along the
+/// engine's normal by append_manifold, alike for every engine, because engines give between one and four.
+class EngineBackend : public rigid::CollisionBackend {
+ public:
+  bool supports(const rigid::ConvexShape& a, const rigid::ConvexShape& b) const override;
+  void collide(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
+               const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override;
+
+ protected:
+  /// How many ways to ask the engine about this pair, best first.
+  virtual int methods(const Query&) const = 0;
+  /// Nothing where the engine sees no contact within the tolerance.
+  virtual std::optional<Answer> ask(int method, const Query&) = 0;
+
+ private:
+  void collide_with_plane(const Query&, const RoundedBox&, std::vector<rigid::ContactPoint>& out);
+};
+
+}  // namespace silt::adapters

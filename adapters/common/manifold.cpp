@@ -1,0 +1,211 @@
+#include "adapters/common/manifold.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapters/common/outline.hpp"
+
+namespace silt::adapters {
+
+using rigid::ContactPoint;
+
+namespace {
+
+/// Lengths below this part of the pair's size are rounding.
+constexpr double rounding = 1e-10;
+/// Capsules whose axes make an angle with a sine up to this may touch along their common length.
+constexpr double parallel_sine = 0.2;
+
+ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Feature& of_a, const Feature& of_b) {
+  return {on_a, on_a + gap * normal, normal, gap, feature_id(of_a, of_b)};
+}
+
+/// The feature of a core that is nearest to x, where `towards` decides for an x inside.
+Feature nearest_feature(const RoundedBox& core, const Vec3& x, const Vec3& towards, double slack) {
+  const Vec3 local = core.local(x);
+  Feature f;
+  bool outside = false;
+  for (int k = 0; k < 3; ++k) {
+    if (core.half[k] <= 0 || std::abs(local[k]) < core.half[k] + slack) continue;
+    f.sign[k] = local[k] < 0 ? -1 : 1;
+    outside = true;
+  }
+  return outside || core.extent() < 3 ? f : face_towards(core, towards).feature;
+}
+
+struct OnSegment {
+  double t;  // signed distance from the middle
+  Feature feature;
+};
+
+OnSegment clamp_to(const RoundedBox& capsule, double t) {
+  const double half = capsule.half.z();
+  const double slack = rounding * half;
+  Feature f;
+  if (t >= half - slack) f.sign[2] = 1;
+  if (t <= -half + slack) f.sign[2] = -1;
+  return {std::clamp(t, -half, half), f};
+}
+
+void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
+  for (ContactPoint& q : points)
+    if (q.feature == p.feature) {
+      if (p.gap < q.gap) q = p;
+      return;
+    }
+  points.push_back(p);
+}
+
+/// Both are spheres, or one is and the other is anything.
+void sphere_point(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+                  std::vector<ContactPoint>& points) {
+  const double gap = core_gap - a.radius - b.radius;
+  if (a.extent() == 0) {
+    points.push_back(contact(a.centre + a.radius * n, n, gap, {}, nearest_feature(b, a.centre, -n, 0)));
+  } else {
+    const Vec3 on_a = b.centre - (core_gap - a.radius) * n;
+    points.push_back(contact(on_a, n, gap, nearest_feature(a, b.centre, n, 0), {}));
+  }
+}
+
+/// The point of b's segment over the point t of a's, as spheres at the two; nothing where it lies past b's end.
+void end_over(const RoundedBox& a, const OnSegment& end, const RoundedBox& b, const Vec3& n, bool swap,
+              std::vector<ContactPoint>& points) {
+  const Vec3 x = a.centre + end.t * a.axes.col(2);
+  const double t = (x - b.centre).dot(b.axes.col(2));
+  if (std::abs(t) > b.half.z() * (1 + rounding)) return;
+  const OnSegment other = clamp_to(b, t);
+  const Vec3 between = b.centre + other.t * b.axes.col(2) - x;
+  const double distance = between.norm();
+  const Vec3 normal = distance > 1e-6 * (a.radius + b.radius) ? Vec3(between / distance) : Vec3(swap ? -n : n);
+  const double gap = between.dot(normal) - a.radius - b.radius;
+  if (!swap)
+    add_unique(points, contact(x + a.radius * normal, normal, gap, end.feature, other.feature));
+  else
+    add_unique(points, contact(x + (a.radius + gap) * normal, -normal, gap, other.feature, end.feature));
+}
+
+void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+                    std::vector<ContactPoint>& points) {
+  const Vec3 u = a.axes.col(2), v = b.axes.col(2);
+  const double sine = u.cross(v).norm();
+  if (sine <= parallel_sine) {
+    for (const double sign : {-1.0, 1.0}) {
+      end_over(a, clamp_to(a, sign * a.half.z()), b, n, false, points);
+      end_over(b, clamp_to(b, sign * b.half.z()), a, n, true, points);
+    }
+  }
+  // the closest points of the lines, clamped in turn (exact for the closest points of segments)
+  const double gap = core_gap - a.radius - b.radius;
+  for (const ContactPoint& p : points)
+    if (p.gap <= gap + rounding * length_scale(a, b)) return;
+  const Vec3 d = b.centre - a.centre;
+  const double cosine = u.dot(v), det = sine * sine;
+  auto nearest_on_b = [&](double s) { return (s * u - d).dot(v); };
+  auto nearest_on_a = [&](double t) { return (t * v + d).dot(u); };
+  double s = det > 1e-20 ? (d.dot(u) - cosine * d.dot(v)) / det : 0;
+  OnSegment on_a = clamp_to(a, s), on_b = clamp_to(b, nearest_on_b(on_a.t));
+  on_a = clamp_to(a, nearest_on_a(on_b.t));
+  on_b = clamp_to(b, nearest_on_b(on_a.t));
+  const Vec3 x = a.centre + on_a.t * u;
+  add_unique(points, contact(x + a.radius * n, n, gap, on_a.feature, on_b.feature));
+}
+
+/// A capsule over the face of a box; `m` is unit, from the capsule to the box.
+void capsule_on_box(const RoundedBox& capsule, const RoundedBox& box, const Vec3& m, bool swap, double slack,
+                    std::vector<ContactPoint>& points) {
+  const Face face = face_towards(box, -m);
+  const Vec3 u = capsule.axes.col(2);
+  const double tilt = u.dot(m), across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
+  for (const ClippedPoint& p : clip_segment(face, capsule, m, slack)) {
+    // the capsule's surface from the core point along m: on the hemisphere of the end, else on the side
+    double offset = capsule.radius;
+    if (p.of_clipped.sign[2] * tilt < 0 || (p.of_clipped.sign[2] == 0 && std::abs(tilt) > 1e-12)) {
+      const double t = (p.x - capsule.centre).dot(u) * across + capsule.radius * tilt;
+      if (std::abs(t) > capsule.half.z() * across) continue;  // under the end's hemisphere, which has its own point
+      offset /= across;
+    }
+    const Vec3 surface = p.x + offset * m;
+    const double gap = face.height(surface, m);
+    if (!swap)
+      add_unique(points, contact(surface, m, gap, p.of_clipped, p.of_clipper));
+    else
+      add_unique(points, contact(surface + gap * m, -m, gap, p.of_clipper, p.of_clipped));
+  }
+}
+
+void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double slack,
+                std::vector<ContactPoint>& points) {
+  const Face face_a = face_towards(a, n), face_b = face_towards(b, -n);
+  for (const ClippedPoint& p : clip_face(face_a, face_b, n, slack)) {
+    const double gap = -face_a.height(p.x, n);
+    add_unique(points, {p.x - gap * n, p.x, n, gap, feature_id(p.of_clipper, p.of_clipped)});
+  }
+}
+
+/// What the clipping may lose to rounding where two features just meet: the deepest point itself.
+void keep_deepest(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+                  std::vector<ContactPoint>& points) {
+  const double scale = length_scale(a, b), gap = core_gap - a.radius - b.radius;
+  for (const ContactPoint& p : points)
+    if (p.gap <= gap + 10 * rounding * scale) return;
+  const auto support = [&](const RoundedBox& core, const Vec3& direction) {
+    Feature f;
+    Vec3 signs = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const double along = core.axes.col(k).dot(direction);
+      if (core.half[k] <= 0 || std::abs(along) < 1e-7) continue;
+      f.sign[k] = along < 0 ? -1 : 1;
+      signs[k] = f.sign[k];
+    }
+    return std::pair(Vec3(core.vertex(signs) + core.radius * direction), f);
+  };
+  const auto [on_a, of_a] = support(a, n);
+  const auto [on_b, of_b] = support(b, -n);
+  // the middle of a face or an edge gives way to a vertex
+  const bool a_leads = std::count(of_a.sign.begin(), of_a.sign.end(), 0) <
+                       std::count(of_b.sign.begin(), of_b.sign.end(), 0);
+  add_unique(points, contact(a_leads ? on_a : Vec3(on_b - gap * n), n, gap, of_a, of_b));
+}
+
+}  // namespace
+
+void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap, double tolerance,
+                     std::vector<ContactPoint>& out) {
+  if (core_gap - a.radius - b.radius > tolerance) return;
+  const int extent_a = a.extent(), extent_b = b.extent();
+  if (extent_a == 0 || extent_b == 0) return sphere_point(a, b, normal, core_gap, out);
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  const double slack = rounding * length_scale(a, b);
+  if (extent_a == 1 && extent_b == 1)
+    capsule_points(a, b, normal, core_gap, points);
+  else if (extent_a == 1)
+    capsule_on_box(a, b, normal, false, slack, points);
+  else if (extent_b == 1)
+    capsule_on_box(b, a, -normal, true, slack, points);
+  else
+    box_points(a, b, normal, slack, points);
+  keep_deepest(a, b, normal, core_gap, points);
+  std::erase_if(points, [&](const ContactPoint& p) { return p.gap > tolerance; });
+  std::sort(points.begin(), points.end(),
+            [](const ContactPoint& p, const ContactPoint& q) { return p.feature < q.feature; });
+  out.insert(out.end(), points.begin(), points.end());
+}
+
+void append_plane_manifold(const RoundedBox& a, const Vec3& origin, const Vec3& outward, double tolerance,
+                           std::vector<ContactPoint>& out) {
+  const Vec3 normal = -outward;
+  // sign order is feature order: the z sign weighs most
+  const int nx = a.half.x() > 0, ny = a.half.y() > 0, nz = a.half.z() > 0;
+  for (int z = -nz; z <= nz; z += 2)
+    for (int y = -ny; y <= ny; y += 2)
+      for (int x = -nx; x <= nx; x += 2) {
+        const Feature f{{std::int8_t(x), std::int8_t(y), std::int8_t(z)}};
+        const Vec3 on_a = a.vertex(Vec3(x, y, z)) + a.radius * normal;
+        const double gap = outward.dot(on_a - origin);
+        if (gap <= tolerance) out.push_back(contact(on_a, normal, gap, f, {}));
+      }
+}
+
+}  // namespace silt::adapters

@@ -1,0 +1,26 @@
+#include "adapters/common/rounded_box.hpp"
+
+#include <stdexcept>
+
+namespace silt::adapters {
+
+RoundedBox rounded_box(const rigid::ConvexShape& shape, const rigid::Pose& pose) {
+  RoundedBox core{pose.position, pose.orientation.toRotationMatrix(), Vec3::Zero(), 0};
+  if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) {
+    core.radius = sphere->radius;
+  } else if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) {
+    core.radius = capsule->radius;
+    core.half.z() = capsule->half_length;
+  } else if (const auto* box = std::get_if<rigid::Box>(&shape)) {
+    core.half = box->half_edges;
+  } else {
+    throw std::invalid_argument("a half-space has no bounded core");
+  }
+  return core;
+}
+
+double length_scale(const RoundedBox& a, const RoundedBox& b) {
+  return a.half.norm() + b.half.norm() + a.radius + b.radius + (b.centre - a.centre).norm();
+}
+
+}  // namespace silt::adapters

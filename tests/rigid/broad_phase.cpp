@@ -1,0 +1,144 @@
+// The grid against all pairs.
+#include "rigid/broad_phase.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <map>
+#include <random>
+#include <set>
+
+namespace silt::rigid {
+namespace {
+
+using Key = std::tuple<BodyId, BodyId, Image>;
+
+struct Cloud {
+  BodySet bodies;
+  std::vector<Reach> reach;
+  Extent extent;
+
+  Cloud(int count, Vec3 size, std::array<bool, 3> periodic, double small, double large, int large_ones, unsigned seed) {
+    extent.size = size;
+    extent.periodic = periodic;
+    std::mt19937 g(seed);
+    std::uniform_real_distribution<> u(0, 1);
+    std::vector<BodyId> ids(count);
+    for (int i = 0; i < count; ++i) ids[i] = 3 * i + 1;
+    std::shuffle(ids.begin(), ids.end(), g);
+    std::map<BodyId, Reach> by_id;
+    for (int i = 0; i < count; ++i) {
+      BodyRecord r;
+      r.id = ids[i];
+      for (int d = 0; d < 3; ++d) r.position[d] = size[d] * u(g) + (periodic[d] ? 0.0 : 0.05 * (u(g) - 0.5));
+      r.motion = u(g) < 0.2 ? Motion::fixed : Motion::free;
+      const double radius = i < large_ones ? large * (0.5 + u(g)) : small * (0.7 + 0.6 * u(g));
+      by_id[r.id] = {radius, 0.1 * radius * u(g)};
+      bodies.add(r);
+    }
+    bodies.reindex();
+    for (BodyId id : bodies.id) reach.push_back(by_id[id]);
+  }
+
+  std::set<Key> brute() const {
+    std::set<Key> found;
+    const auto images = [&](int d) { return extent.periodic[d] ? 1 : 0; };
+    for (std::size_t a = 0; a < bodies.size(); ++a)
+      for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (bodies.id[a] >= bodies.id[b] || (!bodies.is_free(a) && !bodies.is_free(b))) continue;
+        for (int i = -images(0); i <= images(0); ++i)
+          for (int j = -images(1); j <= images(1); ++j)
+            for (int k = -images(2); k <= images(2); ++k) {
+              const Image image{static_cast<std::int8_t>(i), static_cast<std::int8_t>(j), static_cast<std::int8_t>(k)};
+              const Vec3 apart = bodies.position[b] + extent.shift(image) - bodies.position[a];
+              const double range = reach[a].radius + reach[a].margin + reach[b].radius + reach[b].margin;
+              if (apart.norm() <= range) found.emplace(bodies.id[a], bodies.id[b], image);
+            }
+      }
+    return found;
+  }
+
+  std::vector<Key> grid() const {
+    BroadPhase broad_phase;
+    std::vector<CandidatePair> pairs;
+    broad_phase(bodies, extent, reach, {}, pairs);
+    std::vector<Key> keys;
+    for (const CandidatePair& p : pairs) keys.emplace_back(bodies.id[p.row_a], bodies.id[p.row_b], p.image);
+    return keys;
+  }
+};
+
+void expect_equal_to_brute(const Cloud& cloud, std::size_t least) {
+  const std::vector<Key> keys = cloud.grid();
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+  const std::set<Key> unique(keys.begin(), keys.end());
+  EXPECT_EQ(unique.size(), keys.size()) << "duplicates";
+  EXPECT_EQ(unique, cloud.brute());
+  EXPECT_GE(keys.size(), least);
+}
+
+TEST(BroadPhase, AgainstAllPairs) {
+  for (int mask = 0; mask < 8; ++mask)
+    expect_equal_to_brute(Cloud(300, {10, 8, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.5, 0.5, 0, mask), 100);
+}
+
+TEST(BroadPhase, DomainsOfOneToThreeCells) {
+  for (double size : {1.15, 1.7, 2.3, 3.4, 4.5})  // cells of about 1.1
+    for (int mask = 1; mask < 8; ++mask)
+      expect_equal_to_brute(Cloud(40, {size, 2 * size, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.42, 0.42, 0,
+                                  100 + mask),
+                            1);
+}
+
+TEST(BroadPhase, APairMeetsThroughSeveralImages) {
+  Cloud cloud(2, {1, 50, 50}, {true, false, false}, 0.4, 0, 0, 1);
+  cloud.bodies.position = {Vec3(0.2, 25, 25), Vec3(0.7, 25, 25)};
+  cloud.bodies.motion = {Motion::free, Motion::free};
+  const std::vector<Key> keys = cloud.grid();
+  ASSERT_EQ(keys.size(), 2u);
+  EXPECT_EQ(std::get<2>(keys[0]), (Image{-1, 0, 0}));
+  EXPECT_EQ(std::get<2>(keys[1]), (Image{0, 0, 0}));
+}
+
+TEST(BroadPhase, MixedSizes) {
+  expect_equal_to_brute(Cloud(600, {20, 20, 20}, {true, true, true}, 0.3, 4, 5, 9), 100);
+  expect_equal_to_brute(Cloud(400, {20, 20, 20}, {true, false, true}, 0.05, 6, 3, 10), 100);
+}
+
+TEST(BroadPhase, WallsAreApart) {
+  Cloud cloud(50, {10, 10, 2}, {true, true, false}, 0.5, 0.5, 0, 2);
+  BodyRecord wall;
+  wall.id = first_wall_id + 4;
+  wall.motion = Motion::fixed;
+  cloud.bodies.insert(cloud.bodies.size(), wall);
+  cloud.bodies.walls = 1;
+  cloud.bodies.reindex();
+  BroadPhase broad_phase;
+  std::vector<CandidatePair> pairs;
+  const Vec3 normal = Vec3::UnitZ();
+  broad_phase(cloud.bodies, cloud.extent, cloud.reach, {&normal, 1}, pairs);
+  std::size_t walls = 0, expected = 0;
+  for (const CandidatePair& p : pairs) walls += p.row_b == 50;
+  for (std::size_t row = 0; row < 50; ++row)
+    expected += cloud.bodies.is_free(row) && cloud.bodies.position[row][2] <= cloud.reach[row].radius + cloud.reach[row].margin;
+  EXPECT_EQ(walls, expected);
+  EXPECT_GT(walls, 0u);
+}
+
+TEST(BroadPhase, CostGrowsLinearly) {  // in searched pairs a body: counted by time with a wide allowance
+  const auto seconds = [](int count, double edge, double large, int large_ones) {
+    Cloud cloud(count, Vec3::Constant(edge), {true, true, true}, 0.5, large, large_ones, 5);
+    BroadPhase broad_phase;
+    std::vector<CandidatePair> pairs;
+    broad_phase(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
+    const auto start = std::chrono::steady_clock::now();
+    broad_phase(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double small = seconds(4000, 22, 0.5, 0), big = seconds(32000, 44, 0.5, 0);
+  EXPECT_LT(big / small, 8 * 3.0);
+  EXPECT_LT(seconds(32000, 44, 10, 4) / big, 4.0) << "a few large bodies make the small ones slow";
+}
+
+}  // namespace
+}  // namespace silt::rigid

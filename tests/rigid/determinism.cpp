@@ -1,0 +1,160 @@
+// The same bits whatever the order of rows, and however many ranks the bodies are spread over.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "scene.hpp"
+#include "threaded_ranks.hpp"
+
+namespace silt::rigid {
+namespace {
+
+using testing::Scene;
+
+constexpr int bodies_in_scene = 60;
+
+/// Balls, boxes, capsules and stars falling onto a floor in a box periodic in x and y, colliding all the time.
+Scene tumble(unsigned order) {
+  Scene s(0.4, 0.3, {3, 3, 8});
+  s.extent.periodic = {true, true, false};
+  s.world.gravity = {0.5, 0, -9.81};
+  s.world.contact_margin = 0.1;
+  s.settings.max_sweeps = 6;
+  Compound star;
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+    star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
+  const int shapes[] = {s.shape(Sphere{0.25}), s.shape(Capsule{0.12, 0.2}), s.shape(star), s.shape(Box{{0.2, 0.15, 0.25}})};
+  std::vector<int> ids(bodies_in_scene);
+  for (int i = 0; i < bodies_in_scene; ++i) ids[i] = i;
+  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
+  for (int id : ids) {
+    std::mt19937 random(id);
+    std::uniform_real_distribution<> u(-1, 1);
+    const Vec3 x(0.4 + 0.75 * (id % 4), 0.4 + 0.75 * (id / 4 % 4), 0.4 + 0.75 * (id / 16));
+    const Quat q = Quat(u(random), u(random), u(random), u(random)).normalized();
+    s.add_with_id(10 + 3 * id, shapes[id % 4], x, {u(random), u(random), u(random)}, {5 * u(random), 5 * u(random), 0}, 1 + id % 3, q);
+  }
+  s.bodies.motion[7] = Motion::fixed;
+  s.bodies.set_velocity(7, Vec3::Zero(), Vec3::Zero());
+  s.bodies.motion[20] = Motion::prescribed;
+  s.floor({0.3, 0, 0});
+  return s;
+}
+
+void push(BodySet& bodies, int step) {  // the outside world: a force on some, by id; the same on any rank
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const double phase = 0.01 * step * static_cast<double>(bodies.id[row]);
+    bodies.add_force(row, {0.3 * std::sin(phase), 0.1, 0});
+    bodies.add_torque(row, {0, 0.01 * std::cos(phase), 0});
+  }
+}
+
+std::vector<BodyRecord> records(const BodySet& b) {
+  std::vector<BodyRecord> all;
+  for (std::size_t row = 0; row < b.owned; ++row) all.push_back(b.record(row));
+  return all;
+}
+
+bool same_bits(const BodyRecord& p, const BodyRecord& q) {
+  return p.id == q.id && !std::memcmp(p.position, q.position, sizeof p.position) &&
+         !std::memcmp(p.orientation, q.orientation, sizeof p.orientation) &&
+         !std::memcmp(p.image, q.image, sizeof p.image) && !std::memcmp(p.velocity, q.velocity, sizeof p.velocity) &&
+         !std::memcmp(p.angular_velocity, q.angular_velocity, sizeof p.angular_velocity) &&
+         !std::memcmp(p.angular_momentum, q.angular_momentum, sizeof p.angular_momentum);
+}
+
+struct Outcome {
+  std::vector<BodyRecord> bodies;
+  std::uint64_t contacts = 0, sweeps = 0, visitors = 0, mixed = 0;
+};
+
+Outcome on_one_rank(const char* resolver, unsigned order, int steps) {
+  Scene s = tumble(order);
+  s.start(resolver);
+  Outcome o;
+  for (int i = 0; i < steps; ++i) {
+    push(s.bodies, i);
+    s.run(1, 2e-3);
+    o.contacts += s.report.resolver.contacts;
+    o.sweeps += s.report.resolver.sweeps;
+  }
+  o.bodies = records(s.bodies);
+  return o;
+}
+
+Outcome on_ranks(const char* resolver, int ranks, int steps) {
+  testing::SharedMemory memory(ranks);
+  std::vector<Outcome> outcomes(ranks);
+  std::vector<std::thread> threads;
+  for (int rank = 0; rank < ranks; ++rank)
+    threads.emplace_back([&, rank] {
+      Scene s = tumble(rank);
+      testing::ThreadedExchange exchange(s.extent, s.world, memory, rank);
+      const auto law = make_resolver(resolver, s.settings);
+      RigidStep step(s.world, s.backend, *law, exchange);
+      if (rank != 0) {  // rank 0 hands them out
+        while (s.bodies.first_wall() > 0) s.bodies.erase(0);
+        s.bodies.owned = 0;
+        s.bodies.reindex();
+      }
+      exchange.synchronise(s.bodies);
+      Outcome& o = outcomes[rank];
+      for (int i = 0; i < steps; ++i) {
+        push(s.bodies, i);
+        const RigidStepReport report = step(s.bodies, 2e-3);
+        o.contacts += report.resolver.contacts;
+        o.sweeps += report.resolver.sweeps;
+        o.mixed += report.mixed_owner_contacts;
+      }
+      o.bodies = records(s.bodies);
+      o.visitors = exchange.visitors_seen;
+    });
+  for (std::thread& t : threads) t.join();
+  Outcome all;
+  for (const Outcome& o : outcomes) {
+    all.bodies.insert(all.bodies.end(), o.bodies.begin(), o.bodies.end());
+    all.contacts += o.contacts, all.visitors += o.visitors, all.mixed += o.mixed;
+    EXPECT_EQ(o.sweeps, outcomes[0].sweeps) << "ranks disagree about the number of sweeps";
+  }
+  all.sweeps = outcomes[0].sweeps;
+  std::sort(all.bodies.begin(), all.bodies.end(), [](auto& p, auto& q) { return p.id < q.id; });
+  return all;
+}
+
+void expect_same(const Outcome& p, const Outcome& q) {
+  ASSERT_EQ(p.bodies.size(), q.bodies.size());
+  int different = 0;
+  for (std::size_t k = 0; k < p.bodies.size(); ++k) different += !same_bits(p.bodies[k], q.bodies[k]);
+  EXPECT_EQ(different, 0);
+  EXPECT_EQ(p.contacts, q.contacts);
+  EXPECT_EQ(p.sweeps, q.sweeps);
+}
+
+TEST(Determinism, OrderOfInsertionDoesNotMatter) {
+  const Outcome reference = on_one_rank("sffd", 1, 600);
+  EXPECT_GT(reference.contacts, 20000u);
+  expect_same(reference, on_one_rank("sffd", 2, 600));
+  expect_same(on_one_rank("ffd", 1, 300), on_one_rank("ffd", 2, 300));
+}
+
+TEST(Determinism, NumberOfRanksDoesNotMatter) {
+  const Outcome reference = on_one_rank("sffd", 1, 400);
+  for (int ranks : {1, 2, 3, 5}) {
+    const Outcome o = on_ranks("sffd", ranks, 400);
+    expect_same(reference, o);
+    if (ranks > 1) {
+      EXPECT_GT(o.mixed, 100u);
+      EXPECT_GT(o.visitors, 0u);
+    }
+  }
+}
+
+TEST(Determinism, ClassicFfdToo) {
+  const Outcome reference = on_one_rank("ffd", 1, 200);
+  for (int ranks : {2, 3}) expect_same(reference, on_ranks("ffd", ranks, 200));
+}
+
+}  // namespace
+}  // namespace silt::rigid

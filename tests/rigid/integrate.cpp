@@ -1,0 +1,115 @@
+// Free motion: what torque-free rotation conserves, and when it tumbles.
+#include "rigid/integrate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scene.hpp"
+
+namespace silt::rigid {
+namespace {
+
+testing::Scene spinning(const Vec3& inertia, const Vec3& omega) {
+  testing::Scene s(0, 0);
+  s.add(s.shape(Sphere{0.5}), {50, 50, 50}, {0.1, 0, 0});
+  s.bodies.inertia_B[0] = inertia.asDiagonal();
+  s.bodies.set_velocity(0, {0.1, 0, 0}, omega);
+  return s;
+}
+
+Vec3 body_spin(const testing::Scene& s) { return s.bodies.orientation[0].conjugate() * s.bodies.angular_velocity[0]; }
+
+TEST(Integrate, DzhanibekovFlipsOnTime) {
+  testing::Scene s = spinning({1, 2, 3}, {0.01, 1, 0.01});
+  s.start();
+  const double energy = s.bodies.kinetic_energy(0), dt = 0.02;
+  const Vec3 momentum = s.bodies.angular_momentum[0];
+  double previous = 0, energy_drift = 0, momentum_drift = 0;
+  int flips = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const double before = body_spin(s)[1];
+    s.run(1, dt);
+    const double after = body_spin(s)[1];
+    const Vec3 from_rates = s.bodies.orientation[0] * (s.bodies.inertia_B[0] * body_spin(s));
+    energy_drift = std::max(energy_drift, std::abs(s.bodies.kinetic_energy(0) / energy - 1));
+    momentum_drift = std::max(momentum_drift, (from_rates - momentum).norm() / momentum.norm());
+    if (before * after > 0) continue;
+    const double time = (i + before / (before - after)) * dt;
+    if (flips++ > 0) {
+      EXPECT_NEAR((time - previous) / 19.552867, 1, 1e-3);
+    }
+    previous = time;
+  }
+  EXPECT_GE(flips, 9);
+  EXPECT_LT(energy_drift, 1e-8);
+  EXPECT_LT(momentum_drift, 1e-8);
+  EXPECT_EQ(s.bodies.angular_momentum[0], momentum);
+  RecordProperty("energy_drift", std::to_string(energy_drift));
+}
+
+TEST(Integrate, SymmetricTopPrecesses) {
+  // world-frame precession L / I1 about L
+  testing::Scene s = spinning({1, 1, 1.6}, {0.3, 0, 2});
+  s.start();
+  const Vec3 l = s.bodies.angular_momentum[0];
+  const double rate = l.norm() / 1.0, dt = 1e-3;
+  const int steps = static_cast<int>(std::lround(2 * M_PI / rate / dt));
+  const Vec3 axis = s.bodies.orientation[0] * Vec3::UnitZ();
+  s.run(steps, 2 * M_PI / rate / steps);
+  EXPECT_LT((s.bodies.orientation[0] * Vec3::UnitZ() - axis).norm(), 1e-5);
+}
+
+TEST(Integrate, LargeStepsStayBounded) {  // the Newton iteration also converges where a fixed point would not
+  testing::Scene s = spinning({1, 2, 3}, {2, 5, 1});
+  s.start();
+  const double energy = s.bodies.kinetic_energy(0);
+  s.run(200, 0.5);
+  EXPECT_NEAR(s.bodies.kinetic_energy(0) / energy, 1, 1e-10);
+}
+
+TEST(Integrate, PrescribedAndFixed) {
+  testing::Scene s(0, 0);
+  const int ball = s.shape(Sphere{0.5});
+  s.add(ball, {10, 10, 10}, {1, 0, 0}, {0, 0, 2});
+  s.add(ball, {20, 10, 10});
+  s.bodies.motion = {Motion::prescribed, Motion::fixed};
+  s.world.gravity = {0, 0, -10};
+  s.start();
+  s.bodies.add_force(0, {5, 5, 5});
+  s.run(1000);
+  EXPECT_NEAR(s.x(0)[0], 11, 1e-11);
+  EXPECT_EQ(s.x(1), Vec3(20, 10, 10));
+  EXPECT_NEAR(2 * std::atan2(s.bodies.orientation[0].z(), s.bodies.orientation[0].w()), 2, 1e-12);
+  EXPECT_EQ(s.w(0), Vec3(0, 0, 2));
+  EXPECT_EQ(s.bodies.force[0].value(), Vec3::Zero()) << "consumed";
+}
+
+TEST(Integrate, FreeFlightIsExactForAConstantForce) {
+  testing::Scene s(0, 0);
+  s.add(s.shape(Box{{0.1, 0.2, 0.3}}), {50, 50, 50}, {1, 2, 3});
+  s.world.gravity = {0, 0, -9.81};
+  s.bodies.weight_factor[0] = 0.25;
+  s.start();
+  for (int i = 0; i < 1000; ++i) {
+    s.bodies.add_force(0, {2, 0, 0});
+    s.run(1);
+  }
+  EXPECT_NEAR(s.x(0)[0], 50 + 1 + 0.5 * 2, 1e-11);
+  EXPECT_NEAR(s.x(0)[2], 50 + 3 - 0.5 * 9.81 * 0.25, 1e-11);
+}
+
+TEST(Integrate, TorqueTurnsAndSubstepsHoldIt) {
+  testing::Scene s(0, 0);
+  s.add(s.shape(Sphere{0.5}), {50, 50, 50});
+  s.start();
+  const double inertia = s.bodies.inertia_B[0](0, 0);
+  s.bodies.add_torque(0, {0, 0, 3});
+  s.step->advance(s.bodies, 4);  // a step of length 1
+  EXPECT_NEAR(s.w(0)[2], 3 / inertia, 1e-12);
+  s.step->advance(s.bodies, 4);
+  EXPECT_NEAR(s.w(0)[2], 3 / inertia, 1e-12) << "the torque was consumed";
+}
+
+}  // namespace
+}  // namespace silt::rigid
