@@ -31,6 +31,7 @@ class BodyExchange : public rigid::BodyExchange {
   double maximum(double) const override;
 
   MPI_Comm comm() const { return comm_; }
+  const rigid::World& world() const { return world_; }
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
   const ExchangeCounters& counters() const { return counters_; }
