@@ -125,8 +125,9 @@ struct Case {
   std::vector<BodySpec> bodies;
   std::vector<FillSpec> fills;
   // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of one
-  // name make one kind
+  // name make one kind, and have one shape
   std::vector<std::string> kind_names;
+  std::vector<int> kind_shapes;
 
   std::int64_t steps = 0;
   OutputSpec output;
