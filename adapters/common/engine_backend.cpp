@@ -13,13 +13,6 @@ using rigid::Pose;
 
 namespace {
 
-double support_gap(const Query& q, const Vec3& n) {
-  const auto support = [&](const ConvexShape& shape, const Pose& pose, const Vec3& direction) {
-    return pose.to_world(rigid::support(shape, pose.orientation.conjugate() * direction));
-  };
-  return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
-}
-
 /// Whether `answer` is the pair's separation: attained by the supporting planes, exceeded by no candidate axis. Sets the
 /// gap to that of the supporting planes, so that the two agree to the last bit the arithmetic has.
 bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer& answer) {
@@ -34,6 +27,13 @@ bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer&
 }
 
 }  // namespace
+
+double support_gap(const Query& q, const Vec3& n) {
+  const auto support = [&](const ConvexShape& shape, const Pose& pose, const Vec3& direction) {
+    return pose.to_world(rigid::support(shape, pose.orientation.conjugate() * direction));
+  };
+  return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
+}
 
 bool EngineBackend::supports(const ConvexShape& a, const ConvexShape&) const {
   return !std::holds_alternative<HalfSpace>(a);
