@@ -13,8 +13,8 @@ bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape&) const {
   return !std::holds_alternative<HalfSpace>(a);
 }
 
-void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
-                              double tolerance, std::vector<rigid::ContactPoint>& out) {
+void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
+                              const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
   ++counters_.queries;
   const RoundedBox core_a = rounded_box(a, pose_a);
   if (const auto* wall = std::get_if<HalfSpace>(&b))

@@ -8,17 +8,20 @@
 
 namespace silt::adapters {
 
-using rigid::ConvexShape;
 using rigid::ContactPoint;
+using rigid::ConvexShape;
 using rigid::Pose;
 
 namespace {
 
-/// Whether the deepest of the points from `first` on (there is one) lies between the shapes' supporting planes.
+/// Whether the deepest of the points from `first` on (there is one) lies between the shapes' supporting
+/// planes.
 bool supported(const Query& q, const std::vector<ContactPoint>& points, std::size_t first) {
-  const auto deepest = std::min_element(points.begin() + first, points.end(),
-                                        [](const ContactPoint& p, const ContactPoint& r) { return p.gap < r.gap; });
-  const double size = (q.pose_b.position - q.pose_a.position).norm() + (deepest->on_a - q.pose_a.position).norm();
+  const auto deepest =
+      std::min_element(points.begin() + first, points.end(),
+                       [](const ContactPoint& p, const ContactPoint& r) { return p.gap < r.gap; });
+  const double size =
+      (q.pose_b.position - q.pose_a.position).norm() + (deepest->on_a - q.pose_a.position).norm();
   return std::abs(support_gap(q, deepest->normal) - deepest->gap) <= answer_tolerance * size;
 }
 
@@ -31,10 +34,12 @@ bool needs_search(const ConvexShape& a, const ConvexShape& b) {
 
 AutomaticBackend::AutomaticBackend() : engines_{make_bullet_backend(), make_fcl_backend()} {}
 
-bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) const { return analytic_.supports(a, b); }
+bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
+  return analytic_.supports(a, b);
+}
 
-void AutomaticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
-                               double tolerance, std::vector<ContactPoint>& out) {
+void AutomaticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
+                               const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
   ++counters_.queries;
   const std::size_t first = out.size();
   analytic_.collide(a, pose_a, b, pose_b, tolerance, out);
