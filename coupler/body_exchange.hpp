@@ -6,6 +6,8 @@
 // those ranks only; who they are follows from the state alone, so both ends know it.
 #include <mpi.h>
 
+#include <memory>
+
 #include "lbm/domain.hpp"
 #include "rigid/body_exchange.hpp"
 #include "rigid/world.hpp"
@@ -31,9 +33,10 @@ class BodyExchange : public rigid::BodyExchange {
   double maximum(double) const override;
 
   MPI_Comm comm() const { return comm_; }
+  const rigid::World& world() const { return world_; }
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
-  const ExchangeCounters& counters() const { return counters_; }
+  const ExchangeCounters& counters() const;
   /// The rank that owns what is at x (wrapped; clamped into the domain beyond walls).
   int rank_at(const rigid::Vec3& x_W) const;
   /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
@@ -47,13 +50,14 @@ class BodyExchange : public rigid::BodyExchange {
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width) const;
 
  private:
-  struct Parallel;  // per-step message plans
+  struct Parallel;  // who holds what, messages and their plans; none on one rank
   MPI_Comm comm_;
   int rank_ = 0, ranks_ = 1;
   const lbm::Domain& domain_;
   const rigid::World& world_;
   double rim_;
-  ExchangeCounters counters_;
+  mutable ExchangeCounters counters_;
+  std::shared_ptr<Parallel> parallel_;
 };
 
 }  // namespace silt::coupler

@@ -1,11 +1,13 @@
 #include "coupler/case_check.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "coupler/body_check.hpp"
+#include "coupler/derived_table.hpp"
 #include "coupler/fill.hpp"
 
 namespace silt::coupler {
@@ -15,6 +17,10 @@ namespace {
 constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2;
 constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
+
+double memory_here() {
+  return 1. * sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGE_SIZE);
+}
 
 constexpr const char* side_keys[6] = {"domain.boundary.x[0]", "domain.boundary.x[1]", "domain.boundary.y[0]",
                                       "domain.boundary.y[1]", "domain.boundary.z[0]", "domain.boundary.z[1]"};
@@ -81,8 +87,24 @@ void check_relaxation(const Case& scene, Findings& findings) {
                          shown(tau), doubtful_relaxation_high));
 }
 
+void check_memory(const Case& scene, Findings& findings) {
+  constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
+  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2], needed = fluid_memory(scene);
+  if (cells > most_cells)
+    findings.error("domain.size",
+                   fmt::format("the domain has {} cells; at most {} are possible: use larger cells",
+                               shown(cells), shown(most_cells)));
+  else if (const double here = memory_here(); needed > here)
+    findings.warning(
+        "domain.size",
+        fmt::format("the fluid needs {:.0f} GB, this machine has {:.0f} GB: use larger cells, or several "
+                    "machines",
+                    needed / 1e9, here / 1e9));
+}
+
 void check_fluid(const Case& scene, Findings& findings) {
   if (!scene.fluid) return;
+  check_memory(scene, findings);
   check_relaxation(scene, findings);
   if (!(scene.fluid->magic > 0))
     findings.error("fluid.magic",

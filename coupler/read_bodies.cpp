@@ -147,16 +147,24 @@ int read_material_name(TableReader& table, const Case& scene) {
   return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
 }
 
-// Entries of one name make one kind; without a name it is the shape's.
+// Entries of one name make one kind, of one shape; without a name it is the shape's.
 int read_kind(TableReader& table, int shape, Case& scene) {
   const std::string fallback =
       shape < static_cast<int>(scene.shape_names.size()) ? scene.shape_names[shape] : std::string("body");
   const std::string name = table.string("name").value_or(fallback);
-  auto& names = scene.kind_names;
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end()) return static_cast<int>(found - names.begin());
-  names.push_back(name);
-  return static_cast<int>(names.size()) - 1;
+  const auto found = std::find(scene.kind_names.begin(), scene.kind_names.end(), name);
+  const int kind = static_cast<int>(found - scene.kind_names.begin());
+  if (found == scene.kind_names.end()) {
+    scene.kind_names.push_back(name);
+    scene.kind_shapes.push_back(shape);
+  } else if (scene.kind_shapes[kind] != shape) {
+    table.fail("name",
+               fmt::format(
+                   "{}: another entry of the name '{}' has the shape '{}', this one '{}'; entries of one "
+                   "name have one shape: give them different names",
+                   table.path(), name, scene.shape_names[scene.kind_shapes[kind]], scene.shape_names[shape]));
+  }
+  return kind;
 }
 
 double read_density(TableReader& table) {

@@ -9,7 +9,7 @@ namespace silt::lbm {
 
 struct CollisionSpec {
   double relaxation_time = 1;
-  double magic = 3.0 / 16;  // ignored by bgk
+  double magic = 1.0 / 6;  // ignored by bgk
   bool bgk = false;
   std::array<double, 3> force{};  // acceleration of the fluid, uniform
 };

@@ -8,17 +8,19 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int most_rounds = 100;     // few are needed but where a box slides: 40 leave 1e-9 there, 12 let a stack drift
-constexpr double converged = 1e-14;  // change of an impulse in a round, relative to the largest
-constexpr double decoupled = 1e-12;  // mixing of directions, relative to k_n: none
+constexpr int most_rounds =
+    100;  // few are needed but where a box slides: 40 leave 1e-9 there, 12 let a stack drift
+constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
+constexpr double converged_push = 1e-6;  // the same where only positions are corrected
+constexpr double decoupled = 1e-12;      // mixing of directions, relative to k_n: none
 
 /// The solver's own copy of a pair: velocities at the contacts along their directions.
 struct Block {
   std::span<ContactRow> rows;
   const double* matrix;
   double* u;
-  std::size_t lines;                // 3 a contact
-  double change = 0, scale = 0;     // squared, largest of the round
+  std::size_t lines;             // 3 a contact
+  double change = 0, scale = 0;  // squared, largest of the round
 
   void push(std::size_t line, double impulse) {
     const double* column = matrix + line * lines;  // symmetric
@@ -62,13 +64,12 @@ void solve_single(ContactRow& row, const double* u) {
   p[1] *= shrink, p[2] *= shrink;
 }
 
-void iterate(Block& block, bool frictionless, double relative_to_first) {
-  double first = 0;
+void iterate(Block& block, bool frictionless) {
+  const double tolerance = frictionless ? converged_push : converged;
   for (int i = 0; i < most_rounds; ++i) {
     block.change = block.scale = 0;
     for (std::size_t k = 0; k < block.rows.size(); ++k) block.solve(k, frictionless);
-    if (i == 0) first = block.change;
-    if (block.change <= std::max(converged * converged * block.scale, relative_to_first * relative_to_first * first)) return;
+    if (block.change <= tolerance * tolerance * block.scale) return;
   }
 }
 
@@ -81,12 +82,14 @@ std::array<Vec3, 3> contact_directions(const Vec3& n) {
   return {n, t, n.cross(t)};
 }
 
-bool set_effective_masses(std::span<ContactRow> rows, const SplitMass& a, const SplitMass& b, double* matrix) {
+bool set_effective_masses(std::span<ContactRow> rows, const SplitMass& a, const SplitMass& b,
+                          double* matrix) {
   const std::size_t lines = 3 * rows.size();
   const double inverse_mass = a.inverse_mass + b.inverse_mass;
   for (std::size_t l = 0; l < lines; ++l) {
     const Vec3& d = rows[l / 3].direction[l % 3];
-    const Vec3 turn_a = a.inverse_inertia * rows[l / 3].r_a.cross(d), turn_b = b.inverse_inertia * rows[l / 3].r_b.cross(d);
+    const Vec3 turn_a = a.inverse_inertia * rows[l / 3].r_a.cross(d),
+               turn_b = b.inverse_inertia * rows[l / 3].r_b.cross(d);
     for (std::size_t k = 0; k <= l; ++k) {
       const ContactRow& other = rows[k / 3];
       const Vec3 velocity = inverse_mass * d + turn_a.cross(other.r_a) + turn_b.cross(other.r_b);
@@ -106,8 +109,8 @@ bool set_effective_masses(std::span<ContactRow> rows, const SplitMass& a, const 
   return simple;
 }
 
-PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Twist& a, const Twist& b, PairLaw law,
-                      double relative_to_first) {
+PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Twist& a, const Twist& b,
+                      PairLaw law) {
   constexpr std::size_t usual = 16;  // contacts of a pair of convex bodies; compounds may have more
   double few_u[3 * usual];
   std::array<double, 3> few_old[usual];
@@ -124,7 +127,7 @@ PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Tw
     solve_single(rows[0], u);
   } else {
     Block block{rows, matrix, u, 3 * rows.size()};
-    iterate(block, law == PairLaw::frictionless, relative_to_first);
+    iterate(block, law == PairLaw::frictionless);
   }
   PairChange total;
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -134,7 +137,8 @@ PairChange solve_pair(std::span<ContactRow> rows, const double* matrix, const Tw
     for (int d = 0; d < 3; ++d) {
       const double difference = row.impulse[d] - old[k][d];
       change += difference * row.direction[d];
-      changed += difference * difference, before += old[k][d] * old[k][d], now += row.impulse[d] * row.impulse[d];
+      changed += difference * difference, before += old[k][d] * old[k][d],
+          now += row.impulse[d] * row.impulse[d];
     }
     if (changed == 0 && now == 0) continue;
     total.impulse += change;

@@ -1,7 +1,8 @@
 #pragma once
 // All contacts of two bodies, solved by themselves: the block of the sFFD sweeps (FFD.md 5.2, 5.3).
 // Normals run from a to b, u = v_b - v_a at the contact point, impulses act on b and are reversed on a.
-// The solver works in the contacts' own directions, with the matrix that takes their impulses to their velocities.
+// The solver works in the contacts' own directions, with the matrix that takes their impulses to their
+// velocities.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -13,15 +14,18 @@ namespace silt::rigid {
 
 /// One contact point as the solver sees it.
 struct ContactRow {
-  std::array<Vec3, 3> direction;            // normal and two tangents
+  std::array<Vec3, 3> direction;  // normal and two tangents
   Vec3 r_a, r_b;
-  std::array<double, 3> impulse{};          // accumulated, along the directions
-  double inverse_k_n = 0, inverse_k_t = 0;  // effective masses; k_t: larger eigenvalue of the tangential block
-  double target = 0;                        // least normal velocity after the step
+  std::array<double, 3> impulse{};  // accumulated, along the directions
+  double inverse_k_n = 0,
+         inverse_k_t = 0;  // effective masses; k_t: larger eigenvalue of the tangential block
+  double target = 0;       // least normal velocity after the step
   double friction = 0;
 
   const Vec3& normal() const { return direction[0]; }
-  Vec3 impulse_W() const { return impulse[0] * direction[0] + impulse[1] * direction[1] + impulse[2] * direction[2]; }
+  Vec3 impulse_W() const {
+    return impulse[0] * direction[0] + impulse[1] * direction[1] + impulse[2] * direction[2];
+  }
   double tangential_impulse() const { return std::hypot(impulse[1], impulse[2]); }
 };
 
@@ -48,10 +52,13 @@ struct PairChange {
 };
 
 /// Doubles that the matrix of a pair takes.
-inline std::size_t matrix_size(std::size_t contacts) { return 9 * contacts * contacts; }
+inline std::size_t matrix_size(std::size_t contacts) {
+  return 9 * contacts * contacts;
+}
 
-/// Fills the effective masses of the rows and the symmetric matrix (3 lines a contact) from impulses to velocities.
-/// Returns whether one round of solve_pair is exact: a single contact whose directions do not mix, as of spheres.
+/// Fills the effective masses of the rows and the symmetric matrix (3 lines a contact) from impulses to
+/// velocities. Returns whether one round of solve_pair is exact: a single contact whose directions do not
+/// mix, as of spheres.
 bool set_effective_masses(std::span<ContactRow>, const SplitMass& a, const SplitMass& b, double* matrix);
 
 enum class PairLaw {
@@ -60,9 +67,8 @@ enum class PairLaw {
   frictionless,  // normal impulses only
 };
 
-/// Block Gauss-Seidel over the rows from the velocities given, until a round changes less than `tolerance` of the
-/// largest impulse or of the first round's change.
-PairChange solve_pair(std::span<ContactRow>, const double* matrix, const Twist& a, const Twist& b, PairLaw,
-                      double relative_to_first);
+/// Solves the rows from the velocities given, to round-off (stacks vibrate if it is left at less): block
+/// Gauss-Seidel.
+PairChange solve_pair(std::span<ContactRow>, const double* matrix, const Twist& a, const Twist& b, PairLaw);
 
 }  // namespace silt::rigid

@@ -74,7 +74,8 @@ struct LineInside {
 
 }  // namespace
 
-std::optional<RayInterval> ray_interval(const ConvexShape& shape, const Vec3& origin_B, const Vec3& direction_B) {
+std::optional<RayInterval> ray_interval(const ConvexShape& shape, const Vec3& origin_B,
+                                        const Vec3& direction_B) {
   return std::visit(LineInside{origin_B, direction_B}, shape);
 }
 

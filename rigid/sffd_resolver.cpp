@@ -9,9 +9,8 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int width = 7;              // doubles a body in a share: v, w, number
-constexpr double inner_reduction = 0;
-constexpr double rounding = 1e-5;     // times mass x speed: an impulse this small says nothing about convergence
+constexpr int width = 7;           // doubles a body in a share: v, w, number
+constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
@@ -27,15 +26,18 @@ void store(std::vector<double>& state, std::size_t row, const Twist& t, double n
   s[6] = number;
 }
 
-/// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks of a
-/// contact that would be reached, from the velocities before the kick (so that a body at rest does not bounce).
+/// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
+/// of a contact that would be reached, from the velocities before the kick (so that a body at rest does not
+/// bounce).
 double target_velocity(const Contact& c, double dt, const Vec3& before) {
   const double closing = c.gap > 0 ? -c.gap / dt : 0.0, speed = c.normal.dot(before);
   const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
   return hits ? std::max(closing, -c.restitution * speed) : closing;
 }
 
-double lever_arms(const Contact& c) { return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm(); }
+double lever_arms(const Contact& c) {
+  return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
+}
 
 }  // namespace
 
@@ -117,9 +119,9 @@ void SffdResolver::split_masses(const BodySet& bodies) {
   for (Pair& p : pairs_) {
     const Body &a = bodies_[p.a], &b = bodies_[p.b];
     const double n_a = state_[a.row * width + 6], n_b = state_[b.row * width + 6];
-    p.single = set_effective_masses({rows_.data() + p.first, p.last - p.first},
-                                    {n_a * a.inverse_mass, n_a * a.inverse_inertia},
-                                    {n_b * b.inverse_mass, n_b * b.inverse_inertia}, matrices_.data() + p.matrix);
+    p.single = set_effective_masses(
+        {rows_.data() + p.first, p.last - p.first}, {n_a * a.inverse_mass, n_a * a.inverse_inertia},
+        {n_b * b.inverse_mass, n_b * b.inverse_inertia}, matrices_.data() + p.matrix);
     p.final_after_one = (n_a == 1 || !bodies.is_free(a.row)) && (n_b == 1 || !bodies.is_free(b.row));
     p.reduced_mass = 1 / (a.inverse_mass + b.inverse_mass);
   }
@@ -147,9 +149,9 @@ double SffdResolver::sweep(std::vector<double>& state, double tolerance, bool fi
                        (b.inverse_mass > 0 && state[b.row * width + 6] != 0);
     if (!first && (p.final_after_one || !woken)) continue;
     const PairLaw law = p.single ? PairLaw::single : push ? PairLaw::frictionless : PairLaw::coulomb;
-    const PairChange change = solve_pair({rows_.data() + p.first, p.last - p.first}, matrices_.data() + p.matrix,
-                                         twist(state, a.row), twist(state, b.row), law,
-                                         p.final_after_one ? 0.0 : inner_reduction);
+    const PairChange change =
+        solve_pair({rows_.data() + p.first, p.last - p.first}, matrices_.data() + p.matrix,
+                   twist(state, a.row), twist(state, b.row), law);
     a.impulse -= change.impulse;
     a.angular_impulse -= change.angular_a;
     b.impulse += change.impulse;
@@ -175,8 +177,8 @@ void SffdResolver::apply_impulses(std::vector<double>& state) {
 }
 
 /// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
-int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<double>& state, double tolerance,
-                                bool push, double& residual) {
+int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<double>& state,
+                                double tolerance, bool push, double& residual) {
   for (int i = 1;; ++i) {
     residual = exchange.maximum(sweep(state, tolerance, i == 1, push));
     apply_impulses(state);
@@ -196,15 +198,15 @@ double SffdResolver::correctable_overlap(const std::vector<Contact>& contacts) c
   return deepest;
 }
 
-/// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact may use
-/// up the gap that is left.
+/// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact
+/// may use up the gap that is left.
 void SffdResolver::set_push_targets(const std::vector<Contact>& contacts, double dt) {
   for (const Pair& p : pairs_)
     for (std::size_t k = p.first; k < p.last; ++k) {
       ContactRow& row = rows_[k];
       const Contact& c = contacts[k];
       const double u = row.normal().dot(twist(state_, bodies_[p.b].row).at(row.r_b) -
-                                      twist(state_, bodies_[p.a].row).at(row.r_a));
+                                        twist(state_, bodies_[p.a].row).at(row.r_a));
       const double overlap = settings_.correction * (-c.gap - settings_.slop) / dt - std::max(0.0, u);
       row.target = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
       row.impulse = {};
@@ -219,8 +221,43 @@ void SffdResolver::remember(BodySet& bodies, const std::vector<Contact>& contact
   for (const Pair& p : pairs_) {
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     const std::span rows(rows_.data() + p.first, of_pair.size());
-    if (bodies_[p.a].moves) remember_impulses(of_pair, rows, of_pair[0].b, bodies.stored_impulses[bodies_[p.a].row]);
-    if (bodies_[p.b].moves) remember_impulses(of_pair, rows, of_pair[0].a, bodies.stored_impulses[bodies_[p.b].row]);
+    if (bodies_[p.a].moves)
+      remember_impulses(of_pair, rows, of_pair[0].b, bodies.stored_impulses[bodies_[p.a].row]);
+    if (bodies_[p.b].moves)
+      remember_impulses(of_pair, rows, of_pair[0].a, bodies.stored_impulses[bodies_[p.b].row]);
+  }
+}
+
+void SffdResolver::count(const BodySet& bodies, const std::vector<Contact>& contacts,
+                         ResolverStatistics& statistics) const {
+  for (const Contact& c : contacts) {
+    if (bodies.row_of(c.a) < bodies.owned) ++statistics.contacts;
+    statistics.penetration = std::max(statistics.penetration, -c.gap);
+  }
+  for (const ContactRow& row : rows_)
+    if (row.impulse[0] > 0)
+      statistics.cone_excess =
+          std::max(statistics.cone_excess, row.tangential_impulse() / row.impulse[0] - row.friction);
+}
+
+/// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
+/// forgotten.
+void SffdResolver::correct_positions(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
+                                     StepVelocities& velocities, BodyExchange& exchange) {
+  exchange.share(bodies, state_, width);
+  set_push_targets(contacts, dt);
+  set_least_scales(bodies, dt, true);
+  push_.resize(bodies.size() * width);
+  for (const Body& b : bodies_) store(push_, b.row, Twist{}, 0);
+  double residual = 0;
+  sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
+  velocities.push_v.assign(bodies.size(), Vec3::Zero());
+  velocities.push_w.assign(bodies.size(), Vec3::Zero());
+  for (const Body& b : bodies_) {
+    if (!b.moves) continue;
+    const Twist t = twist(push_, b.row);
+    velocities.push_v[b.row] = t.v;
+    velocities.push_w[b.row] = t.w;
   }
 }
 
@@ -242,36 +279,15 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
   remember(bodies, contacts);
+  count(bodies, contacts, statistics);
   for (const Body& b : bodies_) {
     if (!b.moves) continue;
     const Twist t = twist(state_, b.row);
     velocities.v[b.row] = t.v;
     velocities.w[b.row] = t.w;
   }
-  for (const Contact& c : contacts) {
-    if (bodies.row_of(c.a) < bodies.owned) ++statistics.contacts;
-    statistics.penetration = std::max(statistics.penetration, -c.gap);
-  }
-  for (const ContactRow& row : rows_)
-    if (row.impulse[0] > 0)
-      statistics.cone_excess = std::max(statistics.cone_excess, row.tangential_impulse() / row.impulse[0] - row.friction);
-  if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0) {
-    exchange.share(bodies, state_, width);
-    set_push_targets(contacts, dt);
-    set_least_scales(bodies, dt, true);
-    push_.resize(bodies.size() * width);
-    for (const Body& b : bodies_) store(push_, b.row, Twist{}, 0);
-    double residual = 0;
-    sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
-    velocities.push_v.assign(bodies.size(), Vec3::Zero());
-    velocities.push_w.assign(bodies.size(), Vec3::Zero());
-    for (const Body& b : bodies_) {
-      if (!b.moves) continue;
-      const Twist t = twist(push_, b.row);
-      velocities.push_v[b.row] = t.v;
-      velocities.push_w[b.row] = t.w;
-    }
-  }
+  if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0)
+    correct_positions(bodies, contacts, dt, velocities, exchange);
   return statistics;
 }
 

@@ -20,7 +20,8 @@ const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Conta
 
 void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact> contacts,
                      std::span<ContactRow> rows) {
-  const auto first = std::partition_point(stored.begin(), stored.end(), [&](auto& s) { return s.partner < partner; });
+  const auto first =
+      std::partition_point(stored.begin(), stored.end(), [&](auto& s) { return s.partner < partner; });
   const auto last = std::partition_point(first, stored.end(), [&](auto& s) { return s.partner == partner; });
   const std::span<const StoredImpulse> of_partner(first, last);
   if (of_partner.empty()) return;

@@ -1,5 +1,6 @@
 #include "adapters/analytic/deepest.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,7 +15,9 @@ constexpr double rounding = 1e-13;
 constexpr double parallel_sine = 1e-8;
 
 /// Unit axis with the sign that points from a to b.
-Vec3 oriented(const Vec3& axis, const Vec3& d) { return axis.dot(d) < 0 ? Vec3(-axis) : axis; }
+Vec3 oriented(const Vec3& axis, const Vec3& d) {
+  return axis.dot(d) < 0 ? Vec3(-axis) : axis;
+}
 
 /// Normal to the edges along axis i of a and j of b; nothing where they are parallel.
 std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& b, int j) {
@@ -39,7 +42,8 @@ void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
       if (const auto n = crossed_edges(a, i, b, j)) use(*n, true);
 }
 
-/// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the distance.
+/// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the
+/// distance.
 Separation point_to_core(const Vec3& x, const RoundedBox& core) {
   const Vec3 local = core.local(x);
   const Vec3 outside = local - local.cwiseMax(-core.half).cwiseMin(core.half);
@@ -83,7 +87,7 @@ Separation closest_features(const RoundedBox& a, const RoundedBox& b) {
     for (int j = 0; j < 3; ++j)
       if (const auto n = crossed_edges(a, i, b, j)) {
         const double gap = core_separation(a, b, *n);
-        if (gap > 0 && gap < best.core_gap && edges_cross(a, i, b, j, *n)) best = {*n, gap};
+        if (gap >= 0 && gap < best.core_gap && edges_cross(a, i, b, j, *n)) best = {*n, gap};
       }
   return best;
 }
@@ -124,7 +128,7 @@ Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3
 
 std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedBox& b, double tolerance) {
   const int extent_a = a.extent(), extent_b = b.extent();
-  const double reach = tolerance + a.radius + b.radius, scale = length_scale(a, b);
+  const double reach = std::max(tolerance + a.radius + b.radius, 0.0), scale = length_scale(a, b);
   if (extent_a == 0 || extent_b == 0) {  // a point and a box, a segment, a point
     const bool a_is_point = extent_a == 0;
     Separation s = a_is_point ? point_to_core(a.centre, b) : point_to_core(b.centre, a);

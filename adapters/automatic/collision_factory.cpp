@@ -4,7 +4,9 @@
 #include <string>
 
 #include "adapters/analytic/analytic_backend.hpp"
+#include "adapters/automatic/automatic_backend.hpp"
 #include "adapters/bullet/bullet_backend.hpp"
+#include "adapters/fcl/fcl_backend.hpp"
 
 namespace silt::adapters {
 
@@ -18,9 +20,10 @@ struct Entry {
 
 /// A new backend is one line here and one in the conformance suite.
 constexpr Entry backends[] = {
-    {"auto", [] { return std::unique_ptr<rigid::CollisionBackend>(new AnalyticBackend); }},
+    {"auto", [] { return std::unique_ptr<rigid::CollisionBackend>(new AutomaticBackend); }},
     {"analytic", [] { return std::unique_ptr<rigid::CollisionBackend>(new AnalyticBackend); }},
     {"bullet", make_bullet_backend},
+    {"fcl", make_fcl_backend},
 };
 
 }  // namespace

@@ -26,15 +26,19 @@ namespace {
 using rigid::ConvexShape;
 using rigid::Pose;
 
-btVector3 to_bullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+btVector3 to_bullet(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Vec3 from_bullet(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 btTransform to_bullet(const Pose& pose) {
   const auto& q = pose.orientation;
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(pose.position));
 }
 
-/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, 0 for a box and a plane (the default of
-/// 0.04 would round the box's edges).
+/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, 0 for a box and a plane (the
+/// default of 0.04 would round the box's edges).
 class BulletShape {
  public:
   explicit BulletShape(const ConvexShape& shape) {
@@ -87,7 +91,8 @@ class BulletBackend : public EngineBackend {
   std::string_view name() const override { return "bullet"; }
 
  protected:
-  /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where they are.
+  /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
+  /// they are.
   int methods(const Query&) const override { return 3; }
   std::optional<Answer> ask(int method, const Query& q) override {
     if (method == 1) return gjk_apart(q);
@@ -104,8 +109,8 @@ class BulletBackend : public EngineBackend {
   /// with the shapes moved apart.
   static constexpr double touching = 1e-3;
 
-  /// The separating-axis test that Bullet's world uses for two boxes: overlap only. It prefers a face to crossed
-  /// edges that are up to 5 % less deep; the check of the answer finds that out.
+  /// The separating-axis test that Bullet's world uses for two boxes: overlap only. It prefers a face to
+  /// crossed edges that are up to 5 % less deep; the check of the answer finds that out.
   static std::optional<Answer> box_box(const Query& q) {
     BulletShape a(q.a), b(q.b);
     btBoxBoxDetector detector(static_cast<btBoxShape*>(a.get()), static_cast<btBoxShape*>(b.get()));
@@ -121,8 +126,8 @@ class BulletBackend : public EngineBackend {
     return Answer{-from_bullet(found.m_normalOnBInWorld), found.m_distance, padding};
   }
 
-  /// Closest points up to the tolerance or overlap, as the world's contactPairTest dispatches them. No manifold
-  /// outlives the query: warm ones drift.
+  /// Closest points up to the tolerance or overlap, as the world's contactPairTest dispatches them. No
+  /// manifold outlives the query: warm ones drift.
   std::optional<Answer> closest(const Query& q) {
     BulletShape shape_a(q.a), shape_b(q.b);
     btCollisionObject a, b;
@@ -171,9 +176,9 @@ class BulletBackend : public EngineBackend {
   btCollisionWorld world_;
 };
 
-/// Debian ships Bullet twice, in float and in double, and a mix of the two links without complaint and computes
-/// rubbish. The hull's constructor has a name that holds the type of its numbers, so the wrong library does not
-/// resolve it; the box that comes back through a virtual call must be the box that went in.
+/// Debian ships Bullet twice, in float and in double, and a mix of the two links without complaint and
+/// computes rubbish. The hull's constructor has a name that holds the type of its numbers, so the wrong
+/// library does not resolve it; the box that comes back through a virtual call must be the box that went in.
 void check_precision() {
   const btScalar corners[] = {1.0 / 3, 0, 0, 0, 0, 0, 2.0 / 3, 0, 0, 1e9 + 1.0 / 3, 0, 0};
   btConvexHullShape hull(corners, 3, 4 * sizeof(btScalar));
@@ -182,12 +187,14 @@ void check_precision() {
   btVector3 lower, upper;
   btTransform at(btQuaternion::getIdentity(), btVector3(1000, -1000, 1.0 / 7));
   static_cast<btCollisionShape&>(sphere).getAabb(at, lower, upper);
-  const bool right = std::abs(upper.x() - (1000 + 1.0 / 3)) < 1e-12 && std::abs(lower.y() + 1000 + 1.0 / 3) < 1e-12 &&
+  const bool right = std::abs(upper.x() - (1000 + 1.0 / 3)) < 1e-12 &&
+                     std::abs(lower.y() + 1000 + 1.0 / 3) < 1e-12 &&
                      std::abs(lower.z() - (1.0 / 7 - 1.0 / 3)) < 1e-12 && hull.getNumPoints() == 3 &&
                      hull.getScaledPoint(2).y() == 1e9 + 1.0 / 3;
   if (!right)
     throw std::runtime_error(
-        "Bullet at run time is not the double-precision build (libBulletCollision-float64) this program was built "
+        "Bullet at run time is not the double-precision build (libBulletCollision-float64) this program was "
+        "built "
         "against: install libbullet3.24 and remove other builds of Bullet from the library path");
 }
 

@@ -13,27 +13,32 @@ using rigid::Pose;
 
 namespace {
 
-double support_gap(const Query& q, const Vec3& n) {
-  const auto support = [&](const ConvexShape& shape, const Pose& pose, const Vec3& direction) {
-    return pose.to_world(rigid::support(shape, pose.orientation.conjugate() * direction));
-  };
-  return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
-}
-
-/// Whether `answer` is the pair's separation: attained by the supporting planes, exceeded by no candidate axis. Sets the
-/// gap to that of the supporting planes, so that the two agree to the last bit the arithmetic has.
+/// Whether `answer` is the pair's separation: attained by the supporting planes, exceeded in no direction.
+/// Sets the gap to that of the supporting planes, so that the two agree to the last bit the arithmetic has.
 bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer& answer) {
   const double slack = answer_tolerance * length_scale(a, b);
   if (!(std::abs(answer.normal.squaredNorm() - 1) < 1e-6)) return false;  // also refuses NaN
   answer.normal = nearest_candidate_axis(a, b, answer.normal.normalized(), snap_angle);
   const double gap = support_gap(q, answer.normal);
   if (!(std::abs(gap - answer.gap) <= slack + (gap < 0 ? answer.padding : 0))) return false;
-  if (gap < 0 && best_separating_axis(a, b).core_gap - a.radius - b.radius > gap + slack) return false;
+  // apart, a distance between two points that is also one between supporting planes proves itself; overlap
+  // does not
+  if (gap < 0) {
+    const auto exact = deepest_separation(a, b, 0);
+    if (!exact || exact->core_gap - a.radius - b.radius > gap + slack) return false;
+  }
   answer.gap = gap;
   return true;
 }
 
 }  // namespace
+
+double support_gap(const Query& q, const Vec3& n) {
+  const auto support = [&](const ConvexShape& shape, const Pose& pose, const Vec3& direction) {
+    return pose.to_world(rigid::support(shape, pose.orientation.conjugate() * direction));
+  };
+  return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
+}
 
 bool EngineBackend::supports(const ConvexShape& a, const ConvexShape&) const {
   return !std::holds_alternative<HalfSpace>(a);
@@ -62,7 +67,8 @@ void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, cons
     append_manifold(a, b, deepest->normal, deepest->core_gap, tolerance, out);
 }
 
-void EngineBackend::collide_with_plane(const Query& q, const RoundedBox& a, std::vector<rigid::ContactPoint>& out) {
+void EngineBackend::collide_with_plane(const Query& q, const RoundedBox& a,
+                                       std::vector<rigid::ContactPoint>& out) {
   const Vec3 outward = q.pose_b.orientation * std::get<HalfSpace>(q.b).normal;
   const Vec3 lowest = q.pose_a.to_world(rigid::support(q.a, q.pose_a.orientation.conjugate() * -outward));
   const double gap = outward.dot(lowest - q.pose_b.position);

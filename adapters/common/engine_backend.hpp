@@ -28,11 +28,15 @@ struct Answer {
   double padding = 0;
 };
 
+/// n . (support of b along -n - support of a along n), by rigid::support: the gap if n is the contact's
+/// normal, and never more than the gap.
+double support_gap(const Query&, const Vec3& n);
+
 /// From the engine come normal and gap of the deepest point. They are checked: the gap must be that of the
-/// supporting planes, n . (support_B(-n) - support_A(n)), which no direction exceeds by more than rounding (for overlap:
-/// no separating-axis candidate). "No contact" is checked too. What fails is counted and asked by the
-/// engine's next method, at last by closed forms. The other points of a flat contact are built along the
-/// engine's normal by append_manifold, alike for every engine, because engines give between one and four.
+/// supporting planes, n . (support_B(-n) - support_A(n)), which for overlap no direction may exceed by more
+/// than rounding. "No contact" is checked too. What fails is counted and asked by the engine's next method,
+/// at last by closed forms. The other points of a flat contact are built along the engine's normal by
+/// append_manifold, alike for every engine, because engines give between one and four.
 class EngineBackend : public rigid::CollisionBackend {
  public:
   bool supports(const rigid::ConvexShape& a, const rigid::ConvexShape& b) const override;

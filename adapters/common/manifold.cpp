@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "adapters/common/outline.hpp"
 
@@ -15,8 +16,12 @@ namespace {
 constexpr double rounding = 1e-10;
 /// Capsules whose axes make an angle with a sine up to this may touch along their common length.
 constexpr double parallel_sine = 0.2;
+/// ... at points whose normals make an angle with a cosine from this up with that of the nearest point: for
+/// deep overlaps they may not.
+constexpr double same_side_cosine = 0.9;
 
-ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Feature& of_a, const Feature& of_b) {
+ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Feature& of_a,
+                     const Feature& of_b) {
   return {on_a, on_a + gap * normal, normal, gap, feature_id(of_a, of_b)};
 }
 
@@ -47,6 +52,18 @@ OnSegment clamp_to(const RoundedBox& capsule, double t) {
   return {std::clamp(t, -half, half), f};
 }
 
+/// From the point of a capsule's segment `t` from its middle along unit m to the surface: on the hemisphere
+/// of the end if m leads away from the other, else on the side; nothing where that is under the other
+/// hemisphere, which has a point of its own.
+std::optional<double> to_surface(const RoundedBox& capsule, const OnSegment& at, const Vec3& m) {
+  const double tilt = capsule.axes.col(2).dot(m);
+  if (at.feature.sign[2] * tilt >= 0 && (at.feature.sign[2] != 0 || std::abs(tilt) < 1e-12))
+    return capsule.radius;
+  const double across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
+  if (std::abs(at.t * across + capsule.radius * tilt) > capsule.half.z() * across) return {};
+  return capsule.radius / across;
+}
+
 void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
   for (ContactPoint& q : points)
     if (q.feature == p.feature) {
@@ -68,7 +85,8 @@ void sphere_point(const RoundedBox& a, const RoundedBox& b, const Vec3& n, doubl
   }
 }
 
-/// The point of b's segment over the point t of a's, as spheres at the two; nothing where it lies past b's end.
+/// The point of b's segment over the point t of a's, as spheres at the two; nothing where it lies past b's
+/// end.
 void end_over(const RoundedBox& a, const OnSegment& end, const RoundedBox& b, const Vec3& n, bool swap,
               std::vector<ContactPoint>& points) {
   const Vec3 x = a.centre + end.t * a.axes.col(2);
@@ -77,12 +95,15 @@ void end_over(const RoundedBox& a, const OnSegment& end, const RoundedBox& b, co
   const OnSegment other = clamp_to(b, t);
   const Vec3 between = b.centre + other.t * b.axes.col(2) - x;
   const double distance = between.norm();
-  const Vec3 normal = distance > 1e-6 * (a.radius + b.radius) ? Vec3(between / distance) : Vec3(swap ? -n : n);
-  const double gap = between.dot(normal) - a.radius - b.radius;
+  const Vec3 normal =
+      distance > 1e-6 * (a.radius + b.radius) ? Vec3(between / distance) : Vec3(swap ? -n : n);
+  const auto of_a = to_surface(a, end, normal), of_b = to_surface(b, other, -normal);
+  if (!of_a || !of_b || normal.dot(swap ? -n : n) < same_side_cosine) return;
+  const double gap = between.dot(normal) - *of_a - *of_b;
   if (!swap)
-    add_unique(points, contact(x + a.radius * normal, normal, gap, end.feature, other.feature));
+    add_unique(points, contact(x + *of_a * normal, normal, gap, end.feature, other.feature));
   else
-    add_unique(points, contact(x + (a.radius + gap) * normal, -normal, gap, other.feature, end.feature));
+    add_unique(points, contact(x + (*of_a + gap) * normal, -normal, gap, other.feature, end.feature));
 }
 
 void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
@@ -115,31 +136,36 @@ void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, dou
 void capsule_on_box(const RoundedBox& capsule, const RoundedBox& box, const Vec3& m, bool swap, double slack,
                     std::vector<ContactPoint>& points) {
   const Face face = face_towards(box, -m);
-  const Vec3 u = capsule.axes.col(2);
-  const double tilt = u.dot(m), across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
-  for (const ClippedPoint& p : clip_segment(face, capsule, m, slack)) {
-    // the capsule's surface from the core point along m: on the hemisphere of the end, else on the side
-    double offset = capsule.radius;
-    if (p.of_clipped.sign[2] * tilt < 0 || (p.of_clipped.sign[2] == 0 && std::abs(tilt) > 1e-12)) {
-      const double t = (p.x - capsule.centre).dot(u) * across + capsule.radius * tilt;
-      if (std::abs(t) > capsule.half.z() * across) continue;  // under the end's hemisphere, which has its own point
-      offset /= across;
-    }
-    const Vec3 surface = p.x + offset * m;
+  const Prism prism = prism_over(face, m);
+  const Segment over = clip_segment(prism, capsule, slack);
+  for (int e = 0; e < 2 && !over.empty; ++e) {
+    const Feature of_capsule{{0, 0, over.sign[e]}},
+        of_box = feature_under(face, prism, over.end[e], 10 * slack);
+    const double t = (over.end[e] - capsule.centre).dot(capsule.axes.col(2));
+    const auto offset = to_surface(capsule, {t, of_capsule}, m);
+    if (!offset) continue;
+    const Vec3 surface = over.end[e] + *offset * m;
     const double gap = face.height(surface, m);
     if (!swap)
-      add_unique(points, contact(surface, m, gap, p.of_clipped, p.of_clipper));
+      add_unique(points, contact(surface, m, gap, of_capsule, of_box));
     else
-      add_unique(points, contact(surface + gap * m, -m, gap, p.of_clipper, p.of_clipped));
+      add_unique(points, contact(surface + gap * m, -m, gap, of_box, of_capsule));
   }
 }
 
 void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double slack,
                 std::vector<ContactPoint>& points) {
   const Face face_a = face_towards(a, n), face_b = face_towards(b, -n);
-  for (const ClippedPoint& p : clip_face(face_a, face_b, n, slack)) {
-    const double gap = -face_a.height(p.x, n);
-    add_unique(points, {p.x - gap * n, p.x, n, gap, feature_id(p.of_clipper, p.of_clipped)});
+  const Prism over_a = prism_over(face_a, n), over_b = prism_over(face_b, n);
+  const Polygon patch = clip_face(over_a, face_b, slack);
+  for (int c = 0; c < patch.size; ++c) {
+    const Vec3& x = patch.corner[c];
+    const double gap = -face_a.height(x, n);
+    // by where it is, not by what the clipping passed through: where a vertex meets an edge that is up to
+    // rounding
+    const Feature of_a = feature_under(face_a, over_a, x, 10 * slack);
+    const Feature of_b = feature_under(face_b, over_b, x, 10 * slack);
+    add_unique(points, {x - gap * n, x, n, gap, feature_id(of_a, of_b)});
   }
 }
 
@@ -163,15 +189,15 @@ void keep_deepest(const RoundedBox& a, const RoundedBox& b, const Vec3& n, doubl
   const auto [on_a, of_a] = support(a, n);
   const auto [on_b, of_b] = support(b, -n);
   // the middle of a face or an edge gives way to a vertex
-  const bool a_leads = std::count(of_a.sign.begin(), of_a.sign.end(), 0) <
-                       std::count(of_b.sign.begin(), of_b.sign.end(), 0);
+  const bool a_leads =
+      std::count(of_a.sign.begin(), of_a.sign.end(), 0) < std::count(of_b.sign.begin(), of_b.sign.end(), 0);
   add_unique(points, contact(a_leads ? on_a : Vec3(on_b - gap * n), n, gap, of_a, of_b));
 }
 
 }  // namespace
 
-void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap, double tolerance,
-                     std::vector<ContactPoint>& out) {
+void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap,
+                     double tolerance, std::vector<ContactPoint>& out) {
   if (core_gap - a.radius - b.radius > tolerance) return;
   const int extent_a = a.extent(), extent_b = b.extent();
   if (extent_a == 0 || extent_b == 0) return sphere_point(a, b, normal, core_gap, out);
@@ -196,13 +222,16 @@ void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& norma
 void append_plane_manifold(const RoundedBox& a, const Vec3& origin, const Vec3& outward, double tolerance,
                            std::vector<ContactPoint>& out) {
   const Vec3 normal = -outward;
+  const bool capsule = a.extent() == 1;
   // sign order is feature order: the z sign weighs most
   const int nx = a.half.x() > 0, ny = a.half.y() > 0, nz = a.half.z() > 0;
   for (int z = -nz; z <= nz; z += 2)
     for (int y = -ny; y <= ny; y += 2)
       for (int x = -nx; x <= nx; x += 2) {
         const Feature f{{std::int8_t(x), std::int8_t(y), std::int8_t(z)}};
-        const Vec3 on_a = a.vertex(Vec3(x, y, z)) + a.radius * normal;
+        const auto offset = capsule ? to_surface(a, {z * a.half.z(), f}, normal) : a.radius;
+        if (!offset) continue;
+        const Vec3 on_a = a.vertex(Vec3(x, y, z)) + *offset * normal;
         const double gap = outward.dot(on_a - origin);
         if (gap <= tolerance) out.push_back(contact(on_a, normal, gap, f, {}));
       }

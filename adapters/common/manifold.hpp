@@ -9,12 +9,13 @@ namespace silt::adapters {
 
 /// Appends the points of a contact along unit `normal` (from a to b), ordered by feature, those with
 /// gap <= tolerance (lattice units): for two boxes the corners of the common patch of the two faces that face
-/// each other (Sutherland, Hodgman, CACM 17 (1974) 32, the face of b clipped by the planes through the edges of
-/// a's face along the normal); for a capsule the ends of its part over the face; for capsules within
+/// each other (Sutherland, Hodgman, CACM 17 (1974) 32, the face of b clipped by the planes through the edges
+/// of a's face along the normal); for a capsule the ends of its part over the face; for capsules within
 /// parallel_sine of parallel the ends of their common length. Requires: `core_gap`
-/// is the core_separation along `normal` and the largest there is. The point that is deepest is always among them.
-void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap, double tolerance,
-                     std::vector<rigid::ContactPoint>& out);
+/// is the core_separation along `normal` and the largest there is. The point that is deepest is always among
+/// them.
+void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap,
+                     double tolerance, std::vector<rigid::ContactPoint>& out);
 
 /// Appends the vertices of a box, the ends of a capsule, the lowest point of a sphere that are within
 /// `tolerance` of the plane through `origin` with unit `outward` normal (out of the solid half-space b).

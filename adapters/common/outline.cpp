@@ -1,40 +1,15 @@
 #include "adapters/common/outline.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace silt::adapters {
 
 namespace {
 
-/// Outward normal of the plane through edge k of the face along n, not of unit length but nearly so.
-Vec3 side_normal(const Face& face, int k, const Vec3& n) {
-  const Vec3 along = face.corner[(k + 1) % 4] - face.corner[k];
-  Vec3 out = along.cross(n).normalized();
-  const Vec3 inwards = face.corner[(k + 2) % 4] - face.corner[k];
-  return out.dot(inwards) > 0 ? Vec3(-out) : out;
-}
-
-struct Corner {
-  Vec3 x;
-  Feature of_clipper, of_clipped;   // of the point itself
-  Feature edge;                     // of the edge that leaves it
-  bool edge_of_clipper;
-};
-
-/// The point where an edge of the polygon crosses the plane of the clipper's edge.
-Corner crossing(const Corner& from, const Corner& to, double d_from, double d_to, const Feature& cut_edge,
-                const Face& face) {
-  Corner c;
-  const double t = d_from / (d_from - d_to);
-  c.x = from.x + std::clamp(t, 0.0, 1.0) * (to.x - from.x);
-  if (from.edge_of_clipper) {
-    c.of_clipper = from.edge.with(cut_edge);
-    c.of_clipped = face.feature;
-  } else {
-    c.of_clipper = cut_edge;
-    c.of_clipped = from.edge;
-  }
-  return c;
+/// Where the line from x to y, at distances d_x and d_y from a plane, crosses it.
+Vec3 crossing(const Vec3& x, const Vec3& y, double d_x, double d_y) {
+  return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
 }
 
 }  // namespace
@@ -51,71 +26,67 @@ Face face_towards(const RoundedBox& box, const Vec3& direction) {
   face.normal = up * box.axes.col(k);
   face.feature.sign[k] = up;
   for (int c = 0; c < 4; ++c) {
-    Feature corner = face.feature, edge = face.feature;
-    corner.sign[i] = si[c];
-    corner.sign[j] = sj[c];
+    Vec3 corner;
+    corner[k] = up;
+    corner[i] = si[c];
+    corner[j] = sj[c];
+    face.corner[c] = box.vertex(corner);
     // the edge to the next corner keeps the sign the two have in common
-    if (si[c] == si[(c + 1) % 4]) edge.sign[i] = si[c];
-    if (sj[c] == sj[(c + 1) % 4]) edge.sign[j] = sj[c];
-    face.corner[c] = box.vertex(Vec3(corner.sign[0], corner.sign[1], corner.sign[2]));
-    face.corner_feature[c] = corner;
-    face.edge_feature[c] = edge;
+    face.edge_feature[c] = face.feature;
+    if (si[c] == si[(c + 1) % 4]) face.edge_feature[c].sign[i] = si[c];
+    if (sj[c] == sj[(c + 1) % 4]) face.edge_feature[c].sign[j] = sj[c];
   }
   return face;
 }
 
-std::vector<ClippedPoint> clip_face(const Face& clipper, const Face& face, const Vec3& n, double slack) {
-  std::vector<Corner> polygon, next;
-  for (int c = 0; c < 4; ++c)
-    polygon.push_back({face.corner[c], clipper.feature, face.corner_feature[c], face.edge_feature[c], false});
-  for (int k = 0; k < 4 && !polygon.empty(); ++k) {
-    const Vec3 out = side_normal(clipper, k, n);
-    const Feature& cut_edge = clipper.edge_feature[k];
-    next.clear();
-    for (std::size_t c = 0; c < polygon.size(); ++c) {
-      const Corner &from = polygon[c], &to = polygon[(c + 1) % polygon.size()];
-      const double d_from = out.dot(from.x - clipper.corner[k]), d_to = out.dot(to.x - clipper.corner[k]);
-      const bool from_in = d_from <= slack, to_in = d_to <= slack;
-      if (from_in) next.push_back(from);
-      if (from_in == to_in) continue;
-      if (from_in && d_from >= -slack) {  // leaves at this very corner
-        next.back().edge = cut_edge;
-        next.back().edge_of_clipper = true;
-      } else if (from_in) {
-        next.push_back(crossing(from, to, d_from, d_to, cut_edge, face));
-        next.back().edge = cut_edge;
-        next.back().edge_of_clipper = true;
-      } else if (d_to < -slack) {
-        next.push_back(crossing(from, to, d_from, d_to, cut_edge, face));
-        next.back().edge = from.edge;
-        next.back().edge_of_clipper = from.edge_of_clipper;
-      }
-    }
-    polygon.swap(next);
+Prism prism_over(const Face& face, const Vec3& n) {
+  Prism prism;
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 across = (face.corner[(k + 1) % 4] - face.corner[k]).cross(n).normalized();
+    const Vec3 inwards = face.corner[(k + 2) % 4] - face.corner[k];
+    prism.outward[k] = across.dot(inwards) > 0 ? Vec3(-across) : across;
+    prism.bound[k] = prism.outward[k].dot(face.corner[k]);
   }
-  std::vector<ClippedPoint> points;
-  for (const Corner& c : polygon) points.push_back({c.x, c.of_clipper, c.of_clipped});
-  return points;
+  return prism;
 }
 
-std::vector<ClippedPoint> clip_segment(const Face& clipper, const RoundedBox& capsule, const Vec3& n, double slack) {
-  std::array<ClippedPoint, 2> end;
-  for (int e = 0; e < 2; ++e) {
-    const std::int8_t sign = e ? 1 : -1;
-    end[e] = {capsule.vertex(Vec3(0, 0, sign)), clipper.feature, Feature{{0, 0, sign}}};
+Feature feature_under(const Face& face, const Prism& prism, const Vec3& x, double slack) {
+  Feature f = face.feature;
+  for (int k = 0; k < 4; ++k)
+    if (std::abs(prism.beyond(k, x)) <= slack) f = f.with(face.edge_feature[k]);
+  return f;
+}
+
+Polygon clip_face(const Prism& prism, const Face& face, double slack) {
+  Polygon polygon;
+  for (const Vec3& x : face.corner) polygon.add(x);
+  for (int k = 0; k < 4 && polygon.size > 0; ++k) {
+    Polygon kept;
+    for (int c = 0; c < polygon.size; ++c) {
+      const Vec3 &x = polygon.corner[c], &y = polygon.corner[(c + 1) % polygon.size];
+      const double d_x = prism.beyond(k, x), d_y = prism.beyond(k, y);
+      if (d_x <= slack) kept.add(x);
+      // a corner on the plane, within slack, is where the outline crosses it
+      if ((d_x < -slack && d_y > slack) || (d_x > slack && d_y < -slack)) kept.add(crossing(x, y, d_x, d_y));
+    }
+    polygon = kept;
   }
+  return polygon;
+}
+
+Segment clip_segment(const Prism& prism, const RoundedBox& capsule, double slack) {
+  Segment s{{capsule.vertex(Vec3(0, 0, -1)), capsule.vertex(Vec3(0, 0, 1))}, {-1, 1}, false};
   for (int k = 0; k < 4; ++k) {
-    const Vec3 out = side_normal(clipper, k, n);
-    const std::array<double, 2> d{out.dot(end[0].x - clipper.corner[k]), out.dot(end[1].x - clipper.corner[k])};
-    if (d[0] > slack && d[1] > slack) return {};
+    const std::array<double, 2> d{prism.beyond(k, s.end[0]), prism.beyond(k, s.end[1])};
+    if (d[0] > slack && d[1] > slack) s.empty = true;
+    if (s.empty) return s;
     for (int e = 0; e < 2; ++e) {
       if (d[e] <= slack) continue;
-      end[e].x += std::clamp(d[e] / (d[e] - d[1 - e]), 0.0, 1.0) * (end[1 - e].x - end[e].x);
-      end[e].of_clipper = clipper.edge_feature[k];
-      end[e].of_clipped = Feature{};
+      s.end[e] = crossing(s.end[e], s.end[1 - e], d[e], d[1 - e]);
+      s.sign[e] = 0;
     }
   }
-  return {end[0], end[1]};
+  return s;
 }
 
 }  // namespace silt::adapters

@@ -5,10 +5,13 @@
 namespace silt::adapters {
 
 RoundedBox rounded_box(const rigid::ConvexShape& shape, const rigid::Pose& pose) {
-  RoundedBox core{pose.position, pose.orientation.toRotationMatrix(), Vec3::Zero(), 0};
+  RoundedBox core{pose.position, Mat3::Identity(), Vec3::Zero(), 0};
   if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) {
-    core.radius = sphere->radius;
-  } else if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) {
+    core.radius = sphere->radius;  // looks the same from everywhere
+    return core;
+  }
+  core.axes = pose.orientation.toRotationMatrix();
+  if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) {
     core.radius = capsule->radius;
     core.half.z() = capsule->half_length;
   } else if (const auto* box = std::get_if<rigid::Box>(&shape)) {

@@ -1,7 +1,7 @@
 #pragma once
-// Every convex shape here but the half-space is an oriented box, some of whose half edges may be zero, swept by
-// a sphere: sphere = point + radius, capsule = segment + radius, box = box + 0. Distances and depths of the
-// swept shapes are those of the cores less the radii, so that one closed form serves all pairs.
+// Every convex shape here but the half-space is an oriented box, some of whose half edges may be zero, swept
+// by a sphere: sphere = point + radius, capsule = segment + radius, box = box + 0. Distances and depths of
+// the swept shapes are those of the cores less the radii, so that one closed form serves all pairs.
 #include <array>
 #include <cstdint>
 
@@ -15,11 +15,13 @@ using rigid::Vec3;
 /// World frame of the query, lattice units.
 struct RoundedBox {
   Vec3 centre;
-  Mat3 axes;    // columns: the unit axes
-  Vec3 half;    // half edges of the core, along the axes; 0 where it has no extent
+  Mat3 axes;  // columns: the unit axes
+  Vec3 half;  // half edges of the core, along the axes; 0 where it has no extent
   double radius;
 
-  int extent() const { return (half.x() > 0) + (half.y() > 0) + (half.z() > 0); }  // 0 sphere, 1 capsule, 3 box
+  int extent() const {
+    return (half.x() > 0) + (half.y() > 0) + (half.z() > 0);
+  }  // 0 sphere, 1 capsule, 3 box
   /// Half the width of the core along unit n.
   double reach(const Vec3& n) const {
     return half.x() * std::abs(axes.col(0).dot(n)) + half.y() * std::abs(axes.col(1).dot(n)) +
@@ -55,8 +57,8 @@ struct Feature {
   }
 };
 
-/// The identity of a contact point: the feature of either shape it lies on. The codes are those of the shapes'
-/// own axes, so they stay while the same vertex, edge or face touches.
+/// The identity of a contact point: the feature of either shape it lies on. The codes are those of the
+/// shapes' own axes, so they stay while the same vertex, edge or face touches.
 inline std::uint32_t feature_id(const Feature& of_a, const Feature& of_b) {
   return of_a.code() * 27 + of_b.code();
 }

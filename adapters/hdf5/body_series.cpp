@@ -27,7 +27,9 @@ std::vector<Column> body_columns(const std::string& l, const std::string& t, con
           {"force", offsetof(BodyRow, force), Column::float64, 3, m + " " + l + "/" + t + "^2"},
           {"torque", offsetof(BodyRow, torque), Column::float64, 3, m + " " + l + "^2/" + t + "^2"}};
 }
-std::vector<Column> body_columns() { return body_columns("", "", ""); }
+std::vector<Column> body_columns() {
+  return body_columns("", "", "");
+}
 
 struct TimeRow {
   double time;
@@ -75,8 +77,8 @@ Handle rows_of(const File& file, hid_t dataset, hsize_t first, hsize_t n) {
   return space;
 }
 
-void append_columns(File& file, const std::string& group, const std::vector<Column>& columns, const void* rows,
-                    std::size_t row_bytes, hsize_t first, hsize_t n) {
+void append_columns(File& file, const std::string& group, const std::vector<Column>& columns,
+                    const void* rows, std::size_t row_bytes, hsize_t first, hsize_t n) {
   for (const Column& c : columns) {
     const Handle data = file.dataset(group + c.name);
     resize(file, data, first + n);
@@ -162,12 +164,14 @@ std::vector<TimeRow> whole_times(const File& file) {
     std::vector<std::byte> values(times * c.bytes());
     const Handle space = rows_of(file, data, 0, times);
     const Handle memory(H5Screate_simple(1, &times, nullptr), H5Sclose, file.path(), "memory shape");
-    file.check(H5Dread(data, c.memory_type(), memory, space, H5P_DEFAULT, values.data()), "cannot read the times");
+    file.check(H5Dread(data, c.memory_type(), memory, space, H5P_DEFAULT, values.data()),
+               "cannot read the times");
     hdf5::scatter_column(c, values, table.data(), sizeof(TimeRow));
   }
   std::size_t whole = 0;
   std::uint64_t next = 0;
-  while (whole < table.size() && table[whole].offset == next && table[whole].offset + table[whole].count <= rows &&
+  while (whole < table.size() && table[whole].offset == next &&
+         table[whole].offset + table[whole].count <= rows &&
          (whole == 0 || table[whole].step > table[whole - 1].step))
     next += table[whole++].count;
   table.resize(whole);

@@ -27,9 +27,9 @@ namespace silt::adapters {
 
 inline constexpr std::int64_t checkpoint_format_version = 1;
 
-/// Writes one checkpoint under a temporary name (PATH.part) and gives it its name once it has been verified. Every
-/// call is collective. Errors are std::runtime_error on every rank, naming the file and the reason; the temporary
-/// file is then removed and earlier checkpoints are untouched.
+/// Writes one checkpoint under a temporary name (PATH.part) and gives it its name once it has been verified.
+/// Every call is collective. Errors are std::runtime_error on every rank, naming the file and the reason; the
+/// temporary file is then removed and earlier checkpoints are untouched.
 class CheckpointWriter {
  public:
   CheckpointWriter(MPI_Comm, const std::filesystem::path&, const Provenance&);
@@ -41,18 +41,19 @@ class CheckpointWriter {
   void set(const std::string& name, double);
   void set(const std::string& name, const std::string&);
 
-  /// Cell data of a lattice: this rank's boxes; `components` populations a cell (1: the dataset is [z][y][x]).
-  /// fill(q, box, out) writes population q of all cells of one box, x fastest; it is called for one q after the
-  /// other. T: float, double, std::uint8_t. Cells no rank holds read as zero.
+  /// Cell data of a lattice: this rank's boxes; `components` populations a cell (1: the dataset is
+  /// [z][y][x]). fill(q, box, out) writes population q of all cells of one box, x fastest; it is called for
+  /// one q after the other. T: float, double, std::uint8_t. Cells no rank holds read as zero.
   template <class T>
-  void cells(const std::string& name, std::array<int, 3> lattice, int components, const std::vector<CellBox>& boxes,
+  void cells(const std::string& name, std::array<int, 3> lattice, int components,
+             const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, T* out)>& fill);
 
   /// The bodies this rank owns, any order, and their stored impulses (one list a record).
   void bodies(std::span<const rigid::BodyRecord>, std::span<const std::vector<rigid::StoredImpulse>>);
 
-  /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0: keeps
-  /// all) of those with a step up to this one's.
+  /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0:
+  /// keeps all) of those with a step up to this one's.
   void commit(int keep);
 
  private:
@@ -62,8 +63,9 @@ class CheckpointWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Opens a checkpoint and verifies all of it before anything is handed out. Every call is collective. Errors are
-/// std::runtime_error on every rank: which file, what is wrong with it, and which earlier checkpoint to use.
+/// Opens a checkpoint and verifies all of it before anything is handed out. Every call is collective. Errors
+/// are std::runtime_error on every rank: which file, what is wrong with it, and which earlier checkpoint to
+/// use.
 class CheckpointReader {
  public:
   CheckpointReader(MPI_Comm, const std::filesystem::path&);
@@ -81,8 +83,8 @@ class CheckpointReader {
   /// Of a dataset: the lattice and the number of populations a cell.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
-  /// This rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T must be the type
-  /// that was written.
+  /// This rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T must be
+  /// the type that was written.
   template <class T>
   void cells(const std::string& name, const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, const T* in)>& take) const;

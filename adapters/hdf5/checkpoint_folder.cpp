@@ -22,7 +22,8 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::
 
 std::optional<std::int64_t> checkpoint_step(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  if (name.size() <= prefix.size() + suffix.size() || !name.starts_with(prefix) || !name.ends_with(suffix)) return {};
+  if (name.size() <= prefix.size() + suffix.size() || !name.starts_with(prefix) || !name.ends_with(suffix))
+    return {};
   std::int64_t step = 0;
   const char *from = name.data() + prefix.size(), *to = name.data() + name.size() - suffix.size();
   const auto [end, error] = std::from_chars(from, to, step);

@@ -23,8 +23,8 @@ std::vector<CheckpointName> list_checkpoints(const std::filesystem::path& folder
 /// The newest one in the same folder whose step is smaller than that of `path`.
 std::optional<std::filesystem::path> previous_checkpoint(const std::filesystem::path& path);
 
-/// Deletes all but the `keep` newest of those up to and including the step of `path`, and unfinished ones that a
-/// killed run left. keep < 1 keeps all. Errors are ignored: an old checkpoint too many harms nobody.
+/// Deletes all but the `keep` newest of those up to and including the step of `path`, and unfinished ones
+/// that a killed run left. keep < 1 keeps all. Errors are ignored: an old checkpoint too many harms nobody.
 void drop_old_checkpoints(const std::filesystem::path& path, int keep);
 
 }  // namespace silt::adapters

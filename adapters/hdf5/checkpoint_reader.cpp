@@ -30,7 +30,8 @@ namespace {
 std::string with_advice(const hdf5::Path& path, const std::string& what) {
   if (const auto previous = previous_checkpoint(path))
     return "cannot use the checkpoint " + what + "; use the previous checkpoint, " + previous->string();
-  return "cannot use the checkpoint " + what + "; there is no earlier checkpoint next to it, start the case again";
+  return "cannot use the checkpoint " + what +
+         "; there is no earlier checkpoint next to it, start the case again";
 }
 
 template <class T>
@@ -42,15 +43,22 @@ bool same_type(hid_t dataset, hid_t type) {
   return same;
 }
 template <>
-bool is_stored_as<float>(hid_t d) { return same_type(d, H5T_IEEE_F32LE); }
+bool is_stored_as<float>(hid_t d) {
+  return same_type(d, H5T_IEEE_F32LE);
+}
 template <>
-bool is_stored_as<double>(hid_t d) { return same_type(d, H5T_IEEE_F64LE); }
+bool is_stored_as<double>(hid_t d) {
+  return same_type(d, H5T_IEEE_F64LE);
+}
 template <>
-bool is_stored_as<std::uint8_t>(hid_t d) { return same_type(d, H5T_STD_U8LE); }
+bool is_stored_as<std::uint8_t>(hid_t d) {
+  return same_type(d, H5T_STD_U8LE);
+}
 
 /// Rows of one table, columns by their group; read and checked whole.
 template <class Row>
-std::vector<Row> read_columns(const File& file, const std::string& group, const std::vector<Column>& columns) {
+std::vector<Row> read_columns(const File& file, const std::string& group,
+                              const std::vector<Column>& columns) {
   std::vector<Row> rows(file.shape(file.dataset(group + columns[0].name))[0]);
   for (const Column& c : columns) {
     const auto values = hdf5::read_checked(file, group + c.name, c.memory_type(), c.bytes());
@@ -111,12 +119,15 @@ std::string CheckpointReader::case_text() const {
   const Handle text = state_->file->dataset("/provenance/case_text");
   const Handle type(H5Dget_type(text), H5Tclose, state_->path, "type of the case text");
   std::string value(H5Tget_size(type), '\0');
-  state_->file->check(H5Dread(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()), "cannot read the case text");
+  state_->file->check(H5Dread(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()),
+                      "cannot read the case text");
   while (!value.empty() && value.back() == '\0') value.pop_back();
   return value;
 }
 
-bool CheckpointReader::has_cells(const std::string& name) const { return state_->file->exists("/cells/" + name); }
+bool CheckpointReader::has_cells(const std::string& name) const {
+  return state_->file->exists("/cells/" + name);
+}
 
 std::array<int, 3> CheckpointReader::lattice(const std::string& name) const {
   const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
@@ -142,7 +153,8 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
     cells = lattice(name);
     n = components(name);
     if (!is_stored_as<T>(state_->file->dataset(full)))
-      throw hdf5::Error(state_->path.string() + ": " + full + " was stored in another precision than asked for");
+      throw hdf5::Error(state_->path.string() + ": " + full +
+                        " was stored in another precision than asked for");
   });
   together(comm, [&] { file.emplace(File::open_parallel(comm, state_->path, false)); });
   together(comm, [&] { dataset = file->dataset(full); });
@@ -152,7 +164,7 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
     const auto packed = slabs.read(*file, dataset, type, n > 1 ? q : -1, sizeof(T));
     together(comm, [&] {
       slabs.unpack(packed, sizeof(T),
-                        [&](std::size_t box, const void* in) { take(q, box, static_cast<const T*>(in)); });
+                   [&](std::size_t box, const void* in) { take(q, box, static_cast<const T*>(in)); });
     });
   }
 }
@@ -161,14 +173,16 @@ template void CheckpointReader::cells(const std::string&, const std::vector<Cell
                                       const std::function<void(int, std::size_t, const float*)>&) const;
 template void CheckpointReader::cells(const std::string&, const std::vector<CellBox>&,
                                       const std::function<void(int, std::size_t, const double*)>&) const;
-template void CheckpointReader::cells(const std::string&, const std::vector<CellBox>&,
-                                      const std::function<void(int, std::size_t, const std::uint8_t*)>&) const;
+template void CheckpointReader::cells(
+    const std::string&, const std::vector<CellBox>&,
+    const std::function<void(int, std::size_t, const std::uint8_t*)>&) const;
 
 std::size_t CheckpointReader::body_count() const {
   return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(const std::function<bool(const rigid::BodyRecord&)>& mine) const {
+CheckpointReader::Bodies CheckpointReader::bodies(
+    const std::function<bool(const rigid::BodyRecord&)>& mine) const {
   std::vector<rigid::BodyRecord> records;
   std::vector<std::uint64_t> counts;
   std::vector<ImpulseRow> rows;

@@ -30,7 +30,8 @@ struct CheckpointWriter::State {
   }
 };
 
-CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path, const Provenance& provenance) {
+CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path,
+                                   const Provenance& provenance) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   state_.reset(new State{comm, path, {path.string() + ".part", rank == 0}, {}});
@@ -45,8 +46,9 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& p
     file.write_provenance(provenance);
     const Handle text = file.dataset("/provenance/case_text");
     const std::string& stored = provenance.case_text;
-    file.attribute(text, "checksum",
-                   stored.empty() ? hdf5::block_checksum("\0", 1) : hdf5::block_checksum(stored.data(), stored.size()));
+    file.attribute(
+        text, "checksum",
+        stored.empty() ? hdf5::block_checksum("\0", 1) : hdf5::block_checksum(stored.data(), stored.size()));
     file.close();
   });
 }
@@ -61,22 +63,35 @@ void CheckpointWriter::set_any(const std::string& name, const T& value) {
     file.close();
   });
 }
-void CheckpointWriter::set(const std::string& name, std::int64_t value) { set_any(name, value); }
-void CheckpointWriter::set(const std::string& name, double value) { set_any(name, value); }
-void CheckpointWriter::set(const std::string& name, const std::string& value) { set_any(name, value); }
+void CheckpointWriter::set(const std::string& name, std::int64_t value) {
+  set_any(name, value);
+}
+void CheckpointWriter::set(const std::string& name, double value) {
+  set_any(name, value);
+}
+void CheckpointWriter::set(const std::string& name, const std::string& value) {
+  set_any(name, value);
+}
 
 namespace {
 template <class T>
 hid_t cell_type();
 template <>
-hid_t cell_type<float>() { return H5T_IEEE_F32LE; }
+hid_t cell_type<float>() {
+  return H5T_IEEE_F32LE;
+}
 template <>
-hid_t cell_type<double>() { return H5T_IEEE_F64LE; }
+hid_t cell_type<double>() {
+  return H5T_IEEE_F64LE;
+}
 template <>
-hid_t cell_type<std::uint8_t>() { return H5T_STD_U8LE; }
+hid_t cell_type<std::uint8_t>() {
+  return H5T_STD_U8LE;
+}
 
 /// The checksum of one component of this rank's cells, given in file order box by box.
-std::uint64_t box_checksum(const CellBox& box, std::array<int, 3> n, int q, std::size_t value, const void* data) {
+std::uint64_t box_checksum(const CellBox& box, std::array<int, 3> n, int q, std::size_t value,
+                           const void* data) {
   const std::size_t length = box.upper[0] - box.lower[0];
   const auto* row = static_cast<const std::byte*>(data);
   std::uint64_t sum = 0;
@@ -116,7 +131,9 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
         mine += box_checksum(boxes[box], n, q, sizeof(T), out);
       });
     });
-    together(comm, [&] { slabs.write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, sizeof(T), packed); });
+    together(comm, [&] {
+      slabs.write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, sizeof(T), packed);
+    });
   }
   dataset.close();
   together(comm, [&] { file->close(); });
@@ -124,11 +141,14 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
   state_->checksums[full] = sum;
 }
 
-template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int, const std::vector<CellBox>&,
+template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int,
+                                      const std::vector<CellBox>&,
                                       const std::function<void(int, std::size_t, float*)>&);
-template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int, const std::vector<CellBox>&,
+template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int,
+                                      const std::vector<CellBox>&,
                                       const std::function<void(int, std::size_t, double*)>&);
-template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int, const std::vector<CellBox>&,
+template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int,
+                                      const std::vector<CellBox>&,
                                       const std::function<void(int, std::size_t, std::uint8_t*)>&);
 
 namespace {
@@ -153,13 +173,15 @@ void write_columns(File& file, const std::string& group, const std::vector<Colum
 }
 
 /// Impulses (body after body, in rank order) in the order of the bodies.
-std::vector<ImpulseRow> reordered(const std::vector<ImpulseRow>& rows, const std::vector<std::uint64_t>& counts,
+std::vector<ImpulseRow> reordered(const std::vector<ImpulseRow>& rows,
+                                  const std::vector<std::uint64_t>& counts,
                                   const std::vector<std::size_t>& order) {
   std::vector<std::size_t> first(counts.size() + 1, 0);
   std::partial_sum(counts.begin(), counts.end(), first.begin() + 1);
   std::vector<ImpulseRow> sorted;
   sorted.reserve(rows.size());
-  for (const std::size_t i : order) sorted.insert(sorted.end(), rows.begin() + first[i], rows.begin() + first[i + 1]);
+  for (const std::size_t i : order)
+    sorted.insert(sorted.end(), rows.begin() + first[i], rows.begin() + first[i + 1]);
   return sorted;
 }
 
@@ -175,7 +197,9 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
     for (const auto& list : impulses) {
       my_counts.push_back(list.size());
       for (const rigid::StoredImpulse& s : list)
-        my_rows.push_back({s.partner, {s.image.x, s.image.y, s.image.z}, s.feature,
+        my_rows.push_back({s.partner,
+                           {s.image.x, s.image.y, s.image.z},
+                           s.feature,
                            {s.impulse[0], s.impulse[1], s.impulse[2]}});
     }
   });
@@ -185,17 +209,21 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
   on_rank_0(state_->comm, [&] {
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return all[a].id < all[b].id; });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return all[a].id < all[b].id; });
     for (std::size_t i = 1; i < order.size(); ++i)
       if (all[order[i]].id == all[order[i - 1]].id)
-        throw hdf5::Error(state_->path.string() + ": body " + std::to_string(all[order[i]].id) + " has two owners");
+        throw hdf5::Error(state_->path.string() + ": body " + std::to_string(all[order[i]].id) +
+                          " has two owners");
     const auto sorted = in_order(all, order);
     const auto sorted_counts = in_order(counts, order);
     const auto sorted_rows = reordered(rows, counts, order);
-    File file = state_->open_to_add(sorted.size() * sizeof(rigid::BodyRecord) + sorted_rows.size() * sizeof(ImpulseRow));
-    write_columns(file, "/bodies", hdf5::record_columns(), sorted.data(), sizeof(rigid::BodyRecord), sorted.size());
-    hdf5::write_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, {sorted_counts.size()}, sorted_counts.data(),
-                        sorted_counts.size() * sizeof(std::uint64_t));
+    File file = state_->open_to_add(sorted.size() * sizeof(rigid::BodyRecord) +
+                                    sorted_rows.size() * sizeof(ImpulseRow));
+    write_columns(file, "/bodies", hdf5::record_columns(), sorted.data(), sizeof(rigid::BodyRecord),
+                  sorted.size());
+    hdf5::write_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, {sorted_counts.size()},
+                        sorted_counts.data(), sorted_counts.size() * sizeof(std::uint64_t));
     write_columns(file, "/impulses", hdf5::impulse_columns(), sorted_rows.data(), sizeof(ImpulseRow),
                   sorted_rows.size());
     file.close();
@@ -205,7 +233,8 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
 void CheckpointWriter::commit(int keep) {
   on_rank_0(state_->comm, [&] {
     File file = state_->open_to_add(0);
-    for (const auto& [name, checksum] : state_->checksums) file.attribute(file.dataset(name), "checksum", checksum);
+    for (const auto& [name, checksum] : state_->checksums)
+      file.attribute(file.dataset(name), "checksum", checksum);
     file.attribute(file.group("/", false), "complete", std::int64_t{1});
     file.close();
     hdf5::sync_to_disk(state_->part());

@@ -15,9 +15,9 @@ inline std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// What a run of values that starts at a global index (number of the value in the dataset) adds to a dataset's
-/// checksum. The sum over all runs, modulo 2^64, does not depend on how the dataset is cut into runs or on their
-/// order. Zero bits add nothing, so that cells that no rank holds need not be known.
+/// What a run of values that starts at a global index (number of the value in the dataset) adds to a
+/// dataset's checksum. The sum over all runs, modulo 2^64, does not depend on how the dataset is cut into
+/// runs or on their order. Zero bits add nothing, so that cells that no rank holds need not be known.
 template <class Bits>
 std::uint64_t run_checksum(const void* values, std::size_t n, std::uint64_t index) {
   std::uint64_t sum = 0;
@@ -31,15 +31,21 @@ std::uint64_t run_checksum(const void* values, std::size_t n, std::uint64_t inde
   return sum;
 }
 
-inline std::uint64_t run_checksum(std::size_t value_bytes, const void* values, std::size_t n, std::uint64_t index) {
+inline std::uint64_t run_checksum(std::size_t value_bytes, const void* values, std::size_t n,
+                                  std::uint64_t index) {
   switch (value_bytes) {
-    case 1: return run_checksum<std::uint8_t>(values, n, index);
-    case 4: return run_checksum<std::uint32_t>(values, n, index);
-    default: return run_checksum<std::uint64_t>(values, n, index);
+    case 1:
+      return run_checksum<std::uint8_t>(values, n, index);
+    case 4:
+      return run_checksum<std::uint32_t>(values, n, index);
+    default:
+      return run_checksum<std::uint64_t>(values, n, index);
   }
 }
 
 /// Of a small dataset that one rank holds whole.
-inline std::uint64_t block_checksum(const void* data, std::size_t bytes) { return XXH3_64bits(data, bytes); }
+inline std::uint64_t block_checksum(const void* data, std::size_t bytes) {
+  return XXH3_64bits(data, bytes);
+}
 
 }  // namespace silt::adapters::hdf5

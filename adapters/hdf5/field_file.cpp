@@ -15,11 +15,13 @@ using hdf5::Handle;
 using hdf5::Path;
 using hdf5::SlabExchange;
 
-std::string dataset_name(const FieldQuantity& q) { return "/VTKHDF/PointData/" + q.name; }
+std::string dataset_name(const FieldQuantity& q) {
+  return "/VTKHDF/PointData/" + q.name;
+}
 
 /// Everything but the values. Rank 0 only.
-void create_file(const Path& path, const ImageGrid& grid, const std::vector<FieldQuantity>& quantities, double time,
-                 std::int64_t step, const Provenance& provenance) {
+void create_file(const Path& path, const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
+                 double time, std::int64_t step, const Provenance& provenance) {
   File file = File::create(path, hdf5::Format::classic);
   const Handle image = file.group("/VTKHDF", true);
   const std::int64_t version[2] = {1, 0};
@@ -82,7 +84,8 @@ std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuant
 Path series_path(const Path& path) {
   std::string stem = path.stem().string();
   const auto end = stem.find_last_not_of("0123456789");
-  if (end != std::string::npos && end + 1 < stem.size() && (stem[end] == '_' || stem[end] == '-')) stem.resize(end);
+  if (end != std::string::npos && end + 1 < stem.size() && (stem[end] == '_' || stem[end] == '-'))
+    stem.resize(end);
   return path.parent_path() / (stem + path.extension().string() + ".series");
 }
 
@@ -107,12 +110,13 @@ void update_series(const Path& field_path, double time) {
     }
   char number[32];
   const auto end = std::to_chars(number, number + sizeof number, time).ptr;
-  entries.push_back("    {\"name\": \"" + field_path.filename().string() + "\", \"time\": " +
-                    std::string(number, end) + "}");
+  entries.push_back("    {\"name\": \"" + field_path.filename().string() +
+                    "\", \"time\": " + std::string(number, end) + "}");
   const Path part = path.string() + ".part";
   std::ofstream out(part);
   out << "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n";
-  for (std::size_t i = 0; i < entries.size(); ++i) out << entries[i] << (i + 1 < entries.size() ? ",\n" : "\n");
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    out << entries[i] << (i + 1 < entries.size() ? ",\n" : "\n");
   out << "  ]\n}\n";
   out.close();
   if (!out) throw hdf5::Error(path.string() + ": cannot write the list of times (is the disk full?)");
@@ -128,8 +132,8 @@ std::filesystem::path field_path(const std::filesystem::path& folder, std::int64
 }
 
 void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageGrid& grid,
-                  const std::vector<CellBox>& boxes, const std::vector<FieldQuantity>& quantities, double time,
-                  std::int64_t step, const Provenance& provenance) {
+                  const std::vector<CellBox>& boxes, const std::vector<FieldQuantity>& quantities,
+                  double time, std::int64_t step, const Provenance& provenance) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   hdf5::TemporaryFile part(path.string() + ".part", rank == 0);

@@ -1,5 +1,5 @@
 #pragma once
-// Fields as VTKHDF 1.0 image data, one file a time (ParaView, vtkHDFReader, h5py): point data at cell centres.
+// Fields as VTKHDF 1.0 image data, one file a time (ParaView, vtkHDFReader, h5py): at cell centres.
 #include <mpi.h>
 
 #include <array>
@@ -21,7 +21,8 @@ struct ImageGrid {
   std::string length_unit = "cells", time_unit = "steps";
 };
 
-/// One quantity, in the units of the case. Stored [z][y][x] or [z][y][x][3], as float unless double_precision.
+/// One quantity, in the units of the case. Stored [z][y][x] or [z][y][x][3], as float unless
+/// double_precision.
 struct FieldQuantity {
   std::string name, unit;
   int components = 1;  // 1 or 3
@@ -33,10 +34,10 @@ struct FieldQuantity {
 /// FOLDER/fields_000000000100.hdf: names sort like steps.
 std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step);
 
-/// Collective; a rank without boxes joins with an empty list. Names, units and the number of quantities must be the
-/// same on every rank. Cells no rank holds are zero. Also keeps NAME.hdf.series, the list of times next to the
-/// file (fields_000100.hdf: fields.hdf.series), in which entries at or after this time are replaced.
-/// The file appears under its name only when it is whole.
+/// Collective; a rank without boxes joins with an empty list. Names, units and the number of quantities must
+/// be the same on every rank. Cells no rank holds are zero. Also keeps NAME.hdf.series, the list of times
+/// next to the file (fields_000100.hdf: fields.hdf.series), in which entries at or after this time are
+/// replaced. The file appears under its name only when it is whole.
 /// Throws std::runtime_error on every rank, naming the file and the reason (a full disk, a missing folder).
 void write_fields(MPI_Comm, const std::filesystem::path&, const ImageGrid&, const std::vector<CellBox>& boxes,
                   const std::vector<FieldQuantity>&, double time, std::int64_t step, const Provenance&);

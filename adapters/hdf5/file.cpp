@@ -32,7 +32,9 @@ std::string innermost_reason() {
 }
 
 /// From now on HDF5 prints nothing by itself.
-void quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void quiet() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 Handle access_list(const Path& file) {
   quiet();
@@ -52,7 +54,8 @@ File File::create(const Path& path, Format format) {
   const Handle access = access_list(path);
   if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_file_locking(access, false, true);
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path, "cannot create the file");
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path,
+              "cannot create the file");
   return File(path, std::move(file), true);
 }
 
@@ -81,8 +84,9 @@ File::~File() {
   if (own_writing_ && handle_ >= 0 && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0) abandon();
 }
 
-/// After a failed write: whatever HDF5 still wants to write to this file goes to memory and is forgotten. Otherwise
-/// closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in MPI_Finalize.
+/// After a failed write: whatever HDF5 still wants to write to this file goes to memory and is forgotten.
+/// Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in
+/// MPI_Finalize.
 void File::abandon() const {
   int* file = nullptr;
   if (!own_writing_ || H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0) return;
@@ -102,14 +106,18 @@ void File::check(herr_t status, const std::string& what) const {
   }
 }
 
-void File::flush() { check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)"); }
+void File::flush() {
+  check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)");
+}
 
 void File::close() {
   flush();
   if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
 }
 
-bool File::exists(const std::string& name) const { return H5Lexists(handle_, name.c_str(), H5P_DEFAULT) > 0; }
+bool File::exists(const std::string& name) const {
+  return H5Lexists(handle_, name.c_str(), H5P_DEFAULT) > 0;
+}
 
 Handle File::group(const std::string& name, bool create) {
   const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)
@@ -133,7 +141,8 @@ Handle File::create_contiguous(const std::string& name, hid_t type, const std::v
           "cannot create dataset " + name};
 }
 
-Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsize_t> row, hsize_t chunk_rows) {
+Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsize_t> row,
+                            hsize_t chunk_rows) {
   std::vector<hsize_t> now{0}, most{H5S_UNLIMITED}, chunk{chunk_rows};
   for (auto* v : {&now, &most, &chunk}) v->insert(v->end(), row.begin(), row.end());
   const int rank = static_cast<int>(now.size());
@@ -159,8 +168,8 @@ void File::attribute(hid_t owner, const std::string& name, hid_t type, const std
                                    : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
                      H5Sclose, path_, "shape of attribute " + name);
   if (H5Aexists(owner, name.c_str()) > 0) H5Adelete(owner, name.c_str());
-  const Handle attribute(H5Acreate2(owner, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, path_,
-                         "cannot create attribute " + name);
+  const Handle attribute(H5Acreate2(owner, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         path_, "cannot create attribute " + name);
   check(H5Awrite(attribute, type, data), "cannot write attribute " + name);
 }
 
@@ -206,10 +215,13 @@ void File::attribute(hid_t owner, const std::string& name, double value) {
   attribute(owner, name, H5T_NATIVE_DOUBLE, {}, &value);
 }
 
-bool File::has_attribute(hid_t owner, const std::string& name) const { return H5Aexists(owner, name.c_str()) > 0; }
+bool File::has_attribute(hid_t owner, const std::string& name) const {
+  return H5Aexists(owner, name.c_str()) > 0;
+}
 
 std::string File::string_attribute(hid_t owner, const std::string& name) const {
-  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_, "has no attribute " + name);
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
+                         "has no attribute " + name);
   const Handle type(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
     throw Error(path_.string() + ": attribute " + name + " is not a text");
@@ -221,7 +233,8 @@ std::string File::string_attribute(hid_t owner, const std::string& name) const {
 
 template <class T>
 T File::scalar_attribute(hid_t owner, const std::string& name, hid_t type) const {
-  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_, "has no attribute " + name);
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
+                         "has no attribute " + name);
   const Handle stored(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
   if (H5Tequal(stored, type) <= 0 || H5Aget_storage_size(attribute) != sizeof(T))
     throw Error(path_.string() + ": attribute " + name + " is not a single number of the expected type");
@@ -262,7 +275,8 @@ void File::write_provenance(const Provenance& p) {
 }
 
 namespace {
-/// Opens (or creates, by the flags), acts, closes; throws with the system's reason if act returns other than 0.
+/// Opens (or creates, by the flags), acts, closes; throws with the system's reason if act returns other than
+/// 0.
 template <class Act>
 void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
   const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
@@ -285,7 +299,9 @@ int room_for(int file, std::uint64_t bytes) {
 }
 }  // namespace
 
-void sync_to_disk(const Path& path) { with_descriptor(path, O_RDONLY, "flush to the disk", ::fsync); }
+void sync_to_disk(const Path& path) {
+  with_descriptor(path, O_RDONLY, "flush to the disk", ::fsync);
+}
 
 void reserve(const Path& path, std::uint64_t size) {
   const std::string what = "reserve " + std::to_string(size) + " bytes (is the disk full?)";
@@ -294,7 +310,8 @@ void reserve(const Path& path, std::uint64_t size) {
     if (::fstat(file, &before) != 0) return -1;
     if (::fallocate(file, 0, 0, static_cast<off_t>(size)) == 0) return 0;
     const int error = errno;
-    if (error == EOPNOTSUPP || error == ENOSYS) return room_for(file, size - 512 * std::uint64_t(before.st_blocks));
+    if (error == EOPNOTSUPP || error == ENOSYS)
+      return room_for(file, size - 512 * std::uint64_t(before.st_blocks));
     if (::ftruncate(file, before.st_size) != 0) return -1;
     errno = error;
     return -1;

@@ -1,6 +1,6 @@
 #pragma once
-// Private to adapters/hdf5: handles that close themselves, and HDF5's errors as exceptions that name the file,
-// what was attempted and why it failed.
+// Private to adapters/hdf5: handles that close themselves, and HDF5's errors as exceptions that name the
+// file, what was attempted and why it failed.
 #include <hdf5.h>
 #include <mpi.h>
 
@@ -49,8 +49,8 @@ class Handle {
 };
 
 enum class Format {
-  classic,   // any reader, no consistency flags: a file whose writer was killed opens as usual
-  checked,   // HDF5 1.8 object headers: every piece of metadata carries a checksum
+  classic,  // any reader, no consistency flags: a file whose writer was killed opens as usual
+  checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
 };
 
 /// A file and the operations this folder needs, each throwing Error. `serial` files are one rank's business.
@@ -73,11 +73,12 @@ class File {
   bool exists(const std::string& name) const;
   Handle group(const std::string& name, bool create);
   Handle dataset(const std::string& name) const;
-  /// A contiguous dataset with its space taken now and not filled (a fresh file reads as zeros where nothing is
-  /// written).
+  /// A contiguous dataset with its space taken now and not filled (a fresh file reads as zeros where nothing
+  /// is written).
   Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
   /// A dataset that grows along its first axis, empty.
-  Handle create_growing(const std::string& name, hid_t type, std::vector<hsize_t> shape_of_row, hsize_t chunk_rows);
+  Handle create_growing(const std::string& name, hid_t type, std::vector<hsize_t> shape_of_row,
+                        hsize_t chunk_rows);
   std::vector<hsize_t> shape(hid_t dataset) const;
 
   void attribute(hid_t owner, const std::string& name, const std::string& value);
@@ -107,9 +108,9 @@ class File {
   bool own_writing_;  // writable, and not shared with other ranks
 };
 
-/// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when it
-/// closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the file is then
-/// as long as before. Where the file system cannot reserve, it only looks whether there is room.
+/// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when
+/// it closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the
+/// file is then as long as before. Where the file system cannot reserve, it only looks whether there is room.
 void reserve(const Path&, std::uint64_t size);
 
 /// Room for what HDF5 itself needs in one go of adding datasets, attributes or chunks, bytes.

@@ -8,10 +8,10 @@ namespace silt::adapters {
 /// Each becomes an attribute of /provenance, except case_text, which may be long and becomes the scalar
 /// string dataset /provenance/case_text. Only rank 0's values are used.
 struct Provenance {
-  std::string version, commit;  // of silt
-  std::string title, case_text; // case.toml as read, with overrides applied
+  std::string version, commit;   // of silt
+  std::string title, case_text;  // case.toml as read, with overrides applied
   std::int64_t ranks = 1;
-  std::string backend;          // of the collision detection
+  std::string backend;                  // of the collision detection
   std::string compiler, host, created;  // created: ISO 8601
 };
 

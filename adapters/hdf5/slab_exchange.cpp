@@ -23,8 +23,8 @@ void SlabExchange::list_rows() {
     for (int d = 0; d < 3; ++d)
       if (box.lower[d] < 0 || box.upper[d] > lattice_[d] || box.lower[d] > box.upper[d])
         throw std::invalid_argument("box " + std::to_string(b) + " reaches outside the lattice of " +
-                                    std::to_string(lattice_[0]) + " x " + std::to_string(lattice_[1]) + " x " +
-                                    std::to_string(lattice_[2]) + " cells");
+                                    std::to_string(lattice_[0]) + " x " + std::to_string(lattice_[1]) +
+                                    " x " + std::to_string(lattice_[2]) + " cells");
     if (box.cells() == 0) continue;
     const std::size_t length = box.upper[0] - box.lower[0];
     std::size_t offset = 0;
@@ -147,7 +147,8 @@ void SlabExchange::write(const File& file, hid_t dataset, hid_t type, int leadin
   const Handle space = file_space(file, dataset, leading);
   const hsize_t numbers = H5Sget_select_npoints(space);
   const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
-  file.check(H5Dwrite(dataset, type, memory, space, H5P_DEFAULT, slab.data()), "cannot write (is the disk full?)");
+  file.check(H5Dwrite(dataset, type, memory, space, H5P_DEFAULT, slab.data()),
+             "cannot write (is the disk full?)");
 }
 
 std::vector<std::byte> SlabExchange::read(const File& file, hid_t dataset, hid_t type, int leading,

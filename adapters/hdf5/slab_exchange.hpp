@@ -1,11 +1,11 @@
 #pragma once
-// Private to adapters/hdf5: this rank's boxes of a dataset [q][z][y][x][c], [z][y][x][c] or [z][y][x], in and out.
+// Private to adapters/hdf5: this rank's boxes of a dataset [q][z][y][x][c], [z][y][x][c] or [z][y][x].
 //
-// Blocks are scattered over the file in short rows. MPI-IO can sort that out by itself (two-phase I/O), but spends
-// several times the time of the disk on it. So the ranks first swap rows such that each holds a slab of whole planes,
-// and then each writes (reads) its slab in one piece:
+// Blocks are scattered over the file in short rows. MPI-IO can sort that out by itself (two-phase I/O), but
+// spends several times the time of the disk on it. So the ranks first swap rows such that each holds a slab
+// of whole planes, and then each writes (reads) its slab in one piece:
 //
-//   boxes of rank r  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  slab: planes nz r / ranks .. nz (r + 1) / ranks
+//   boxes  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  planes nz r / ranks .. nz (r + 1) / ranks
 #include <functional>
 #include <vector>
 
@@ -23,15 +23,16 @@ class SlabExchange {
   /// Of this rank's boxes.
   std::size_t cells() const { return cells_; }
 
-  /// Local: calls fill(box, buffer) for every box that is not empty, a box's cells with x fastest, and returns all
-  /// cells by z, y, x. element: bytes a cell.
+  /// Local: calls fill(box, buffer) for every box that is not empty, a box's cells with x fastest, and
+  /// returns all cells by z, y, x. element: bytes a cell.
   std::vector<std::byte> pack(std::size_t element, const std::function<void(std::size_t, void*)>& fill) const;
   /// Local, the reverse: hands each box its cells.
   void unpack(const std::vector<std::byte>& packed, std::size_t element,
               const std::function<void(std::size_t, const void*)>& take) const;
 
-  /// Collective; `leading` (a population's number) selects one slab of a dataset with such a first axis, -1: none.
-  /// Cells that no rank holds become zero. The error of a full disk is this rank's own: wrap it in together().
+  /// Collective; `leading` (a population's number) selects one slab of a dataset with such a first axis, -1:
+  /// none. Cells that no rank holds become zero. The error of a full disk is this rank's own: wrap it in
+  /// together().
   void write(const File&, hid_t dataset, hid_t type, int leading, std::size_t element,
              const std::vector<std::byte>& packed) const;
   /// Collective. Returns what unpack takes.
@@ -42,7 +43,7 @@ class SlabExchange {
     int z, y, x;
     std::size_t length, box, offset;  // offset: in cells, within the box
   };
-  struct Piece {  // of a row, in the slab
+  struct Piece {                // of a row, in the slab
     std::size_t first, length;  // cells
   };
   void list_rows();

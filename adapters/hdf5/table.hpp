@@ -1,6 +1,6 @@
 #pragma once
-// Private to adapters/hdf5: rows of a plain struct as one dataset a member ("columns"), and rows of all ranks on
-// rank 0.
+// Private to adapters/hdf5: rows of a plain struct as one dataset a member ("columns"), and rows of all ranks
+// on rank 0.
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -26,7 +26,8 @@ std::vector<std::byte> gather_column(const Column&, const void* rows, std::size_
 /// The reverse.
 void scatter_column(const Column&, const std::vector<std::byte>&, void* rows, std::size_t row_bytes);
 
-/// Collective. The rows of all ranks on rank 0 (in rank order), nothing elsewhere. Fewer than 2^31 rows in all.
+/// Collective. The rows of all ranks on rank 0 (in rank order), nothing elsewhere. Fewer than 2^31 rows in
+/// all.
 template <class Row>
 std::vector<Row> gather_rows(MPI_Comm comm, std::span<const Row> mine) {
   static_assert(std::is_trivially_copyable_v<Row>);

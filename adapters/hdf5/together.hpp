@@ -12,8 +12,8 @@ namespace silt::adapters {
 /// `failed` with an empty text counts as an error too.
 void throw_together(MPI_Comm, bool failed, const std::string& error);
 
-/// Collective: runs `work` on this rank; if it threw on any rank, every rank throws the error of the lowest such
-/// rank as std::runtime_error. `work` must not throw between two collective calls of its own.
+/// Collective: runs `work` on this rank; if it threw on any rank, every rank throws the error of the lowest
+/// such rank as std::runtime_error. `work` must not throw between two collective calls of its own.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
   bool failed = false;

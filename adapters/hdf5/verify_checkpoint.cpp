@@ -58,7 +58,8 @@ void write_checked(File& file, const std::string& name, hid_t type, const std::v
   file.attribute(d, "checksum", block_checksum(data, bytes));
 }
 
-std::vector<std::byte> read_checked(const File& file, const std::string& name, hid_t type, std::size_t bytes_a_row) {
+std::vector<std::byte> read_checked(const File& file, const std::string& name, hid_t type,
+                                    std::size_t bytes_a_row) {
   const Handle d = file.dataset(name);
   const auto shape = file.shape(d);
   std::vector<std::byte> data((shape.empty() ? 1 : shape[0]) * bytes_a_row);
@@ -82,10 +83,12 @@ void verify_head(const File& file) {
   if (version != checkpoint_format_version)
     throw Error(file.path().string() + ": has checkpoint format " + std::to_string(version) +
                 ", this version of silt reads format " + std::to_string(checkpoint_format_version));
-  if (!file.has_attribute(root, "complete")) throw Error(file.path().string() + ": was not written to its end");
+  if (!file.has_attribute(root, "complete"))
+    throw Error(file.path().string() + ": was not written to its end");
 }
 
-/// Reads every header and every attribute of the file: HDF5 compares their checksums, and nothing can fail later.
+/// Reads every header and every attribute of the file: HDF5 compares their checksums, and nothing can fail
+/// later.
 void verify_metadata(const File& file) {
   struct Visit {
     static herr_t attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
@@ -106,16 +109,18 @@ void verify_metadata(const File& file) {
       return status;
     }
   };
-  file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, nullptr), "the file's structure is altered");
+  file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, nullptr),
+             "the file's structure is altered");
 }
 
 void verify_tables(const File& file) {
-  for (const auto& [group, columns] :
-       {std::pair{std::string("/bodies/"), &record_columns()}, {std::string("/impulses/"), &impulse_columns()}}) {
+  for (const auto& [group, columns] : {std::pair{std::string("/bodies/"), &record_columns()},
+                                       {std::string("/impulses/"), &impulse_columns()}}) {
     if (!file.exists(group.substr(0, group.size() - 1))) continue;
     for (const Column& c : *columns) read_checked(file, group + c.name, c.memory_type(), c.bytes());
   }
-  if (file.exists("/bodies")) read_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, sizeof(std::uint64_t));
+  if (file.exists("/bodies"))
+    read_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, sizeof(std::uint64_t));
   const Handle text = file.dataset("/provenance/case_text");
   const Handle type(H5Dget_type(text), H5Tclose, file.path(), "type of the case text");
   read_checked(file, "/provenance/case_text", type, H5Tget_size(type));
@@ -130,7 +135,8 @@ std::uint64_t partial_checksum(const File& file, const std::string& name, int ra
   auto shape = file.shape(d);
   if (shape.size() == 3) shape.insert(shape.begin(), 1);
   const std::size_t plane = shape[2] * shape[3], planes = shape[1];
-  const std::size_t step = std::clamp<std::size_t>(piece_bytes / std::max<std::size_t>(plane * value, 1), 1, planes);
+  const std::size_t step =
+      std::clamp<std::size_t>(piece_bytes / std::max<std::size_t>(plane * value, 1), 1, planes);
   std::vector<std::byte> data;
   std::uint64_t sum = 0, piece = 0;
   for (std::size_t q = 0; q < shape[0]; ++q)
@@ -143,7 +149,8 @@ std::uint64_t partial_checksum(const File& file, const std::string& name, int ra
       H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data() + skip, nullptr, count.data() + skip, nullptr);
       const Handle memory(H5Screate_simple(1, &values, nullptr), H5Sclose, file.path(), "memory shape");
       data.resize(values * value);
-      file.check(H5Dread(d, type, memory, space, H5P_DEFAULT, data.data()), "cannot read " + name + " (truncated?)");
+      file.check(H5Dread(d, type, memory, space, H5P_DEFAULT, data.data()),
+                 "cannot read " + name + " (truncated?)");
       sum += run_checksum(value, data.data(), values, (q * planes + z) * plane);
     }
   return sum;
@@ -174,7 +181,8 @@ void verify_checkpoint(MPI_Comm comm, const Path& path) {
     MPI_Reduce(&mine, &sum, 1, MPI_UINT64_T, MPI_SUM, 0, comm);
     on_rank_0(comm, [&] {
       if (sum != file->uint_attribute(file->dataset("/cells/" + name), "checksum"))
-        throw Error(path.string() + ": the content of /cells/" + name + " does not match its checksum (altered)");
+        throw Error(path.string() + ": the content of /cells/" + name +
+                    " does not match its checksum (altered)");
     });
   }
 }

@@ -23,13 +23,14 @@ const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 std::vector<std::string> dataset_names(const File&, const std::string& group);
 
 /// A contiguous dataset of one rank with its checksum.
-void write_checked(File&, const std::string& name, hid_t type, const std::vector<hsize_t>& shape, const void* data,
-                   std::size_t bytes);
+void write_checked(File&, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
+                   const void* data, std::size_t bytes);
 /// Reads it back whole; throws where its checksum differs.
-std::vector<std::byte> read_checked(const File&, const std::string& name, hid_t type, std::size_t bytes_a_row);
+std::vector<std::byte> read_checked(const File&, const std::string& name, hid_t type,
+                                    std::size_t bytes_a_row);
 
-/// Collective: reads the whole file, shared out over the ranks by pieces, and compares format, version and every
-/// checksum. Throws Error (the same text on every rank) that says what is wrong.
+/// Collective: reads the whole file, shared out over the ranks by pieces, and compares format, version and
+/// every checksum. Throws Error (the same text on every rank) that says what is wrong.
 void verify_checkpoint(MPI_Comm, const Path&);
 
 }  // namespace silt::adapters::hdf5

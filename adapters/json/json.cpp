@@ -12,12 +12,18 @@ namespace {
 std::size_t utf8_length(std::string_view s) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
   const unsigned char lead = byte(0);
-  const std::size_t n = lead < 0x80 ? 1 : lead < 0xc2 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf5 ? 4 : 0;
+  const std::size_t n = lead < 0x80   ? 1
+                        : lead < 0xc2 ? 0
+                        : lead < 0xe0 ? 2
+                        : lead < 0xf0 ? 3
+                        : lead < 0xf5 ? 4
+                                      : 0;
   if (n == 0 || s.size() < n) return 0;
   for (std::size_t i = 1; i < n; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
   if ((lead == 0xe0 && byte(1) < 0xa0) || (lead == 0xed && byte(1) > 0x9f)) return 0;  // overlong, surrogates
-  if ((lead == 0xf0 && byte(1) < 0x90) || (lead == 0xf4 && byte(1) > 0x8f)) return 0;  // overlong, above U+10FFFF
+  if ((lead == 0xf0 && byte(1) < 0x90) || (lead == 0xf4 && byte(1) > 0x8f))
+    return 0;  // overlong, above U+10FFFF
   return n;
 }
 
@@ -76,7 +82,8 @@ Json Json::array(std::initializer_list<Json> values) {
 Json& Json::operator[](std::string_view key) {
   if (std::holds_alternative<std::monostate>(value_)) value_ = Object{};
   auto* members = std::get_if<Object>(&value_);
-  if (!members) throw std::logic_error("a JSON value that is not an object has no member " + std::string(key));
+  if (!members)
+    throw std::logic_error("a JSON value that is not an object has no member " + std::string(key));
   for (Member& m : *members)
     if (m.first == key) return m.second;
   return members->emplace_back(key, Json()).second;
@@ -108,7 +115,8 @@ void Json::print(std::string& out, int level) const {
     if (!members->empty()) new_line(out, level);
     out += '}';
   } else if (const auto* values = std::get_if<Array>(&value_)) {
-    const bool one_line = std::all_of(values->begin(), values->end(), [](const Json& v) { return v.is_plain(); });
+    const bool one_line =
+        std::all_of(values->begin(), values->end(), [](const Json& v) { return v.is_plain(); });
     out += '[';
     for (std::size_t i = 0; i < values->size(); ++i) {
       if (i > 0) out += one_line ? ", " : ",";

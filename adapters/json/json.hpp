@@ -27,8 +27,7 @@ class Json {
   template <std::signed_integral T>
   Json(T value) : value_(static_cast<std::int64_t>(value)) {}
   template <std::unsigned_integral T>
-    requires(!std::same_as<T, bool>)
-  Json(T value) : value_(static_cast<std::uint64_t>(value)) {}
+  requires(!std::same_as<T, bool>) Json(T value) : value_(static_cast<std::uint64_t>(value)) {}
   /// Printed with the fewest digits that read back to the same bits; NaN and infinities become null.
   Json(double value) : value_(value) {}
   Json(std::string value) : value_(std::move(value)) {}
@@ -44,20 +43,23 @@ class Json {
     return a;
   }
 
-  /// The member of that name, added (null) if missing. A null becomes an object; std::logic_error for other values.
+  /// The member of that name, added (null) if missing. A null becomes an object; std::logic_error for other
+  /// values.
   Json& operator[](std::string_view key);
   /// Appends. A null becomes an array; std::logic_error for other values.
   void push_back(Json);
 
-  /// Indented by two spaces a level; arrays of plain values on one line. Text is UTF-8: bytes that are not valid
-  /// become U+FFFD, control characters are escaped.
+  /// Indented by two spaces a level; arrays of plain values on one line. Text is UTF-8: bytes that are not
+  /// valid become U+FFFD, control characters are escaped.
   std::string text() const;
 
  private:
   using Object = std::vector<Member>;
   using Array = std::vector<Json>;
   void print(std::string& out, int level) const;
-  bool is_plain() const { return !std::holds_alternative<Object>(value_) && !std::holds_alternative<Array>(value_); }
+  bool is_plain() const {
+    return !std::holds_alternative<Object>(value_) && !std::holds_alternative<Array>(value_);
+  }
 
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, Array, Object> value_;
 };

@@ -1,9 +1,23 @@
 #include "adapters/toml/document.hpp"
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
+
+// toml++ 3.3 asserts where it meets a header such as "[.a]", and without assertions goes on undefined: so
+// they stay on, and throw.
+namespace {
+struct TomlAssertion : std::logic_error {
+  using std::logic_error::logic_error;
+};
+[[noreturn]] void throw_assertion(const char* condition) {
+  throw TomlAssertion(condition);
+}
+}  // namespace
+#undef NDEBUG
+#define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : throw_assertion(#condition))
+#include <toml++/toml.h>
 
 namespace silt::adapters {
 namespace {
@@ -128,20 +142,42 @@ std::string written(const Node& node) {
   return text + (node.children.size() > longest ? ", ...]" : "]");
 }
 
+namespace {
+
+// The line, from 1, at which the parser meets an assertion: the first that breaks the text up to it.
+int asserting_line(std::string_view text) {
+  int line = 0;
+  for (std::size_t end = 0; end != text.npos;) {
+    ++line;
+    end = text.find('\n', end);
+    if (end != text.npos) ++end;
+    try {
+      (void)::toml::parse(text.substr(0, end));
+    } catch (const ::toml::parse_error&) {
+    } catch (const TomlAssertion&) {
+      return line;
+    }
+  }
+  return line;
+}
+
+void stamp(Node& node, const Place& place) {
+  node.place = node.key_place = place;
+  for (Node& child : node.children) stamp(child, place);
+}
+
+}  // namespace
+
 Node parse_document(std::string_view text, const std::string& file) {
   try {
     return converted(::toml::parse(text, file), file);
   } catch (const ::toml::parse_error& error) {
     throw SyntaxError(place_of(error.source(), file), std::string(error.description()));
+  } catch (const TomlAssertion&) {
+    throw SyntaxError({file, asserting_line(text), 1},
+                      "this line cannot be read; a table is written [name], a list entry [[name]]");
   }
 }
-
-namespace {
-void stamp(Node& node, const Place& place) {
-  node.place = node.key_place = place;
-  for (Node& child : node.children) stamp(child, place);
-}
-}  // namespace
 
 Node parse_value(std::string_view text, const Place& place) {
   try {
@@ -152,6 +188,8 @@ Node parse_value(std::string_view text, const Place& place) {
     return node;
   } catch (const ::toml::parse_error& error) {
     throw SyntaxError(place, std::string(error.description()));
+  } catch (const TomlAssertion&) {
+    throw SyntaxError(place, "it cannot be read");
   }
 }
 

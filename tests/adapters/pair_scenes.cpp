@@ -58,8 +58,8 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& q, const Vec3& r) {
   return best;
 }
 
-/// Of the hull of the points: the nearest plane through three of them with all on its inner side (depth of the
-/// origin, as an inward normal); nothing (infinite) where the origin is outside or the hull is flat.
+/// Of the hull of the points: the nearest plane through three of them with all on its inner side (depth of
+/// the origin, as an inward normal); nothing (infinite) where the origin is outside or the hull is flat.
 ReferenceGap depth_in_hull(const std::vector<Vec3>& w) {
   ReferenceGap best{-infinity, Vec3::Zero()};
   const std::size_t n = w.size();
@@ -89,10 +89,14 @@ ReferenceGap depth_in_hull(const std::vector<Vec3>& w) {
 
 std::string kind_name(Kind kind) {
   switch (kind) {
-    case Kind::sphere: return "sphere";
-    case Kind::box: return "box";
-    case Kind::capsule: return "capsule";
-    default: return "half-space";
+    case Kind::sphere:
+      return "sphere";
+    case Kind::box:
+      return "box";
+    case Kind::capsule:
+      return "capsule";
+    default:
+      return "half-space";
   }
 }
 
@@ -109,10 +113,14 @@ Quat random_orientation(std::mt19937_64& random) {
 ConvexShape random_shape(Kind kind, std::mt19937_64& random) {
   auto size = [&] { return uniform(3, 20, random); };
   switch (kind) {
-    case Kind::sphere: return rigid::Sphere{size()};
-    case Kind::box: return rigid::Box{Vec3(size(), size(), size())};
-    case Kind::capsule: return rigid::Capsule{size(), size()};
-    default: return rigid::HalfSpace{random_direction(random)};
+    case Kind::sphere:
+      return rigid::Sphere{size()};
+    case Kind::box:
+      return rigid::Box{Vec3(size(), size(), size())};
+    case Kind::capsule:
+      return rigid::Capsule{size(), size()};
+    default:
+      return rigid::HalfSpace{random_direction(random)};
   }
 }
 
@@ -141,7 +149,8 @@ ReferenceGap reference_gap(const Pair& p) {
   if (const auto* wall = std::get_if<rigid::HalfSpace>(&p.b)) {
     const Vec3 outward = p.pose_b.orientation * wall->normal;
     double lowest = infinity;
-    for (const Vec3& v : core_vertices(p.a, p.pose_a)) lowest = std::min(lowest, outward.dot(v - p.pose_b.position));
+    for (const Vec3& v : core_vertices(p.a, p.pose_a))
+      lowest = std::min(lowest, outward.dot(v - p.pose_b.position));
     return {lowest - radii, -outward};
   }
   std::vector<Vec3> w;
@@ -179,7 +188,8 @@ Pair random_pair(Kind kind_a, Kind kind_b, double gap, std::mt19937_64& random) 
   double f_inner = gap_at(inner), f_outer = gap_at(outer);
   for (int step = 0; step < 100 && outer - inner > 1e-14 * outer; ++step) {
     // regula falsi, halving every third step
-    double t = step % 3 == 2 ? 0.5 * (inner + outer) : inner - f_inner * (outer - inner) / (f_outer - f_inner);
+    double t =
+        step % 3 == 2 ? 0.5 * (inner + outer) : inner - f_inner * (outer - inner) / (f_outer - f_inner);
     t = std::clamp(t, inner, outer);
     const double f = gap_at(t);
     if (std::abs(f) < 1e-13) break;

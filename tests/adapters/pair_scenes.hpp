@@ -38,10 +38,10 @@ struct ReferenceGap {
   double gap;
   Vec3 normal;  // from a to b; one of several where the answer is not unique
 };
-/// The largest distance of two parallel supporting planes, normal from a to b: the signed distance, or minus the depth
-/// of overlap. By brute force over the Minkowski difference b - a of the cores' vertices: apart, the least
-/// distance of the origin to a triangle of them; overlapping, the nearest plane through three that has all on one
-/// side. Costs milliseconds.
+/// The largest distance of two parallel supporting planes, normal from a to b: the signed distance, or minus
+/// the depth of overlap. By brute force over the Minkowski difference b - a of the cores' vertices: apart,
+/// the least distance of the origin to a triangle of them; overlapping, the nearest plane through three that
+/// has all on one side. Costs milliseconds.
 ReferenceGap reference_gap(const Pair&);
 
 /// n . (support of b along -n - support of a along n), by rigid::support.

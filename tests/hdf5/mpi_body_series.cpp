@@ -1,5 +1,5 @@
-// The series of the bodies: sorted by id from any ranks, appended after a resume, errors told to all. What is in
-// the file is read by h5py in series_in_h5py.py, which also kills the writer.
+// The series of the bodies: sorted by id from any ranks, appended after a resume, errors told to all. What is
+// in the file is read by h5py in series_in_h5py.py, which also kills the writer.
 #include "adapters/hdf5/body_series.hpp"
 
 #include <cmath>
@@ -13,7 +13,8 @@ using adapters::BodyRow;
 using adapters::BodySeries;
 
 const adapters::BodySeriesInfo info{
-    {{"light spheres", 0.5, 800, {{"sphere", {0, 0, 0}, {1, 0, 0, 0}, {0.5, 0, 0}}}}, {"heavy \u2605", 0.7, 1200, {}}},
+    {{"light spheres", 0.5, 800, {{"sphere", {0, 0, 0}, {1, 0, 0, 0}, {0.5, 0, 0}}}},
+     {"heavy \u2605", 0.7, 1200, {}}},
     {0, 0, 0},
     {10, 10, 20},
     "m",
@@ -85,7 +86,9 @@ TEST(BodySeries, errors_reach_every_rank) {
 }
 
 // Writers for series_in_h5py.py, which sets the variable.
-const char* folder() { return std::getenv("SILT_TEST_FOLDER"); }
+const char* folder() {
+  return std::getenv("SILT_TEST_FOLDER");
+}
 
 TEST(Writer, DISABLED_of_a_series) {
   const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";

@@ -1,5 +1,6 @@
-// A full disk (here: a limit on the size of files, which the system reports in the same way) is told to every rank
-// with the file's name, and costs nothing that was there before. And no single damaged byte goes unnoticed.
+// A full disk (here: a limit on the size of files, which the system reports in the same way) is told to every
+// rank with the file's name, and costs nothing that was there before. And no single damaged byte goes
+// unnoticed.
 #include <sys/resource.h>
 
 #include <csignal>
@@ -42,8 +43,9 @@ void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const st
   writer.set("step", std::int64_t{77});
   writer.set("label", "some text");
   writer.cells<float>("populations", lattice, 19, boxes, [&](int q, std::size_t box, float* out) {
-    for_each_cell(boxes[box],
-                  [&](int x, int y, int z, std::size_t i) { out[i] = 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z; });
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+      out[i] = 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
+    });
   });
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
@@ -56,7 +58,8 @@ void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const st
 
 TEST(FullDisk, leaves_the_previous_checkpoint) {
   const Scratch scratch;
-  const auto first = adapters::checkpoint_path(scratch.path(), 1), second = adapters::checkpoint_path(scratch.path(), 2);
+  const auto first = adapters::checkpoint_path(scratch.path(), 1),
+             second = adapters::checkpoint_path(scratch.path(), 2);
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
   write_checkpoint(MPI_COMM_WORLD, first, boxes);
   for (const rlim_t limit : {rlim_t{100}, rlim_t{300000}, rlim_t{19 * 4 * 32 * 16 * 16}}) {
@@ -79,10 +82,10 @@ TEST(FullDisk, is_told_of_a_field_file) {
   const Scratch scratch;
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
   const auto write = [&] {
-    adapters::write_fields(MPI_COMM_WORLD, scratch / "fields_1.hdf", {cells}, boxes,
-                           {{"density", "", 1,
-                             [&](std::size_t b, double* out) { std::fill_n(out, boxes[b].cells(), 1.25); }}},
-                           0, 1, {});
+    adapters::write_fields(
+        MPI_COMM_WORLD, scratch / "fields_1.hdf", {cells}, boxes,
+        {{"density", "", 1, [&](std::size_t b, double* out) { std::fill_n(out, boxes[b].cells(), 1.25); }}},
+        0, 1, {});
   };
   for (const rlim_t limit : {100, 20000}) {
     std::string error;
@@ -164,7 +167,8 @@ TEST(Damage, of_a_cut_file_is_found) {
   const std::string good = content(path);
   for (std::size_t size = 0; size < good.size(); size += 97) {
     std::ofstream(copy, std::ios::binary) << good.substr(0, size);
-    EXPECT_NE(error_of([&] { adapters::CheckpointReader reader(MPI_COMM_WORLD, copy); }), "") << size << " bytes left";
+    EXPECT_NE(error_of([&] { adapters::CheckpointReader reader(MPI_COMM_WORLD, copy); }), "")
+        << size << " bytes left";
   }
 }
 

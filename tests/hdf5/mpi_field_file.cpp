@@ -11,9 +11,12 @@ using adapters::FieldQuantity;
 
 constexpr std::array<int, 3> cells{13, 8, 21};
 const adapters::ImageGrid grid{cells, {-1, 0, 2}, {0.5, 0.5, 0.5}, "m", "s"};
-const adapters::Provenance provenance{"0.1.0", "abc", "a title", "title = \"a title\"\n", 1, "auto", "g++", "", ""};
+const adapters::Provenance provenance{"0.1.0", "abc", "a title", "title = \"a title\"\n", 1, "auto",
+                                      "g++",   "",    ""};
 
-double value(int x, int y, int z, int c) { return 0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * c; }
+double value(int x, int y, int z, int c) {
+  return 0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * c;
+}
 
 std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
   const auto fill = [&boxes](int components) {
@@ -23,10 +26,13 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
       });
     };
   };
-  return {{"density", "kg/m^3", 1, fill(1)}, {"velocity", "m/s", 3, fill(3)}, {"pressure", "Pa", 1, fill(1), true}};
+  return {{"density", "kg/m^3", 1, fill(1)},
+          {"velocity", "m/s", 3, fill(3)},
+          {"pressure", "Pa", 1, fill(1), true}};
 }
 
-void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes, double time = 1.5) {
+void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
+           double time = 1.5) {
   adapters::write_fields(comm, path, grid, boxes, quantities(boxes), time, 100, provenance);
 }
 
@@ -73,7 +79,8 @@ TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
   const Scratch scratch;
   auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5});
   if (rank() == ranks() - 1) boxes.push_back({{0, 0, 20}, {1, 1, 22}});
-  EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "a.hdf", boxes); }), "outside the lattice of 13 x 8 x 21");
+  EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "a.hdf", boxes); }),
+              "outside the lattice of 13 x 8 x 21");
   EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "no" / "folder.hdf", {}); }), "folder.hdf");
   EXPECT_TRUE(rank() != 0 || std::filesystem::is_empty(scratch.path()));
 }

@@ -1,5 +1,6 @@
 #pragma once
-// A scratch folder of its own for each test, the same on all ranks, removed afterwards; and boxes for any ranks.
+// A scratch folder of its own for each test, the same on all ranks, removed afterwards; and boxes for any
+// ranks.
 #include <gtest/gtest.h>
 #include <mpi.h>
 #include <unistd.h>
@@ -57,10 +58,11 @@ inline std::string content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Cuts a lattice into blocks of the given size and deals them to `ranks`: in turn, or in runs; the last rank of
-/// several is left without any when `leave_one_idle`.
-inline std::vector<adapters::CellBox> blocks_of(int rank, int ranks, std::array<int, 3> cells, std::array<int, 3> block,
-                                                bool in_turn = true, bool leave_one_idle = false) {
+/// Cuts a lattice into blocks of the given size and deals them to `ranks`: in turn, or in runs; the last rank
+/// of several is left without any when `leave_one_idle`.
+inline std::vector<adapters::CellBox> blocks_of(int rank, int ranks, std::array<int, 3> cells,
+                                                std::array<int, 3> block, bool in_turn = true,
+                                                bool leave_one_idle = false) {
   if (leave_one_idle && ranks > 1) --ranks;
   std::vector<adapters::CellBox> all, mine;
   for (int z = 0; z < cells[2]; z += block[2])

@@ -30,10 +30,11 @@ TEST(Json, prints_nested_values_in_the_order_they_were_named) {
   j["steps"] = std::uint64_t{18446744073709551615u};
   j["rows"] = Json::array({Json::array_of(std::vector<int>{1, -2}), Json::object()});
   j["none"] = Json::array();
-  EXPECT_EQ(j.text(),
-            "{\n  \"steps\": 18446744073709551615,\n  \"name\": \"a\",\n  \"stages\": {\n    \"collide\": {\n"
-            "      \"min\": 0.5,\n      \"max\": 1\n    }\n  },\n  \"skipped\": [\"x\", true],\n  \"rows\": [\n"
-            "    [1, -2],\n    {}\n  ],\n  \"none\": []\n}\n");
+  EXPECT_EQ(
+      j.text(),
+      "{\n  \"steps\": 18446744073709551615,\n  \"name\": \"a\",\n  \"stages\": {\n    \"collide\": {\n"
+      "      \"min\": 0.5,\n      \"max\": 1\n    }\n  },\n  \"skipped\": [\"x\", true],\n  \"rows\": [\n"
+      "    [1, -2],\n    {}\n  ],\n  \"none\": []\n}\n");
 }
 
 TEST(Json, escapes_what_must_be_and_repairs_broken_utf8) {
@@ -45,7 +46,8 @@ TEST(Json, escapes_what_must_be_and_repairs_broken_utf8) {
 }
 
 TEST(Json, numbers_read_back_to_the_same_bits) {
-  for (const double x : {0.1, -0.0, 1e300, 5e-324, 1.0 / 3, 123456789.0, std::numeric_limits<double>::max()}) {
+  for (const double x :
+       {0.1, -0.0, 1e300, 5e-324, 1.0 / 3, 123456789.0, std::numeric_limits<double>::max()}) {
     const std::string s = one_line(x);
     double back = 0;
     std::from_chars(s.data(), s.data() + s.size(), back);

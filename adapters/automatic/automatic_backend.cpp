@@ -1,0 +1,57 @@
+#include "adapters/automatic/automatic_backend.hpp"
+
+#include <algorithm>
+
+#include "adapters/bullet/bullet_backend.hpp"
+#include "adapters/common/engine_backend.hpp"
+#include "adapters/fcl/fcl_backend.hpp"
+
+namespace silt::adapters {
+
+using rigid::ContactPoint;
+using rigid::ConvexShape;
+using rigid::Pose;
+
+namespace {
+
+/// Whether the deepest of the points from `first` on (there is one) lies between the shapes' supporting
+/// planes.
+bool supported(const Query& q, const std::vector<ContactPoint>& points, std::size_t first) {
+  const auto deepest =
+      std::min_element(points.begin() + first, points.end(),
+                       [](const ContactPoint& p, const ContactPoint& r) { return p.gap < r.gap; });
+  const double size =
+      (q.pose_b.position - q.pose_a.position).norm() + (deepest->on_a - q.pose_a.position).norm();
+  return std::abs(support_gap(q, deepest->normal) - deepest->gap) <= answer_tolerance * size;
+}
+
+bool needs_search(const ConvexShape& a, const ConvexShape& b) {
+  return !std::holds_alternative<rigid::Sphere>(a) && !std::holds_alternative<rigid::Sphere>(b) &&
+         !std::holds_alternative<rigid::HalfSpace>(b);
+}
+
+}  // namespace
+
+AutomaticBackend::AutomaticBackend() : engines_{make_bullet_backend(), make_fcl_backend()} {}
+
+bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
+  return analytic_.supports(a, b);
+}
+
+void AutomaticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
+                               const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
+  ++counters_.queries;
+  const std::size_t first = out.size();
+  analytic_.collide(a, pose_a, b, pose_b, tolerance, out);
+  if (out.size() == first || !needs_search(a, b)) return;
+  const Query q{a, b, pose_a, pose_b, tolerance};
+  for (const auto& engine : engines_) {
+    if (supported(q, out, first)) return;
+    ++counters_.fallbacks;
+    out.resize(first);
+    engine->collide(a, pose_a, b, pose_b, tolerance, out);
+    if (out.size() == first) return;
+  }
+}
+
+}  // namespace silt::adapters
