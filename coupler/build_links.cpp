@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/ray_interval.hpp"
+
 namespace silt::coupler {
 
 using lbm::Int3;
@@ -24,17 +26,46 @@ double sphere_distance(const Vec3& r, Int3 c, double radius) {
   return (-b - std::sqrt(std::max(discriminant, 0.0))) / a;
 }
 
-struct SurfaceDistance {
-  const rigid::Shape& shape;
-  const rigid::Sphere* ball;
-  rigid::Mat3 to_body;
-  SurfaceDistance(const rigid::Shape& s, const rigid::Pose& pose)
-      : shape(s), ball(std::get_if<rigid::Sphere>(&s)), to_body(pose.orientation.toRotationMatrix().transpose()) {}
-  double operator()(const Vec3& r, Int3 c) const {
-    const double q = ball ? sphere_distance(r, c, ball->radius)
-                          : rigid::ray_distance(shape, to_body * r, to_body * Vec3(c.x, c.y, c.z), 1.0);
+/// Distance of a body's surface along one link direction, prepared once a body and direction.
+class SurfaceDistance {
+ public:
+  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose) : ball_(std::get_if<rigid::Sphere>(&shape)) {
+    if (ball_) return;
+    const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
+    for (const auto& part : rigid::convex_parts(shape)) {
+      const rigid::Mat3 to_part = part.pose.orientation.toRotationMatrix().transpose();
+      parts_.push_back({part.shape, rigid::bounding_radius(std::visit(to_shape, part.shape)), to_part * to_body,
+                        to_part * part.pose.position, Vec3::Zero()});
+    }
+  }
+  void point(int i) {
+    c_ = lbm::c[i];
+    for (auto& p : parts_) p.direction = p.rotation * Vec3(c_.x, c_.y, c_.z);
+  }
+  double operator()(const Vec3& r) const {
+    if (ball_) return std::clamp(sphere_distance(r, c_, ball_->radius), 0.0, 1.0);
+    double q = 1;
+    for (const auto& p : parts_) {
+      const Vec3 origin = p.rotation * r - p.centre;
+      const double reach = p.radius + std::sqrt(2.0);  // of the part and the longest link
+      if (origin.squaredNorm() > reach * reach) continue;
+      const auto inside = rigid::ray_interval(p.shape, origin, p.direction);
+      if (inside && inside->leave >= 0) q = std::min(q, inside->enter);
+    }
     return std::clamp(q, 0.0, 1.0);
   }
+
+ private:
+  static constexpr auto to_shape = [](const auto& s) { return rigid::Shape(s); };
+  struct PreparedPart {
+    rigid::ConvexShape shape;
+    double radius;
+    rigid::Mat3 rotation;  // world to part
+    Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
+  };
+  const rigid::Sphere* ball_;
+  std::vector<PreparedPart> parts_;
+  Int3 c_;
 };
 
 template <class T>
@@ -57,16 +88,17 @@ struct LinkWriter {
         const Vec3 r = mask.arm(map.box.lower + Int3{x, y, z});
         const bool narrow = blocked >> ((x + 1) & 63) & 1;
         links.cell.push_back(std::int32_t(block.cell(x, y, z)));
-        links.q.push_back(cli && !narrow ? T(distance(r, c)) : T(0.5));
+        links.q.push_back(cli && !narrow ? T(distance(r)) : T(0.5));
         links.rx.push_back(T(r[0])), links.ry.push_back(T(r[1])), links.rz.push_back(T(r[2]));
       });
     }
   }
 
-  void body(int surface, const BodyMask& mask, const SurfaceDistance& distance) {
+  void body(int surface, const BodyMask& mask, SurfaceDistance distance) {
     const Int3 size = map.box.size;
     for (int i = 1; i < lbm::directions; ++i) {
       const Int3 c = lbm::c[i];
+      distance.point(i);
       const auto begin = std::uint32_t(links.size());
       for (int z = std::max(mask.z0 - c.z, 0); z < std::min(mask.z1 - c.z, size.z); ++z)
         for (int y = std::max(mask.y0 - c.y, 0); y < std::min(mask.y1 - c.y, size.y); ++y)

@@ -45,8 +45,7 @@ void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
 /// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the
 /// distance.
 Separation point_to_core(const Vec3& x, const RoundedBox& core) {
-  const Vec3 local = core.local(x);
-  const Vec3 outside = local - local.cwiseMax(-core.half).cwiseMin(core.half);
+  const Vec3 outside = core.outside(x);
   const double distance = outside.norm();
   if (distance == 0) return {Vec3::Zero(), 0};
   return {core.axes * (outside / distance), distance};
@@ -55,13 +54,10 @@ Separation point_to_core(const Vec3& x, const RoundedBox& core) {
 /// Nearest of the vertices of `core` to `other`; normal from `other` to `core`.
 Separation nearest_vertex(const RoundedBox& core, const RoundedBox& other) {
   Separation best{Vec3::Zero(), infinity};
-  const int nx = core.half.x() > 0, ny = core.half.y() > 0, nz = core.half.z() > 0;
-  for (int z = -nz; z <= nz; z += 2)
-    for (int y = -ny; y <= ny; y += 2)
-      for (int x = -nx; x <= nx; x += 2) {
-        const Separation s = point_to_core(core.vertex(Vec3(x, y, z)), other);
-        if (s.core_gap < best.core_gap) best = s;
-      }
+  core.for_each_vertex([&](const Feature& f) {
+    const Separation s = point_to_core(core.vertex(f), other);
+    if (s.core_gap < best.core_gap) best = s;
+  });
   return best;
 }
 
@@ -144,8 +140,9 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
   const Separation closest = closest_features(a, b);
   if (closest.core_gap > reach) return {};
   if (closest.core_gap <= rounding * scale) return with_box ? axis : touching_cores(a, b);
-  // where an axis shows the whole distance its normal is the more exact
-  return closest.core_gap <= axis.core_gap + 10 * rounding * scale ? axis : closest;
+  // the two agree where a face or crossed edges touch; the better supported normal is the one without
+  // rounding
+  return core_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
 }
 
 }  // namespace silt::adapters

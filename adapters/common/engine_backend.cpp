@@ -24,7 +24,7 @@ bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer&
   // apart, a distance between two points that is also one between supporting planes proves itself; overlap
   // does not
   if (gap < 0) {
-    const auto exact = deepest_separation(a, b, 0);
+    const auto exact = deepest_separation(a, b, slack);
     if (!exact || exact->core_gap - a.radius - b.radius > gap + slack) return false;
   }
   answer.gap = gap;

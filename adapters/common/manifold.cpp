@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "adapters/common/outline.hpp"
@@ -169,29 +170,30 @@ void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double 
   }
 }
 
-/// What the clipping may lose to rounding where two features just meet: the deepest point itself.
-void keep_deepest(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
-                  std::vector<ContactPoint>& points) {
-  const double scale = length_scale(a, b), gap = core_gap - a.radius - b.radius;
-  for (const ContactPoint& p : points)
-    if (p.gap <= gap + 10 * rounding * scale) return;
-  const auto support = [&](const RoundedBox& core, const Vec3& direction) {
-    Feature f;
-    Vec3 signs = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) {
-      const double along = core.axes.col(k).dot(direction);
-      if (core.half[k] <= 0 || std::abs(along) < 1e-7) continue;
-      f.sign[k] = along < 0 ? -1 : 1;
-      signs[k] = f.sign[k];
-    }
-    return std::pair(Vec3(core.vertex(signs) + core.radius * direction), f);
-  };
-  const auto [on_a, of_a] = support(a, n);
-  const auto [on_b, of_b] = support(b, -n);
-  // the middle of a face or an edge gives way to a vertex
-  const bool a_leads =
-      std::count(of_a.sign.begin(), of_a.sign.end(), 0) < std::count(of_b.sign.begin(), of_b.sign.end(), 0);
-  add_unique(points, contact(a_leads ? on_a : Vec3(on_b - gap * n), n, gap, of_a, of_b));
+/// The last resort where a normal that is not exact enough leaves nothing over anything (an edge along an
+/// edge): of the vertices that touch, on either side, the one with the other core nearest to where its
+/// partner should be.
+void add_deepest(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+                 std::vector<ContactPoint>& points) {
+  constexpr double touching = 1e-6;  // part of the pair's size
+  const double slack = touching * length_scale(a, b), gap = core_gap - a.radius - b.radius;
+  double least = std::numeric_limits<double>::infinity();
+  ContactPoint best{};
+  a.for_each_vertex([&](const Feature& f) {
+    const Vec3 x = a.vertex(f), partner = x + core_gap * n;
+    const double miss = b.outside(partner).norm();
+    if (n.dot(x - a.centre) < a.reach(n) - slack || miss >= least) return;
+    least = miss;
+    best = contact(x + a.radius * n, n, gap, f, nearest_feature(b, partner, -n, -slack));
+  });
+  b.for_each_vertex([&](const Feature& f) {
+    const Vec3 x = b.vertex(f), partner = x - core_gap * n;
+    const double miss = a.outside(partner).norm();
+    if (n.dot(x - b.centre) > slack - b.reach(n) || miss >= least) return;
+    least = miss;
+    best = contact(partner + a.radius * n, n, gap, nearest_feature(a, partner, n, -slack), f);
+  });
+  add_unique(points, best);
 }
 
 }  // namespace
@@ -202,17 +204,28 @@ void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& norma
   const int extent_a = a.extent(), extent_b = b.extent();
   if (extent_a == 0 || extent_b == 0) return sphere_point(a, b, normal, core_gap, out);
   thread_local std::vector<ContactPoint> points;
-  points.clear();
-  const double slack = rounding * length_scale(a, b);
-  if (extent_a == 1 && extent_b == 1)
-    capsule_points(a, b, normal, core_gap, points);
-  else if (extent_a == 1)
-    capsule_on_box(a, b, normal, false, slack, points);
-  else if (extent_b == 1)
-    capsule_on_box(b, a, -normal, true, slack, points);
-  else
-    box_points(a, b, normal, slack, points);
-  keep_deepest(a, b, normal, core_gap, points);
+  const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
+  const auto is_deepest = [&](const ContactPoint& p) {
+    return std::abs(p.gap - gap) <= 10 * rounding * scale;
+  };
+  // an edge along an edge is over it or not by rounding, or by what the normal is off: the deepest point must
+  // not be lost, and none can lie between the supporting planes
+  bool has_deepest = false;
+  for (const double slack : {rounding * scale, 100 * rounding * scale}) {
+    points.clear();
+    if (extent_a == 1 && extent_b == 1)
+      capsule_points(a, b, normal, core_gap, points);
+    else if (extent_a == 1)
+      capsule_on_box(a, b, normal, false, slack, points);
+    else if (extent_b == 1)
+      capsule_on_box(b, a, -normal, true, slack, points);
+    else
+      box_points(a, b, normal, slack, points);
+    std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap && !is_deepest(p); });
+    has_deepest = std::any_of(points.begin(), points.end(), is_deepest);
+    if (has_deepest) break;
+  }
+  if (!has_deepest) add_deepest(a, b, normal, core_gap, points);
   std::erase_if(points, [&](const ContactPoint& p) { return p.gap > tolerance; });
   std::sort(points.begin(), points.end(),
             [](const ContactPoint& p, const ContactPoint& q) { return p.feature < q.feature; });
@@ -223,18 +236,13 @@ void append_plane_manifold(const RoundedBox& a, const Vec3& origin, const Vec3& 
                            std::vector<ContactPoint>& out) {
   const Vec3 normal = -outward;
   const bool capsule = a.extent() == 1;
-  // sign order is feature order: the z sign weighs most
-  const int nx = a.half.x() > 0, ny = a.half.y() > 0, nz = a.half.z() > 0;
-  for (int z = -nz; z <= nz; z += 2)
-    for (int y = -ny; y <= ny; y += 2)
-      for (int x = -nx; x <= nx; x += 2) {
-        const Feature f{{std::int8_t(x), std::int8_t(y), std::int8_t(z)}};
-        const auto offset = capsule ? to_surface(a, {z * a.half.z(), f}, normal) : a.radius;
-        if (!offset) continue;
-        const Vec3 on_a = a.vertex(Vec3(x, y, z)) + *offset * normal;
-        const double gap = outward.dot(on_a - origin);
-        if (gap <= tolerance) out.push_back(contact(on_a, normal, gap, f, {}));
-      }
+  a.for_each_vertex([&](const Feature& f) {
+    const auto offset = capsule ? to_surface(a, {f.sign[2] * a.half.z(), f}, normal) : a.radius;
+    if (!offset) return;
+    const Vec3 on_a = a.vertex(f) + *offset * normal;
+    const double gap = outward.dot(on_a - origin);
+    if (gap <= tolerance) out.push_back(contact(on_a, normal, gap, f, {}));
+  });
 }
 
 }  // namespace silt::adapters

@@ -12,6 +12,20 @@ namespace silt::adapters {
 using rigid::Mat3;
 using rigid::Vec3;
 
+/// A vertex, edge, face or the inside of a box (ends or side of a capsule): one sign an axis, 0 where free.
+struct Feature {
+  std::array<std::int8_t, 3> sign{0, 0, 0};
+
+  std::uint32_t code() const { return (sign[0] + 1) + 3 * (sign[1] + 1) + 9 * (sign[2] + 1); }  // 0..26
+  /// Where this and another meet: two faces in an edge, two edges in a vertex.
+  Feature with(const Feature& other) const {
+    Feature f = *this;
+    for (int k = 0; k < 3; ++k)
+      if (!f.sign[k]) f.sign[k] = other.sign[k];
+    return f;
+  }
+};
+
 /// World frame of the query, lattice units.
 struct RoundedBox {
   Vec3 centre;
@@ -28,6 +42,20 @@ struct RoundedBox {
            half.z() * std::abs(axes.col(2).dot(n));
   }
   Vec3 local(const Vec3& x) const { return axes.transpose() * (x - centre); }
+  /// From the nearest point of the core to x, in the core's axes: exactly 0 along an axis x is within.
+  Vec3 outside(const Vec3& x) const {
+    const Vec3 at = local(x);
+    return at - at.cwiseMax(-half).cwiseMin(half);
+  }
+  /// Calls use(Feature) for every vertex of the core, in the order of feature codes.
+  template <class Use>
+  void for_each_vertex(Use use) const {
+    const int nx = half.x() > 0, ny = half.y() > 0, nz = half.z() > 0;
+    for (int z = -nz; z <= nz; z += 2)
+      for (int y = -ny; y <= ny; y += 2)
+        for (int x = -nx; x <= nx; x += 2) use(Feature{{std::int8_t(x), std::int8_t(y), std::int8_t(z)}});
+  }
+  Vec3 vertex(const Feature& f) const { return vertex(Vec3(f.sign[0], f.sign[1], f.sign[2])); }
   Vec3 vertex(const Vec3& signs) const { return centre + axes * half.cwiseProduct(signs); }
 };
 
@@ -42,20 +70,6 @@ double length_scale(const RoundedBox& a, const RoundedBox& b);
 inline double core_separation(const RoundedBox& a, const RoundedBox& b, const Vec3& n) {
   return n.dot(b.centre - a.centre) - a.reach(n) - b.reach(n);
 }
-
-/// A vertex, edge, face or the inside of a box (ends or side of a capsule): one sign an axis, 0 where free.
-struct Feature {
-  std::array<std::int8_t, 3> sign{0, 0, 0};
-
-  std::uint32_t code() const { return (sign[0] + 1) + 3 * (sign[1] + 1) + 9 * (sign[2] + 1); }  // 0..26
-  /// Where this and another meet: two faces in an edge, two edges in a vertex.
-  Feature with(const Feature& other) const {
-    Feature f = *this;
-    for (int k = 0; k < 3; ++k)
-      if (!f.sign[k]) f.sign[k] = other.sign[k];
-    return f;
-  }
-};
 
 /// The identity of a contact point: the feature of either shape it lies on. The codes are those of the
 /// shapes' own axes, so they stay while the same vertex, edge or face touches.

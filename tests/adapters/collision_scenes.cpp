@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace silt::tests {
 
@@ -47,6 +48,7 @@ const std::vector<Scene>& random_scenes() {
 }
 
 const rigid::ContactPoint& deepest(const Points& points) {
+  if (points.empty()) throw std::runtime_error("no contact point where there must be one");
   return *std::min_element(points.begin(), points.end(),
                            [](const auto& p, const auto& q) { return p.gap < q.gap; });
 }

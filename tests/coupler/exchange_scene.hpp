@@ -84,7 +84,7 @@ constexpr double contact_rim = 0.25;
 /// A scene on a communicator, its bodies spread over the ranks. Exchange: BodyExchange or one derived from
 /// it.
 template <class Exchange = BodyExchange>
-struct Run {
+struct SceneRun {
   Scene scene;
   MPI_Comm comm;
   lbm::Domain domain;
@@ -95,8 +95,8 @@ struct Run {
   rigid::RigidStepReport report;
   std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0;
 
-  Run(MPI_Comm comm, const Scene& from, std::string_view law = "sffd", Blocks blocks = {},
-      double rim = contact_rim)
+  SceneRun(MPI_Comm comm, const Scene& from, std::string_view law = "sffd", Blocks blocks = {},
+           double rim = contact_rim)
       : scene(from),
         comm(comm),
         domain(scene.cells, scene.sides(), blocks, ranks_of(comm)),
@@ -129,6 +129,19 @@ inline Scene gas(double restitution, double speed = 0.3) {
     const rigid::Quat q = rigid::Quat(1, u(random), u(random), u(random)).normalized();
     s.add(1000 - 7 * k, shapes[k % 7 == 0 ? 3 : k % 3], x, speed * v, 0.1 * w, q);
   }
+  return s;
+}
+
+/// A ball that overlaps every block, small ones around it.
+inline Scene planet() {
+  const Scene whole = gas(1);
+  Scene s = whole;
+  s.bodies = {};
+  const Vec3 centre(12, 12, 12);
+  const double radius = 8.5;
+  for (std::size_t row = 0; row < whole.bodies.owned; ++row)
+    if ((whole.bodies.position[row] - centre).norm() > radius + 2.6) s.bodies.add(whole.bodies.record(row));
+  s.add(5000, s.shape(rigid::Sphere{radius}), centre, {0.02, 0.03, -0.05});
   return s;
 }
 
