@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
@@ -32,7 +33,9 @@ Progress::Progress(const Case& scene, std::int64_t first_step, const std::filesy
       si_(scene.units.si), loud_(loud) {
   begin_ = shown_ = logged_ = Clock::now();
   if (!loud_) return;
-  terminal_ = isatty(STDOUT_FILENO);
+  // mpirun gives its first rank a terminal even if its own output goes elsewhere: then this must say so.
+  const char* plain = std::getenv("SILT_PLAIN");
+  terminal_ = isatty(STDOUT_FILENO) && !(plain && *plain);
   log_ = std::fopen(log.c_str(), "a");
   if (!log_) throw std::runtime_error(fmt::format("{}: cannot be opened: {}", log.string(), std::strerror(errno)));
 }

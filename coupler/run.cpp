@@ -59,6 +59,7 @@ class Run {
   const MPI_Comm comm_;
   const fs::path folder_;
   const bool resumed_;
+  const std::string resume_with_;  // arguments of silt resume
   const std::int64_t first_step_;
   const double begin_ = MPI_Wtime();
   const adapters::Provenance provenance_;
@@ -71,6 +72,7 @@ class Run {
 Run::Run(Prepared prepared, fs::path folder, const RunOptions& options, bool resumed)
     : prepared_(std::move(prepared)), simulation_(*prepared_.simulation), quantities_(*prepared_.quantities),
       comm_(simulation_.scene().comm), folder_(std::move(folder)), resumed_(resumed),
+      resume_with_(options.directory.string() + (options.out ? " --out " + options.out->string() : "")),
       first_step_(simulation_.steps_done()),
       provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
       stop_request_(comm_, options.time_limit) {}
@@ -89,8 +91,7 @@ Exit Run::go() {
       if (why.empty() || simulation_.steps_done() == setup().steps) continue;
       checkpoint();
       return end(Exit::interrupted, "interrupted",
-                 fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(),
-                             setup().directory.string()));
+                 fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(), resume_with_));
     }
     return end(Exit::done, "completed", "");
   } catch (const GuardStop& stop) {  // every rank: a guard of the fluid
@@ -158,7 +159,7 @@ void Run::checkpoint() {
 std::string Run::last_checkpoint_text() const {
   if (!last_checkpoint_.empty()) return fmt::format("\nlast checkpoint: {}", last_checkpoint_);
   const auto there = adapters::list_checkpoints(folder_);
-  if (there.empty()) return "\nno checkpoint was written (output.checkpoint.every)";
+  if (there.empty()) return "\nno checkpoint has been written (see output.checkpoint)";
   return fmt::format("\nlast checkpoint: {}", there.front().path.string());
 }
 
