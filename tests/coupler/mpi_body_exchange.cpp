@@ -40,16 +40,16 @@ TEST(BodyExchange, GasInPeriodicBox) {
   expect_same_as_on_one_rank(gas(1), "sffd", {}, 2000, 1);
 }
 TEST(BodyExchange, GasOnCubesSeveralARank) {
-  expect_same_as_on_one_rank(gas(1), "sffd", {{6, 6, 6}}, 600, 1);
+  expect_same_as_on_one_rank(gas(1), "sffd", {{6, 6, 6}}, 400, 1);
 }
 TEST(BodyExchange, GasOnSliversSeveralARank) {
-  expect_same_as_on_one_rank(gas(1), "sffd", {{5, 24, 3}}, 600, 1);
+  expect_same_as_on_one_rank(gas(1), "sffd", {{5, 24, 3}}, 400, 1);
 }
 TEST(BodyExchange, GasWithClassicFfd) {
-  expect_same_as_on_one_rank(gas(0.8), "ffd", {}, 600, 1);
+  expect_same_as_on_one_rank(gas(0.8), "ffd", {}, 400, 1);
 }
 TEST(BodyExchange, GasWithClassicFfdSeveralBlocksARank) {
-  expect_same_as_on_one_rank(gas(0.8), "ffd", {{6, 12, 5}}, 600, 1);
+  expect_same_as_on_one_rank(gas(0.8), "ffd", {{6, 12, 5}}, 400, 1);
 }
 
 /// A quarter as wide as the gas: every body meets its neighbours through both sides, close to its own images.
@@ -64,10 +64,10 @@ Scene ring() {
   return s;
 }
 TEST(BodyExchange, PeriodicAxisOfOneBlock) {
-  expect_same_as_on_one_rank(ring(), "sffd", {{6, 12, 6}}, 1000, 1);
+  expect_same_as_on_one_rank(ring(), "sffd", {{6, 12, 6}}, 700, 1);
 }
 TEST(BodyExchange, PeriodicAxisOfTwoBlocks) {
-  expect_same_as_on_one_rank(ring(), "sffd", {{3, 12, 12}}, 1000, 1);
+  expect_same_as_on_one_rank(ring(), "sffd", {{3, 12, 12}}, 700, 1);
 }
 
 TEST(BodyExchange, BallLargerThanBlocks) {
@@ -91,7 +91,7 @@ Scene heap() {
   return s;
 }
 TEST(BodyExchange, HeapBetweenWalls) {
-  expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 400, 1);
+  expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 300, 1);
 }
 TEST(BodyExchange, HeapBetweenWallsClassicFfd) {
   expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
