@@ -93,6 +93,16 @@ TEST_P(Patches, CrossedBeamsHaveNoVertexOverTheOther) {
     }
 }
 
+TEST_P(Patches, BeamsAcrossEachCornerHaveNoVertexOverTheOther) {
+  for (const double x : {-2.0, 2.0})
+    for (const double y : {-1.5, 1.5})
+      for (const double gap : {0.4, 0.0, -0.4}) {
+        const Points points = at(stacked_boxes({40, 1, 2}, {x, y, 0}, x * y > 0 ? -45 : 45, gap));
+        EXPECT_EQ(points.size(), 4u) << x << " " << y << " " << gap;
+        for (const auto& p : points) EXPECT_NEAR(p.gap, gap, 1e-12);
+      }
+}
+
 TEST_P(Patches, NoMarginOnFaces) {
   for (const double gap : {1e-3, 0.02, 0.04, 0.3, -1e-3, -0.04, -0.3}) {
     for (const auto& p : at(stacked_boxes({2, 1, 2}, {0.3, 0.2, 0}, 17, gap))) EXPECT_NEAR(p.gap, gap, 1e-12);
