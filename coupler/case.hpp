@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "coupler/case_error.hpp"
 #include "coupler/units.hpp"
 #include "rigid/rigid_step.hpp"
 
@@ -33,7 +35,7 @@ enum class ForceForm { galilean, exact };
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;
   bool bgk = false;        // else trt
-  double magic = 3. / 16;  // Lambda of trt
+  double magic = 1. / 6;   // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   // initial velocity: "rest", "uniform", "taylor-green"; amplitude and (for taylor-green) one wave a period
@@ -56,8 +58,10 @@ struct ContactSpec {
   double margin = 1.0;
 };
 
-struct BodySpec {  // one body; kind is the index of the [[bodies]] or [[fill]] entry it came from
-  int shape = 0, material = 0, kind = 0;
+struct BodySpec {  // one body
+  int shape = 0, material = 0;
+  int kind = 0;    // index into Case::kind_names
+  int entry = -1;  // which [[bodies]] entry gave it; -1: a [[fill]]
   double density = 1;  // relative to the fluid's (lattice)
   rigid::Motion motion = rigid::Motion::free;
   rigid::Pose pose;    // of the shape as the case gives it, not of its centre of mass
@@ -68,7 +72,7 @@ struct FillSpec {
   int shape = 0, material = 0, kind = 0, count = 0;
   double density = 1, gap = 0;           // gap: least distance between bounding spheres' surfaces and to walls
   bool random_orientation = true;
-  rigid::Vec3 lower, upper;
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
   std::uint64_t seed = 1;
 };
 
@@ -82,8 +86,25 @@ struct OutputSpec {
   int keep_checkpoints = 2;
 };
 
+/// A figure the run puts into report.json under "quantities", for reference.toml to compare. Types:
+///   max-speed              largest speed any body of the kind has had
+///   drag-coefficient       force along the axis on the kind's fixed bodies / (6 pi mu a U), U: mean over the whole domain
+///   profile-error          largest deviation from the analytic profile ("channel", "duct") over its largest value
+///   taylor-green-velocity  relative L2 error of the velocity;  taylor-green-decay: relative error of the decay rate
+///   mean-height            mean coordinate of the kind's centres along the axis, at the end
+///   drift                  largest distance of a body of the kind from where it started, at the end
+///   max-height-after       largest coordinate of the kind's centres along the axis from a time on
+struct QuantitySpec {
+  std::string name, type;
+  int kind = -1;        // index into Case::kind_names; -1: every body
+  int axis = 2;
+  std::string profile;  // of profile-error: "channel", "duct"
+  double time = 0;      // of max-height-after, in steps
+};
+
 struct Case {
-  std::string title, text;  // text: case.toml as read, with --set applied, for provenance
+  std::string title, text;  // text: case.toml as read, then each --set as a comment, for provenance
+  std::vector<std::string> overrides;  // the --set arguments
   std::filesystem::path directory;
   Units units;
 
@@ -97,15 +118,23 @@ struct Case {
   ContactSpec contacts;
   rigid::Vec3 gravity = rigid::Vec3::Zero();
 
+  // material 0 is "default": of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
   std::vector<rigid::Shape> shapes;               // as given (a compound need not be centred)
   std::vector<rigid::Material> pair_materials;    // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FillSpec> fills;
-  std::vector<std::string> kind_names;            // one a [[bodies]] / [[fill]] entry: "light spheres", ...
+  // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of one
+  // name make one kind, and have one shape
+  std::vector<std::string> kind_names;
+  std::vector<int> kind_shapes;
 
   std::int64_t steps = 0;
   OutputSpec output;
+  std::vector<QuantitySpec> quantities;
+  std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
+  /// Where a key stands; if it is not in the file, where the table that would hold it does.
+  Place place(std::string path) const;
   bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
 };
 

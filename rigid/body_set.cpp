@@ -27,10 +27,18 @@ T blank() {
     return T{};
 }
 
-void store(const Vec3& v, double* to) { Eigen::Map<Vec3>{to} = v; }
-Vec3 vec(const double* from) { return Eigen::Map<const Vec3>{from}; }
-void store(const Quat& q, double* to) { to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z(); }
-Quat quat(const double* from) { return {from[0], from[1], from[2], from[3]}; }
+void store(const Vec3& v, double* to) {
+  Eigen::Map<Vec3>{to} = v;
+}
+Vec3 vec(const double* from) {
+  return Eigen::Map<const Vec3>{from};
+}
+void store(const Quat& q, double* to) {
+  to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+}
+Quat quat(const double* from) {
+  return {from[0], from[1], from[2], from[3]};
+}
 
 void sort_section(BodySet& b, std::size_t first, std::size_t last) {
   if (std::is_sorted(b.id.begin() + first, b.id.begin() + last)) return;
@@ -86,7 +94,9 @@ void BodySet::insert(std::size_t row, const BodyRecord& r) {
   assign(row, r);
 }
 
-void BodySet::add(const BodyRecord& r) { insert(owned++, r); }
+void BodySet::add(const BodyRecord& r) {
+  insert(owned++, r);
+}
 
 void BodySet::erase(std::size_t row) {
   for_each_array(*this, [&](auto& array) { array.erase(array.begin() + row); });
@@ -128,7 +138,8 @@ Mat3 BodySet::inverse_inertia_W(std::size_t row) const {
 }
 
 double BodySet::kinetic_energy(std::size_t row) const {
-  return 0.5 * mass[row] * velocity[row].squaredNorm() + 0.5 * angular_velocity[row].dot(angular_momentum[row]);
+  return 0.5 * mass[row] * velocity[row].squaredNorm() +
+         0.5 * angular_velocity[row].dot(angular_momentum[row]);
 }
 
 void BodySet::set_pose(std::size_t row, const Pose& pose) {

@@ -76,8 +76,8 @@ struct BodySet {
 
   BodyRecord record(std::size_t row) const;
   void assign(std::size_t row, const BodyRecord&);  // all but forces and stored impulses
-  /// Inserts before row, with zero force. Neither this nor erase touches the four counts above or the look-up:
-  /// keeping the sections' order is the caller's business.
+  /// Inserts before row, with zero force. Neither this nor erase touches the four counts above or the
+  /// look-up: keeping the sections' order is the caller's business.
   void insert(std::size_t row, const BodyRecord&);
   void erase(std::size_t row);
   /// Appends to the owned bodies and counts it. Call reindex() after the last one.
@@ -99,7 +99,7 @@ struct BodySet {
 
   void add_force(std::size_t row, const Vec3& force_W) { force[row].add(force_W); }
   void add_torque(std::size_t row, const Vec3& torque_W) { torque[row].add(torque_W); }
-  /// Both keep angular velocity and momentum consistent with each other (a new pose: the angular velocity stays).
+  /// Both keep angular velocity and momentum consistent (with a new pose the angular velocity stays).
   void set_pose(std::size_t row, const Pose&);
   void set_velocity(std::size_t row, const Vec3& velocity, const Vec3& angular_velocity);
 

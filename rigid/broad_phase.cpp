@@ -31,7 +31,8 @@ void BroadPhase::build_levels(const BodySet& bodies, const Extent& extent, std::
   const std::size_t count = bodies.first_wall();
   if (count == 0) return;
   double least = reach[0].radius + reach[0].margin;
-  for (std::size_t row = 0; row < count; ++row) least = std::min(least, reach[row].radius + reach[row].margin);
+  for (std::size_t row = 0; row < count; ++row)
+    least = std::min(least, reach[row].radius + reach[row].margin);
   std::array<std::vector<std::uint32_t>, most_levels> members;
   std::array<double, most_levels> largest{};
   for (std::size_t row = 0; row < count; ++row) {
@@ -46,7 +47,9 @@ void BroadPhase::build_levels(const BodySet& bodies, const Extent& extent, std::
     level.rows = std::move(members[k]);
     for (int d = 0; d < 3; ++d) {
       const double wanted = 2 * largest[k] * (1 + 1e-12);
-      level.cells[d] = extent.periodic[d] ? static_cast<std::int32_t>(std::max(1.0, std::floor(extent.size[d] / wanted))) : 0;
+      level.cells[d] = extent.periodic[d]
+                           ? static_cast<std::int32_t>(std::max(1.0, std::floor(extent.size[d] / wanted)))
+                           : 0;
       level.width[d] = extent.periodic[d] ? extent.size[d] / level.cells[d] : wanted;
     }
     levels_.push_back(std::move(level));
@@ -86,8 +89,8 @@ void fill(Level& level, const BodySet& bodies) {
 
 }  // namespace
 
-void BroadPhase::search(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach, std::size_t row,
-                        const Level& level, bool same_level) {
+void BroadPhase::search(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach,
+                        std::size_t row, const Level& level, bool same_level) {
   const Vec3& x = bodies.position[row];
   const BodyId id = bodies.id[row];
   const bool free = bodies.is_free(row);
@@ -95,7 +98,8 @@ void BroadPhase::search(const BodySet& bodies, const Extent& extent, std::span<c
   const Cell centre = cell_of(level, x);
   Cell c;
   std::array<std::int8_t, 3> image;
-  const auto step = [&](int d, int offset) {  // neighbour cell along d and the image it belongs to; false: outside
+  const auto step = [&](int d,
+                        int offset) {  // neighbour cell along d and the image it belongs to; false: outside
     c[d] = centre[d] + offset;
     image[d] = 0;
     const std::int32_t n = level.cells[d];
@@ -131,12 +135,14 @@ void BroadPhase::search(const BodySet& bodies, const Extent& extent, std::span<c
   }
 }
 
-void BroadPhase::search_walls(const BodySet& bodies, std::span<const Reach> reach, std::span<const Vec3> normals) {
+void BroadPhase::search_walls(const BodySet& bodies, std::span<const Reach> reach,
+                              std::span<const Vec3> normals) {
   for (std::size_t w = 0; w < bodies.walls; ++w) {
     const std::size_t wall = bodies.first_wall() + w;
     const double offset = normals[w].dot(bodies.position[wall]);
     for (std::size_t row = 0; row < bodies.first_wall(); ++row)
-      if (bodies.is_free(row) && normals[w].dot(bodies.position[row]) - offset <= reach[row].radius + reach[row].margin)
+      if (bodies.is_free(row) &&
+          normals[w].dot(bodies.position[row]) - offset <= reach[row].radius + reach[row].margin)
         found_.push_back({row, wall, Image{}});
   }
 }

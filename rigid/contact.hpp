@@ -29,8 +29,8 @@ struct Contact {
   std::uint64_t feature;  // part of a, part of b, feature of the parts
   Vec3 normal;            // unit, from a to b
   double gap;
-  Vec3 r_a, r_b;          // the common contact point (midway between the surfaces; at a wall: the point on a) from
-                          // each centre of mass
+  Vec3 r_a, r_b;          // the common contact point (midway between the surfaces; at a wall: the
+                          // point on a) from each centre of mass
   double restitution, friction;
 
   auto pair() const { return std::tuple(a, b, image); }

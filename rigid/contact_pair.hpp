@@ -1,8 +1,12 @@
 #pragma once
 // All contacts of two bodies, solved by themselves: the block of the sFFD sweeps (FFD.md 5.2, 5.3).
 // Normals run from a to b, u = v_b - v_a at the contact point, impulses act on b and are reversed on a.
+// The solver works in the contacts' own directions, with the matrix that takes their impulses to their
+// velocities.
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "rigid/types.hpp"
 
@@ -10,15 +14,23 @@ namespace silt::rigid {
 
 /// One contact point as the solver sees it.
 struct ContactRow {
-  Vec3 normal, r_a, r_b;
-  double inverse_k_n = 0, inverse_k_t = 0;  // effective masses; k_t: larger eigenvalue of the tangential block
-  double target = 0;                        // least normal velocity after the step
+  std::array<Vec3, 3> direction;  // normal and two tangents
+  Vec3 r_a, r_b;
+  std::array<double, 3> impulse{};  // accumulated, along the directions
+  double inverse_k_n = 0,
+         inverse_k_t = 0;  // effective masses; k_t: larger eigenvalue of the tangential block
+  double target = 0;       // least normal velocity after the step
   double friction = 0;
-  double p_n = 0;                   // accumulated impulses
-  Vec3 p_t = Vec3::Zero();
 
-  Vec3 impulse() const { return p_n * normal + p_t; }
+  const Vec3& normal() const { return direction[0]; }
+  Vec3 impulse_W() const {
+    return impulse[0] * direction[0] + impulse[1] * direction[1] + impulse[2] * direction[2];
+  }
+  double tangential_impulse() const { return std::hypot(impulse[1], impulse[2]); }
 };
+
+/// The directions of a contact with this normal.
+std::array<Vec3, 3> contact_directions(const Vec3& normal);
 
 /// Velocity of a body's centre and its angular velocity.
 struct Twist {
@@ -30,27 +42,33 @@ struct Twist {
 struct SplitMass {
   double inverse_mass = 0;
   Mat3 inverse_inertia = Mat3::Zero();
-
-  void push(Twist& t, const Vec3& r, const Vec3& impulse) const {
-    t.v += inverse_mass * impulse;
-    t.w += inverse_inertia * r.cross(impulse);
-  }
 };
 
 struct PairChange {
-  Vec3 impulse = Vec3::Zero();                               // change on b
-  Vec3 angular_a = Vec3::Zero(), angular_b = Vec3::Zero();   // sum of r x change, of a (sign as on b) and of b
-  double largest = 0;                                        // change of one contact's impulse
-  double scale = 0;                                          // largest impulse of a contact
+  Vec3 impulse = Vec3::Zero();                              // change on b
+  Vec3 angular_a = Vec3::Zero(), angular_b = Vec3::Zero();  // sum of r x change, of a (sign as on b) and of b
+  double largest = 0;                                       // change of one contact's impulse
+  double scale = 0;                                         // largest impulse of a contact
 };
 
-/// Fills the effective masses of the rows. Returns whether one round of solve_pair is exact: a single contact whose
-/// normal and tangential directions do not mix, as of spheres.
-bool set_effective_masses(std::span<ContactRow>, const SplitMass& a, const SplitMass& b);
+/// Doubles that the matrix of a pair takes.
+inline std::size_t matrix_size(std::size_t contacts) {
+  return 9 * contacts * contacts;
+}
 
-/// Block Gauss-Seidel over the rows from the velocities given, until nothing changes. Coulomb friction with a
-/// circular cone; with `frictionless` normal impulses only.
-PairChange solve_pair(std::span<ContactRow>, const SplitMass& a, const SplitMass& b, Twist twist_a, Twist twist_b,
-                      bool one_round, bool frictionless);
+/// Fills the effective masses of the rows and the symmetric matrix (3 lines a contact) from impulses to
+/// velocities. Returns whether one round of solve_pair is exact: a single contact whose directions do not
+/// mix, as of spheres.
+bool set_effective_masses(std::span<ContactRow>, const SplitMass& a, const SplitMass& b, double* matrix);
+
+enum class PairLaw {
+  single,        // one round is exact
+  coulomb,       // Coulomb friction with a circular cone
+  frictionless,  // normal impulses only
+};
+
+/// Solves the rows from the velocities given, to round-off (stacks vibrate if it is left at less): block
+/// Gauss-Seidel.
+PairChange solve_pair(std::span<ContactRow>, const double* matrix, const Twist& a, const Twist& b, PairLaw);
 
 }  // namespace silt::rigid

@@ -33,8 +33,8 @@ struct ResolverStatistics {
 struct StepVelocities {
   std::vector<Vec3> before_v, before_w;  // before the kick: what restitution sees
   std::vector<Vec3> v, w;                // in: after the kick; out: after the contacts
-  std::vector<Vec3> push_v, push_w;      // out: position correction, velocities used for positions only; may be empty
-  std::vector<std::uint8_t> in_contact;  // out (first_kick() < 1 only): bodies that miss the rest of their kick
+  std::vector<Vec3> push_v, push_w;      // out: position correction, velocities for positions only; or empty
+  std::vector<std::uint8_t> in_contact;  // out (if first_kick() < 1): bodies that miss the rest of their kick
 };
 
 class ContactResolver {

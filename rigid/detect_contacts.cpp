@@ -33,7 +33,8 @@ void DetectContacts::learn_shapes(const World& world) {
   for (std::size_t s = shapes_.size(); s < world.shapes.size(); ++s) {
     ShapeParts known;
     known.parts = convex_parts(world.shapes[s]);
-    for (const Part& part : known.parts) known.radii.push_back(bounding_radius(Compound{{{part.shape, Pose{}}}}));
+    for (const Part& part : known.parts)
+      known.radii.push_back(bounding_radius(Compound{{{part.shape, Pose{}}}}));
     known.sphere = is_sphere(world.shapes[s]);
     known.half_space = std::holds_alternative<HalfSpace>(world.shapes[s]);
     shapes_.push_back(std::move(known));
@@ -48,20 +49,24 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   for (std::size_t row = 0; row < count; ++row) {
     const double radius = world.bounding_radii[bodies.shape[row]];
     turn_[row] = shapes_[bodies.shape[row]].sphere ? 0.0 : dt * radius * bodies.angular_velocity[row].norm();
-    const double travel = dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_factor[row]);
+    const double travel =
+        dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_factor[row]);
     reach_[row] = {radius, std::min(margin_safety * travel + least_margin * radius, world.contact_margin)};
   }
   wall_normals_.clear();
   for (std::size_t row = count; row < bodies.size(); ++row)
-    wall_normals_.push_back(bodies.orientation[row] * std::get<HalfSpace>(world.shapes[bodies.shape[row]]).normal);
+    wall_normals_.push_back(bodies.orientation[row] *
+                            std::get<HalfSpace>(world.shapes[bodies.shape[row]]).normal);
 }
 
-double DetectContacts::pair_margin(const World& world, const BodySet& bodies, const CandidatePair& p, double dt) const {
+double DetectContacts::pair_margin(const World& world, const BodySet& bodies, const CandidatePair& p,
+                                   double dt) const {
   const bool wall = is_wall(bodies.id[p.row_b]);
   const double approach = dt * (bodies.velocity[p.row_b] - bodies.velocity[p.row_a]).norm();
   const double turn = turn_[p.row_a] + (wall ? 0.0 : turn_[p.row_b]);
-  const double fall = dt * dt * world.gravity.norm() *
-                      (std::abs(bodies.weight_factor[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_factor[p.row_b])));
+  const double fall =
+      dt * dt * world.gravity.norm() *
+      (std::abs(bodies.weight_factor[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_factor[p.row_b])));
   const double least = least_margin * (reach_[p.row_a].radius + (wall ? 0.0 : reach_[p.row_b].radius));
   return std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin);
 }
@@ -76,7 +81,8 @@ bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose&
   const double range = a.radii[i] + b.radii[j] + margin;
   if ((pose_b.to_world(b.parts[j].pose.position) - centre_a).squaredNorm() > range * range) return true;
   const BoundingBox box_a = part_box(a.parts[i], pose_a), box_b = part_box(b.parts[j], pose_b);
-  return ((box_a.lower - box_b.upper).array() > margin).any() || ((box_b.lower - box_a.upper).array() > margin).any();
+  return ((box_a.lower - box_b.upper).array() > margin).any() ||
+         ((box_b.lower - box_a.upper).array() > margin).any();
 }
 
 void DetectContacts::collide_pair(const World& world, const BodySet& bodies, const BodyExchange& exchange,
@@ -84,8 +90,10 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
                                   std::vector<Contact>& contacts) {
   const ShapeParts &a = shapes_[bodies.shape[p.row_a]], &b = shapes_[bodies.shape[p.row_b]];
   // relative to a: small numbers, and the same ones on every rank
-  const Vec3 from_a_to_b = bodies.position[p.row_b] + exchange.extent().shift(p.image) - bodies.position[p.row_a];
-  const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]}, pose_b{from_a_to_b, bodies.orientation[p.row_b]};
+  const Vec3 from_a_to_b =
+      bodies.position[p.row_b] + exchange.extent().shift(p.image) - bodies.position[p.row_a];
+  const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
+      pose_b{from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.parts.size() == 1 && b.parts.size() == 1;
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
   const std::size_t first = contacts.size();
@@ -94,15 +102,15 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
     for (std::size_t j = 0; j < b.parts.size(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
       points_.clear();
-      backend.collide(a.parts[i].shape, pose_a * a.parts[i].pose, b.parts[j].shape, pose_b * b.parts[j].pose, margin,
-                      points_);
+      backend.collide(a.parts[i].shape, pose_a * a.parts[i].pose, b.parts[j].shape, pose_b * b.parts[j].pose,
+                      margin, points_);
       reduce_manifold(points_);
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
         const Vec3 common = b.half_space ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
-        contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, packed_feature(i, j, point.feature),
-                            point.normal, point.gap, common, common - from_a_to_b, material.restitution,
-                            material.friction});
+        contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image,
+                            packed_feature(i, j, point.feature), point.normal, point.gap, common,
+                            common - from_a_to_b, material.restitution, material.friction});
         if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }
     }
@@ -111,8 +119,9 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
   if (!exchange.owns_contact_at(reference)) contacts.resize(first);
 }
 
-std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies, const BodyExchange& exchange,
-                                       CollisionBackend& backend, double dt, std::vector<Contact>& contacts) {
+std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies,
+                                       const BodyExchange& exchange, CollisionBackend& backend, double dt,
+                                       std::vector<Contact>& contacts) {
   contacts.clear();
   learn_shapes(world);
   set_reach(world, bodies, dt);

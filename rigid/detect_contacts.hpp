@@ -15,8 +15,8 @@ namespace silt::rigid {
 class DetectContacts {
  public:
   /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
-  /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach in dt,
-  /// at most world.contact_margin. Returns the number of candidate pairs.
+  /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
+  /// in dt, at most world.contact_margin. Returns the number of candidate pairs.
   std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
                          std::vector<Contact>& contacts);
 
@@ -29,8 +29,8 @@ class DetectContacts {
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
-  void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, const CandidatePair&,
-                    double margin, std::vector<Contact>& contacts);
+  void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&,
+                    const CandidatePair&, double margin, std::vector<Contact>& contacts);
   bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
                    const Pose& pose_b, double margin) const;
 

@@ -7,9 +7,9 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double violation = 1e-12;    // relative to the constraint's size: taken as satisfied
-constexpr double dependent = 1e-10;    // part of a unit normal outside the span of the active ones: none
-constexpr int steps_a_constraint = 20; // bound on the steps, against cycling by rounding
+constexpr double violation = 1e-12;     // relative to the constraint's size: taken as satisfied
+constexpr double dependent = 1e-10;     // part of a unit normal outside the span of the active ones: none
+constexpr int steps_a_constraint = 20;  // bound on the steps, against cycling by rounding
 
 class ActiveSet {
  public:
@@ -71,7 +71,8 @@ ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints) {
       const HalfSpace6& c = constraints[k];
       const double size = c.normal.norm();
       const double missing = (c.offset - c.normal.dot(set.y)) / size;
-      if (missing > most && missing > violation * (set.y.norm() + std::abs(c.offset) / size)) most = missing, worst = k;
+      if (missing > most && missing > violation * (set.y.norm() + std::abs(c.offset) / size))
+        most = missing, worst = k;
     }
     if (worst == constraints.size()) return {true, set.y};
     if (!set.enforce(worst)) return {false, set.y};

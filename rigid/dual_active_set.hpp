@@ -1,6 +1,7 @@
 #pragma once
-// The point of a polyhedron in R^6 closest to the origin: the dual active-set method of Goldfarb and Idnani (1983),
-// "A numerically stable dual method for solving strictly convex quadratic programs", for a unit matrix.
+// The point of a polyhedron in R^6 closest to the origin: the dual active-set method of Goldfarb and Idnani
+// (1983), "A numerically stable dual method for solving strictly convex quadratic programs", for a unit
+// matrix.
 #include <Eigen/Dense>
 #include <span>
 
@@ -18,8 +19,8 @@ struct ClosestPoint {
   Vec6 y;
 };
 
-/// min |y|^2 / 2 subject to every constraint. Starts at the origin, adds the most violated constraint one at a time
-/// and drops those whose multiplier would turn negative; at most six are active.
+/// min |y|^2 / 2 subject to every constraint. Starts at the origin, adds the most violated constraint one at
+/// a time and drops those whose multiplier would turn negative; at most six are active.
 ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints);
 
 }  // namespace silt::rigid

@@ -7,9 +7,9 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int width = 6;              // doubles a body in the share: v, w
-constexpr int friction_samples = 4;   // tangents a contact
-constexpr double touching = 1e-9;     // gap relative to the lever arm: a contact
+constexpr int width = 6;             // doubles a body in the share: v, w
+constexpr int friction_samples = 4;  // tangents a contact
+constexpr double touching = 1e-9;    // gap relative to the lever arm: a contact
 
 /// Coordinates in which the kinetic metric is the unit matrix: y = S phi, covectors c = S^-T N.
 struct KineticFrame {
@@ -28,7 +28,9 @@ struct KineticFrame {
   Vec3 v(const Vec6& y) const { return y.tail<3>() / root_mass; }
 };
 
-Vec6 covector_of(const Vec3& r, const Vec3& direction) { return (Vec6() << r.cross(direction), direction).finished(); }
+Vec6 covector_of(const Vec3& r, const Vec3& direction) {
+  return (Vec6() << r.cross(direction), direction).finished();
+}
 
 double mobility(const BodySet& b, std::size_t row, const Vec3& r, const Vec3& n) {
   const Vec3 x = r.cross(n);
@@ -60,7 +62,8 @@ Vec6 full_stop(const std::vector<HalfSpace6>& directions, const Vec6& phi) {
 
 }  // namespace
 
-/// 2.2: the common normal speed d of an inelastic collision of these two alone is all either body learns of the other.
+/// 2.2: the common normal speed d of an inelastic collision of these two alone is all either body learns of
+/// the other.
 void FfdResolver::add_constraints(const BodySet& bodies, const Contact& c, double dt) {
   const std::size_t rows[2] = {bodies.row_of(c.a), bodies.row_of(c.b)};
   const Vec3 arms[2] = {c.r_a, c.r_b};
@@ -71,7 +74,8 @@ void FfdResolver::add_constraints(const BodySet& bodies, const Contact& c, doubl
     speed[k] = -c.normal.dot(Vec3(s[0], s[1], s[2]) + Vec3(s[3], s[4], s[5]).cross(arms[k]));
     mass[k] = bodies.is_free(rows[k]) ? 1 / mobility(bodies, rows[k], arms[k], c.normal) : 0;
   }
-  const double d = mass[0] > 0 && mass[1] > 0 ? (mass[0] * speed[0] + mass[1] * speed[1]) / (mass[0] + mass[1]) : 0;
+  const double d =
+      mass[0] > 0 && mass[1] > 0 ? (mass[0] * speed[0] + mass[1] * speed[1]) / (mass[0] + mass[1]) : 0;
   for (int k = 0; k < 2; ++k) {
     if (rows[k] >= bodies.owned || !bodies.is_free(rows[k])) continue;
     const Vec3 inward = k == 0 ? Vec3(-c.normal) : c.normal;
@@ -148,8 +152,8 @@ ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Conta
   if (exchange.maximum(contacts.empty() ? 0.0 : 1.0) == 0) return statistics;
   state_.resize(bodies.size() * width);
   for (std::size_t row = 0; row < bodies.size(); ++row) {
-    Eigen::Map<Vec3>{state_.data() + row * width} = velocities.v[row];
-    Eigen::Map<Vec3>{state_.data() + row * width + 3} = velocities.w[row];
+    Eigen::Map<Vec3>{state_.data() + row* width} = velocities.v[row];
+    Eigen::Map<Vec3>{state_.data() + row* width + 3} = velocities.w[row];
   }
   exchange.share(bodies, state_, width);
   constraints_.resize(std::max(constraints_.size(), bodies.owned));

@@ -15,6 +15,8 @@ FixedSum to_fixed(double x) {
   return static_cast<FixedSum>(x * quanta_per_unit);
 }
 
-double from_fixed(FixedSum q) { return static_cast<double>(q) / quanta_per_unit; }
+double from_fixed(FixedSum q) {
+  return static_cast<double>(q) / quanta_per_unit;
+}
 
 }  // namespace silt::rigid

@@ -13,7 +13,9 @@ Mat3 cross_matrix(const Vec3& a) {
 }
 
 /// (1, a / 2) normalised: the Cayley map of the rotation vector a.
-Quat cayley(const Vec3& a) { return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized(); }
+Quat cayley(const Vec3& a) {
+  return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
+}
 
 /// The midpoint angular velocity in the body frame, by Newton's method to round-off.
 Vec3 midpoint_angular_velocity(const Mat3& inverse, const Vec3& start, double h) {

@@ -32,7 +32,9 @@ MassProperties of(const Capsule& c) {
   return {barrel + ends, Vec3::Zero(), Vec3(across, across, along).asDiagonal()};
 }
 
-MassProperties of(const HalfSpace&) { throw std::invalid_argument("a half-space has no mass"); }
+MassProperties of(const HalfSpace&) {
+  throw std::invalid_argument("a half-space has no mass");
+}
 
 /// Integrals of 1, x, x x^T from volume, centre and inertia about the centre.
 SolidMoments moments(const MassProperties& p, const Pose& pose) {
@@ -46,8 +48,8 @@ SolidMoments moments(const MassProperties& p, const Pose& pose) {
   return m;
 }
 
-/// Values below the quadrature's error become what symmetry would make them: a star's centre is its centre, and
-/// a body with equal moments needs no gyroscopic term.
+/// Values below the quadrature's error become what symmetry would make them: a star's centre is its centre,
+/// and a body with equal moments needs no gyroscopic term.
 void snap_to_symmetry(MassProperties& p, double error) {
   const double size = std::sqrt(p.inertia.trace() / p.volume);
   for (int d = 0; d < 3; ++d)

@@ -11,7 +11,7 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int least_depth = 3;        // of the tree of rectangles across the rays
+constexpr int least_depth = 3;  // of the tree of rectangles across the rays
 constexpr int largest_depth = 9;
 constexpr double local_error = 2e-8;  // of a rectangle, relative to the volume scale: refine above it
 
@@ -52,7 +52,8 @@ class OverlapIntegral {
   }
 
   SolidMoments gauss(const Rectangle& r) {
-    constexpr double node = 0.7745966692414834, at[3] = {-node, 0, node}, weight[3] = {5. / 18, 8. / 18, 5. / 18};
+    constexpr double node = 0.7745966692414834, at[3] = {-node, 0, node},
+                     weight[3] = {5. / 18, 8. / 18, 5. / 18};
     SolidMoments sum;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)

@@ -54,7 +54,7 @@ struct LineInside {
                      slab(o[2], d[2], b.half_edges[2]));
   }
   Interval operator()(const Capsule& c) const {
-    const double a = d[0] * d[0] + d[1] * d[1], rho = std::hypot(o[0], o[1]);
+    const double a = d[0] * d[0] + d[1] * d[1], rho = std::sqrt(o[0] * o[0] + o[1] * o[1]);
     Interval barrel;
     if (a > 0)
       barrel = roots(a, o[0] * d[0] + o[1] * d[1], (rho - c.radius) * (rho + c.radius));
@@ -74,7 +74,8 @@ struct LineInside {
 
 }  // namespace
 
-std::optional<RayInterval> ray_interval(const ConvexShape& shape, const Vec3& origin_B, const Vec3& direction_B) {
+std::optional<RayInterval> ray_interval(const ConvexShape& shape, const Vec3& origin_B,
+                                        const Vec3& direction_B) {
   return std::visit(LineInside{origin_B, direction_B}, shape);
 }
 

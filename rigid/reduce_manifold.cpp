@@ -7,7 +7,8 @@ namespace silt::rigid {
 
 void reduce_manifold(std::vector<ContactPoint>& points) {
   if (points.size() <= most_contact_points) return;
-  std::vector<double> apart(points.size(), std::numeric_limits<double>::infinity());  // squared, from those kept
+  std::vector<double> apart(points.size(),
+                            std::numeric_limits<double>::infinity());  // squared, from those kept
   std::vector<char> kept(points.size(), 0);
   std::size_t next = std::min_element(points.begin(), points.end(),
                                       [](const auto& p, const auto& q) { return p.gap < q.gap; }) -

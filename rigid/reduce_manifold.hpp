@@ -7,7 +7,8 @@
 
 namespace silt::rigid {
 
-inline constexpr std::size_t most_contact_points = 8;  // of two convex shapes: a face of two boxes turned by 45 degrees
+inline constexpr std::size_t most_contact_points =
+    8;  // of two convex shapes: a face of two boxes turned by 45 degrees
 
 /// Leaves at most most_contact_points: the deepest, and those furthest from each other. Keeps the order.
 void reduce_manifold(std::vector<ContactPoint>& points);

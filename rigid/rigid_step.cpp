@@ -53,7 +53,8 @@ void add(RigidStepReport& sum, const RigidStepReport& one) {
 
 }  // namespace
 
-RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResolver& resolver, BodyExchange& exchange)
+RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResolver& resolver,
+                     BodyExchange& exchange)
     : world_(world), backend_(backend), resolver_(resolver), exchange_(exchange) {}
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {

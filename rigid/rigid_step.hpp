@@ -23,9 +23,9 @@ struct RigidStepReport {
 class RigidStep {
  public:
   RigidStep(const World&, CollisionBackend&, ContactResolver&, BodyExchange&);
-  /// Advances every body by dt (1 / substeps of a fluid step); forces are consumed and cleared. Keeps the order
-  /// of Algorithm 1 but for the velocity half of lines 2-5, which waits until line 13 is done: rows change at the
-  /// synchronisations, and no step in between reads a velocity that the kick would change.
+  /// Advances every body by dt (1 / substeps of a fluid step); forces are consumed and cleared. Keeps the
+  /// order of Algorithm 1 but for the velocity half of lines 2-5, which waits until line 13 is done: rows
+  /// change at the synchronisations, and detection works with the velocities before the kick.
   RigidStepReport operator()(BodySet&, double dt);
   /// The same for `substeps` equal parts of a step of length 1, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);

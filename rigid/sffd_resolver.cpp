@@ -9,8 +9,8 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int width = 7;              // doubles a body in a share: v, w, number
-constexpr double rounding = 1e-5;     // times mass x speed: an impulse this small says nothing about convergence
+constexpr int width = 7;           // doubles a body in a share: v, w, number
+constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
@@ -26,15 +26,18 @@ void store(std::vector<double>& state, std::size_t row, const Twist& t, double n
   s[6] = number;
 }
 
-/// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks of a
-/// contact that would be reached, from the velocities before the kick (so that a body at rest does not bounce).
+/// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
+/// of a contact that would be reached, from the velocities before the kick (so that a body at rest does not
+/// bounce).
 double target_velocity(const Contact& c, double dt, const Vec3& before) {
   const double closing = c.gap > 0 ? -c.gap / dt : 0.0, speed = c.normal.dot(before);
   const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
   return hits ? std::max(closing, -c.restitution * speed) : closing;
 }
 
-double lever_arms(const Contact& c) { return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm(); }
+double lever_arms(const Contact& c) {
+  return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
+}
 
 }  // namespace
 
@@ -68,7 +71,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
   rows_.reserve(contacts.size());
   for (const Contact& c : contacts) {
     ContactRow row;
-    row.normal = c.normal, row.r_a = c.r_a, row.r_b = c.r_b;
+    row.direction = contact_directions(c.normal), row.r_a = c.r_a, row.r_b = c.r_b;
     row.friction = c.friction;
     const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
     row.target = target_velocity(c, dt,
@@ -90,7 +93,7 @@ void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>&
     recall_impulses(bodies.stored_impulses[bodies_[at_a ? p.a : p.b].row], at_a ? c.b : c.a,
                     {contacts.data() + p.first, rows.size()}, rows);
     for (const ContactRow& row : rows) {
-      const Vec3 impulse = row.impulse();
+      const Vec3 impulse = row.impulse_W();
       bodies_[p.a].impulse -= impulse;
       bodies_[p.a].angular_impulse -= row.r_a.cross(impulse);
       bodies_[p.b].impulse += impulse;
@@ -106,23 +109,31 @@ void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>&
   }
 }
 
-void SffdResolver::split_masses(const BodySet& bodies, double dt, bool push) {
+void SffdResolver::split_masses(const BodySet& bodies) {
+  std::size_t needed = 0;
+  for (Pair& p : pairs_) {
+    p.matrix = needed;
+    needed += matrix_size(p.last - p.first);
+  }
+  matrices_.resize(needed);
   for (Pair& p : pairs_) {
     const Body &a = bodies_[p.a], &b = bodies_[p.b];
-    const Twist twist_a = twist(state_, a.row), twist_b = twist(state_, b.row);
-    p.reduced_mass = 1 / (a.inverse_mass + b.inverse_mass);
-    const double arms = rows_[p.first].r_a.norm() + (is_wall(bodies.id[b.row]) ? 0.0 : rows_[p.first].r_b.norm());
-    if (push) {
-      p.least_scale = p.reduced_mass * push_rounding * arms / dt;
-      continue;
-    }
     const double n_a = state_[a.row * width + 6], n_b = state_[b.row * width + 6];
-    p.mass_a = {n_a * a.inverse_mass, n_a * a.inverse_inertia};
-    p.mass_b = {n_b * b.inverse_mass, n_b * b.inverse_inertia};
-    p.one_round = set_effective_masses({rows_.data() + p.first, p.last - p.first}, p.mass_a, p.mass_b);
+    p.single = set_effective_masses(
+        {rows_.data() + p.first, p.last - p.first}, {n_a * a.inverse_mass, n_a * a.inverse_inertia},
+        {n_b * b.inverse_mass, n_b * b.inverse_inertia}, matrices_.data() + p.matrix);
     p.final_after_one = (n_a == 1 || !bodies.is_free(a.row)) && (n_b == 1 || !bodies.is_free(b.row));
-    const double speed = std::max({twist_a.v.norm(), twist_b.v.norm(), arms * twist_a.w.norm(), arms * twist_b.w.norm()});
-    p.least_scale = rounding * p.reduced_mass * speed;
+    p.reduced_mass = 1 / (a.inverse_mass + b.inverse_mass);
+  }
+}
+
+void SffdResolver::set_least_scales(const BodySet& bodies, double dt, bool push) {
+  for (Pair& p : pairs_) {
+    const std::size_t a = bodies_[p.a].row, b = bodies_[p.b].row;
+    const double arms = rows_[p.first].r_a.norm() + (is_wall(bodies.id[b]) ? 0.0 : rows_[p.first].r_b.norm());
+    const Twist t_a = twist(state_, a), t_b = twist(state_, b);
+    const double speed = std::max({t_a.v.norm(), t_b.v.norm(), arms * t_a.w.norm(), arms * t_b.w.norm()});
+    p.least_scale = p.reduced_mass * (push ? push_rounding * arms / dt : rounding * speed);
   }
 }
 
@@ -137,8 +148,10 @@ double SffdResolver::sweep(std::vector<double>& state, double tolerance, bool fi
     const bool woken = (a.inverse_mass > 0 && state[a.row * width + 6] != 0) ||
                        (b.inverse_mass > 0 && state[b.row * width + 6] != 0);
     if (!first && (p.final_after_one || !woken)) continue;
-    const PairChange change = solve_pair({rows_.data() + p.first, p.last - p.first}, p.mass_a, p.mass_b,
-                                         twist(state, a.row), twist(state, b.row), p.one_round, push);
+    const PairLaw law = p.single ? PairLaw::single : push ? PairLaw::frictionless : PairLaw::coulomb;
+    const PairChange change =
+        solve_pair({rows_.data() + p.first, p.last - p.first}, matrices_.data() + p.matrix,
+                   twist(state, a.row), twist(state, b.row), law);
     a.impulse -= change.impulse;
     a.angular_impulse -= change.angular_a;
     b.impulse += change.impulse;
@@ -164,8 +177,8 @@ void SffdResolver::apply_impulses(std::vector<double>& state) {
 }
 
 /// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
-int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<double>& state, double tolerance,
-                                bool push, double& residual) {
+int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<double>& state,
+                                double tolerance, bool push, double& residual) {
   for (int i = 1;; ++i) {
     residual = exchange.maximum(sweep(state, tolerance, i == 1, push));
     apply_impulses(state);
@@ -185,19 +198,19 @@ double SffdResolver::correctable_overlap(const std::vector<Contact>& contacts) c
   return deepest;
 }
 
-/// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact may use
-/// up the gap that is left.
+/// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact
+/// may use up the gap that is left.
 void SffdResolver::set_push_targets(const std::vector<Contact>& contacts, double dt) {
   for (const Pair& p : pairs_)
     for (std::size_t k = p.first; k < p.last; ++k) {
       ContactRow& row = rows_[k];
       const Contact& c = contacts[k];
-      const double u = row.normal.dot(twist(state_, bodies_[p.b].row).at(row.r_b) -
-                                      twist(state_, bodies_[p.a].row).at(row.r_a));
+      const double u = row.normal().dot(twist(state_, bodies_[p.b].row).at(row.r_b) -
+                                        twist(state_, bodies_[p.a].row).at(row.r_a));
       const double overlap = settings_.correction * (-c.gap - settings_.slop) / dt - std::max(0.0, u);
       row.target = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
-      row.p_n = 0;
-      row.p_t.setZero();
+      row.impulse = {};
+      row.friction = 0;
     }
 }
 
@@ -208,8 +221,43 @@ void SffdResolver::remember(BodySet& bodies, const std::vector<Contact>& contact
   for (const Pair& p : pairs_) {
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     const std::span rows(rows_.data() + p.first, of_pair.size());
-    if (bodies_[p.a].moves) remember_impulses(of_pair, rows, of_pair[0].b, bodies.stored_impulses[bodies_[p.a].row]);
-    if (bodies_[p.b].moves) remember_impulses(of_pair, rows, of_pair[0].a, bodies.stored_impulses[bodies_[p.b].row]);
+    if (bodies_[p.a].moves)
+      remember_impulses(of_pair, rows, of_pair[0].b, bodies.stored_impulses[bodies_[p.a].row]);
+    if (bodies_[p.b].moves)
+      remember_impulses(of_pair, rows, of_pair[0].a, bodies.stored_impulses[bodies_[p.b].row]);
+  }
+}
+
+void SffdResolver::count(const BodySet& bodies, const std::vector<Contact>& contacts,
+                         ResolverStatistics& statistics) const {
+  for (const Contact& c : contacts) {
+    if (bodies.row_of(c.a) < bodies.owned) ++statistics.contacts;
+    statistics.penetration = std::max(statistics.penetration, -c.gap);
+  }
+  for (const ContactRow& row : rows_)
+    if (row.impulse[0] > 0)
+      statistics.cone_excess =
+          std::max(statistics.cone_excess, row.tangential_impulse() / row.impulse[0] - row.friction);
+}
+
+/// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
+/// forgotten.
+void SffdResolver::correct_positions(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
+                                     StepVelocities& velocities, BodyExchange& exchange) {
+  exchange.share(bodies, state_, width);
+  set_push_targets(contacts, dt);
+  set_least_scales(bodies, dt, true);
+  push_.resize(bodies.size() * width);
+  for (const Body& b : bodies_) store(push_, b.row, Twist{}, 0);
+  double residual = 0;
+  sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
+  velocities.push_v.assign(bodies.size(), Vec3::Zero());
+  velocities.push_w.assign(bodies.size(), Vec3::Zero());
+  for (const Body& b : bodies_) {
+    if (!b.moves) continue;
+    const Twist t = twist(push_, b.row);
+    velocities.push_v[b.row] = t.v;
+    velocities.push_w[b.row] = t.w;
   }
 }
 
@@ -226,40 +274,20 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   collect_pairs(bodies, contacts);
   start(bodies, contacts, dt, velocities);
   exchange.share(bodies, state_, width);
-  split_masses(bodies, dt, false);
+  split_masses(bodies);
+  set_least_scales(bodies, dt, false);
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
   remember(bodies, contacts);
+  count(bodies, contacts, statistics);
   for (const Body& b : bodies_) {
     if (!b.moves) continue;
     const Twist t = twist(state_, b.row);
     velocities.v[b.row] = t.v;
     velocities.w[b.row] = t.w;
   }
-  for (const Contact& c : contacts) {
-    if (bodies.row_of(c.a) < bodies.owned) ++statistics.contacts;
-    statistics.penetration = std::max(statistics.penetration, -c.gap);
-  }
-  for (const ContactRow& row : rows_)
-    if (row.p_n > 0)
-      statistics.cone_excess = std::max(statistics.cone_excess, row.p_t.norm() / row.p_n - row.friction);
-  if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0) {
-    exchange.share(bodies, state_, width);
-    set_push_targets(contacts, dt);
-    split_masses(bodies, dt, true);
-    push_.resize(bodies.size() * width);
-    for (const Body& b : bodies_) store(push_, b.row, Twist{}, 0);
-    double residual = 0;
-    sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
-    velocities.push_v.assign(bodies.size(), Vec3::Zero());
-    velocities.push_w.assign(bodies.size(), Vec3::Zero());
-    for (const Body& b : bodies_) {
-      if (!b.moves) continue;
-      const Twist t = twist(push_, b.row);
-      velocities.push_v[b.row] = t.v;
-      velocities.push_w[b.row] = t.w;
-    }
-  }
+  if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0)
+    correct_positions(bodies, contacts, dt, velocities, exchange);
   return statistics;
 }
 

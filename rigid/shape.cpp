@@ -21,8 +21,9 @@ struct Visitor : F... {
 template <class... F>
 Visitor(F...) -> Visitor<F...>;
 
-
-double distance_to(const Sphere& s, const Vec3& x) { return x.norm() - s.radius; }
+double distance_to(const Sphere& s, const Vec3& x) {
+  return x.norm() - s.radius;
+}
 double distance_to(const Box& b, const Vec3& x) {
   const Vec3 outside = x.cwiseAbs() - b.half_edges;
   return outside.maxCoeff() <= 0 ? outside.maxCoeff() : outside.cwiseMax(0.0).norm();
@@ -31,7 +32,9 @@ double distance_to(const Capsule& c, const Vec3& x) {
   const double along = std::clamp(x[2], -c.half_length, c.half_length);
   return Vec3(x[0], x[1], x[2] - along).norm() - c.radius;
 }
-double distance_to(const HalfSpace& h, const Vec3& x) { return h.normal.dot(x); }
+double distance_to(const HalfSpace& h, const Vec3& x) {
+  return h.normal.dot(x);
+}
 double distance_to(const Compound& c, const Vec3& x) {
   double least = infinity;
   for (const Part& part : c.parts) {
@@ -47,9 +50,13 @@ double hit(const ConvexShape& shape, const Vec3& origin, const Vec3& direction, 
   return std::clamp(inside->enter, 0.0, t_max);
 }
 
-BoundingBox around(const Vec3& centre, const Vec3& half) { return {centre - half, centre + half}; }
+BoundingBox around(const Vec3& centre, const Vec3& half) {
+  return {centre - half, centre + half};
+}
 
-BoundingBox box_of(const Sphere& s, const Pose& p) { return around(p.position, Vec3::Constant(s.radius)); }
+BoundingBox box_of(const Sphere& s, const Pose& p) {
+  return around(p.position, Vec3::Constant(s.radius));
+}
 BoundingBox box_of(const Box& b, const Pose& p) {
   return around(p.position, p.orientation.toRotationMatrix().cwiseAbs() * b.half_edges);
 }
@@ -81,7 +88,8 @@ double reach(const Part& part) {
                             },
                             [&](const Capsule& c) {
                               const Vec3 end = pose.orientation * Vec3(0, 0, c.half_length);
-                              return c.radius + std::max((pose.position + end).norm(), (pose.position - end).norm());
+                              return c.radius +
+                                     std::max((pose.position + end).norm(), (pose.position - end).norm());
                             },
                             [](const HalfSpace&) { return infinity; }},
                     part.shape);
@@ -94,7 +102,9 @@ std::string_view shape_name(const Shape& shape) {
   return names[shape.index()];
 }
 
-bool contains(const Shape& shape, const Vec3& x_B) { return signed_distance(shape, x_B) <= 0; }
+bool contains(const Shape& shape, const Vec3& x_B) {
+  return signed_distance(shape, x_B) <= 0;
+}
 
 double signed_distance(const Shape& shape, const Vec3& x_B) {
   return std::visit([&](const auto& s) { return distance_to(s, x_B); }, shape);
@@ -129,17 +139,19 @@ double bounding_radius(const Shape& shape) {
 Vec3 support(const ConvexShape& shape, const Vec3& d) {
   const double length = d.norm();
   const Vec3 unit = length > 0 ? Vec3(d / length) : Vec3(Vec3::UnitX());
-  return std::visit(
-      Visitor{[&](const Sphere& s) -> Vec3 { return s.radius * unit; },
-              [&](const Box& b) -> Vec3 {
-                return {std::copysign(b.half_edges[0], d[0]), std::copysign(b.half_edges[1], d[1]),
-                        std::copysign(b.half_edges[2], d[2])};
-              },
-              [&](const Capsule& c) -> Vec3 {
-                return c.radius * unit + Vec3(0, 0, std::copysign(c.half_length, d[2]));
-              },
-              [](const HalfSpace&) -> Vec3 { throw std::invalid_argument("a half-space has no furthest point"); }},
-      shape);
+  return std::visit(Visitor{[&](const Sphere& s) -> Vec3 { return s.radius * unit; },
+                            [&](const Box& b) -> Vec3 {
+                              return {std::copysign(b.half_edges[0], d[0]),
+                                      std::copysign(b.half_edges[1], d[1]),
+                                      std::copysign(b.half_edges[2], d[2])};
+                            },
+                            [&](const Capsule& c) -> Vec3 {
+                              return c.radius * unit + Vec3(0, 0, std::copysign(c.half_length, d[2]));
+                            },
+                            [](const HalfSpace&) -> Vec3 {
+                              throw std::invalid_argument("a half-space has no furthest point");
+                            }},
+                    shape);
 }
 
 Shape recentred(const Shape& shape, const Vec3& centre) {
@@ -150,11 +162,15 @@ Shape recentred(const Shape& shape, const Vec3& centre) {
   return moved;
 }
 
-bool is_sphere(const Shape& shape) { return std::holds_alternative<Sphere>(shape); }
+bool is_sphere(const Shape& shape) {
+  return std::holds_alternative<Sphere>(shape);
+}
 
 std::vector<Part> convex_parts(const Shape& shape) {
   return std::visit(Visitor{[](const Compound& c) { return c.parts; },
-                            [](const auto& s) { return std::vector<Part>{{s, Pose{}}}; }},
+                            [](const auto& s) {
+                              return std::vector<Part>{{s, Pose{}}};
+                            }},
                     shape);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a step remembers of its contact impulses for the next one. Both bodies of a pair keep the same values, so
-// that the owner of either can start from them.
+// What a step remembers of its contact impulses for the next one. Both bodies of a pair keep the same values,
+// so that the owner of either can start from them.
 #include <span>
 
 #include "rigid/body_set.hpp"
@@ -8,9 +8,10 @@
 
 namespace silt::rigid {
 
-/// Sets the impulses of a pair's rows (contacts and rows in the same order, sorted by key) to those that `stored`
-/// holds, laid on the new normal and inside the cone. `partner`: the other body. A contact not found starts at zero.
-/// Where the pair's image changed (a body crossed a periodic side) the same feature of another image will do.
+/// Sets the impulses of a pair's rows (contacts and rows in the same order, sorted by key) to those that
+/// `stored` holds, laid on the new normal and inside the cone. `partner`: the other body. A contact not found
+/// starts at zero. Where the pair's image changed (a body crossed a periodic side) the same feature of
+/// another image will do.
 void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact>,
                      std::span<ContactRow>);
 

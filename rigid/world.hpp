@@ -13,11 +13,11 @@ struct Material {
 /// What all ranks know alike: shapes, materials and laws. Tables of pairs are [i * materials + j], symmetric.
 struct World {
   std::vector<Shape> shapes;
-  std::vector<double> bounding_radii;        // one a shape
-  std::vector<Material> materials;           // of pairs: materials.size() == material_count^2
+  std::vector<double> bounding_radii;  // one a shape
+  std::vector<Material> materials;     // of pairs: materials.size() == material_count^2
   int material_count = 0;
   Vec3 gravity = Vec3::Zero();
-  double contact_margin = 1.0;               // largest gap a speculative contact may have, lattice units
+  double contact_margin = 1.0;  // largest gap a speculative contact may have, lattice units
 
   const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
 };

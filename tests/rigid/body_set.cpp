@@ -15,7 +15,8 @@ namespace {
 TEST(FixedPoint, SumsDoNotDependOnTheirOrder) {
   std::mt19937_64 g(3);
   std::vector<double> terms(20000);
-  for (double& t : terms) t = std::ldexp(std::uniform_real_distribution<>(-1, 1)(g), static_cast<int>(g() % 30) - 15);
+  for (double& t : terms)
+    t = std::ldexp(std::uniform_real_distribution<>(-1, 1)(g), static_cast<int>(g() % 30) - 15);
   double reference = 0;
   for (int round = 0; round < 5; ++round) {
     FixedSum sum = 0;

@@ -18,7 +18,8 @@ struct Cloud {
   std::vector<Reach> reach;
   Extent extent;
 
-  Cloud(int count, Vec3 size, std::array<bool, 3> periodic, double small, double large, int large_ones, unsigned seed) {
+  Cloud(int count, Vec3 size, std::array<bool, 3> periodic, double small, double large, int large_ones,
+        unsigned seed) {
     extent.size = size;
     extent.periodic = periodic;
     std::mt19937 g(seed);
@@ -49,7 +50,8 @@ struct Cloud {
         for (int i = -images(0); i <= images(0); ++i)
           for (int j = -images(1); j <= images(1); ++j)
             for (int k = -images(2); k <= images(2); ++k) {
-              const Image image{static_cast<std::int8_t>(i), static_cast<std::int8_t>(j), static_cast<std::int8_t>(k)};
+              const Image image{static_cast<std::int8_t>(i), static_cast<std::int8_t>(j),
+                                static_cast<std::int8_t>(k)};
               const Vec3 apart = bodies.position[b] + extent.shift(image) - bodies.position[a];
               const double range = reach[a].radius + reach[a].margin + reach[b].radius + reach[b].margin;
               if (apart.norm() <= range) found.emplace(bodies.id[a], bodies.id[b], image);
@@ -79,14 +81,15 @@ void expect_equal_to_brute(const Cloud& cloud, std::size_t least) {
 
 TEST(BroadPhase, AgainstAllPairs) {
   for (int mask = 0; mask < 8; ++mask)
-    expect_equal_to_brute(Cloud(300, {10, 8, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.5, 0.5, 0, mask), 100);
+    expect_equal_to_brute(
+        Cloud(300, {10, 8, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.5, 0.5, 0, mask), 100);
 }
 
 TEST(BroadPhase, DomainsOfOneToThreeCells) {
   for (double size : {1.15, 1.7, 2.3, 3.4, 4.5})  // cells of about 1.1
     for (int mask = 1; mask < 8; ++mask)
-      expect_equal_to_brute(Cloud(40, {size, 2 * size, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.42, 0.42, 0,
-                                  100 + mask),
+      expect_equal_to_brute(Cloud(40, {size, 2 * size, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)},
+                                  0.42, 0.42, 0, 100 + mask),
                             1);
 }
 
@@ -120,7 +123,8 @@ TEST(BroadPhase, WallsAreApart) {
   std::size_t walls = 0, expected = 0;
   for (const CandidatePair& p : pairs) walls += p.row_b == 50;
   for (std::size_t row = 0; row < 50; ++row)
-    expected += cloud.bodies.is_free(row) && cloud.bodies.position[row][2] <= cloud.reach[row].radius + cloud.reach[row].margin;
+    expected += cloud.bodies.is_free(row) &&
+                cloud.bodies.position[row][2] <= cloud.reach[row].radius + cloud.reach[row].margin;
   EXPECT_EQ(walls, expected);
   EXPECT_GT(walls, 0u);
 }

@@ -24,8 +24,8 @@ TEST(DualActiveSet, ClosestPointOfAPolyhedron) {
   const auto p = closest_to_origin(corner);
   EXPECT_TRUE(p.feasible);
   EXPECT_LT((p.y - (Vec6() << 1, 2, 0, 0, 0, 0).finished()).norm(), 1e-14);
-  const std::vector redundant = {half_space({1, 0, 0}, 1), half_space({1, 0, 0}, 1), half_space({1, 1e-3, 0}, 1),
-                                 half_space({1, -1e-3, 0}, 1)};
+  const std::vector redundant = {half_space({1, 0, 0}, 1), half_space({1, 0, 0}, 1),
+                                 half_space({1, 1e-3, 0}, 1), half_space({1, -1e-3, 0}, 1)};
   EXPECT_NEAR(closest_to_origin(redundant).y[0], 1, 1e-12);
   const std::vector contradiction = {half_space({1, 0, 0}, 1), half_space({-1, 0, 0}, 0)};
   EXPECT_FALSE(closest_to_origin(contradiction).feasible);

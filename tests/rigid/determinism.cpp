@@ -15,7 +15,8 @@ using testing::Scene;
 
 constexpr int bodies_in_scene = 60;
 
-/// Balls, boxes, capsules and stars falling onto a floor in a box periodic in x and y, colliding all the time.
+/// Balls, boxes, capsules and stars falling onto a floor in a box periodic in x and y, colliding all the
+/// time.
 Scene tumble(unsigned order) {
   Scene s(0.4, 0.3, {3, 3, 8});
   s.extent.periodic = {true, true, false};
@@ -25,7 +26,8 @@ Scene tumble(unsigned order) {
   Compound star;
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
     star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
-  const int shapes[] = {s.shape(Sphere{0.25}), s.shape(Capsule{0.12, 0.2}), s.shape(star), s.shape(Box{{0.2, 0.15, 0.25}})};
+  const int shapes[] = {s.shape(Sphere{0.25}), s.shape(Capsule{0.12, 0.2}), s.shape(star),
+                        s.shape(Box{{0.2, 0.15, 0.25}})};
   std::vector<int> ids(bodies_in_scene);
   for (int i = 0; i < bodies_in_scene; ++i) ids[i] = i;
   std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
@@ -34,7 +36,8 @@ Scene tumble(unsigned order) {
     std::uniform_real_distribution<> u(-1, 1);
     const Vec3 x(0.4 + 0.75 * (id % 4), 0.4 + 0.75 * (id / 4 % 4), 0.4 + 0.75 * (id / 16));
     const Quat q = Quat(u(random), u(random), u(random), u(random)).normalized();
-    s.add_with_id(10 + 3 * id, shapes[id % 4], x, {u(random), u(random), u(random)}, {5 * u(random), 5 * u(random), 0}, 1 + id % 3, q);
+    s.add_with_id(10 + 3 * id, shapes[id % 4], x, {u(random), u(random), u(random)},
+                  {5 * u(random), 5 * u(random), 0}, 1 + id % 3, q);
   }
   s.bodies.motion[7] = Motion::fixed;
   s.bodies.set_velocity(7, Vec3::Zero(), Vec3::Zero());
@@ -60,7 +63,8 @@ std::vector<BodyRecord> records(const BodySet& b) {
 bool same_bits(const BodyRecord& p, const BodyRecord& q) {
   return p.id == q.id && !std::memcmp(p.position, q.position, sizeof p.position) &&
          !std::memcmp(p.orientation, q.orientation, sizeof p.orientation) &&
-         !std::memcmp(p.image, q.image, sizeof p.image) && !std::memcmp(p.velocity, q.velocity, sizeof p.velocity) &&
+         !std::memcmp(p.image, q.image, sizeof p.image) &&
+         !std::memcmp(p.velocity, q.velocity, sizeof p.velocity) &&
          !std::memcmp(p.angular_velocity, q.angular_velocity, sizeof p.angular_velocity) &&
          !std::memcmp(p.angular_momentum, q.angular_momentum, sizeof p.angular_momentum);
 }

@@ -18,7 +18,9 @@ testing::Scene spinning(const Vec3& inertia, const Vec3& omega) {
   return s;
 }
 
-Vec3 body_spin(const testing::Scene& s) { return s.bodies.orientation[0].conjugate() * s.bodies.angular_velocity[0]; }
+Vec3 body_spin(const testing::Scene& s) {
+  return s.bodies.orientation[0].conjugate() * s.bodies.angular_velocity[0];
+}
 
 TEST(Integrate, DzhanibekovFlipsOnTime) {
   testing::Scene s = spinning({1, 2, 3}, {0.01, 1, 0.01});

@@ -13,7 +13,9 @@ namespace {
 using std::numbers::pi;
 constexpr double promised = 1e-4;
 
-Quat z_to(const Vec3& axis) { return Quat::FromTwoVectors(Vec3::UnitZ(), axis); }
+Quat z_to(const Vec3& axis) {
+  return Quat::FromTwoVectors(Vec3::UnitZ(), axis);
+}
 
 TEST(MassProperties, ClosedForms) {
   const auto box = mass_properties(Box{{0.5, 1, 1.5}});
@@ -41,8 +43,8 @@ TEST(MassProperties, ClosedForms) {
 }
 
 TEST(MassProperties, ApartPartsAddUpExactly) {
-  const auto p = mass_properties(Compound{{{Sphere{1}, {{-2, 0, 0}, Quat::Identity()}},
-                                           {Sphere{1}, {{2, 0, 0}, Quat::Identity()}}}});
+  const auto p = mass_properties(
+      Compound{{{Sphere{1}, {{-2, 0, 0}, Quat::Identity()}}, {Sphere{1}, {{2, 0, 0}, Quat::Identity()}}}});
   const double v = 4 * pi / 3;
   EXPECT_NEAR(p.volume, 2 * v, 1e-14);
   EXPECT_NEAR(p.inertia(0, 0), 2 * 0.4 * v, 1e-13);
@@ -53,8 +55,8 @@ TEST(MassProperties, ApartPartsAddUpExactly) {
 TEST(MassProperties, TwoSpheresAndTheirLens) {
   const double r = 1.0;
   for (double d : {0.3, 1.0, 1.7}) {
-    const auto p = mass_properties(Compound{{{Sphere{r}, {{0, 0, -d / 2}, Quat::Identity()}},
-                                             {Sphere{r}, {{0, 0, d / 2}, Quat::Identity()}}}});
+    const auto p = mass_properties(Compound{
+        {{Sphere{r}, {{0, 0, -d / 2}, Quat::Identity()}}, {Sphere{r}, {{0, 0, d / 2}, Quat::Identity()}}}});
     const double lens = pi * (4 * r + d) * (2 * r - d) * (2 * r - d) / 12;
     EXPECT_NEAR(p.volume / (8 * pi / 3 - lens) - 1, 0, promised / 5) << d;
     // about the axis: each half is a sphere cut at z = 0: integral of pi/2 rho^4 dz
@@ -84,12 +86,14 @@ TEST(MassProperties, CrossedBoxes) {
 
 TEST(MassProperties, BoxesFaceToFaceAndNested) {
   // half of the second lies in the first: a bar of length 3
-  const auto p = mass_properties(Compound{{{Box{{1, 1, 1}}, {}}, {Box{{1, 1, 1}}, {{1, 0, 0}, Quat::Identity()}}}});
+  const auto p =
+      mass_properties(Compound{{{Box{{1, 1, 1}}, {}}, {Box{{1, 1, 1}}, {{1, 0, 0}, Quat::Identity()}}}});
   EXPECT_NEAR(p.volume / 12 - 1, 0, promised);
   EXPECT_NEAR(p.centre[0], 0.5, promised);
   EXPECT_NEAR(p.inertia(0, 0) / (12.0 / 12 * 8) - 1, 0, promised);
   EXPECT_NEAR(p.inertia(1, 1) / (12.0 / 12 * (9 + 4)) - 1, 0, promised);
-  const auto nested = mass_properties(Compound{{{Sphere{1}, {}}, {Sphere{0.4}, {{0.2, 0, 0}, Quat::Identity()}}}});
+  const auto nested =
+      mass_properties(Compound{{{Sphere{1}, {}}, {Sphere{0.4}, {{0.2, 0, 0}, Quat::Identity()}}}});
   EXPECT_NEAR(nested.volume / (4 * pi / 3) - 1, 0, promised / 5);
 }
 
@@ -107,7 +111,8 @@ TEST(MassProperties, StarOfCapsulesTurnsWithItsAxes) {
   EXPECT_NEAR(p.volume / q.volume - 1, 0, promised / 5);
   EXPECT_NEAR(p.inertia.trace() / q.inertia.trace() - 1, 0, promised / 5);
   EXPECT_LT(seconds, 2.0);  // generous: the machine may be shared
-  // three crossed cylinders of radius r have in common with each other Steinmetz' solids (16/3 r^3, 8 (2 - sqrt 2) r^3)
+  // three crossed cylinders of radius r have in common with each other Steinmetz' solids (16/3 r^3, 8 (2 -
+  // sqrt 2) r^3)
   const double r = 0.3, one = mass_properties(Capsule{0.3, 1.1}).volume;
   const double exact = 3 * one - 3 * 16.0 / 3 * r * r * r + 8 * (2 - std::sqrt(2.0)) * r * r * r;
   EXPECT_NEAR(p.volume / exact - 1, 0, promised / 5);

@@ -1,5 +1,6 @@
-// Contact response by sffd against closed forms: the rows of the resolver's specification (its section 9) that spheres,
-// boxes and planes allow. dt = 1e-3, g = 9.81. And what a fast contact law must keep: momentum, cone, no tunnelling.
+// Contact response by sffd against closed forms: the rows of the resolver's specification (its section 9)
+// that spheres, boxes and planes allow. dt = 1e-3, g = 9.81. And what a fast contact law must keep: momentum,
+// cone, no tunnelling.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,6 +62,18 @@ TEST(Sffd, BouncingBallKeepsItsEnergy) {
   s.start();
   s.run(20000);
   EXPECT_NEAR((s.kinetic_energy() + g * (s.x(0)[2] - 0.5)) / g - 1, 0, 8e-14);
+}
+
+TEST(Sffd, CorrectionOfOverlapGivesNoEnergy) {  // no speculative contacts: every bounce starts overlapping
+  Scene s(1, 0);
+  s.world.contact_margin = 0;
+  s.world.gravity = down;
+  s.add(s.shape(Sphere{0.5}), {10, 10, 1.5});
+  s.floor();
+  s.start();
+  s.run(5000);
+  EXPECT_GT(s.deepest, 1e-4);
+  EXPECT_NEAR((s.kinetic_energy() + g * (s.x(0)[2] - 0.5)) / g - 1, 0, 1e-12);
 }
 
 TEST(Sffd, BouncingBallComesToRestInTime) {
@@ -175,8 +188,9 @@ TEST(Sffd, CradleWithAGapAndTouching) {
     s.add(ball, {12.2 + gap, 10, 10});
     s.start();
     s.run(500);
-    const Vec3 expected = gap > 0 ? Vec3(0, 0, 1) : Vec3(-1. / 3, 2. / 3, 2. / 3);  // touching: simultaneous law
-    const double tolerance = gap > 0 ? 1e-12 : 2e-3;                               // 16 sweeps of a chain
+    const Vec3 expected =
+        gap > 0 ? Vec3(0, 0, 1) : Vec3(-1. / 3, 2. / 3, 2. / 3);  // touching: simultaneous law
+    const double tolerance = gap > 0 ? 1e-12 : 2e-3;              // 16 sweeps of a chain
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(s.v(k)[0], expected[k], tolerance) << gap;
     EXPECT_NEAR(s.momentum()[0], 1, 1e-15);
   }
@@ -269,7 +283,8 @@ TEST(Sffd, NoTunnelling) {  // one and a half radii a step
   EXPECT_NEAR(s.v(0)[2], 75, 1e-12);
 }
 
-TEST(Sffd, MovingWallDragsABall) {  // conveyor at 1 m/s: ends rolling on it at 2/7 of its speed... of the belt
+TEST(Sffd,
+     MovingWallDragsABall) {  // conveyor at 1 m/s: ends rolling on it at 2/7 of its speed... of the belt
   Scene s(0, 0.5);
   s.world.gravity = down;
   s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
@@ -289,7 +304,8 @@ TEST(Sffd, BedOfSpheresSettles) {
   std::mt19937 random(3);
   std::uniform_real_distribution<> u(-0.004, 0.004);
   for (int i = 0; i < 80; ++i)
-    s.add(ball, {0.125 + 0.25 * (i % 4) + u(random), 0.125 + 0.25 * (i / 4 % 4) + u(random), 0.2 + 0.25 * (i / 16)});
+    s.add(ball, {0.125 + 0.25 * (i % 4) + u(random), 0.125 + 0.25 * (i / 4 % 4) + u(random),
+                 0.2 + 0.25 * (i / 16)});
   s.floor();
   s.start();
   s.run(1200);

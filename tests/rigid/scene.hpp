@@ -31,12 +31,15 @@ struct Scene {
     return static_cast<int>(world.shapes.size()) - 1;
   }
   /// A body of density 1 times `mass` / its volume. Returns its id; ids count up from 0.
-  BodyId add(int shape, const Vec3& x, const Vec3& v = Vec3::Zero(), const Vec3& w = Vec3::Zero(), double mass = 1) {
+  BodyId add(int shape, const Vec3& x, const Vec3& v = Vec3::Zero(), const Vec3& w = Vec3::Zero(),
+             double mass = 1) {
     return add_with_id(next_id_++, shape, x, v, w, mass);
   }
   BodyId add_with_id(BodyId id, int shape, const Vec3& x, const Vec3& v, const Vec3& w, double mass,
                      const Quat& q = Quat::Identity()) {
-    const MassProperties p = mass_properties(world.shapes[shape]);
+    while (masses_.size() <= static_cast<std::size_t>(shape))
+      masses_.push_back(mass_properties(world.shapes[masses_.size()]));
+    const MassProperties& p = masses_[shape];
     BodyRecord r;
     r.id = id;
     r.shape = shape;
@@ -89,6 +92,7 @@ struct Scene {
 
  private:
   BodyId next_id_ = 0;
+  std::vector<MassProperties> masses_;  // of the shapes
 };
 
 }  // namespace silt::rigid::testing

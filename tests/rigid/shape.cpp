@@ -11,9 +11,15 @@ namespace silt::rigid {
 namespace {
 
 std::mt19937 generator(7);
-double uniform(double a, double b) { return std::uniform_real_distribution<>(a, b)(generator); }
-Vec3 random_vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
-Quat random_turn() { return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized(); }
+double uniform(double a, double b) {
+  return std::uniform_real_distribution<>(a, b)(generator);
+}
+Vec3 random_vector(double size) {
+  return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
+}
+Quat random_turn() {
+  return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
+}
 
 std::vector<Shape> solids() {
   Compound star;
@@ -40,7 +46,8 @@ TEST(Shape, ClosedForms) {
   EXPECT_EQ(shape_name(Compound{}), "compound");
   EXPECT_EQ(shape_name(HalfSpace{Vec3::UnitX()}), "half-space");
   EXPECT_DOUBLE_EQ(bounding_radius(Box{{1, 2, 2}}), 3);
-  EXPECT_DOUBLE_EQ(bounding_radius(Compound{{{Capsule{0.5, 1}, {{1, 0, 0}, Quat::Identity()}}}}), 0.5 + std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(bounding_radius(Compound{{{Capsule{0.5, 1}, {{1, 0, 0}, Quat::Identity()}}}}),
+                   0.5 + std::sqrt(2.0));
   EXPECT_TRUE(is_sphere(Sphere{1}));
   EXPECT_FALSE(is_sphere(Capsule{1, 0.1}));
   EXPECT_THROW(mass_properties(HalfSpace{Vec3::UnitX()}), std::invalid_argument);
@@ -60,7 +67,8 @@ TEST(Shape, RayHitsTheSurfaceAndNothingBefore) {
     }
 }
 
-TEST(Shape, DistanceIsHowFarASphereTracerMayGo) {  // |d(x) - d(y)| <= |x - y|, and the nearest surface is that far
+TEST(Shape,
+     DistanceIsHowFarASphereTracerMayGo) {  // |d(x) - d(y)| <= |x - y|, and the nearest surface is that far
   for (const Shape& shape : solids())
     for (int i = 0; i < 1000; ++i) {
       const Vec3 x = random_vector(3), y = x + random_vector(0.3);
@@ -99,7 +107,8 @@ TEST(Shape, BoxAndSupportAgree) {
 }
 
 TEST(Shape, SupportIsFurthest) {
-  for (const ConvexShape& shape : {ConvexShape(Sphere{1.3}), ConvexShape(Box{{0.5, 1.1, 0.8}}), ConvexShape(Capsule{0.6, 0.9})})
+  for (const ConvexShape& shape :
+       {ConvexShape(Sphere{1.3}), ConvexShape(Box{{0.5, 1.1, 0.8}}), ConvexShape(Capsule{0.6, 0.9})})
     for (int i = 0; i < 500; ++i) {
       const Vec3 d = random_vector(1), s = support(shape, d);
       const Shape solid = std::visit([](auto x) -> Shape { return x; }, shape);

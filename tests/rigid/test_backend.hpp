@@ -1,6 +1,7 @@
 #pragma once
 // A small closed-form collision backend for the tests of rigid/ alone: spheres, boxes and capsules against
-// half-spaces, spheres against all, capsules against capsules, boxes against boxes by their faces (no edge-edge).
+// half-spaces, spheres against all, capsules against capsules, boxes against boxes by their faces (no
+// edge-edge).
 #include <algorithm>
 #include <cmath>
 
@@ -26,14 +27,16 @@ class TestBackend : public CollisionBackend {
  private:
   using Points = std::vector<ContactPoint>;
 
-  static void balls(const Vec3& xa, double ra, const Vec3& xb, double rb, std::uint32_t feature, Points& out) {
+  static void balls(const Vec3& xa, double ra, const Vec3& xb, double rb, std::uint32_t feature,
+                    Points& out) {
     const Vec3 d = xb - xa;
     const double distance = d.norm();
     const Vec3 n = distance > 0 ? Vec3(d / distance) : Vec3(Vec3::UnitX());
     out.push_back({xa + ra * n, xb - rb * n, n, distance - ra - rb, feature});
   }
   /// A ball of radius r at x against the plane of a half-space.
-  static void ball_plane(const Vec3& x, double r, const HalfSpace& h, const Pose& p, std::uint32_t feature, Points& out) {
+  static void ball_plane(const Vec3& x, double r, const HalfSpace& h, const Pose& p, std::uint32_t feature,
+                         Points& out) {
     const Vec3 n = p.orientation * h.normal;
     const double gap = n.dot(x - p.position) - r;
     const Vec3 on_a = x - r * n;
@@ -82,7 +85,8 @@ class TestBackend : public CollisionBackend {
   }
   static void pair(const Capsule& a, const Pose& pa, const Capsule& b, const Pose& pb, Points& out) {
     // closest points of two segments
-    const Vec3 u = pa.orientation * Vec3::UnitZ(), v = pb.orientation * Vec3::UnitZ(), w = pa.position - pb.position;
+    const Vec3 u = pa.orientation * Vec3::UnitZ(), v = pb.orientation * Vec3::UnitZ(),
+               w = pa.position - pb.position;
     const double c = u.dot(v), det = 1 - c * c;
     double s = det > 1e-12 ? std::clamp((c * v.dot(w) - u.dot(w)) / det, -a.half_length, a.half_length) : 0;
     const double t = std::clamp(c * s + v.dot(w), -b.half_length, b.half_length);
@@ -148,7 +152,8 @@ class TestBackend : public CollisionBackend {
     }
   }
   static Vec3 corner(const Box& b, unsigned k) {
-    return {(k & 1 ? 1 : -1) * b.half_edges[0], (k & 2 ? 1 : -1) * b.half_edges[1], (k & 4 ? 1 : -1) * b.half_edges[2]};
+    return {(k & 1 ? 1 : -1) * b.half_edges[0], (k & 2 ? 1 : -1) * b.half_edges[1],
+            (k & 4 ? 1 : -1) * b.half_edges[2]};
   }
   template <class A, class B>
   static void pair(const A& a, const Pose& pa, const B& b, const Pose& pb, Points& out) {

@@ -1,6 +1,7 @@
 #pragma once
-// Ranks as threads of one program: a BodyExchange over shared memory, to test that rigid/ gives the same bits however
-// bodies are spread. A rank owns a slab of x; it holds copies of what reaches into it, as far as contacts need.
+// Ranks as threads of one program: a BodyExchange over shared memory, to test that rigid/ gives the same bits
+// however bodies are spread. A rank owns a slab of x; it holds copies of what reaches into it, as far as
+// contacts need.
 #include <algorithm>
 #include <barrier>
 #include <map>
@@ -12,7 +13,8 @@
 namespace silt::rigid::testing {
 
 struct SharedMemory {
-  explicit SharedMemory(int ranks) : ranks(ranks), barrier(ranks), sets(ranks), contacts(ranks), arrays(ranks), values(ranks) {}
+  explicit SharedMemory(int ranks)
+      : ranks(ranks), barrier(ranks), sets(ranks), contacts(ranks), arrays(ranks), values(ranks) {}
   const int ranks;
   std::barrier<> barrier;
   std::vector<BodySet*> sets;
@@ -39,7 +41,8 @@ class ThreadedExchange : public BodyExchange {
         bodies.torque[row].add(other.torque[copy]);
       }
     wait();
-    for (std::size_t row = bodies.owned; row < bodies.size(); ++row) bodies.force[row] = bodies.torque[row] = {};
+    for (std::size_t row = bodies.owned; row < bodies.size(); ++row)
+      bodies.force[row] = bodies.torque[row] = {};
     wait();
   }
 
@@ -57,7 +60,8 @@ class ThreadedExchange : public BodyExchange {
       if (owner_of(body.record.position[0]) == rank_) add(bodies, body);
     for (auto& [id, body] : all) {
       const double reach = world_.bounding_radii[body.record.shape] + world_.contact_margin;
-      if (owner_of(body.record.position[0]) == rank_ || distance_to_slab(body.record.position[0]) > reach) continue;
+      if (owner_of(body.record.position[0]) == rank_ || distance_to_slab(body.record.position[0]) > reach)
+        continue;
       bodies.insert(bodies.owned + bodies.copies++, body.record);
     }
     bodies.reindex();
@@ -80,7 +84,8 @@ class ThreadedExchange : public BodyExchange {
       for (BodyId id : {c.a, c.b})
         if (bodies.row_of(id) == bodies.size()) missing[id] = owners_record(id);
     wait();
-    for (auto& [id, record] : missing) bodies.insert(bodies.owned + bodies.copies + bodies.visitors++, record);
+    for (auto& [id, record] : missing)
+      bodies.insert(bodies.owned + bodies.copies + bodies.visitors++, record);
     visitors_seen += missing.size();
     bodies.reindex();
     contacts = mine;

@@ -1,0 +1,82 @@
+#pragma once
+// bodies.h5: where every body was at every output time, as a series that may be ragged (the number of bodies
+// may change). Layout, T times and R rows in all:
+//   /time [T]  /step [T]  /offset [T]  /count [T]     time t has the rows offset[t] .. offset[t] + count[t]
+//   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
+//           angular_velocity [R][3]  force [R][3]  torque [R][3]          sorted by id within a time
+//   /kinds  (name, bounding radius and parts of the shape of each kind)   /provenance
+// With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first:
+// scripts/body_series.py
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "adapters/hdf5/provenance.hpp"
+
+namespace silt::adapters {
+
+/// One body at one time, in the units of the case.
+struct BodyRow {
+  std::uint64_t id;
+  std::int32_t kind;                  // index into BodySeriesInfo::kinds
+  std::array<std::int32_t, 3> image;  // position + image * period is the unwrapped path
+  std::array<double, 3> position;     // of the centre of mass, wrapped into the domain
+  std::array<double, 4> orientation;  // w, x, y, z; body to world
+  std::array<double, 3> velocity, angular_velocity, force,
+      torque;  // world frame; torque about the centre of mass
+};
+
+/// A convex piece of a kind's shape, for pictures: in the body frame (origin at the centre of mass).
+struct KindPart {
+  std::string type;  // "sphere", "box", "capsule"
+  std::array<double, 3> position{0, 0, 0};
+  std::array<double, 4> orientation{1, 0, 0, 0};
+  std::array<double, 3> size{0, 0,
+                             0};  // sphere: radius; box: half edges; capsule (along z): radius, half length
+};
+
+struct BodyKind {
+  std::string name;  // "light spheres"
+  double bounding_radius = 0, density = 0;
+  std::vector<KindPart> parts;
+};
+
+struct BodySeriesInfo {
+  std::vector<BodyKind> kinds;
+  std::array<double, 3> domain_lower{0, 0, 0}, domain_upper{0, 0, 0};
+  // Units of the case, SI: "m", "s", "kg"; lattice: "cells", "steps", "reference masses".
+  std::string length = "cells", time = "steps", mass = "reference masses";
+};
+
+/// The open series. Every call is collective. The file is closed between appends, so it can be read while the
+/// run goes on and a killed run leaves a readable file; an append that was cut off is dropped by
+/// open_for_append (and by scripts/body_series.py). Errors are std::runtime_error on every rank, naming the
+/// file and the reason.
+class BodySeries {
+ public:
+  /// Starts an empty series; replaces a file of that name.
+  static BodySeries create(MPI_Comm, const std::filesystem::path&, const BodySeriesInfo&, const Provenance&);
+  /// Goes on with a series: drops what was written after `step` and any unfinished rest.
+  static BodySeries open_for_append(MPI_Comm, const std::filesystem::path&, std::int64_t step);
+
+  /// The rows of the bodies this rank owns, in any order. An id that two ranks hand over is an error. Steps
+  /// must increase.
+  void append(std::int64_t step, double time, std::span<const BodyRow> mine);
+
+  /// Times in the file (known on rank 0 only, 0 elsewhere).
+  std::size_t times() const { return times_; }
+
+ private:
+  BodySeries(MPI_Comm comm, std::filesystem::path path) : comm_(comm), path_(std::move(path)) {}
+  MPI_Comm comm_;
+  std::filesystem::path path_;
+  std::size_t times_ = 0, rows_ = 0;
+  std::int64_t last_step_ = -1;
+};
+
+}  // namespace silt::adapters

@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <optional>
+
+#include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/slab_exchange.hpp"
+#include "adapters/hdf5/together.hpp"
+#include "adapters/hdf5/verify_checkpoint.hpp"
+
+namespace silt::adapters {
+
+using hdf5::Column;
+using hdf5::File;
+using hdf5::Handle;
+using hdf5::ImpulseRow;
+using hdf5::SlabExchange;
+
+struct CheckpointReader::State {
+  MPI_Comm comm;
+  hdf5::Path path;
+  std::optional<File> file;  // each rank reads what is small by itself
+
+  Handle group(const std::string& name) const {
+    return {H5Gopen2(*file, name.c_str(), H5P_DEFAULT), H5Gclose, path, "has no group " + name};
+  }
+};
+
+namespace {
+
+/// What went wrong and what to do about it.
+std::string with_advice(const hdf5::Path& path, const std::string& what) {
+  if (const auto previous = previous_checkpoint(path))
+    return "cannot use the checkpoint " + what + "; use the previous checkpoint, " + previous->string();
+  return "cannot use the checkpoint " + what +
+         "; there is no earlier checkpoint next to it, start the case again";
+}
+
+template <class T>
+bool is_stored_as(hid_t dataset);
+bool same_type(hid_t dataset, hid_t type) {
+  const hid_t stored = H5Dget_type(dataset);
+  const bool same = H5Tequal(stored, type) > 0;
+  H5Tclose(stored);
+  return same;
+}
+template <>
+bool is_stored_as<float>(hid_t d) {
+  return same_type(d, H5T_IEEE_F32LE);
+}
+template <>
+bool is_stored_as<double>(hid_t d) {
+  return same_type(d, H5T_IEEE_F64LE);
+}
+template <>
+bool is_stored_as<std::uint8_t>(hid_t d) {
+  return same_type(d, H5T_STD_U8LE);
+}
+
+/// Rows of one table, columns by their group; read and checked whole.
+template <class Row>
+std::vector<Row> read_columns(const File& file, const std::string& group,
+                              const std::vector<Column>& columns) {
+  std::vector<Row> rows(file.shape(file.dataset(group + columns[0].name))[0]);
+  for (const Column& c : columns) {
+    const auto values = hdf5::read_checked(file, group + c.name, c.memory_type(), c.bytes());
+    if (values.size() != rows.size() * c.bytes())
+      throw hdf5::Error(file.path().string() + ": the columns of " + group + " differ in length");
+    hdf5::scatter_column(c, values, rows.data(), sizeof(Row));
+  }
+  return rows;
+}
+
+/// Rank 0's rows on every rank.
+template <class Row>
+void broadcast(MPI_Comm comm, std::vector<Row>& rows) {
+  std::uint64_t n = rows.size();
+  MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
+  rows.resize(n);
+  MPI_Datatype type;
+  MPI_Type_contiguous(sizeof(Row), MPI_BYTE, &type);
+  MPI_Type_commit(&type);
+  MPI_Bcast(rows.data(), static_cast<int>(n), type, 0, comm);
+  MPI_Type_free(&type);
+}
+
+}  // namespace
+
+CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& path)
+    : state_(std::make_unique<State>()) {
+  state_->comm = comm;
+  state_->path = path;
+  std::string error;
+  try {
+    hdf5::verify_checkpoint(comm, path);
+    together(comm, [&] { state_->file.emplace(File::open(path, false)); });
+  } catch (const std::exception& e) {
+    error = with_advice(path, e.what());
+  }
+  throw_together(comm, !error.empty(), error);
+}
+
+CheckpointReader::~CheckpointReader() = default;
+
+bool CheckpointReader::has(const std::string& name) const {
+  return state_->file->has_attribute(state_->group("/state"), name);
+}
+std::int64_t CheckpointReader::integer(const std::string& name) const {
+  return state_->file->int_attribute(state_->group("/state"), name);
+}
+double CheckpointReader::number(const std::string& name) const {
+  return state_->file->double_attribute(state_->group("/state"), name);
+}
+std::string CheckpointReader::text(const std::string& name) const {
+  return state_->file->string_attribute(state_->group("/state"), name);
+}
+std::string CheckpointReader::provenance(const std::string& name) const {
+  return state_->file->string_attribute(state_->group("/provenance"), name);
+}
+std::string CheckpointReader::case_text() const {
+  const Handle text = state_->file->dataset("/provenance/case_text");
+  const Handle type(H5Dget_type(text), H5Tclose, state_->path, "type of the case text");
+  std::string value(H5Tget_size(type), '\0');
+  state_->file->check(H5Dread(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()),
+                      "cannot read the case text");
+  while (!value.empty() && value.back() == '\0') value.pop_back();
+  return value;
+}
+
+bool CheckpointReader::has_cells(const std::string& name) const {
+  return state_->file->exists("/cells/" + name);
+}
+
+std::array<int, 3> CheckpointReader::lattice(const std::string& name) const {
+  const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
+  const std::size_t z = shape.size() - 3;
+  return {int(shape[z + 2]), int(shape[z + 1]), int(shape[z])};
+}
+
+int CheckpointReader::components(const std::string& name) const {
+  const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
+  return shape.size() == 4 ? int(shape[0]) : 1;
+}
+
+template <class T>
+void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>& boxes,
+                             const std::function<void(int, std::size_t, const T*)>& take) const {
+  const std::string full = "/cells/" + name;
+  const MPI_Comm comm = state_->comm;
+  std::optional<File> file;
+  Handle dataset;
+  std::array<int, 3> cells{};
+  int n = 0;
+  together(comm, [&] {
+    cells = lattice(name);
+    n = components(name);
+    if (!is_stored_as<T>(state_->file->dataset(full)))
+      throw hdf5::Error(state_->path.string() + ": " + full +
+                        " was stored in another precision than asked for");
+  });
+  together(comm, [&] { file.emplace(File::open_parallel(comm, state_->path, false)); });
+  together(comm, [&] { dataset = file->dataset(full); });
+  const Handle type(H5Dget_type(dataset), H5Tclose, state_->path, "type of " + full);
+  const SlabExchange slabs(comm, cells, boxes);
+  for (int q = 0; q < n; ++q) {
+    const auto packed = slabs.read(*file, dataset, type, n > 1 ? q : -1, sizeof(T));
+    together(comm, [&] {
+      slabs.unpack(packed, sizeof(T),
+                   [&](std::size_t box, const void* in) { take(q, box, static_cast<const T*>(in)); });
+    });
+  }
+}
+
+template void CheckpointReader::cells(const std::string&, const std::vector<CellBox>&,
+                                      const std::function<void(int, std::size_t, const float*)>&) const;
+template void CheckpointReader::cells(const std::string&, const std::vector<CellBox>&,
+                                      const std::function<void(int, std::size_t, const double*)>&) const;
+template void CheckpointReader::cells(
+    const std::string&, const std::vector<CellBox>&,
+    const std::function<void(int, std::size_t, const std::uint8_t*)>&) const;
+
+std::size_t CheckpointReader::body_count() const {
+  return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
+}
+
+CheckpointReader::Bodies CheckpointReader::bodies(
+    const std::function<bool(const rigid::BodyRecord&)>& mine) const {
+  std::vector<rigid::BodyRecord> records;
+  std::vector<std::uint64_t> counts;
+  std::vector<ImpulseRow> rows;
+  on_rank_0(state_->comm, [&] {
+    const File& file = *state_->file;
+    if (!file.exists("/bodies")) return;
+    records = read_columns<rigid::BodyRecord>(file, "/bodies/", hdf5::record_columns());
+    rows = read_columns<ImpulseRow>(file, "/impulses/", hdf5::impulse_columns());
+    counts = read_columns<std::uint64_t>(file, "/bodies/", {{"impulse_count", 0, Column::uint64}});
+    std::uint64_t sum = 0;
+    for (const auto c : counts) sum += c;
+    if (counts.size() != records.size() || sum != rows.size())
+      throw hdf5::Error(state_->path.string() + ": bodies and impulses do not fit together");
+  });
+  broadcast(state_->comm, records);
+  broadcast(state_->comm, counts);
+  broadcast(state_->comm, rows);
+  Bodies found;
+  together(state_->comm, [&] {
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < records.size(); first += counts[i++]) {
+      if (!mine(records[i])) continue;
+      found.records.push_back(records[i]);
+      auto& list = found.impulses.emplace_back();
+      for (std::size_t j = first; j < first + counts[i]; ++j) {
+        const ImpulseRow& r = rows[j];
+        list.push_back({r.partner,
+                        {r.image[0], r.image[1], r.image[2]},
+                        r.feature,
+                        rigid::Vec3(r.impulse[0], r.impulse[1], r.impulse[2])});
+      }
+    }
+  });
+  return found;
+}
+
+}  // namespace silt::adapters

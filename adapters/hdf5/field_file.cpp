@@ -1,0 +1,163 @@
+#include "adapters/hdf5/field_file.hpp"
+
+#include <charconv>
+#include <fstream>
+#include <optional>
+
+#include "adapters/hdf5/slab_exchange.hpp"
+#include "adapters/hdf5/together.hpp"
+
+namespace silt::adapters {
+namespace {
+
+using hdf5::File;
+using hdf5::Handle;
+using hdf5::Path;
+using hdf5::SlabExchange;
+
+std::string dataset_name(const FieldQuantity& q) {
+  return "/VTKHDF/PointData/" + q.name;
+}
+
+/// Everything but the values. Rank 0 only.
+void create_file(const Path& path, const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
+                 double time, std::int64_t step, const Provenance& provenance) {
+  File file = File::create(path, hdf5::Format::classic);
+  const Handle image = file.group("/VTKHDF", true);
+  const std::int64_t version[2] = {1, 0};
+  std::int64_t extent[6];
+  double origin[3];
+  const double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  for (int d = 0; d < 3; ++d) {
+    extent[2 * d] = 0;
+    extent[2 * d + 1] = grid.cells[d] - 1;
+    origin[d] = grid.origin[d] + 0.5 * grid.spacing[d];
+  }
+  file.attribute(image, "Version", H5T_NATIVE_INT64, {2}, version);
+  file.attribute(image, "Type", std::string("ImageData"));
+  file.attribute(image, "WholeExtent", H5T_NATIVE_INT64, {6}, extent);
+  file.attribute(image, "Origin", H5T_NATIVE_DOUBLE, {3}, origin);
+  file.attribute(image, "Spacing", H5T_NATIVE_DOUBLE, {3}, grid.spacing.data());
+  file.attribute(image, "Direction", H5T_NATIVE_DOUBLE, {9}, direction);
+  const Handle points = file.group("/VTKHDF/PointData", true);
+  for (const FieldQuantity& q : quantities) {
+    std::vector<hsize_t> shape;
+    for (int d = 2; d >= 0; --d) shape.push_back(grid.cells[d]);
+    if (q.components > 1) shape.push_back(q.components);
+    const Handle data =
+        file.create_contiguous(dataset_name(q), q.double_precision ? H5T_IEEE_F64LE : H5T_IEEE_F32LE, shape);
+    file.attribute(data, "unit", q.unit);
+  }
+  const Handle root = file.group("/", false);
+  file.attribute(root, "time", time);
+  file.attribute(root, "step", step);
+  file.attribute(root, "time_unit", grid.time_unit);
+  file.attribute(root, "length_unit", grid.length_unit);
+  file.write_provenance(provenance);
+  file.close();
+}
+
+std::size_t cell_bytes(const FieldQuantity& q) {
+  return q.components * (q.double_precision ? sizeof(double) : sizeof(float));
+}
+
+std::uint64_t expected_size(const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
+                            const Provenance& provenance) {
+  const std::uint64_t cells = std::uint64_t(grid.cells[0]) * grid.cells[1] * grid.cells[2];
+  std::uint64_t bytes = provenance.case_text.size() + 4096;
+  for (const FieldQuantity& q : quantities) bytes += cells * cell_bytes(q);
+  return bytes;
+}
+
+std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuantity& q) {
+  std::vector<double> wide;
+  return slabs.pack(cell_bytes(q), [&](std::size_t box, void* out) {
+    const std::size_t n = slabs.boxes()[box].cells() * q.components;
+    if (q.double_precision) return q.values(box, static_cast<double*>(out));
+    wide.resize(n);
+    q.values(box, wide.data());
+    for (std::size_t i = 0; i < n; ++i) static_cast<float*>(out)[i] = static_cast<float>(wide[i]);
+  });
+}
+
+/// fields_000100.hdf -> fields.hdf.series
+Path series_path(const Path& path) {
+  std::string stem = path.stem().string();
+  const auto end = stem.find_last_not_of("0123456789");
+  if (end != std::string::npos && end + 1 < stem.size() && (stem[end] == '_' || stem[end] == '-'))
+    stem.resize(end);
+  return path.parent_path() / (stem + path.extension().string() + ".series");
+}
+
+/// The time of a line that update_series wrote, if it is one.
+bool entry_time(const std::string& line, double& time) {
+  const std::string mark = "\"time\": ";
+  const auto at = line.rfind(mark);
+  if (at == std::string::npos) return false;
+  const char* from = line.c_str() + at + mark.size();
+  return std::from_chars(from, line.c_str() + line.size(), time).ec == std::errc{};
+}
+
+void update_series(const Path& field_path, double time) {
+  const Path path = series_path(field_path);
+  std::vector<std::string> entries;
+  if (std::ifstream in(path); in)
+    for (std::string line; std::getline(in, line);) {
+      double old = 0;
+      if (!entry_time(line, old) || !(old < time)) continue;
+      while (!line.empty() && line.back() == ',') line.pop_back();
+      entries.push_back(line);
+    }
+  char number[32];
+  const auto end = std::to_chars(number, number + sizeof number, time).ptr;
+  entries.push_back("    {\"name\": \"" + field_path.filename().string() +
+                    "\", \"time\": " + std::string(number, end) + "}");
+  const Path part = path.string() + ".part";
+  std::ofstream out(part);
+  out << "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n";
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    out << entries[i] << (i + 1 < entries.size() ? ",\n" : "\n");
+  out << "  ]\n}\n";
+  out.close();
+  if (!out) throw hdf5::Error(path.string() + ": cannot write the list of times (is the disk full?)");
+  std::filesystem::rename(part, path);
+}
+
+}  // namespace
+
+std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step) {
+  std::string number = std::to_string(step);
+  if (number.size() < 12) number.insert(0, 12 - number.size(), '0');
+  return folder / ("fields_" + number + ".hdf");
+}
+
+void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageGrid& grid,
+                  const std::vector<CellBox>& boxes, const std::vector<FieldQuantity>& quantities,
+                  double time, std::int64_t step, const Provenance& provenance) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  hdf5::TemporaryFile part(path.string() + ".part", rank == 0);
+  on_rank_0(comm, [&] {
+    hdf5::reserve(part.path(), expected_size(grid, quantities, provenance));
+    create_file(part.path(), grid, quantities, time, step, provenance);
+    hdf5::reserve(part.path(), std::filesystem::file_size(part.path()));
+  });
+  const SlabExchange slabs(comm, grid.cells, boxes);
+  std::optional<File> file;
+  together(comm, [&] { file.emplace(File::open_parallel(comm, part.path(), true)); });
+  for (const FieldQuantity& q : quantities) {
+    std::vector<std::byte> values;
+    Handle dataset;
+    together(comm, [&] { values = packed_values(slabs, q); });
+    together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
+    const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+    together(comm, [&] { slabs.write(*file, dataset, type, -1, cell_bytes(q), values); });
+  }
+  together(comm, [&] { file->close(); });
+  on_rank_0(comm, [&] {
+    part.rename_to(path);
+    update_series(path, time);
+  });
+}
+
+}  // namespace silt::adapters

@@ -1,0 +1,337 @@
+#include "adapters/hdf5/file.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace silt::adapters::hdf5 {
+namespace {
+
+/// The system's own words inside a message of HDF5's file driver, where there are any.
+std::string innermost_reason() {
+  std::string reason;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned, const H5E_error2_t* e, void* out) -> herr_t {
+        auto& text = *static_cast<std::string*>(out);
+        if (text.empty() && e->desc) text = e->desc;
+        return 0;
+      },
+      &reason);
+  const std::string mark = "error message = '";
+  if (const auto at = reason.find(mark); at != std::string::npos) {
+    const auto from = at + mark.size();
+    reason = reason.substr(from, reason.find('\'', from) - from);
+  }
+  return reason;
+}
+
+/// From now on HDF5 prints nothing by itself.
+void quiet() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Handle access_list(const Path& file) {
+  quiet();
+  Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
+  return list;
+}
+
+}  // namespace
+
+void fail(const Path& file, const std::string& what) {
+  const std::string reason = innermost_reason();
+  H5Eclear2(H5E_DEFAULT);
+  throw Error(file.string() + ": " + what + (reason.empty() ? "" : ": " + reason));
+}
+
+File File::create(const Path& path, Format format) {
+  const Handle access = access_list(path);
+  if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  H5Pset_file_locking(access, false, true);
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path,
+              "cannot create the file");
+  return File(path, std::move(file), true);
+}
+
+File File::open(const Path& path, bool writable) {
+  const Handle access = access_list(path);
+  // A reader that holds the file's lock (a plotting script) must not stop the run.
+  H5Pset_file_locking(access, false, true);
+  std::error_code ignored;
+  const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
+  // HDF5 would take an empty file for a new one.
+  if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
+  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path, what);
+  return File(path, std::move(file), writable);
+}
+
+File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
+  const Handle access = access_list(path);
+  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  H5Pset_all_coll_metadata_ops(access, true);
+  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
+              "cannot open the file on all ranks");
+  return File(path, std::move(file));
+}
+
+File::~File() {
+  if (own_writing_ && handle_ >= 0 && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0) abandon();
+}
+
+/// After a failed write: whatever HDF5 still wants to write to this file goes to memory and is forgotten.
+/// Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in
+/// MPI_Finalize.
+void File::abandon() const {
+  int* file = nullptr;
+  if (!own_writing_ || H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0) return;
+  const int memory = memfd_create("abandoned", MFD_CLOEXEC);
+  if (memory < 0) return;
+  dup2(memory, *file);
+  ::close(memory);
+}
+
+void File::check(herr_t status, const std::string& what) const {
+  if (status >= 0) return;
+  try {
+    fail(path_, what);
+  } catch (const Error&) {
+    abandon();
+    throw;
+  }
+}
+
+void File::flush() {
+  check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)");
+}
+
+void File::close() {
+  flush();
+  if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
+}
+
+bool File::exists(const std::string& name) const {
+  return H5Lexists(handle_, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+Handle File::group(const std::string& name, bool create) {
+  const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)
+                          : H5Gopen2(handle_, name.c_str(), H5P_DEFAULT);
+  return {id, H5Gclose, path_, (create ? "cannot create group " : "has no group ") + name};
+}
+
+Handle File::dataset(const std::string& name) const {
+  return {H5Dopen2(handle_, name.c_str(), H5P_DEFAULT), H5Dclose, path_, "has no dataset " + name};
+}
+
+Handle File::create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path_,
+                     "shape of " + name);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_obj_track_times(list, false);  // the same data is the same file, to the byte
+  H5Pset_layout(list, H5D_CONTIGUOUS);
+  H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
+          "cannot create dataset " + name};
+}
+
+Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsize_t> row,
+                            hsize_t chunk_rows) {
+  std::vector<hsize_t> now{0}, most{H5S_UNLIMITED}, chunk{chunk_rows};
+  for (auto* v : {&now, &most, &chunk}) v->insert(v->end(), row.begin(), row.end());
+  const int rank = static_cast<int>(now.size());
+  const Handle space(H5Screate_simple(rank, now.data(), most.data()), H5Sclose, path_, "shape of " + name);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_obj_track_times(list, false);
+  H5Pset_chunk(list, rank, chunk.data());
+  return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
+          "cannot create dataset " + name};
+}
+
+std::vector<hsize_t> File::shape(hid_t dataset) const {
+  const Handle space(H5Dget_space(dataset), H5Sclose, path_, "shape of a dataset");
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> shape(rank < 0 ? 0 : rank);
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  return shape;
+}
+
+void File::attribute(hid_t owner, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
+                     const void* data) {
+  const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
+                                   : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                     H5Sclose, path_, "shape of attribute " + name);
+  if (H5Aexists(owner, name.c_str()) > 0) H5Adelete(owner, name.c_str());
+  const Handle attribute(H5Acreate2(owner, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         path_, "cannot create attribute " + name);
+  check(H5Awrite(attribute, type, data), "cannot write attribute " + name);
+}
+
+namespace {
+/// ASCII by name (what vtkHDFReader insists on), any bytes inside.
+Handle string_type(std::size_t length, const Path& path) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "string type");
+  H5Tset_size(type, length ? length : 1);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return type;
+}
+void mark_utf8(hid_t type, const std::string& text) {
+  for (const unsigned char c : text)
+    if (c > 127) {
+      H5Tset_cset(type, H5T_CSET_UTF8);
+      return;
+    }
+}
+}  // namespace
+
+void File::attribute(hid_t owner, const std::string& name, const std::string& value) {
+  const Handle type = string_type(value.size(), path_);
+  mark_utf8(type, value);
+  attribute(owner, name, type, {}, value.empty() ? "\0" : value.data());
+}
+
+void File::attribute(hid_t owner, const std::string& name, const std::vector<std::string>& values) {
+  const Handle type = string_type(H5T_VARIABLE, path_);
+  H5Tset_strpad(type, H5T_STR_NULLTERM);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  std::vector<const char*> pointers;
+  for (const auto& v : values) pointers.push_back(v.c_str());
+  attribute(owner, name, type, {values.size()}, pointers.data());
+}
+
+void File::attribute(hid_t owner, const std::string& name, std::int64_t value) {
+  attribute(owner, name, H5T_NATIVE_INT64, {}, &value);
+}
+void File::attribute(hid_t owner, const std::string& name, std::uint64_t value) {
+  attribute(owner, name, H5T_NATIVE_UINT64, {}, &value);
+}
+void File::attribute(hid_t owner, const std::string& name, double value) {
+  attribute(owner, name, H5T_NATIVE_DOUBLE, {}, &value);
+}
+
+bool File::has_attribute(hid_t owner, const std::string& name) const {
+  return H5Aexists(owner, name.c_str()) > 0;
+}
+
+std::string File::string_attribute(hid_t owner, const std::string& name) const {
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
+                         "has no attribute " + name);
+  const Handle type(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
+    throw Error(path_.string() + ": attribute " + name + " is not a text");
+  std::string value(H5Tget_size(type), '\0');
+  check(H5Aread(attribute, type, value.data()), "cannot read attribute " + name);
+  while (!value.empty() && value.back() == '\0') value.pop_back();
+  return value;
+}
+
+template <class T>
+T File::scalar_attribute(hid_t owner, const std::string& name, hid_t type) const {
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
+                         "has no attribute " + name);
+  const Handle stored(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
+  if (H5Tequal(stored, type) <= 0 || H5Aget_storage_size(attribute) != sizeof(T))
+    throw Error(path_.string() + ": attribute " + name + " is not a single number of the expected type");
+  T value{};
+  check(H5Aread(attribute, type, &value), "cannot read attribute " + name);
+  return value;
+}
+
+std::int64_t File::int_attribute(hid_t owner, const std::string& name) const {
+  return scalar_attribute<std::int64_t>(owner, name, H5T_NATIVE_INT64);
+}
+std::uint64_t File::uint_attribute(hid_t owner, const std::string& name) const {
+  return scalar_attribute<std::uint64_t>(owner, name, H5T_NATIVE_UINT64);
+}
+double File::double_attribute(hid_t owner, const std::string& name) const {
+  return scalar_attribute<double>(owner, name, H5T_NATIVE_DOUBLE);
+}
+
+void File::write_provenance(const Provenance& p) {
+  const Handle g = group("/provenance", true);
+  attribute(g, "version", p.version);
+  attribute(g, "commit", p.commit);
+  attribute(g, "title", p.title);
+  attribute(g, "ranks", p.ranks);
+  attribute(g, "backend", p.backend);
+  attribute(g, "compiler", p.compiler);
+  attribute(g, "host", p.host);
+  attribute(g, "created", p.created);
+  const Handle type = string_type(p.case_text.size(), path_);
+  mark_utf8(type, p.case_text);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, path_, "scalar");
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
+  H5Pset_obj_track_times(list, false);
+  const Handle text(H5Dcreate2(g, "case_text", type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
+                    "cannot create the case text");
+  check(H5Dwrite(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, p.case_text.empty() ? "\0" : p.case_text.data()),
+        "cannot write the case text");
+}
+
+namespace {
+/// Opens (or creates, by the flags), acts, closes; throws with the system's reason if act returns other than
+/// 0.
+template <class Act>
+void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
+  const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+  if (file < 0) throw Error(path.string() + ": cannot open or create: " + std::strerror(errno));
+  const bool good = act(file) == 0;
+  const int error = errno;
+  ::close(file);
+  if (!good) throw Error(path.string() + ": cannot " + what + ": " + std::strerror(error));
+}
+}  // namespace
+
+namespace {
+/// 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
+int room_for(int file, std::uint64_t bytes) {
+  struct statvfs disk;
+  if (::fstatvfs(file, &disk) != 0 || static_cast<std::int64_t>(bytes) <= 0) return 0;
+  if (disk.f_bavail * disk.f_frsize >= bytes) return 0;
+  errno = ENOSPC;
+  return -1;
+}
+}  // namespace
+
+void sync_to_disk(const Path& path) {
+  with_descriptor(path, O_RDONLY, "flush to the disk", ::fsync);
+}
+
+void reserve(const Path& path, std::uint64_t size) {
+  const std::string what = "reserve " + std::to_string(size) + " bytes (is the disk full?)";
+  with_descriptor(path, O_WRONLY | O_CREAT, what, [&](int file) {
+    struct stat before;
+    if (::fstat(file, &before) != 0) return -1;
+    if (::fallocate(file, 0, 0, static_cast<off_t>(size)) == 0) return 0;
+    const int error = errno;
+    if (error == EOPNOTSUPP || error == ENOSYS)
+      return room_for(file, size - 512 * std::uint64_t(before.st_blocks));
+    if (::ftruncate(file, before.st_size) != 0) return -1;
+    errno = error;
+    return -1;
+  });
+}
+
+TemporaryFile::~TemporaryFile() {
+  std::error_code ignored;
+  if (!mine_) return;
+  std::filesystem::resize_file(path_, 0, ignored);  // gives the space back even while someone has it open
+  std::filesystem::remove(path_, ignored);
+}
+
+void TemporaryFile::rename_to(const Path& to) {
+  std::error_code error;
+  std::filesystem::rename(path_, to, error);
+  if (error) throw Error(to.string() + ": cannot rename " + path_.string() + " to it: " + error.message());
+  mine_ = false;
+  const Path folder = to.has_parent_path() ? to.parent_path() : Path(".");
+  with_descriptor(folder, O_RDONLY | O_DIRECTORY, "flush the folder to the disk", ::fsync);
+}
+
+}  // namespace silt::adapters::hdf5

@@ -1,0 +1,137 @@
+#pragma once
+// Private to adapters/hdf5: handles that close themselves, and HDF5's errors as exceptions that name the
+// file, what was attempted and why it failed.
+#include <hdf5.h>
+#include <mpi.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/hdf5/provenance.hpp"
+
+namespace silt::adapters::hdf5 {
+
+using Path = std::filesystem::path;
+
+struct Error : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Throws Error "FILE: WHAT: REASON", the reason from HDF5's innermost message, and clears HDF5's stack.
+[[noreturn]] void fail(const Path& file, const std::string& what);
+
+/// An HDF5 id and the call that closes it. Knows its file for messages.
+class Handle {
+ public:
+  Handle() = default;
+  Handle(hid_t id, herr_t (*close)(hid_t), const Path& file, const std::string& what)
+      : id_(id), close_(close) {
+    if (id < 0) fail(file, what);
+  }
+  Handle(Handle&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
+  Handle& operator=(Handle&& o) noexcept {
+    std::swap(id_, o.id_);
+    std::swap(close_, o.close_);
+    return *this;
+  }
+  ~Handle() { close(); }
+  operator hid_t() const { return id_; }
+  /// Whether closing went well (closing a file can be what finds the disk full).
+  bool close() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
+
+ private:
+  hid_t id_ = -1;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+enum class Format {
+  classic,  // any reader, no consistency flags: a file whose writer was killed opens as usual
+  checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
+};
+
+/// A file and the operations this folder needs, each throwing Error. `serial` files are one rank's business.
+class File {
+ public:
+  static File create(const Path&, Format);
+  static File open(const Path&, bool writable);
+  /// Collective over comm.
+  static File open_parallel(MPI_Comm, const Path&, bool writable);
+
+  const Path& path() const { return path_; }
+  operator hid_t() const { return handle_; }
+  void flush();
+  /// Writes out everything; throws where that fails. The destructor closes silently.
+  void close();
+  ~File();
+  File(File&&) = default;
+  void check(herr_t status, const std::string& what) const;
+
+  bool exists(const std::string& name) const;
+  Handle group(const std::string& name, bool create);
+  Handle dataset(const std::string& name) const;
+  /// A contiguous dataset with its space taken now and not filled (a fresh file reads as zeros where nothing
+  /// is written).
+  Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
+  /// A dataset that grows along its first axis, empty.
+  Handle create_growing(const std::string& name, hid_t type, std::vector<hsize_t> shape_of_row,
+                        hsize_t chunk_rows);
+  std::vector<hsize_t> shape(hid_t dataset) const;
+
+  void attribute(hid_t owner, const std::string& name, const std::string& value);
+  void attribute(hid_t owner, const std::string& name, const std::vector<std::string>& values);
+  void attribute(hid_t owner, const std::string& name, std::int64_t value);
+  void attribute(hid_t owner, const std::string& name, std::uint64_t value);
+  void attribute(hid_t owner, const std::string& name, double value);
+  /// Of any native type; an empty shape is a scalar.
+  void attribute(hid_t owner, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
+                 const void* data);
+  bool has_attribute(hid_t owner, const std::string& name) const;
+  std::string string_attribute(hid_t owner, const std::string& name) const;
+  std::int64_t int_attribute(hid_t owner, const std::string& name) const;
+  std::uint64_t uint_attribute(hid_t owner, const std::string& name) const;
+  double double_attribute(hid_t owner, const std::string& name) const;
+
+  void write_provenance(const Provenance&);
+
+ private:
+  File(Path path, Handle handle, bool own_writing = false)
+      : path_(std::move(path)), handle_(std::move(handle)), own_writing_(own_writing) {}
+  void abandon() const;
+  template <class T>
+  T scalar_attribute(hid_t owner, const std::string& name, hid_t type) const;
+  Path path_;
+  Handle handle_;
+  bool own_writing_;  // writable, and not shared with other ranks
+};
+
+/// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when
+/// it closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the
+/// file is then as long as before. Where the file system cannot reserve, it only looks whether there is room.
+void reserve(const Path&, std::uint64_t size);
+
+/// Room for what HDF5 itself needs in one go of adding datasets, attributes or chunks, bytes.
+inline constexpr std::uint64_t metadata_room = 1 << 17;
+
+/// A file on its way: on rank 0 it is removed, its space given back, unless it is kept in the end.
+class TemporaryFile {
+ public:
+  TemporaryFile(Path path, bool mine) : path_(std::move(path)), mine_(mine) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  ~TemporaryFile();
+  const Path& path() const { return path_; }
+  /// Gives it its name, durable.
+  void rename_to(const Path&);
+
+ private:
+  Path path_;
+  bool mine_;
+};
+
+/// Writes a file's content to the disk itself. Throws Error.
+void sync_to_disk(const Path&);
+
+}  // namespace silt::adapters::hdf5

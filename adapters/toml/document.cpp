@@ -1,0 +1,196 @@
+#include "adapters/toml/document.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+// toml++ 3.3 asserts where it meets a header such as "[.a]", and without assertions goes on undefined: so
+// they stay on, and throw.
+namespace {
+struct TomlAssertion : std::logic_error {
+  using std::logic_error::logic_error;
+};
+[[noreturn]] void throw_assertion(const char* condition) {
+  throw TomlAssertion(condition);
+}
+}  // namespace
+#undef NDEBUG
+#define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : throw_assertion(#condition))
+#include <toml++/toml.h>
+
+namespace silt::adapters {
+namespace {
+
+Place place_of(const ::toml::source_region& region, const std::string& file) {
+  return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
+}
+
+Node::Kind kind_of(const ::toml::node& node) {
+  switch (node.type()) {
+    case ::toml::node_type::table:
+      return Node::Kind::table;
+    case ::toml::node_type::array:
+      return Node::Kind::array;
+    case ::toml::node_type::string:
+      return Node::Kind::string;
+    case ::toml::node_type::integer:
+      return Node::Kind::integer;
+    case ::toml::node_type::floating_point:
+      return Node::Kind::floating;
+    case ::toml::node_type::boolean:
+      return Node::Kind::boolean;
+    default:
+      return Node::Kind::date;
+  }
+}
+
+bool stands_before(const Node& a, const Node& b) {
+  return std::pair(a.key_place.line, a.key_place.column) < std::pair(b.key_place.line, b.key_place.column);
+}
+
+Node converted(const ::toml::node& node, const std::string& file) {
+  Node result;
+  result.kind = kind_of(node);
+  result.place = place_of(node.source(), file);
+  if (const auto* table = node.as_table()) {
+    for (const auto& [key, value] : *table) {
+      Node child = converted(value, file);
+      child.key = std::string(key.str());
+      child.key_place = place_of(key.source(), file);
+      result.children.push_back(std::move(child));
+    }
+    std::stable_sort(result.children.begin(), result.children.end(), stands_before);
+  } else if (const auto* array = node.as_array()) {
+    for (const auto& value : *array) result.children.push_back(converted(value, file));
+  } else if (const auto* string = node.as_string()) {
+    result.string = string->get();
+  } else if (const auto* integer = node.as_integer()) {
+    result.integer = integer->get();
+  } else if (const auto* floating = node.as_floating_point()) {
+    result.floating = floating->get();
+  } else if (const auto* boolean = node.as_boolean()) {
+    result.boolean = boolean->get();
+  }
+  return result;
+}
+
+std::string written_number(double x) {
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, x).ptr;
+  return {buffer, end};
+}
+
+}  // namespace
+
+std::string Place::text() const {
+  if (line == 0) return file;
+  return file + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+const Node* Node::find(std::string_view wanted) const {
+  for (const Node& child : children)
+    if (kind == Kind::table && child.key == wanted) return &child;
+  return nullptr;
+}
+
+Node* Node::find(std::string_view wanted) {
+  return const_cast<Node*>(static_cast<const Node*>(this)->find(wanted));
+}
+
+std::string_view kind_name(Node::Kind kind) {
+  switch (kind) {
+    case Node::Kind::table:
+      return "a table";
+    case Node::Kind::array:
+      return "an array";
+    case Node::Kind::string:
+      return "a string";
+    case Node::Kind::integer:
+      return "an integer";
+    case Node::Kind::floating:
+      return "a number";
+    case Node::Kind::boolean:
+      return "a boolean";
+    case Node::Kind::date:
+      return "a date or time";
+  }
+  return "unknown";
+}
+
+std::string written(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::table:
+      return "{ ... }";
+    case Node::Kind::string:
+      return '"' + node.string + '"';
+    case Node::Kind::integer:
+      return std::to_string(node.integer);
+    case Node::Kind::floating:
+      return written_number(node.floating);
+    case Node::Kind::boolean:
+      return node.boolean ? "true" : "false";
+    case Node::Kind::date:
+      return "a date or time";
+    case Node::Kind::array:
+      break;
+  }
+  constexpr std::size_t longest = 6;
+  std::string text = "[";
+  for (std::size_t i = 0; i < std::min(node.children.size(), longest); ++i)
+    text += (i ? ", " : "") + written(node.children[i]);
+  return text + (node.children.size() > longest ? ", ...]" : "]");
+}
+
+namespace {
+
+// The line, from 1, at which the parser meets an assertion: the first that breaks the text up to it.
+int asserting_line(std::string_view text) {
+  int line = 0;
+  for (std::size_t end = 0; end != text.npos;) {
+    ++line;
+    end = text.find('\n', end);
+    if (end != text.npos) ++end;
+    try {
+      (void)::toml::parse(text.substr(0, end));
+    } catch (const ::toml::parse_error&) {
+    } catch (const TomlAssertion&) {
+      return line;
+    }
+  }
+  return line;
+}
+
+void stamp(Node& node, const Place& place) {
+  node.place = node.key_place = place;
+  for (Node& child : node.children) stamp(child, place);
+}
+
+}  // namespace
+
+Node parse_document(std::string_view text, const std::string& file) {
+  try {
+    return converted(::toml::parse(text, file), file);
+  } catch (const ::toml::parse_error& error) {
+    throw SyntaxError(place_of(error.source(), file), std::string(error.description()));
+  } catch (const TomlAssertion&) {
+    throw SyntaxError({file, asserting_line(text), 1},
+                      "this line cannot be read; a table is written [name], a list entry [[name]]");
+  }
+}
+
+Node parse_value(std::string_view text, const Place& place) {
+  try {
+    const auto table = ::toml::parse("value = " + std::string(text));
+    if (table.size() != 1) throw SyntaxError(place, "more than one value");
+    Node node = converted(*table.get("value"), place.file);
+    stamp(node, place);
+    return node;
+  } catch (const ::toml::parse_error& error) {
+    throw SyntaxError(place, std::string(error.description()));
+  } catch (const TomlAssertion&) {
+    throw SyntaxError(place, "it cannot be read");
+  }
+}
+
+}  // namespace silt::adapters

@@ -1,0 +1,57 @@
+#pragma once
+// A TOML document as a plain tree of values that remember where they stand, without a header of toml++.
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace silt::adapters {
+
+/// Where something stands: "case.toml:12:5". line 0: the whole file, or no file at all (a command line
+/// option).
+struct Place {
+  std::string file;
+  int line = 0, column = 0;  // from 1
+  std::string text() const;
+};
+
+/// One value, and the key it stands behind if it is the child of a table.
+struct Node {
+  enum class Kind { table, array, string, integer, floating, boolean, date };
+
+  Kind kind = Kind::table;
+  Place place;  // of the value
+  std::string key;
+  Place key_place;
+
+  std::string string;
+  std::int64_t integer = 0;
+  double floating = 0;
+  bool boolean = false;
+  std::vector<Node> children;  // of an array in order, of a table in the order of the file
+
+  /// The child of a table behind a key, or nullptr.
+  const Node* find(std::string_view key) const;
+  Node* find(std::string_view key);
+  bool is_number() const { return kind == Kind::integer || kind == Kind::floating; }
+  double number() const { return kind == Kind::integer ? static_cast<double>(integer) : floating; }
+};
+
+/// "a table", "a string", "an integer" ... for messages.
+std::string_view kind_name(Node::Kind);
+/// The value as one would write it in TOML, shortened: -1e-06, "bullet", [0, 0, 1], { ... }.
+std::string written(const Node&);
+
+/// The text is not TOML.
+struct SyntaxError : std::runtime_error {
+  SyntaxError(Place where, const std::string& what) : std::runtime_error(what), place(std::move(where)) {}
+  Place place;
+};
+
+/// The root table of a document; `file` is only what places are labelled with. Throws SyntaxError.
+Node parse_document(std::string_view text, const std::string& file);
+/// One TOML value, such as the right-hand side of `--set key=value`. Throws SyntaxError.
+Node parse_value(std::string_view text, const Place&);
+
+}  // namespace silt::adapters

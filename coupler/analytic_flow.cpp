@@ -1,0 +1,106 @@
+#include "coupler/analytic_flow.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "coupler/for_each_cell.hpp"
+#include "lbm/lattice.hpp"
+
+namespace silt::coupler {
+
+using std::numbers::pi;
+
+TaylorGreen::TaylorGreen(const Case& scene)
+    : amplitude(scene.fluid->initial_velocity.norm()), kx(2 * pi / scene.cells[0]), ky(2 * pi / scene.cells[1]),
+      viscosity(scene.fluid->kinematic_viscosity) {}
+
+std::array<double, 3> TaylorGreen::velocity(double x, double y, double t) const {
+  const double a = amplitude * std::exp(-decay_rate() * t);
+  return {-a * std::cos(kx * x) * std::sin(ky * y), a * kx / ky * std::sin(kx * x) * std::cos(ky * y), 0};
+}
+
+double TaylorGreen::density_deviation(double x, double y, double t) const {
+  const double a = amplitude * std::exp(-decay_rate() * t), ratio = kx / ky;
+  return -0.75 * a * a * (std::cos(2 * kx * x) + ratio * ratio * std::cos(2 * ky * y));
+}
+
+std::array<double, 3> TaylorGreen::strain_rate(double x, double y, double t) const {
+  const double a = amplitude * std::exp(-decay_rate() * t);
+  const double xx = a * kx * std::sin(kx * x) * std::sin(ky * y);
+  const double cc = std::cos(kx * x) * std::cos(ky * y);
+  return {xx, -xx, 0.5 * a * (-ky + kx * kx / ky) * cc};
+}
+
+WallProfile::WallProfile(const Case& scene, const std::string& profile)
+    : is_duct_(profile == "duct"), viscosity_(scene.fluid->kinematic_viscosity) {
+  const rigid::Vec3& force = scene.fluid->body_force;
+  force.cwiseAbs().maxCoeff(&flow_axis_);
+  acceleration_ = force[flow_axis_];
+  int walls = 0;
+  for (int d = 0; d < 3; ++d) {
+    size_[d] = scene.cells[d];
+    if (scene.periodic(d)) continue;
+    if (walls < 2) wall_axes_[walls] = d;
+    ++walls;
+  }
+  if (acceleration_ == 0 || walls != (is_duct_ ? 2 : 1) || !scene.periodic(flow_axis_))
+    throw CaseError(scene.place("quantities"),
+                    "the profile \"" + profile + "\" needs a fluid.body_force along a periodic axis and walls across " +
+                        (is_duct_ ? "the two other axes" : "exactly one other axis"));
+}
+
+double WallProfile::operator()(const std::array<double, 3>& x) const {
+  const double y = x[wall_axes_[0]], height = size_[wall_axes_[0]];
+  if (!is_duct_) return acceleration_ * y * (height - y) / (2 * viscosity_);
+  return duct(y - height / 2, x[wall_axes_[1]] - size_[wall_axes_[1]] / 2);
+}
+
+double WallProfile::largest() const {
+  std::array<double, 3> middle;
+  for (int d = 0; d < 3; ++d) middle[d] = size_[d] / 2;
+  return std::abs((*this)(middle));
+}
+
+/// White, Viscous Fluid Flow, eq. 3-48, for -a <= y <= a, -b <= z <= b.
+double WallProfile::duct(double y, double z) const {
+  constexpr int terms = 400;  // the last is below (1/800)^3 of the first
+  const double a = size_[wall_axes_[0]] / 2, b = size_[wall_axes_[1]] / 2;
+  double sum = 0;
+  for (int n = 0, sign = 1; n < terms; ++n, sign = -sign) {
+    const double i = 2 * n + 1, s = i * pi / (2 * a);
+    // cosh(s z) / cosh(s b) without overflow
+    const double ratio = std::exp(-s * (b - std::abs(z))) * (1 + std::exp(-2 * s * std::abs(z))) / (1 + std::exp(-2 * s * b));
+    sum += sign * (1 - ratio) * std::cos(s * y) / (i * i * i);
+  }
+  return 16 * a * a * acceleration_ / (viscosity_ * pi * pi * pi) * sum;
+}
+
+namespace {
+
+/// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
+void set_taylor_green(const Case& scene, Flow& flow) {
+  const TaylorGreen exact(scene);
+  const double tau = scene.fluid->relaxation_time;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
+    const double x = global.x + 0.5, y = global.y + 0.5;
+    flow.set_equilibrium(b, cell, exact.density_deviation(x, y, 0), exact.velocity(x, y, 0));
+    const auto [xx, yy, xy] = exact.strain_rate(x, y, 0);
+    for (int i = 1; i < lbm::directions; ++i) {
+      const lbm::Int3 v = lbm::c[i];
+      const double stress = v.x * v.x * xx + v.y * v.y * yy + 2 * v.x * v.y * xy - (xx + yy) / 3;
+      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) - 3 * tau * lbm::w(i) * stress);
+    }
+  });
+}
+
+}  // namespace
+
+void set_initial_flow(const Case& scene, Flow& flow) {
+  const FluidSpec& fluid = *scene.fluid;
+  if (fluid.initial == "taylor-green") return set_taylor_green(scene, flow);
+  if (fluid.initial != "uniform") return;
+  const rigid::Vec3& u = fluid.initial_velocity;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) { flow.set_equilibrium(b, cell, 0, {u[0], u[1], u[2]}); });
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,45 @@
+#pragma once
+// Flows with closed forms, in lattice units: what a run may begin with, and what it is compared with.
+#include <array>
+
+#include "coupler/case.hpp"
+
+namespace silt::coupler {
+
+/// The two-dimensional Taylor-Green vortex in the x-y plane, one wave a period:
+///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y) e^(-nu (kx^2 + ky^2) t),  exact for incompressible flow,
+///   p = -A^2/4 (cos 2 kx x + (kx/ky)^2 cos 2 ky y) e^(-2 nu (kx^2 + ky^2) t).
+struct TaylorGreen {
+  double amplitude, kx, ky, viscosity;
+  explicit TaylorGreen(const Case&);  // amplitude: length of fluid.initial.velocity
+
+  double decay_rate() const { return viscosity * (kx * kx + ky * ky); }
+  std::array<double, 3> velocity(double x, double y, double t) const;
+  double density_deviation(double x, double y, double t) const;  // 3 p
+  /// Symmetric velocity gradient: xx, yy, xy.
+  std::array<double, 3> strain_rate(double x, double y, double t) const;
+};
+
+/// Steady flow along the body force between the walls of a case: "channel" (walls across one axis) or "duct" (across
+/// two). Walls half way between cells. Throws CaseError if the scene has other walls.
+class WallProfile {
+ public:
+  WallProfile(const Case&, const std::string& profile);
+  int flow_axis() const { return flow_axis_; }
+  /// Velocity along flow_axis at a point (cell centres are at +1/2).
+  double operator()(const std::array<double, 3>& x) const;
+  double largest() const;
+
+ private:
+  double duct(double y, double z) const;
+  bool is_duct_;
+  int flow_axis_ = 0;
+  std::array<int, 2> wall_axes_{};
+  double acceleration_ = 0, viscosity_ = 0;
+  std::array<double, 3> size_{};
+};
+
+/// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh (at rest).
+void set_initial_flow(const Case&, class Flow&);
+
+}  // namespace silt::coupler

@@ -1,0 +1,211 @@
+#include "coupler/body_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "coupler/fill.hpp"
+#include "coupler/neighbour_grid.hpp"
+#include "coupler/overlap.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Motion;
+using rigid::Vec3;
+
+constexpr double fewest_cells_across = 6;  // NUMERICS 1
+constexpr double start_overlap =
+    0.02;  // cells that bodies may overlap at the start: rounding of a case's numbers
+constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
+
+std::string entry_key(const BodySpec& body) {
+  return fmt::format("bodies[{}]", std::max(0, body.entry));
+}
+
+std::string position_key(const Case& scene, const BodySpec& body) {
+  const std::string key = entry_key(body);
+  return key + (scene.places.count(key + ".positions") ? ".positions" : ".position");
+}
+
+std::string shown_point(const Case& scene, const Vec3& x) {
+  const double cell = scene.units.cell_size;
+  return fmt::format("[{}, {}, {}]", shown(x[0] * cell), shown(x[1] * cell), shown(x[2] * cell));
+}
+
+std::string shown_length(const Case& scene, double x) {
+  return shown(x * scene.units.cell_size);
+}
+
+std::string of_fill(std::size_t index, const char* key) {
+  return fmt::format("fill[{}].{}", index, key);
+}
+
+void check_size(const Case& scene, Findings& findings, int shape, Motion motion, const std::string& key) {
+  const double across = resolved_diameter(scene.shapes[shape]);
+  if (scene.fluid && across < fewest_cells_across)
+    findings.warning(key,
+                     fmt::format("{}: shape '{}' is {} cells across; below {} its drag is inaccurate: use "
+                                 "smaller cells",
+                                 key, scene.shape_names[shape], shown(across), fewest_cells_across));
+  if (motion == Motion::fixed) return;
+  const double reach = 2 * rigid::bounding_radius(scene.shapes[shape]) + scene.contacts.margin;
+  for (int d = 0; d < 3; ++d)
+    if (scene.periodic(d) && reach > scene.cells[d])
+      findings.error(
+          key, fmt::format("{}: shape '{}' with its contact margin reaches over {} cells, but the periodic "
+                           "axis {} has {}: the body would meet itself; lengthen the axis",
+                           key, scene.shape_names[shape], shown(reach), "xyz"[d], scene.cells[d]));
+}
+
+void check_sizes(const Case& scene, Findings& findings) {
+  std::set<int> seen;
+  for (const BodySpec& body : scene.bodies) {
+    if (!seen.insert(body.entry).second) continue;
+    check_size(scene, findings, body.shape, body.motion, entry_key(body) + ".shape");
+    if (!(body.density > 0))
+      findings.error(entry_key(body) + ".density", fmt::format("{}.density is {}; it must be above 0",
+                                                               entry_key(body), shown(body.density)));
+  }
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const FillSpec& fill = scene.fills[i];
+    check_size(scene, findings, fill.shape, Motion::free, of_fill(i, "shape"));
+    if (!(fill.density > 0))
+      findings.error(of_fill(i, "density"),
+                     fmt::format("fill[{}].density is {}; it must be above 0", i, shown(fill.density)));
+    for (int d = 0; d < 3; ++d)
+      if (fill.lower[d] < -start_overlap || fill.upper[d] > scene.cells[d] + start_overlap ||
+          !(fill.lower[d] < fill.upper[d])) {
+        findings.error(
+            of_fill(i, "box"),
+            fmt::format("fill[{}].box is {} to {}; it must lie in the domain, {} to {}", i,
+                        shown_point(scene, fill.lower), shown_point(scene, fill.upper),
+                        shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size)));
+        break;
+      }
+  }
+}
+
+// The body's centre must be in the domain, and a body that moves must not reach into a wall.
+bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
+  const Vec3 size = extent_of(scene).size;
+  const Vec3& x = body.pose.position;
+  const std::string key = position_key(scene, body);
+  for (int d = 0; d < 3; ++d)
+    if (!(x[d] >= 0 && x[d] <= size[d])) {
+      findings.error(key,
+                     fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
+                                 shown_point(scene, Vec3::Zero()), shown_point(scene, size)));
+      return false;
+    }
+  if (body.motion == Motion::fixed) return true;
+  const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
+  for (int d = 0; d < 3; ++d) {
+    if (scene.periodic(d)) continue;
+    const double low = scene.boundary[2 * d].solid_for_bodies ? -box.lower[d] : 0;
+    const double high = scene.boundary[2 * d + 1].solid_for_bodies ? box.upper[d] - size[d] : 0;
+    if (std::max(low, high) <= start_overlap) continue;
+    const double allowed_low = x[d] - box.lower[d], allowed_high = size[d] - (box.upper[d] - x[d]);
+    findings.error(
+        key, fmt::format("{} is {}: the body reaches {} into the {} wall of {}; its {} must be between {} "
+                         "and {}",
+                         key, shown_point(scene, x), shown_length(scene, std::max(low, high)),
+                         low > high ? "lower" : "upper", "xyz"[d], "xyz"[d], shown_length(scene, allowed_low),
+                         shown_length(scene, allowed_high)));
+    return false;
+  }
+  return true;
+}
+
+void check_pairs(const Case& scene, Findings& findings) {
+  const rigid::Extent extent = extent_of(scene);
+  double edge = 1;
+  for (const BodySpec& body : scene.bodies)
+    edge = std::max(edge, 2 * rigid::bounding_radius(scene.shapes[body.shape]));
+  NeighbourGrid grid(extent, edge);
+  std::size_t messages = 0;
+  for (std::size_t j = 0; j < scene.bodies.size() && messages < most_messages; ++j) {
+    const BodySpec& b = scene.bodies[j];
+    const auto box = rigid::bounding_box(scene.shapes[b.shape], b.pose);
+    std::set<int> partners;
+    grid.visit(box.lower, box.upper, [&](int i) { return partners.insert(i), true; });
+    for (const int i : partners) {
+      const BodySpec& a = scene.bodies[i];
+      if (a.motion != Motion::free && b.motion != Motion::free) continue;
+      const double depth =
+          overlap_depth(scene.shapes[a.shape], a.pose, scene.shapes[b.shape], b.pose, extent);
+      if (depth <= start_overlap || messages++ >= most_messages) continue;
+      const std::string key = position_key(scene, b);
+      findings.error(
+          key,
+          fmt::format("{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; "
+                      "move them apart",
+                      key, shown_point(scene, b.pose.position), shown_point(scene, a.pose.position), a.entry,
+                      shown_length(scene, depth)));
+    }
+    grid.insert(static_cast<int>(j), box.lower, box.upper);
+  }
+}
+
+// A fill whose bounding spheres are more than the densest packing of its box needs no try.
+void check_fill_volumes(const Case& scene, Findings& findings) {
+  const double densest = std::numbers::pi / std::sqrt(18);
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const FillSpec& fill = scene.fills[i];
+    const double volume = rigid::mass_properties(scene.shapes[fill.shape]).volume;
+    const double room = (fill.upper - fill.lower).prod();
+    if (fill.count * volume <= room * densest) continue;
+    findings.error(of_fill(i, "count"),
+                   fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
+                               "box; at most {:.0f} can fit",
+                               i, fill.count, shown(fill.count * volume / room), room * densest / volume));
+  }
+}
+
+void check_falling(const Case& scene, Findings& findings) {
+  const bool something_fixed = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                           [](const BodySpec& b) { return b.motion != Motion::free; });
+  const bool walls = std::any_of(scene.boundary.begin(), scene.boundary.end(),
+                                 [](const BoundarySpec& b) { return b.kind != BoundaryKind::periodic; });
+  if (scene.gravity.norm() > 0 && !walls && !something_fixed)
+    findings.warning("gravity.acceleration",
+                     "gravity acts, but nothing holds the fluid and the bodies: a domain that is "
+                     "periodic all round accelerates for ever unless they balance");
+}
+
+}  // namespace
+
+void Findings::add(Diagnostic::Severity severity, const std::string& key, const std::string& text) {
+  list.push_back({severity, scene.place(key), text});
+}
+
+double resolved_diameter(const rigid::Shape& shape) {
+  if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) return 2 * sphere->radius;
+  if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) return 2 * capsule->radius;
+  if (const auto* box = std::get_if<rigid::Box>(&shape)) return 2 * box->half_edges.minCoeff();
+  return std::cbrt(6 / std::numbers::pi * rigid::mass_properties(shape).volume);
+}
+
+void check_bodies(const Case& scene, Findings& findings) {
+  if (!scene.has_bodies()) return;
+  check_sizes(scene, findings);
+  bool placed = true;
+  std::size_t messages = 0;
+  for (const BodySpec& body : scene.bodies) {
+    if (std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) {
+      findings.error(entry_key(body) + ".shape", entry_key(body) +
+                                                     ": a body cannot be a half-space; walls come from "
+                                                     "domain.boundary");
+      return;
+    }
+    if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;
+  }
+  if (placed) check_pairs(scene, findings);
+  check_fill_volumes(scene, findings);
+  check_falling(scene, findings);
+}
+
+}  // namespace silt::coupler

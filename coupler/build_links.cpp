@@ -1,0 +1,130 @@
+#include "coupler/build_links.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rigid/ray_interval.hpp"
+
+namespace silt::coupler {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+namespace {
+
+/// Word k of a row of bits moved so that bit x holds what bit x + step held (step -1, 0, 1).
+std::uint64_t moved(const std::uint64_t* row, int words, int k, int step) {
+  if (step == 0) return row[k];
+  if (step > 0) return row[k] >> 1 | (k + 1 < words ? row[k + 1] << 63 : 0);
+  return row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
+}
+
+/// Distance of a sphere's surface from r along c, in units of c: the smaller root of |r + q c| = radius.
+double sphere_distance(const Vec3& r, Int3 c, double radius) {
+  const double a = c.x * c.x + c.y * c.y + c.z * c.z, b = r[0] * c.x + r[1] * c.y + r[2] * c.z;
+  const double discriminant = b * b - a * (r.squaredNorm() - radius * radius);
+  return (-b - std::sqrt(std::max(discriminant, 0.0))) / a;
+}
+
+/// Distance of a body's surface along one link direction, prepared once a body and direction.
+class SurfaceDistance {
+ public:
+  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose) : ball_(std::get_if<rigid::Sphere>(&shape)) {
+    if (ball_) return;
+    const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
+    for (const auto& part : rigid::convex_parts(shape)) {
+      const rigid::Mat3 to_part = part.pose.orientation.toRotationMatrix().transpose();
+      parts_.push_back({part.shape, rigid::bounding_radius(std::visit(to_shape, part.shape)), to_part * to_body,
+                        to_part * part.pose.position, Vec3::Zero()});
+    }
+  }
+  void point(int i) {
+    c_ = lbm::c[i];
+    for (auto& p : parts_) p.direction = p.rotation * Vec3(c_.x, c_.y, c_.z);
+  }
+  double operator()(const Vec3& r) const {
+    if (ball_) return std::clamp(sphere_distance(r, c_, ball_->radius), 0.0, 1.0);
+    double q = 1;
+    for (const auto& p : parts_) {
+      const Vec3 origin = p.rotation * r - p.centre;
+      const double reach = p.radius + std::sqrt(2.0);  // of the part and the longest link
+      if (origin.squaredNorm() > reach * reach) continue;
+      const auto inside = rigid::ray_interval(p.shape, origin, p.direction);
+      if (inside && inside->leave >= 0) q = std::min(q, inside->enter);
+    }
+    return std::clamp(q, 0.0, 1.0);
+  }
+
+ private:
+  static constexpr auto to_shape = [](const auto& s) { return rigid::Shape(s); };
+  struct PreparedPart {
+    rigid::ConvexShape shape;
+    double radius;
+    rigid::Mat3 rotation;  // world to part
+    Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
+  };
+  const rigid::Sphere* ball_;
+  std::vector<PreparedPart> parts_;
+  Int3 c_;
+};
+
+template <class T>
+struct LinkWriter {
+  const BlockMap& map;
+  const lbm::Block<T>& block;
+  bool cli;
+  lbm::CutLinks<T>& links;
+
+  void row(const BodyMask& mask, const SurfaceDistance& distance, int i, int y, int z) {
+    const Int3 c = lbm::c[i];
+    const std::uint64_t* const body = mask.at(y + c.y, z + c.z);
+    const std::uint64_t* const here = map.solid.at(y, z);
+    const std::uint64_t* const back = map.solid.at(y - c.y, z - c.z);
+    for (int k = 0; k < mask.words; ++k) {
+      const std::uint64_t cut = moved(body, mask.words, k, c.x) & ~here[k] & map.solid.interior(k);
+      if (!cut) continue;
+      const std::uint64_t blocked = moved(back, mask.words, k, -c.x);
+      for_bits(cut, k, [&](int x) {
+        const Vec3 r = mask.arm(map.box.lower + Int3{x, y, z});
+        const bool narrow = blocked >> ((x + 1) & 63) & 1;
+        links.cell.push_back(std::int32_t(block.cell(x, y, z)));
+        links.q.push_back(cli && !narrow ? T(distance(r)) : T(0.5));
+        links.rx.push_back(T(r[0])), links.ry.push_back(T(r[1])), links.rz.push_back(T(r[2]));
+      });
+    }
+  }
+
+  void body(int surface, const BodyMask& mask, SurfaceDistance distance) {
+    const Int3 size = map.box.size;
+    for (int i = 1; i < lbm::directions; ++i) {
+      const Int3 c = lbm::c[i];
+      distance.point(i);
+      const auto begin = std::uint32_t(links.size());
+      for (int z = std::max(mask.z0 - c.z, 0); z < std::min(mask.z1 - c.z, size.z); ++z)
+        for (int y = std::max(mask.y0 - c.y, 0); y < std::min(mask.y1 - c.y, size.y); ++y)
+          row(mask, distance, i, y, z);
+      if (const auto end = std::uint32_t(links.size()); end > begin) links.runs.push_back({begin, end, surface, i});
+    }
+  }
+};
+
+}  // namespace
+
+template <class T>
+void build_links(const BlockMap& map, const lbm::Block<T>& block, const rigid::World& world,
+                 const rigid::BodySet& bodies, WallScheme scheme, lbm::CutLinks<T>& links) {
+  links.clear();
+  LinkWriter<T> writer{map, block, scheme == WallScheme::cli, links};
+  for (int k = 0; k < int(map.masks.size()); ++k) {
+    const BodyMask& mask = map.masks[k];
+    if (!mask.any) continue;
+    writer.body(k, mask, SurfaceDistance(world.shapes[bodies.shape[mask.row]], mask.pose));
+  }
+}
+
+template void build_links(const BlockMap&, const lbm::Block<float>&, const rigid::World&, const rigid::BodySet&,
+                          WallScheme, lbm::CutLinks<float>&);
+template void build_links(const BlockMap&, const lbm::Block<double>&, const rigid::World&, const rigid::BodySet&,
+                          WallScheme, lbm::CutLinks<double>&);
+
+}  // namespace silt::coupler

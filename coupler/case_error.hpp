@@ -1,0 +1,51 @@
+#pragma once
+// What is wrong with a case: where it stands, what was found, what is allowed and what to do.
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adapters/toml/document.hpp"
+
+namespace silt::coupler {
+
+using Place = adapters::Place;
+
+struct Diagnostic {
+  enum class Severity { error, warning };
+  Severity severity = Severity::error;
+  Place place;
+  std::string text;
+
+  /// "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0", with "warning: " before a warning's
+  /// text.
+  std::string line() const;
+};
+
+/// A case that cannot run. what() lists every diagnostic, one a line, in the order of the file.
+class CaseError : public std::runtime_error {
+ public:
+  explicit CaseError(std::vector<Diagnostic>);
+  CaseError(const Place&, const std::string& text);
+  const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+
+ private:
+  std::vector<Diagnostic> diagnostics_;
+};
+
+bool has_errors(std::span<const Diagnostic>);
+/// One line each, errors and warnings in the order given.
+std::string listed(std::span<const Diagnostic>);
+
+/// The name closest to `wanted` by edit distance (a swap of neighbours counts one), or "" if none is close:
+/// more than a third of the letters differ, and neither begins with or contains the other.
+std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
+/// "a, b, c"
+std::string joined(std::span<const std::string> names, std::string_view separator = ", ");
+/// "; did you mean 'kinematic_viscosity'? known: a, b, c", without the question if nothing is close.
+std::string suggestion(std::string_view wanted, std::span<const std::string> names);
+/// The shortest text that reads back as x to six digits: 1e-06, 0.25.
+std::string shown(double x);
+
+}  // namespace silt::coupler

@@ -1,0 +1,30 @@
+#pragma once
+// The readers of the sections of a case file, in the order read_case calls them. Each reads its keys from the
+// root table and leaves what it found in the Case; errors go to the reader's context.
+#include "coupler/case.hpp"
+#include "coupler/case_reader.hpp"
+
+namespace silt::coupler {
+
+// read_domain.cpp
+void read_units(TableReader& root, Case&);   // first: everything after it converts
+void read_domain(TableReader& root, Case&);  // [domain]
+void read_fluid(TableReader& root, Case&);   // [fluid], [coupling], [gravity]
+
+// read_bodies.cpp
+void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
+void read_shapes(TableReader& root, Case&);    // [[shapes]]
+void read_bodies(TableReader& root, Case&);    // [[bodies]]
+void read_fills(TableReader& root, Case&);     // [[fill]]
+
+// read_output.cpp
+void read_run(TableReader& root, Case&);         // [run]
+void read_output(TableReader& root, Case&);      // [output]
+void read_quantities(TableReader& root, Case&);  // [[quantities]]
+
+/// Index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if it is not
+/// there.
+int index_of(TableReader&, std::string_view key, const std::string& name,
+             const std::vector<std::string>& names, std::string_view what);
+
+}  // namespace silt::coupler

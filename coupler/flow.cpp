@@ -1,0 +1,248 @@
+#include "coupler/flow.hpp"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coupler/body_exchange.hpp"
+#include "coupler/build_links.hpp"
+#include "coupler/fluid_forces.hpp"
+#include "coupler/map_bodies.hpp"
+#include "coupler/refill.hpp"
+
+namespace silt::coupler {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+namespace {
+
+/// The anchor takes back this share of the mean density deviation a step.
+constexpr double anchor_rate = 0.01;
+
+std::int64_t to_quanta(double x) { return std::llrint(x / lbm::link_quantum); }
+
+template <class T>
+class FlowOf final : public Flow {
+ public:
+  FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const BodyExchange& exchange)
+      : coupling_(scene.coupling), world_(exchange.world()), fluid_(domain, collision(*scene.fluid), comm),
+        map_(fluid_.domain(), world_, boxes(fluid_)), links_(fluid_.blocks().size()), forces_(coupling_, exchange),
+        anchored_(scene.coupling.pressure_anchor && scene.has_bodies() && !has_outlet(scene)) {}
+
+  void map_bodies(rigid::BodySet& bodies) override {
+    map_(bodies, MapAt::present_pose);
+    counts_.covered = counts_.uncovered = 0;
+    const bool changed = std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
+    if (!changed) return;
+    const ChangedCells cells = changed_cells(map_.blocks());
+    for (const auto& c : cells.covered) hand_over(c, bodies, +1);
+    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
+    for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
+    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
+    rebuild_links(bodies);
+  }
+
+  void stream_collide() override {
+    const double cells = double(anchor_.fluid_cells);
+    if (anchored_ && cells > 0)
+      fluid_.set_anchor(-anchor_rate * double(anchor_.mass) * lbm::link_quantum / cells);
+    fluid_.stream_collide();
+    // What the anchor has done, to the quantum; the rounding of single cells is not seen.
+    if (anchored_) anchor_.mass -= to_quanta(anchor_rate * double(anchor_.mass) * lbm::link_quantum);
+  }
+
+  void communicate() override { fluid_.exchange(); }
+
+  void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
+    mass_gained_ += forces_(fluid_, map_.blocks(), links_, bodies, gravity);
+    if (!anchored_) return;
+    std::int64_t mine[2] = {mass_gained_, cells_gained_}, all[2];
+    MPI_Allreduce(mine, all, 2, MPI_INT64_T, MPI_SUM, fluid_.comm());
+    anchor_.mass += all[0], anchor_.fluid_cells += all[1];
+    mass_gained_ = cells_gained_ = 0;
+  }
+
+  const lbm::Domain& domain() const override { return fluid_.domain(); }
+  int blocks() const override { return int(fluid_.blocks().size()); }
+  const lbm::CellBox& block(int b) const override { return fluid_.blocks()[b].box(); }
+  bool is_fluid(int b, Int3 x) const override { return !map_.blocks()[b].solid.test(x); }
+  lbm::Moments moments(int b, Int3 x) const override { return fluid_.moments(b, x); }
+  std::array<double, 3> velocity(const lbm::Moments& m) const override { return fluid_.velocity(m); }
+  void set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) override {
+    fluid_.set_equilibrium(b, x, rho, u);
+  }
+  double arriving(int b, Int3 x, int i) const override { return fluid_.arriving(b, x, i); }
+  void set_arriving(int b, Int3 x, int i, double g) override { fluid_.arriving(b, x, i) = T(g); }
+  std::size_t bytes() const override { return fluid_.bytes(); }
+  MappingCounts mapping() const override { return counts_; }
+  AnchorState anchor() const override { return anchor_; }
+  void set_anchor(const AnchorState& a) override { anchor_ = a, restarted_ = true; }
+
+  void start(rigid::BodySet& bodies) override {
+    map_(bodies, MapAt::mapping_pose);
+    rebuild_links(bodies);
+    if (restarted_) return;
+    const FlowTotals now = totals();
+    anchor_.mass = to_quanta(now.mass_deviation), anchor_.fluid_cells = std::int64_t(now.fluid_cells);
+  }
+
+  FlowTotals totals() const override;
+  std::uint64_t hash() const override;
+
+ private:
+  static lbm::CollisionSpec collision(const FluidSpec& f) {
+    return {f.relaxation_time, f.magic, f.bgk, {f.body_force[0], f.body_force[1], f.body_force[2]}};
+  }
+  static bool has_outlet(const Case& scene) {
+    return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& b) {
+      return b.kind == BoundaryKind::pressure_outlet || b.kind == BoundaryKind::velocity_inlet;
+    });
+  }
+  static std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
+    std::vector<lbm::CellBox> all;
+    for (const auto& b : fluid.blocks()) all.push_back(b.box());
+    return all;
+  }
+
+  void rebuild_links(const rigid::BodySet& bodies) {
+    counts_.links = 0;
+    for (std::size_t b = 0; b < links_.size(); ++b) {
+      const BlockMap& map = map_.blocks()[b];
+      BlockLinks<T>& block = links_[b];
+      if (map.changed) {
+        build_links(map, fluid_.blocks()[b], world_, bodies, coupling_.wall_scheme, block.links);
+        if (coupling_.time == TimeCoupling::implicit_) {
+          block.stiffness.assign(map.masks.size(), {});
+          lbm::sum_stiffness(block.links, block.stiffness.data());
+        }
+      }
+      counts_.links += block.links.size();
+    }
+  }
+
+  /// Mass, and in the exact form momentum, of a cell that a body covered (+1: the body gains it) or left (-1).
+  void hand_over(const CoveredCell& c, const rigid::BodySet& bodies, int sign) {
+    if (!anchored_ && coupling_.force != ForceForm::exact) return;
+    const lbm::Moments m = fluid_.moments(c.block, c.cell);
+    mass_gained_ -= sign * to_quanta(m.density_deviation);
+    cells_gained_ -= sign;
+    if (coupling_.force != ForceForm::exact || !c.body) return;
+    const std::size_t row = bodies.row_of(c.body->id);
+    if (row >= bodies.size()) return;
+    BodyMask present = *c.body;
+    present.pose = bodies.pose(row);
+    Vec3 arm = present.arm(map_.blocks()[c.block].box.lower + c.cell);
+    for (int d = 0; d < 3; ++d)
+      if (fluid_.domain().periodic(d))
+        arm[d] -= fluid_.domain().cells()[d] * std::round(arm[d] / fluid_.domain().cells()[d]);
+    const auto& force = fluid_.spec().force;
+    const Vec3 momentum(m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]);
+    forces_.hand_over(c.body->id, sign * momentum, arm);
+  }
+
+  template <class F>
+  void for_fluid_cells(F&& f) const {
+    for (int b = 0; b < blocks(); ++b) {
+      const Int3 size = block(b).size;
+      for (int z = 0; z < size.z; ++z)
+        for (int y = 0; y < size.y; ++y)
+          for (int x = 0; x < size.x; ++x)
+            if (is_fluid(b, {x, y, z})) f(b, Int3{x, y, z});
+    }
+  }
+
+  CouplingSpec coupling_;
+  const rigid::World& world_;
+  lbm::Fluid<T> fluid_;
+  MapBodies map_;
+  std::vector<BlockLinks<T>> links_;
+  FluidForces<T> forces_;
+  MappingCounts counts_;
+  bool anchored_, restarted_ = false;
+  AnchorState anchor_;
+  std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it
+};
+
+template <class T>
+FlowTotals FlowOf<T>::totals() const {
+  FlowTotals t;
+  std::int64_t sums[5] = {};
+  double high[3] = {0, -std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()};
+  std::int64_t bad = std::numeric_limits<std::int64_t>::max();
+  const Int3 n = domain().cells();
+  for_fluid_cells([&](int b, Int3 x) {
+    const lbm::Moments m = moments(b, x);
+    const auto u = velocity(m);
+    const double speed = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    if (!std::isfinite(m.density_deviation) || !(speed < 1e3)) {
+      const Int3 g = block(b).lower + x;
+      bad = std::min(bad, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x);
+      return;
+    }
+    ++sums[0], sums[1] += to_quanta(m.density_deviation);
+    for (int d = 0; d < 3; ++d) sums[2 + d] += to_quanta(m.momentum[d]);
+    high[0] = std::max(high[0], speed);
+    high[1] = std::max(high[1], -m.density_deviation), high[2] = std::max(high[2], m.density_deviation);
+  });
+  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_INT64_T, MPI_SUM, fluid_.comm());
+  MPI_Allreduce(MPI_IN_PLACE, high, 3, MPI_DOUBLE, MPI_MAX, fluid_.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, fluid_.comm());
+  t.fluid_cells = std::uint64_t(sums[0]);
+  t.mass_deviation = double(sums[1]) * lbm::link_quantum;
+  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[2 + d]) * lbm::link_quantum;
+  t.max_speed = high[0], t.min_density = 1 - high[1], t.max_density = 1 + high[2];
+  t.finite = bad == std::numeric_limits<std::int64_t>::max();
+  if (!t.finite) t.bad_cell = {int(bad % n.x), int(bad / n.x % n.y), int(bad / n.x / n.y)};
+  return t;
+}
+
+template <class T>
+std::uint64_t FlowOf<T>::hash() const {
+  std::uint64_t sum = 0;
+  const Int3 n = domain().cells();
+  for_fluid_cells([&](int b, Int3 x) {
+    const Int3 g = block(b).lower + x;
+    struct {
+      std::int64_t cell;
+      T g[20];  // one spare: no padding bytes in either precision
+    } record{(std::int64_t(g.z) * n.y + g.y) * n.x + g.x, {}};
+    for (int i = 0; i < lbm::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
+    sum += XXH3_64bits(&record, sizeof record);
+  });
+  return sum;
+}
+
+lbm::SideCondition side_condition(const BoundarySpec& b) {
+  lbm::SideCondition s;
+  switch (b.kind) {
+    case BoundaryKind::periodic: s.kind = lbm::SideKind::periodic; break;
+    case BoundaryKind::free_slip: s.kind = lbm::SideKind::free_slip; break;
+    case BoundaryKind::pressure_outlet: s.kind = lbm::SideKind::pressure; break;
+    default: s.kind = lbm::SideKind::bounce;
+  }
+  s.velocity = {b.velocity[0], b.velocity[1], b.velocity[2]};
+  s.density_deviation = b.density - 1;
+  return s;
+}
+
+}  // namespace
+
+lbm::Domain make_domain(const Case& scene, int ranks) {
+  std::array<lbm::SideCondition, 6> sides;
+  for (int s = 0; s < 6; ++s) sides[s] = side_condition(scene.boundary[s]);
+  std::optional<Int3> blocks;
+  if (scene.block_cells) blocks = Int3{(*scene.block_cells)[0], (*scene.block_cells)[1], (*scene.block_cells)[2]};
+  return lbm::Domain({scene.cells[0], scene.cells[1], scene.cells[2]}, sides, blocks, ranks);
+}
+
+std::unique_ptr<Flow> make_flow(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
+                                const BodyExchange& exchange) {
+  if (scene.fluid->precision == Precision::single_)
+    return std::make_unique<FlowOf<float>>(scene, domain, comm, exchange);
+  return std::make_unique<FlowOf<double>>(scene, domain, comm, exchange);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,176 @@
+#include "coupler/fluid_forces.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace silt::coupler {
+
+using rigid::Vec3;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+namespace {
+
+double from_link_quanta(std::int64_t q) { return double(q) * lbm::link_quantum; }
+
+Vec6 force_of(const std::int64_t* row) {
+  Vec6 f;
+  for (int d = 0; d < 6; ++d) f[d] = from_link_quanta(row[d]);
+  return f;
+}
+
+Mat6 stiffness_of(const std::int64_t* row) {
+  Mat6 h;
+  int e = force_width;
+  for (int r = 0; r < 6; ++r)
+    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(row[e]) * lbm::stiffness_quantum;
+  return h;
+}
+
+Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
+  Mat6 m = Mat6::Zero();
+  m.topLeftCorner<3, 3>() = bodies.mass[row] * rigid::Mat3::Identity();
+  const rigid::Mat3 r = bodies.orientation[row].toRotationMatrix();
+  m.bottomRightCorner<3, 3>() = r * bodies.inertia_B[row] * r.transpose();
+  return m;
+}
+
+void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
+  for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
+}
+
+/// On every rank alike: throws if some body's sums left the range of the fixed point, or are not numbers.
+void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
+  std::uint64_t mine = bad, first = 0;
+  MPI_Allreduce(&mine, &first, 1, MPI_UINT64_T, MPI_MIN, comm);
+  if (first != std::numeric_limits<std::uint64_t>::max())
+    throw std::overflow_error("the force on body " + std::to_string(first) +
+                              " is not a number or above 1024 lattice units on one link; the flow around it has become "
+                              "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time");
+}
+
+}  // namespace
+
+template <class T>
+FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange)
+    : spec_(spec), exchange_(exchange),
+      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width) {}
+
+template <class T>
+void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {
+  const Vec3 torque = arm.cross(momentum);
+  HandedOver h{id, {}};
+  for (int d = 0; d < 3; ++d) {
+    h.force[d] = std::llrint(momentum[d] / lbm::link_quantum);
+    h.force[3 + d] = std::llrint(torque[d] / lbm::link_quantum);
+  }
+  handed_over_.push_back(h);
+}
+
+/// The sparse pass of every block, with the velocities at the beginning of the step.
+template <class T>
+std::int64_t FluidForces<T>::apply(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
+                                   std::span<BlockLinks<T>> links, const rigid::BodySet& bodies) {
+  const auto form = spec_.force == ForceForm::galilean ? lbm::ForceForm::galilean : lbm::ForceForm::exact;
+  std::int64_t mass = 0;
+  rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
+  for (std::size_t b = 0; b < maps.size(); ++b) {
+    const auto& masks = maps[b].masks;
+    BlockLinks<T>& block = links[b];
+    block.motions.resize(masks.size());
+    block.sums.assign(masks.size(), {});
+    if (block.links.runs.empty()) continue;
+    for (std::size_t k = 0; k < masks.size(); ++k)
+      set_motion(block.motions[k], bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
+    lbm::apply_cut_links(fluid.blocks()[b], fluid.parity(), block.links, block.motions.data(), form,
+                         block.sums.data());
+    for (std::size_t k = 0; k < masks.size(); ++k) {
+      mass += block.sums[k].mass;
+      if (block.sums[k].invalid) bad = std::min(bad, masks[k].id);
+    }
+  }
+  require_in_range(exchange_.comm(), bad);
+  return mass;
+}
+
+/// Sums of all blocks and what was handed over, a row each, at the owners.
+template <class T>
+void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const BlockLinks<T>> links,
+                            const rigid::BodySet& bodies) {
+  rows_.assign(bodies.size() * width_, 0);
+  for (std::size_t b = 0; b < maps.size(); ++b)
+    for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
+      std::int64_t* const row = rows_.data() + maps[b].masks[k].row * width_;
+      const lbm::LinkSums& sums = links[b].sums[k];
+      for (int d = 0; d < 3; ++d) row[d] += sums.force[d], row[3 + d] += sums.torque[d];
+      if (width_ == implicit_width)
+        for (int e = 0; e < 21; ++e) row[force_width + e] += links[b].stiffness[k].h[e];
+    }
+  for (const auto& h : handed_over_)
+    if (const std::size_t row = bodies.row_of(h.id); row < bodies.size())
+      for (int d = 0; d < 6; ++d) rows_[row * width_ + d] += h.force[d];
+  handed_over_.clear();
+  exchange_.sum_to_owners(bodies, rows_, width_);
+}
+
+template <class T>
+void FluidForces<T>::add_explicit(rigid::BodySet& bodies) const {
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const Vec6 f = force_of(rows_.data() + row * width_);
+    bodies.add_force(row, f.template head<3>()), bodies.add_torque(row, f.template tail<3>());
+  }
+}
+
+template <class T>
+std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
+                                            std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
+                                            const Vec3& gravity) {
+  std::vector<double> delta(bodies.size() * 6, 0.0);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const Vec6 f = force_of(rows_.data() + row * width_);
+    Vec6 applied = f;
+    if (bodies.is_free(row)) {
+      const Mat6 m = mass_matrix(bodies, row), h = stiffness_of(rows_.data() + row * width_);
+      Vec6 external;
+      external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
+          bodies.torque[row].value();
+      const Vec6 d = (m + h).ldlt().solve(f + external);
+      applied = m * d - external;
+      Eigen::Map<Vec6>(delta.data() + row * 6) = d;
+    }
+    bodies.add_force(row, applied.template head<3>()), bodies.add_torque(row, applied.template tail<3>());
+  }
+  exchange_.share_with_copies(bodies, delta, 6);
+  std::int64_t mass = 0;
+  for (std::size_t b = 0; b < maps.size(); ++b) {
+    BlockLinks<T>& block = links[b];
+    if (block.links.runs.empty()) continue;
+    for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
+      const double* const d = delta.data() + maps[b].masks[k].row * 6;
+      set_motion(block.motions[k], Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
+      block.sums[k] = {};
+    }
+    lbm::correct_cut_links(fluid.blocks()[b], fluid.parity(), block.links, block.motions.data(), block.sums.data());
+    for (const auto& s : block.sums) mass += s.mass;
+  }
+  return mass;
+}
+
+template <class T>
+std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
+                                        std::span<BlockLinks<T>> links, rigid::BodySet& bodies, const Vec3& gravity) {
+  std::int64_t mass = apply(fluid, maps, links, bodies);
+  gather(maps, links, bodies);
+  if (spec_.time == TimeCoupling::implicit_)
+    mass += solve_implicit(fluid, maps, links, bodies, gravity);
+  else
+    add_explicit(bodies);
+  return mass;
+}
+
+template class FluidForces<float>;
+template class FluidForces<double>;
+
+}  // namespace silt::coupler

@@ -1,0 +1,36 @@
+#pragma once
+// Object mapping: a cell is solid if its centre is inside a body (the paper, section IV). Where bodies overlap, the
+// lower id has the cell. Depends on nothing but the poses, so every rank that sees a cell agrees on it.
+#include <span>
+
+#include "coupler/solid_map.hpp"
+#include "lbm/domain.hpp"
+#include "rigid/body_set.hpp"
+#include "rigid/world.hpp"
+
+namespace silt::coupler {
+
+enum class MapAt { present_pose, mapping_pose };
+
+class MapBodies {
+ public:
+  MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks);
+
+  /// Renews the maps of all blocks and each held row's mapping_pose. A block in which no pose changed keeps its map:
+  /// `changed` is false there and `before` equals `solid`.
+  void operator()(rigid::BodySet&, MapAt);
+  std::vector<BlockMap>& blocks() { return blocks_; }
+  const std::vector<BlockMap>& blocks() const { return blocks_; }
+
+ private:
+  void map_block(BlockMap&, const rigid::BodySet&, MapAt);
+  void find_masks(const BlockMap&, const rigid::BodySet&, MapAt, std::vector<BodyMask>& found) const;
+  void mark(const BlockMap&, const rigid::Shape&, BodyMask&) const;
+
+  const lbm::Domain& domain_;
+  const rigid::World& world_;
+  std::vector<std::vector<rigid::Part>> parts_;  // of each shape
+  std::vector<BlockMap> blocks_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,301 @@
+// [contacts], [[materials]], [[material_pairs]], [[shapes]], [[bodies]], [[fill]]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coupler/case_sections.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Quat;
+using rigid::Vec3;
+
+constexpr auto unit_interval = range::between(0, 1);
+
+void read_material_pairs(TableReader& root, Case& scene) {
+  const int count = static_cast<int>(scene.material_names.size());
+  for (TableReader& pair : root.tables("material_pairs")) {
+    const Node* between = pair.find("between");
+    if (!between) {
+      pair.missing("between", "the names of two materials");
+      continue;
+    }
+    int index[2] = {-1, -1};
+    const bool two_names = between->kind == Node::Kind::array && between->children.size() == 2 &&
+                           between->children[0].kind == Node::Kind::string &&
+                           between->children[1].kind == Node::Kind::string;
+    if (two_names)
+      for (int k = 0; k < 2; ++k)
+        index[k] = index_of(pair, "between", between->children[k].string, scene.material_names, "material");
+    else
+      pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
+    const auto restitution = pair.number("restitution", unit_interval);
+    const auto friction = pair.number("friction", range::at_least(0));
+    if (index[0] < 0 || index[1] < 0) continue;
+    for (const int at : {index[0] * count + index[1], index[1] * count + index[0]}) {
+      rigid::Material& material = scene.pair_materials[at];
+      material.restitution = restitution.value_or(material.restitution);
+      material.friction = friction.value_or(material.friction);
+    }
+  }
+}
+
+void read_materials(TableReader& root, const rigid::Material& standard, Case& scene) {
+  scene.material_names = {"default"};
+  for (TableReader& entry : root.tables("materials")) {
+    if (!entry.has("name")) entry.missing("name", "what bodies and pairs call the material");
+    const auto name = entry.string("name");
+    if (!name) continue;
+    if (std::count(scene.material_names.begin(), scene.material_names.end(), *name))
+      entry.fail("name", fmt::format("{}: there already is a material '{}'", entry.path("name"), *name));
+    scene.material_names.push_back(*name);
+  }
+  scene.pair_materials.assign(scene.material_names.size() * scene.material_names.size(), standard);
+  read_material_pairs(root, scene);
+}
+
+// From one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
+// points.
+Quat read_orientation(TableReader& table) {
+  const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
+  if (given == "orientation") {
+    const Node* node = table.find(given);
+    double q[4] = {};
+    bool good = node->kind == Node::Kind::array && node->children.size() == 4;
+    for (int i = 0; good && i < 4; ++i) {
+      good = node->children[i].is_number() && std::isfinite(node->children[i].number());
+      if (good) q[i] = node->children[i].number();
+    }
+    const Quat orientation(q[0], q[1], q[2], q[3]);
+    if (good && orientation.norm() > 0) return orientation.normalized();
+    table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
+  } else if (given == "axis_angle") {
+    TableReader turn = table.table(given);
+    if (turn.present() && !turn.has("axis")) turn.missing("axis", "what to turn about, [x, y, z]");
+    if (turn.present() && !turn.has("degrees")) turn.missing("degrees", "how far to turn about the axis");
+    const auto axis = turn.vector("axis");
+    const auto degrees = turn.number("degrees", range::any);
+    if (axis && axis->norm() == 0) turn.refuse("axis", "a direction, not all 0");
+    if (axis && degrees && axis->norm() > 0)
+      return Quat(Eigen::AngleAxisd(*degrees * std::numbers::pi / 180, axis->normalized())).normalized();
+  } else if (given == "axis") {
+    const auto axis = table.vector(given);
+    if (axis && axis->norm() > 0) return Quat::FromTwoVectors(Vec3::UnitZ(), *axis).normalized();
+    if (axis) table.refuse(given, "a direction, not all 0");
+  }
+  return Quat::Identity();
+}
+
+double read_radius(TableReader& table) {
+  const std::string given = table.one_of({"radius", "diameter"}, true, "how large it is");
+  const double x = given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2);
+  return given == "diameter" ? x / 2 : x;
+}
+
+rigid::ConvexShape read_convex(TableReader& table, const std::string& type) {
+  if (type == "sphere") return rigid::Sphere{read_radius(table)};
+  if (type == "capsule") {
+    if (!table.has("length")) table.missing("length", "of the segment between the centres of the two ends");
+    const double radius = read_radius(table);
+    return rigid::Capsule{radius,
+                          table.quantity("length", dimension::length, range::above(0)).value_or(2) / 2};
+  }
+  if (!table.has("edges")) table.missing("edges", "the lengths of the box, [x, y, z]");
+  const Vec3 edges = table.vector("edges", dimension::length).value_or(Vec3::Ones());
+  if (edges.minCoeff() <= 0) table.refuse("edges", "above 0 in each direction");
+  return rigid::Box{edges / 2};
+}
+
+const std::vector<std::string> convex_types = {"sphere", "box", "capsule"};
+const std::vector<std::string> shape_types = {"sphere", "box", "capsule", "compound"};
+
+rigid::Compound read_compound(TableReader& table) {
+  rigid::Compound compound;
+  if (!table.has("parts"))
+    table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
+  for (TableReader& part : table.tables("parts")) {
+    if (!part.has("type")) part.missing("type", "one of " + joined(convex_types));
+    const auto type = part.choice("type", convex_types);
+    if (!type) part.judge_no_keys();
+    if (!type) continue;
+    rigid::Pose pose;
+    pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
+    pose.orientation = read_orientation(part);
+    compound.parts.push_back({read_convex(part, *type), pose});
+  }
+  if (compound.parts.empty() && table.has("parts"))
+    table.fail("parts", table.path("parts") + " has no usable part");
+  return compound;
+}
+
+rigid::Shape as_shape(const rigid::ConvexShape& convex) {
+  return std::visit([](const auto& shape) -> rigid::Shape { return shape; }, convex);
+}
+
+int read_shape_name(TableReader& table, const Case& scene) {
+  if (!table.has("shape"))
+    table.missing("shape", "the name of one of [[shapes]]: " + joined(scene.shape_names));
+  const auto name = table.string("shape");
+  return name ? std::max(0, index_of(table, "shape", *name, scene.shape_names, "shape")) : 0;
+}
+
+int read_material_name(TableReader& table, const Case& scene) {
+  const auto name = table.string("material");
+  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
+}
+
+// Entries of one name make one kind, of one shape; without a name it is the shape's.
+int read_kind(TableReader& table, int shape, Case& scene) {
+  const std::string fallback =
+      shape < static_cast<int>(scene.shape_names.size()) ? scene.shape_names[shape] : std::string("body");
+  const std::string name = table.string("name").value_or(fallback);
+  const auto found = std::find(scene.kind_names.begin(), scene.kind_names.end(), name);
+  const int kind = static_cast<int>(found - scene.kind_names.begin());
+  if (found == scene.kind_names.end()) {
+    scene.kind_names.push_back(name);
+    scene.kind_shapes.push_back(shape);
+  } else if (scene.kind_shapes[kind] != shape) {
+    table.fail("name",
+               fmt::format(
+                   "{}: another entry of the name '{}' has the shape '{}', this one '{}'; entries of one "
+                   "name have one shape: give them different names",
+                   table.path(), name, scene.shape_names[scene.kind_shapes[kind]], scene.shape_names[shape]));
+  }
+  return kind;
+}
+
+double read_density(TableReader& table) {
+  if (!table.has("density")) table.missing("density", "of the body, in the units of the case");
+  return table.quantity("density", dimension::density, range::above(0)).value_or(1);
+}
+
+std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
+  std::vector<Vec3> positions;
+  const std::string given = table.one_of({"position", "positions"}, true, "where the body is");
+  if (given == "position") {
+    if (const auto x = table.vector(given, dimension::length)) positions.push_back(*x);
+  } else if (given == "positions") {
+    const Node* node = table.find(given);
+    if (node->kind != Node::Kind::array || node->children.empty()) {
+      table.refuse(given, "a list of positions, [[x, y, z], ...]");
+      return positions;
+    }
+    for (std::size_t i = 0; i < node->children.size(); ++i)
+      if (const auto x =
+              read_vector(table.context(), node->children[i], fmt::format("{}[{}]", table.path(given), i)))
+        positions.push_back(*x / units.cell_size);
+  }
+  return positions;
+}
+
+}  // namespace
+
+void read_contacts(TableReader& root, Case& scene) {
+  rigid::Material standard;
+  TableReader table = root.table("contacts");
+  if (table.present()) {
+    ContactSpec& c = scene.contacts;
+    c.backend = table.choice("backend", {"auto", "analytic", "bullet", "fcl"}).value_or(c.backend);
+    c.resolver = table.choice("resolver", {"sffd", "ffd"}).value_or(c.resolver);
+    standard.restitution = table.number("restitution", unit_interval).value_or(0);
+    standard.friction = table.number("friction", range::at_least(0)).value_or(0);
+    auto& settings = c.resolver_settings;
+    settings.max_sweeps = static_cast<int>(table.integer("sweeps", 1, 100000).value_or(settings.max_sweeps));
+    settings.correction = table.number("correction", unit_interval).value_or(settings.correction);
+    c.substeps = static_cast<int>(table.integer("substeps", 1, 100000).value_or(c.substeps));
+    c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);
+  }
+  read_materials(root, standard, scene);
+}
+
+void read_shapes(TableReader& root, Case& scene) {
+  for (TableReader& table : root.tables("shapes")) {
+    if (!table.has("name")) table.missing("name", "what bodies call the shape");
+    if (!table.has("type")) table.missing("type", "one of " + joined(shape_types));
+    const std::string name = table.string("name").value_or("");
+    if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
+        table.find("type")->string == "half-space") {
+      table.fail("type",
+                 fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
+                             "body's shape is one of {}",
+                             table.path("type"), joined(shape_types)));
+      table.judge_no_keys();
+    } else if (const auto type = table.choice("type", shape_types)) {
+      scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table))
+                                                 : as_shape(read_convex(table, *type)));
+    } else {
+      table.judge_no_keys();
+    }
+    scene.shapes.resize(scene.shape_names.size() + 1, rigid::Sphere{1});
+    if (std::count(scene.shape_names.begin(), scene.shape_names.end(), name))
+      table.fail("name", fmt::format("{}: there already is a shape '{}'", table.path("name"), name));
+    scene.shape_names.push_back(name);
+  }
+}
+
+void read_bodies(TableReader& root, Case& scene) {
+  int entry = 0;
+  for (TableReader& table : root.tables("bodies")) {
+    BodySpec body;
+    body.entry = entry++;
+    body.shape = read_shape_name(table, scene);
+    body.material = read_material_name(table, scene);
+    body.kind = read_kind(table, body.shape, scene);
+    body.density = read_density(table);
+    const auto motion = table.choice("motion", {"free", "fixed", "prescribed"}).value_or("free");
+    body.motion = motion == "free"    ? rigid::Motion::free
+                  : motion == "fixed" ? rigid::Motion::fixed
+                                      : rigid::Motion::prescribed;
+    body.pose.orientation = read_orientation(table);
+    if (motion == "fixed") {
+      for (const char* key : {"velocity", "angular_velocity"})
+        if (table.has(key))
+          table.fail(key, fmt::format("{} is given for a fixed body; remove it, or set motion = "
+                                      "\"prescribed\"",
+                                      table.path(key)));
+    } else {
+      body.velocity = table.vector("velocity", dimension::velocity).value_or(body.velocity);
+      body.angular_velocity =
+          table.vector("angular_velocity", dimension::angular_velocity).value_or(body.angular_velocity);
+    }
+    for (const Vec3& position : read_positions(table, scene.units)) {
+      body.pose.position = position;
+      scene.bodies.push_back(body);
+    }
+  }
+}
+
+void read_fills(TableReader& root, Case& scene) {
+  for (TableReader& table : root.tables("fill")) {
+    FillSpec fill;
+    fill.shape = read_shape_name(table, scene);
+    fill.material = read_material_name(table, scene);
+    fill.kind = read_kind(table, fill.shape, scene);
+    fill.density = read_density(table);
+    if (!table.has("count")) table.missing("count", "how many bodies to place");
+    fill.count = static_cast<int>(table.integer("count", 1, 100'000'000).value_or(1));
+    fill.gap = table.quantity("gap", dimension::length, range::at_least(0)).value_or(fill.gap);
+    fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
+    fill.random_orientation =
+        table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
+    for (int d = 0; d < 3; ++d) fill.upper[d] = scene.cells[d];
+    if (const Node* box = table.find("box")) {
+      if (box->kind == Node::Kind::array && box->children.size() == 2) {
+        const auto lower = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
+        const auto upper = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
+        if (lower && upper)
+          fill.lower = *lower / scene.units.cell_size, fill.upper = *upper / scene.units.cell_size;
+        if (lower && upper && (fill.upper - fill.lower).minCoeff() <= 0)
+          table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
+      } else {
+        table.refuse("box", "two corners, [[x, y, z], [x, y, z]]");
+      }
+    }
+    scene.fills.push_back(fill);
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,120 @@
+// [run], [output], [[quantities]]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/case_sections.hpp"
+
+namespace silt::coupler {
+namespace {
+
+void read_series(TableReader& series, SeriesSpec& spec) {
+  if (!series.present()) return;
+  if (!series.has("every")) series.missing("every", "the number of steps between two writes (0: never)");
+  spec.every = series.integer("every", 0).value_or(0);
+}
+
+void read_field_names(TableReader& fields, OutputSpec& output) {
+  const std::vector<std::string> known = {"velocity", "density"};
+  const Node* list = fields.find("quantities");
+  if (!fields.present()) return;
+  if (!list) {
+    output.quantities = known;
+    return;
+  }
+  const bool strings = list->kind == Node::Kind::array && !list->children.empty() &&
+                       std::all_of(list->children.begin(), list->children.end(),
+                                   [](const Node& n) { return n.kind == Node::Kind::string; });
+  if (!strings) {
+    fields.refuse("quantities", "a list out of " + joined(known));
+    return;
+  }
+  for (const Node& name : list->children)
+    if (index_of(fields, "quantities", name.string, known, "quantity") >= 0)
+      output.quantities.push_back(name.string);
+}
+
+const std::vector<std::string> quantity_types = {
+    "max-speed",          "drag-coefficient", "profile-error", "taylor-green-velocity",
+    "taylor-green-decay", "mean-height",      "drift",         "max-height-after"};
+
+bool is_about_bodies(const std::string& type) {
+  return type == "max-speed" || type == "drag-coefficient" || type == "mean-height" || type == "drift" ||
+         type == "max-height-after";
+}
+
+bool has_axis(const std::string& type) {
+  return type == "drag-coefficient" || type == "mean-height" || type == "max-height-after";
+}
+
+}  // namespace
+
+void read_run(TableReader& root, Case& scene) {
+  if (!root.has("run")) root.missing("run", "a table [run] with steps or time");
+  TableReader run = root.table("run");
+  if (!run.present()) return;
+  const std::string given = run.one_of({"steps", "time"}, true, "how long the run is");
+  if (given == "steps") {
+    scene.steps = run.integer("steps", 1).value_or(1);
+  } else if (given == "time") {
+    constexpr double most_steps = 1e15;
+    const double steps = run.quantity("time", dimension::time, range::above(0)).value_or(1);
+    if (root.context().units_known && !(steps < most_steps))
+      run.refuse("time",
+                 fmt::format("less than {} steps of {}", shown(most_steps), shown(scene.units.time_step)));
+    else
+      scene.steps = std::max<std::int64_t>(1, std::llround(steps));
+  }
+}
+
+void read_output(TableReader& root, Case& scene) {
+  TableReader table = root.table("output");
+  if (!table.present()) return;
+  OutputSpec& output = scene.output;
+  TableReader fields = table.table("fields"), bodies = table.table("bodies");
+  TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
+  read_series(fields, output.fields);
+  read_series(bodies, output.bodies);
+  read_series(checkpoint, output.checkpoint);
+  read_series(report, output.report);
+  read_field_names(fields, output);
+  output.keep_checkpoints =
+      static_cast<int>(checkpoint.integer("keep", 1, 1000).value_or(output.keep_checkpoints));
+}
+
+void read_quantities(TableReader& root, Case& scene) {
+  std::vector<std::string> names;
+  for (TableReader& table : root.tables("quantities")) {
+    QuantitySpec quantity;
+    if (!table.has("name")) table.missing("name", "what report.json calls the quantity");
+    if (!table.has("type")) table.missing("type", "one of " + joined(quantity_types));
+    quantity.name = table.string("name").value_or("");
+    if (!quantity.name.empty() && std::count(names.begin(), names.end(), quantity.name))
+      table.fail("name",
+                 fmt::format("{}: there already is a quantity '{}'", table.path("name"), quantity.name));
+    names.push_back(quantity.name);
+    const auto type = table.choice("type", quantity_types);
+    if (!type) table.judge_no_keys();
+    if (!type) continue;
+    quantity.type = *type;
+    if (is_about_bodies(*type))
+      if (const auto body = table.string("body"))
+        quantity.kind = index_of(table, "body", *body, scene.kind_names, "name of [[bodies]] or [[fill]]");
+    if (has_axis(*type)) {
+      const std::string axis = table.choice("axis", {"x", "y", "z"}).value_or("z");
+      quantity.axis = axis[0] - 'x';
+    }
+    if (*type == "profile-error") {
+      if (!table.has("profile")) table.missing("profile", "channel or duct");
+      quantity.profile = table.choice("profile", {"channel", "duct"}).value_or("channel");
+    }
+    if (*type == "max-height-after") {
+      if (!table.has("time")) table.missing("time", "from when on");
+      quantity.time = table.quantity("time", dimension::time, range::at_least(0)).value_or(0);
+    }
+    scene.quantities.push_back(quantity);
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,137 @@
+#include "coupler/scene.hpp"
+
+#include <algorithm>
+
+#include "adapters/automatic/collision_factory.hpp"
+#include "coupler/fill.hpp"
+#include "rigid/walls.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::Vec3;
+
+// Cells by which the blocks are grown when the holders of a body are found. With fluid: the ghost layer, the cell
+// behind a link's fluid cell, and the largest motion of a step that the guard lets pass.
+constexpr double ghost_layers = 2, largest_motion = 1;
+// Without: what rounding may do to a contact point between two blocks.
+constexpr double dry_slack = 1e-3;
+
+double rim_of(const Case& scene) {
+  return scene.contacts.margin / 2 + (scene.fluid ? ghost_layers + largest_motion : scene.contacts.margin / 2 + dry_slack);
+}
+
+int size_of(MPI_Comm comm) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  return ranks;
+}
+
+rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shapes) {
+  rigid::World world;
+  for (const CentredShape& s : shapes) {
+    world.shapes.push_back(s.shape);
+    world.bounding_radii.push_back(s.bounding_radius);
+  }
+  world.materials = scene.pair_materials;
+  world.material_count = static_cast<int>(scene.material_names.size());
+  world.gravity = scene.gravity;
+  world.contact_margin = scene.contacts.margin;
+  return world;
+}
+
+std::array<rigid::WallSpec, 6> walls_of(const Case& scene) {
+  std::array<rigid::WallSpec, 6> walls;
+  for (int side = 0; side < 6; ++side) {
+    const BoundarySpec& boundary = scene.boundary[side];
+    walls[side].solid = boundary.kind != BoundaryKind::periodic && boundary.solid_for_bodies;
+    if (boundary.kind == BoundaryKind::moving) walls[side].velocity = boundary.velocity;
+  }
+  return walls;
+}
+
+void store(const Vec3& v, double* to) { Eigen::Map<Vec3>{to} = v; }
+
+}  // namespace
+
+std::vector<CentredShape> centred_shapes(const Case& scene) {
+  std::vector<CentredShape> shapes;
+  for (const rigid::Shape& given : scene.shapes) {
+    const rigid::MassProperties mass = rigid::mass_properties(given);
+    CentredShape s{rigid::recentred(given, mass.centre), mass.volume, 0, mass.centre, mass.inertia};
+    s.bounding_radius = rigid::bounding_radius(s.shape);
+    shapes.push_back(std::move(s));
+  }
+  return shapes;
+}
+
+std::vector<rigid::BodyRecord> body_records(const Case& scene, const std::vector<CentredShape>& shapes) {
+  std::vector<rigid::BodyRecord> records;
+  for (const BodySpec& body : place_bodies(scene)) {
+    const CentredShape& shape = shapes[body.shape];
+    rigid::BodyRecord r;
+    r.id = records.size() + 1;
+    r.shape = body.shape, r.material = body.material, r.kind = body.kind;
+    r.motion = body.motion;
+    r.mass = body.density * shape.volume;
+    r.weight_factor = scene.fluid ? 1 - 1 / body.density : 1;  // buoyancy: the fluid's density is 1
+    Eigen::Map<rigid::Mat3>{r.inertia_B} = body.density * shape.inertia;
+    const rigid::Quat q = body.pose.orientation.normalized();
+    store(body.pose.to_world(shape.centre), r.position);
+    r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
+    store(body.velocity, r.velocity);
+    store(body.angular_velocity, r.angular_velocity);
+    records.push_back(r);
+  }
+  return records;
+}
+
+Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
+    : setup(scene), comm(communicator), ranks(size_of(communicator)), domain(make_domain(setup, ranks)) {
+  MPI_Comm_rank(comm, &rank);
+  const auto shapes = centred_shapes(setup);
+  world = make_world(setup, shapes);
+  const auto records = saved ? saved->records : body_records(setup, shapes);
+  take_bodies(records, saved);
+  body_count = records.size();
+  anything_moves = std::any_of(records.begin(), records.end(),
+                               [](const rigid::BodyRecord& r) { return r.motion != rigid::Motion::fixed; });
+  if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
+  exchange = std::make_unique<BodyExchange>(comm, domain, world, rim_of(setup));
+  exchange->distribute(bodies);
+  if (anything_moves) {
+    backend = adapters::make_backend(setup.contacts.backend);
+    resolver = rigid::make_resolver(setup.contacts.resolver, setup.contacts.resolver_settings);
+    rigid_step = std::make_unique<rigid::RigidStep>(world, *backend, *resolver, *exchange);
+  }
+  if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
+}
+
+/// Every body as an owned row; fresh ones wrapped into the domain, at rest on the lattice where they start.
+void Scene::take_bodies(std::span<const rigid::BodyRecord> records, const SavedBodies* saved) {
+  const rigid::Extent extent = extent_of(setup);
+  for (const rigid::BodyRecord& r : records) bodies.add(r);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (saved) {
+      bodies.stored_impulses[row] = saved->impulses[row];
+      continue;
+    }
+    extent.wrap(bodies.position[row], bodies.image[row]);
+    bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
+    bodies.mapping_pose[row] = bodies.pose(row);
+  }
+  bodies.reindex();
+}
+
+SceneParts Scene::parts() {
+  SceneParts parts;
+  parts.flow = flow.get();
+  parts.rigid_step = rigid_step.get();
+  parts.substeps = setup.contacts.substeps;
+  parts.gravity = setup.gravity;
+  parts.bodies = body_count > 0;
+  return parts;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,222 @@
+#include "coupler/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "coupler/analytic_flow.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/reduce.hpp"
+#include "coupler/state_hash.hpp"
+
+namespace silt::coupler {
+
+using rigid::BodyId;
+using rigid::Vec3;
+
+Simulation::Simulation(const Case& scene, MPI_Comm comm) : Simulation(scene, comm, nullptr) {}
+Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState& saved) : Simulation(scene, comm, &saved) {}
+
+Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved)
+    : scene_(scene, comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
+  if (scene_.flow) {
+    if (saved) {
+      saved->set_populations(*scene_.flow);
+      scene_.flow->set_anchor(saved->anchor);
+    } else {
+      set_initial_flow(setup(), *scene_.flow);
+    }
+    scene_.flow->start(scene_.bodies);
+  }
+  if (saved) {
+    step_ = saved->step;
+    if (scene_.rank == 0) counters_ = saved->counters;
+    initial_ = saved->initial;
+    fluid_speed_ = saved->fluid_speed;
+  } else {
+    initial_ = balance();
+    check_bodies(setup(), scene_.bodies, step_, scene_.rank);
+  }
+}
+
+SceneParts Simulation::observed_parts() {
+  SceneParts parts = scene_.parts();
+  if (parts.flow && parts.bodies) parts.forces_seen = [this](const rigid::BodySet& bodies) { see_forces(bodies); };
+  return parts;
+}
+
+void Simulation::step() {
+  const auto begin = std::chrono::steady_clock::now();
+  const rigid::RigidStepReport report = coupled_step_(scene_.bodies);
+  if (!scene_.rigid_step) {  // nothing has consumed them
+    std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
+    std::fill(scene_.bodies.torque.begin(), scene_.bodies.torque.end(), rigid::FixedVec3{});
+  }
+  ++step_;
+  count(report);
+  if (scene_.anything_moves) check_bodies(setup(), scene_.bodies, step_, scene_.rank);
+  step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void Simulation::run(std::int64_t steps) {
+  for (std::int64_t i = 0; i < steps; ++i) {
+    step();
+    if (scene_.flow && step_ % guard_interval == 0) look_at_flow();
+  }
+}
+
+void Simulation::see_forces(const rigid::BodySet& bodies) {
+  seen_loads_.resize(bodies.owned);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const Vec3 force = bodies.force[row].value(), torque = bodies.torque[row].value();
+    seen_loads_[row] = {bodies.id[row], {force[0], force[1], force[2], torque[0], torque[1], torque[2]}};
+  }
+}
+
+void Simulation::count(const rigid::RigidStepReport& report) {
+  if (scene_.flow && scene_.body_count > 0) {
+    const MappingCounts mapping = scene_.flow->mapping();
+    counters_.covered += mapping.covered;
+    counters_.uncovered += mapping.uncovered;
+  }
+  last_contacts_ = report.resolver.contacts;
+  counters_.contacts += report.resolver.contacts;
+  counters_.mixed_owner_contacts += report.mixed_owner_contacts;
+  if (scene_.rank == 0) counters_.sweeps += report.resolver.sweeps;  // the same on every rank
+  counters_.infeasible += report.resolver.infeasible;
+  counters_.penetration = std::max(counters_.penetration, report.resolver.penetration);
+  counters_.residual = std::max(counters_.residual, report.resolver.residual);
+  double speed2 = 0;
+  for (std::size_t row = 0; row < scene_.bodies.owned; ++row)
+    speed2 = std::max(speed2, scene_.bodies.velocity[row].squaredNorm());
+  counters_.body_speed = std::max(counters_.body_speed, std::sqrt(speed2));
+}
+
+RunCounters Simulation::counters() const {
+  RunCounters c = counters_;
+  c.migrations += scene_.exchange->counters().migrations;
+  if (scene_.backend) {
+    c.queries += scene_.backend->counters().queries;
+    c.fallbacks += scene_.backend->counters().fallbacks;
+  }
+  std::uint64_t sums[] = {c.covered, c.uncovered,  c.migrations, c.contacts, c.mixed_owner_contacts,
+                          c.sweeps,  c.infeasible, c.queries,    c.fallbacks};
+  sum_over_ranks(scene_.comm, sums);
+  double most[] = {c.body_speed, c.penetration, c.residual};
+  max_over_ranks(scene_.comm, most);
+  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[8], most[0], most[1], most[2]};
+}
+
+// ---- what a program may do ----
+
+void Simulation::require_movable(BodyId id) const {
+  const rigid::BodySet& bodies = scene_.bodies;
+  const std::size_t row = bodies.row_of(id);
+  double found[2] = {0, 0};  // there, not fixed
+  if (row < bodies.owned) found[0] = 1, found[1] = bodies.motion[row] != rigid::Motion::fixed;
+  max_over_ranks(scene_.comm, found);
+  if (found[0] == 0) throw std::invalid_argument(fmt::format("there is no body {}", id));
+  if (found[1] == 0) throw std::invalid_argument(fmt::format("body {} is fixed", id));
+}
+
+void Simulation::add_force(BodyId id, const Vec3& force, const Vec3& torque) {
+  require_movable(id);
+  rigid::BodySet& bodies = scene_.bodies;
+  const std::size_t row = bodies.row_of(id);
+  if (row >= bodies.owned) return;
+  bodies.add_force(row, force);
+  bodies.add_torque(row, torque);
+}
+
+void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angular_velocity) {
+  require_movable(id);
+  rigid::BodySet& bodies = scene_.bodies;
+  const std::size_t row = bodies.row_of(id);
+  if (row < bodies.size()) bodies.set_velocity(row, velocity, angular_velocity);  // owner and copies alike
+}
+
+void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
+  require_movable(id);
+  rigid::BodySet& bodies = scene_.bodies;
+  const std::size_t row = bodies.row_of(id);
+  if (row < bodies.owned) {
+    bodies.image[row] = {};
+    bodies.set_pose(row, pose);
+  }
+  scene_.exchange->synchronise(bodies);  // it may be another rank's now
+}
+
+// ---- what may be asked ----
+
+std::uint64_t Simulation::hash() const { return state_hash(scene_.comm, scene_.flow.get(), scene_.bodies); }
+
+FlowTotals Simulation::look_at_flow() {
+  const FlowTotals totals = scene_.flow->totals();
+  fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
+  check_flow(setup(), totals, step_);
+  return totals;
+}
+
+Balance Simulation::balance() const {
+  Balance b;
+  rigid::FixedSum sums[4] = {};  // momentum, then |m v|
+  const rigid::BodySet& bodies = scene_.bodies;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!bodies.is_free(row)) continue;
+    const Vec3 p = bodies.mass[row] * bodies.velocity[row];
+    for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
+    sums[3] += rigid::to_fixed(p.norm());
+  }
+  sum_over_ranks(scene_.comm, sums);
+  for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d]);
+  b.momentum_scale = rigid::from_fixed(sums[3]);
+  if (scene_.flow) {
+    const FlowTotals totals = scene_.flow->totals();
+    const Vec3 fluid(totals.momentum[0], totals.momentum[1], totals.momentum[2]);
+    b.momentum += fluid;
+    b.momentum_scale += fluid.norm();
+    b.mass_deviation = totals.mass_deviation;
+    b.fluid_cells = static_cast<double>(totals.fluid_cells);
+  }
+  return b;
+}
+
+std::uint64_t Simulation::links() const {
+  std::uint64_t n = scene_.flow && scene_.body_count > 0 ? scene_.flow->mapping().links : 0;
+  sum_over_ranks(scene_.comm, std::span(&n, 1));
+  return n;
+}
+
+std::uint64_t Simulation::contacts_now() const {
+  std::uint64_t n = last_contacts_;
+  sum_over_ranks(scene_.comm, std::span(&n, 1));
+  return n;
+}
+
+/// Bodies that changed hands since: what their former owners saw goes to everybody (they are few).
+std::vector<BodyLoad> Simulation::last_loads() const {
+  const rigid::BodySet& bodies = scene_.bodies;
+  std::vector<BodyLoad> loads(bodies.owned);
+  const auto take = [&](const SeenLoad& seen) {
+    const std::size_t row = bodies.row_of(seen.id);
+    if (row >= bodies.owned) return false;
+    loads[row] = {Vec3(seen.load[0], seen.load[1], seen.load[2]), Vec3(seen.load[3], seen.load[4], seen.load[5])};
+    return true;
+  };
+  std::vector<SeenLoad> gone;
+  for (const SeenLoad& seen : seen_loads_)
+    if (!take(seen)) gone.push_back(seen);
+  if (scene_.ranks == 1) return loads;
+  const int mine = static_cast<int>(gone.size() * sizeof(SeenLoad));
+  std::vector<int> bytes(scene_.ranks), offset(scene_.ranks, 0);
+  MPI_Allgather(&mine, 1, MPI_INT, bytes.data(), 1, MPI_INT, scene_.comm);
+  for (int r = 1; r < scene_.ranks; ++r) offset[r] = offset[r - 1] + bytes[r - 1];
+  std::vector<SeenLoad> all((offset.back() + bytes.back()) / sizeof(SeenLoad));
+  MPI_Allgatherv(gone.data(), mine, MPI_BYTE, all.data(), bytes.data(), offset.data(), MPI_BYTE, scene_.comm);
+  for (const SeenLoad& seen : all) take(seen);
+  return loads;
+}
+
+}  // namespace silt::coupler

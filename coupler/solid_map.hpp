@@ -1,0 +1,83 @@
+#pragma once
+// Which cells of a block are solid, as bits: one word holds 64 cells of a row, ghost cells included. And the bodies
+// that make them so, each with the bits of its own.
+#include <cstdint>
+#include <vector>
+
+#include "lbm/block.hpp"
+#include "rigid/types.hpp"
+
+namespace silt::coupler {
+
+/// Rows of bits over a block and its ghost layer: bit x + 1 of row (y, z), -1 <= x <= size.
+class CellBits {
+ public:
+  CellBits() = default;
+  explicit CellBits(lbm::Int3 size)
+      : size_(size), words_((size.x + 2 + 63) / 64), bits_(std::size_t(words_) * (size.y + 2) * (size.z + 2)) {}
+  int words() const { return words_; }
+  std::size_t row(int y, int z) const { return std::size_t(words_) * ((z + 1) * (size_.y + 2) + (y + 1)); }
+  std::uint64_t* at(int y, int z) { return bits_.data() + row(y, z); }
+  const std::uint64_t* at(int y, int z) const { return bits_.data() + row(y, z); }
+  bool test(lbm::Int3 c) const { return at(c.y, c.z)[(c.x + 1) >> 6] >> ((c.x + 1) & 63) & 1; }
+  void set(lbm::Int3 c) { at(c.y, c.z)[(c.x + 1) >> 6] |= std::uint64_t{1} << ((c.x + 1) & 63); }
+  std::vector<std::uint64_t>& all() { return bits_; }
+  const std::vector<std::uint64_t>& all() const { return bits_; }
+  lbm::Int3 size() const { return size_; }
+  /// Bits of the cells inside the block (no ghosts) in word k of a row.
+  std::uint64_t interior(int k) const {
+    std::uint64_t m = ~std::uint64_t{0};
+    const int first = k * 64, last = size_.x;  // bits 1 .. size.x are inside
+    if (first == 0) m &= ~std::uint64_t{1};
+    if (last < first + 63) m &= last < first ? 0 : (~std::uint64_t{0} >> (63 - (last - first)));
+    return m;
+  }
+
+ private:
+  lbm::Int3 size_;
+  int words_ = 0;
+  std::vector<std::uint64_t> bits_;
+};
+
+/// Calls f(x) for every set bit of word k (x: local coordinate of the cell).
+template <class F>
+void for_bits(std::uint64_t word, int k, F&& f) {
+  for (; word; word &= word - 1) f(k * 64 + __builtin_ctzll(word) - 1);
+}
+
+/// One periodic image of a body in a block: the cells whose centres are inside it.
+struct BodyMask {
+  rigid::BodyId id = 0;
+  std::size_t row = 0;       // in the BodySet, this step
+  lbm::Int3 shift;           // the image: cells added to the canonical position (multiples of the domain)
+  rigid::Pose pose;          // canonical
+  int y0 = 0, y1 = 0, z0 = 0, z1 = 0;  // rows it may touch, local, ghosts included, half-open
+  int words = 0;
+  std::vector<std::uint64_t> inside;   // centre inside the body
+  std::vector<std::uint64_t> bits;     // the same less what walls and lower ids have
+  bool any = false;
+
+  bool has_row(int y, int z) const { return y >= y0 && y < y1 && z >= z0 && z < z1; }
+  std::size_t row_index(int y, int z) const { return std::size_t(words) * ((z - z0) * (y1 - y0) + (y - y0)); }
+  const std::uint64_t* at(int y, int z) const { return bits.data() + row_index(y, z); }
+  bool test(lbm::Int3 c) const {
+    return has_row(c.y, c.z) && (at(c.y, c.z)[(c.x + 1) >> 6] >> ((c.x + 1) & 63) & 1);
+  }
+  /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner + local).
+  rigid::Vec3 arm(lbm::Int3 cell) const {
+    return {(cell.x - shift.x + 0.5) - pose.position[0], (cell.y - shift.y + 0.5) - pose.position[1],
+            (cell.z - shift.z + 0.5) - pose.position[2]};
+  }
+};
+
+/// The map of one block.
+struct BlockMap {
+  lbm::CellBox box;
+  CellBits walls, solid, before;       // ghosts beyond walls; walls and bodies; the same a step ago
+  std::vector<BodyMask> masks, masks_before;  // by (id, shift)
+  bool changed = false;                // in the last mapping
+
+  bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,21 @@
+#pragma once
+// One number for the whole state: the same on any number of ranks, any block layout, across a restart.
+#include <cstdint>
+#include <string>
+
+#include "coupler/flow.hpp"
+#include "rigid/body_set.hpp"
+
+namespace silt::coupler {
+
+/// Wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation, velocity, angular momentum
+/// and stored impulses.
+std::uint64_t hash_bodies(const rigid::BodySet&);
+
+/// Collective: wrapping sum over all ranks of hash_bodies and Flow::hash (flow may be null).
+std::uint64_t state_hash(MPI_Comm, const Flow*, const rigid::BodySet&);
+
+/// 16 hexadecimal digits.
+std::string hex(std::uint64_t);
+
+}  // namespace silt::coupler

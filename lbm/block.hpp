@@ -1,0 +1,87 @@
+#pragma once
+// The populations of one block of cells and its ghost layer: 19 arrays of deviations g_i = f_i - w_i, x
+// running fastest, streamed in place (AA pattern, Bailey et al. 2009).
+//
+// A slot (x, i) is element i of cell x. Between two steps every population is arriving somewhere; where it is
+// stored depends on the parity of the steps done so far:
+//
+//     parity    population i arriving at x      population i leaving x (= arriving at x + c_i)
+//     settled   slot (x, i)                     slot (x + c_i, i)
+//     crossed   slot (x - c_i, opposite i)      slot (x, opposite i)
+//
+// `arriving` and `leaving` are the only places that know this; everything outside the kernel uses them.
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#include "lbm/lattice.hpp"
+
+namespace silt::lbm {
+
+enum class Parity : std::uint8_t { settled = 0, crossed = 1 };
+inline Parity flipped(Parity p) { return p == Parity::settled ? Parity::crossed : Parity::settled; }
+
+struct CellBox {  // cells lower <= x < lower + size
+  Int3 lower, size;
+  bool contains(Int3 x) const {
+    for (int d = 0; d < 3; ++d)
+      if (x[d] < lower[d] || x[d] >= lower[d] + size[d]) return false;
+    return true;
+  }
+  std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
+};
+
+template <class T>
+class Block {
+ public:
+  explicit Block(const CellBox& box) : box_(box) {
+    constexpr int line = 64 / sizeof(T);  // elements of a cache line
+    const auto rounded = [](std::ptrdiff_t n, int to) { return (n + to - 1) / to * to; };
+    // One column of padding serves as right ghost of a row and left ghost of the next one.
+    row_ = rounded(box.size.x + 2, line);
+    plane_ = row_ * (box.size.y + 2);
+    while (plane_ % (4096 / int(sizeof(T))) == 0) plane_ += 5 * line;  // planes must not share cache sets
+    lead_ = plane_ + row_ + line;                                      // so that cell (0,0,0) starts a line
+    direction_ = lead_ + plane_ * (box.size.z + 1) + line;
+    const std::ptrdiff_t page = 4096 / sizeof(T), skew = 13 * line;    // 19 directions spread over the sets
+    direction_ += (skew - direction_ % page + page) % page;
+    const std::size_t bytes = (std::size_t(direction_) * directions * sizeof(T) + 63) / 64 * 64;
+    memory_.reset(static_cast<T*>(std::aligned_alloc(64, bytes)));
+    if (!memory_) throw std::bad_alloc();
+    std::fill_n(memory_.get(), bytes / sizeof(T), T(0));
+  }
+
+  const CellBox& box() const { return box_; }
+  Int3 size() const { return box_.size; }
+  /// Bytes held for populations, padding included.
+  std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
+
+  /// Element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
+  std::ptrdiff_t cell(int x, int y, int z) const { return x + row_ * y + plane_ * z; }
+  std::ptrdiff_t cell(Int3 x) const { return cell(x.x, x.y, x.z); }
+  std::ptrdiff_t step(int i) const { return cell(c[i]); }
+  std::ptrdiff_t row_stride() const { return row_; }
+  std::ptrdiff_t plane_stride() const { return plane_; }
+
+  /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and its ghost layer.
+  std::ptrdiff_t slot(int i) const { return lead_ + direction_ * i; }
+  std::ptrdiff_t arriving(int i, Parity p) const {
+    return p == Parity::settled ? slot(i) : slot(opposite(i)) - step(i);
+  }
+  std::ptrdiff_t leaving(int i, Parity p) const {
+    return p == Parity::settled ? slot(i) + step(i) : slot(opposite(i));
+  }
+  T* data() { return memory_.get(); }
+  const T* data() const { return memory_.get(); }
+
+ private:
+  struct Free {
+    void operator()(T* p) const { std::free(p); }
+  };
+  CellBox box_;
+  std::ptrdiff_t row_, plane_, direction_, lead_;
+  std::unique_ptr<T[], Free> memory_;
+};
+
+}  // namespace silt::lbm

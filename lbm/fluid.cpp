@@ -1,0 +1,74 @@
+#include "lbm/fluid.hpp"
+
+namespace silt::lbm {
+
+namespace {
+template <class T>
+std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::vector<Block<T>> blocks;
+  for (int b : domain.blocks_of(rank)) blocks.emplace_back(domain.blocks()[b].box);
+  return blocks;
+}
+}  // namespace
+
+double equilibrium(int i, double rho, const double j[3]) {
+  const double cj = c[i].x * j[0] + c[i].y * j[1] + c[i].z * j[2];
+  return w(i) * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
+}
+
+template <class T>
+Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
+    : domain_(domain), spec_(spec), rates_(spec), comm_(comm), blocks_(local_blocks<T>(domain, comm)),
+      halo_(domain_, comm, blocks_, spec.force) {}
+
+template <class T>
+void Fluid<T>::set_anchor(double density_per_cell) {
+  rates_.anchor = T(density_per_cell);
+  rates_.source = CollisionRates<T>(spec_).source || rates_.anchor != 0;
+}
+
+template <class T>
+void Fluid<T>::stream_collide() {
+  for (auto& block : blocks_)
+    lbm::stream_collide(block, parity_, rates_, RowRange{0, block.size().y, 0, block.size().z});
+  parity_ = flipped(parity_);
+}
+
+template <class T>
+Moments Fluid<T>::moments(int b, Int3 x) const {
+  Moments m;
+  for (int i = 0; i < directions; ++i) {
+    const double g = arriving(b, x, i);
+    const Int3 v = c[i];
+    m.density_deviation += g;
+    for (int d = 0; d < 3; ++d) m.momentum[d] += v[d] * g;
+    m.flux[0] += v.x * v.x * g, m.flux[1] += v.y * v.y * g, m.flux[2] += v.z * v.z * g;
+    m.flux[3] += v.x * v.y * g, m.flux[4] += v.x * v.z * g, m.flux[5] += v.y * v.z * g;
+  }
+  return m;
+}
+
+template <class T>
+std::array<double, 3> Fluid<T>::velocity(const Moments& m) const {
+  return {m.momentum[0] + 0.5 * spec_.force[0], m.momentum[1] + 0.5 * spec_.force[1],
+          m.momentum[2] + 0.5 * spec_.force[2]};
+}
+
+template <class T>
+void Fluid<T>::set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) {
+  for (int i = 0; i < directions; ++i) arriving(b, x, i) = T(equilibrium(i, rho, u.data()));
+}
+
+template <class T>
+std::size_t Fluid<T>::bytes() const {
+  std::size_t n = 0;
+  for (const auto& b : blocks_) n += b.bytes();
+  return n;
+}
+
+template class Fluid<float>;
+template class Fluid<double>;
+
+}  // namespace silt::lbm

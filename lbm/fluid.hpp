@@ -1,0 +1,66 @@
+#pragma once
+// The fluid as its user holds it: the local blocks, one pass of collision and streaming, and density, velocity
+// and momentum flux where they are asked for (never computed otherwise).
+#include <mpi.h>
+
+#include <vector>
+
+#include "lbm/collision.hpp"
+#include "lbm/domain.hpp"
+#include "lbm/halo.hpp"
+#include "lbm/stream_collide.hpp"
+
+namespace silt::lbm {
+
+/// Of one cell, from the populations arriving at it. Deviations from density 1 at rest.
+struct Moments {
+  double density_deviation = 0;
+  double momentum[3] = {};  // sum c g, without the half force
+  double flux[6] = {};      // sum c c g: xx yy zz xy xz yz
+};
+
+template <class T>
+class Fluid {
+ public:
+  Fluid(const Domain&, const CollisionSpec&, MPI_Comm);
+
+  const Domain& domain() const { return domain_; }
+  const CollisionSpec& spec() const { return spec_; }
+  std::vector<Block<T>>& blocks() { return blocks_; }
+  const std::vector<Block<T>>& blocks() const { return blocks_; }
+  Parity parity() const { return parity_; }
+  MPI_Comm comm() const { return comm_; }
+
+  /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
+  void set_anchor(double density_per_cell);
+  /// Every cell collides; parity flips. Then exchange().
+  void stream_collide();
+  /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
+  void exchange() { halo_.exchange(blocks_, parity_); }
+
+  T& arriving(int b, Int3 local_cell, int i) {
+    return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
+  }
+  T arriving(int b, Int3 local_cell, int i) const {
+    return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
+  }
+  Moments moments(int b, Int3 local_cell) const;
+  /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
+  std::array<double, 3> velocity(const Moments&) const;
+  void set_equilibrium(int b, Int3 local_cell, double density_deviation, const std::array<double, 3>& velocity);
+  std::size_t bytes() const;
+
+ private:
+  Domain domain_;
+  CollisionSpec spec_;
+  CollisionRates<T> rates_;
+  MPI_Comm comm_;
+  std::vector<Block<T>> blocks_;
+  Parity parity_ = Parity::settled;
+  Halo<T> halo_;
+};
+
+/// g_i^eq of a density deviation and momentum (incompressible, quadratic), in double.
+double equilibrium(int i, double density_deviation, const double momentum[3]);
+
+}  // namespace silt::lbm

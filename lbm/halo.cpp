@@ -1,0 +1,221 @@
+#include "lbm/halo.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <type_traits>
+
+namespace silt::lbm {
+
+namespace {
+
+enum class HomeKind { slot, bounce, outlet };
+
+struct Home {
+  HomeKind kind;
+  Int3 cell;      // global
+  int direction;
+  int axis = -1;  // of the wall, for bounce and outlet
+  bool upper = false;
+};
+
+/// Where the population that left along j into the ghost cell g (global, unwrapped) belongs.
+Home home_of(const Domain& domain, Int3 g, int j) {
+  Int3 cell = g, direction = c[j];
+  Home pressure{HomeKind::slot, {}, 0};
+  for (int d = 0; d < 3; ++d) {
+    if (domain.periodic(d) || (cell[d] >= 0 && cell[d] < domain.cells()[d])) continue;
+    const bool upper = cell[d] >= domain.cells()[d];
+    switch (domain.side(d, upper).kind) {
+      case SideKind::bounce: return {HomeKind::bounce, g - c[j], opposite(j), d, upper};
+      case SideKind::pressure: pressure = {HomeKind::outlet, g - c[j], opposite(j), d, upper}; break;
+      default:  // free slip: the mirror image of cell and direction
+        cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
+        direction[d] = -direction[d];
+    }
+  }
+  if (pressure.kind == HomeKind::outlet) return pressure;
+  return {HomeKind::slot, domain.wrapped(cell), direction_of(direction)};
+}
+
+/// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
+template <class Visit>
+void for_ghost_slots(Int3 size, Visit&& visit) {
+  for (int j = 1; j < directions; ++j) {
+    Int3 lo = c[j], hi = size + c[j];
+    for (int z = lo.z; z < hi.z; ++z)
+      for (int y = lo.y; y < hi.y; ++y) {
+        const bool outside = y < 0 || z < 0 || y >= size.y || z >= size.z;
+        if (outside)
+          for (int x = lo.x; x < hi.x; ++x) visit(Int3{x, y, z}, j);
+        else if (c[j].x)
+          visit(Int3{c[j].x > 0 ? size.x : -1, y, z}, j);
+      }
+  }
+}
+
+}  // namespace
+
+template <class T>
+struct Halo<T>::Builder {
+  Halo& halo;
+  const Domain& domain;
+  std::vector<int> local;  // global block -> local index, or -1
+  std::vector<const Block<T>*> layout;
+  int rank;
+  std::map<std::pair<int, int>, Copy> copies;
+  std::map<std::tuple<int, int, int, int>, Wall> walls;
+  std::map<std::tuple<int, int>, Outlet> outlets;
+  std::map<int, Peer> peers;
+
+  std::uint32_t slot(int local_block, Int3 cell, int i) const {
+    const Block<T>& b = *layout[local_block];
+    return std::uint32_t(b.slot(i) + b.cell(cell));
+  }
+
+  void add(int block, Int3 g, int j) {
+    const BlockPlace& place = domain.blocks()[block];
+    const int here = local[block];
+    const Home home = home_of(domain, place.box.lower + g, j);
+    if (home.kind != HomeKind::slot) {
+      if (here >= 0) add_wall(here, g, j, home);
+      return;
+    }
+    const int home_block = domain.block_at(home.cell), there = local[home_block];
+    const Int3 cell = home.cell - domain.blocks()[home_block].box.lower;
+    if (here >= 0 && there >= 0) {
+      Copy& copy = copies[{here, there}];
+      copy.ghost_block = here, copy.home_block = there;
+      copy.ghost.push_back(slot(here, g, j)), copy.home.push_back(slot(there, cell, home.direction));
+    } else if (here >= 0) {
+      peers[domain.blocks()[home_block].rank].ghosts.push_back({here, slot(here, g, j)});
+    } else if (there >= 0) {
+      peers[place.rank].homes.push_back({there, slot(there, cell, home.direction)});
+    }
+  }
+
+  void add_wall(int here, Int3 g, int j, const Home& home) {
+    const SideCondition& side = domain.side(home.axis, home.upper);
+    const Int3 inner = g - c[j];
+    if (home.kind == HomeKind::bounce) {
+      Wall& wall = walls[{here, home.axis, home.upper, j}];
+      double cu = 0;
+      for (int d = 0; d < 3; ++d) cu += c[j][d] * side.velocity[d];
+      wall.block = here, wall.addend = T(-6 * w(j) * cu);
+      wall.ghost.push_back(slot(here, g, j)), wall.home.push_back(slot(here, inner, opposite(j)));
+    } else {
+      Outlet& outlet = outlets[{here, j}];
+      outlet.block = here, outlet.direction = j, outlet.density_deviation = side.density_deviation;
+      outlet.ghost.push_back(slot(here, g, j)), outlet.home.push_back(slot(here, inner, opposite(j)));
+      outlet.cell.push_back(std::uint32_t(layout[here]->cell(inner) + layout[here]->slot(0)));
+    }
+  }
+
+  void build() {
+    // Every rank walks the blocks around its own in the same order, so both ends of a message agree.
+    std::set<int> around;
+    for (int b = 0; b < int(local.size()); ++b)
+      if (local[b] >= 0)
+        for (int n : domain.neighbourhood(b)) around.insert(n);
+    for (int b : around)
+      for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
+    for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
+    for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
+    for (auto& [key, x] : outlets) halo.outlets_.push_back(std::move(x));
+    for (auto& [r, peer] : peers) {
+      peer.rank = r;
+      peer.ghost_buffer.resize(peer.ghosts.size()), peer.home_buffer.resize(peer.homes.size());
+      halo.peers_.push_back(std::move(peer));
+    }
+  }
+};
+
+template <class T>
+Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks, const std::array<double, 3>& force)
+    : comm_(comm), force_(force) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, rank, {}, {}, {}, {}};
+  int k = 0;
+  for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
+  for (auto& b : blocks) builder.layout.push_back(&b);
+  builder.build();
+}
+
+template <class T>
+std::size_t Halo<T>::message_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& p : peers_) bytes += (p.ghosts.size() + p.homes.size()) * sizeof(T) / 2;
+  return bytes;
+}
+
+template <class T>
+void Halo<T>::exchange_peers(std::span<Block<T>> blocks, Parity parity) {
+  const bool fill = parity == Parity::crossed;
+  const MPI_Datatype type = std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
+  std::vector<MPI_Request> requests(2 * peers_.size());
+  for (std::size_t k = 0; k < peers_.size(); ++k) {
+    Peer& p = peers_[k];
+    auto& incoming = fill ? p.ghost_buffer : p.home_buffer;
+    MPI_Irecv(incoming.data(), int(incoming.size()), type, p.rank, 1, comm_, &requests[k]);
+  }
+  for (std::size_t k = 0; k < peers_.size(); ++k) {
+    Peer& p = peers_[k];
+    auto& outgoing = fill ? p.home_buffer : p.ghost_buffer;
+    const auto& from = fill ? p.homes : p.ghosts;
+    for (std::size_t n = 0; n < from.size(); ++n) outgoing[n] = blocks[from[n].block].data()[from[n].slot];
+    MPI_Isend(outgoing.data(), int(outgoing.size()), type, p.rank, 1, comm_, &requests[peers_.size() + k]);
+  }
+  MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  for (Peer& p : peers_) {
+    const auto& incoming = fill ? p.ghost_buffer : p.home_buffer;
+    const auto& to = fill ? p.ghosts : p.homes;
+    for (std::size_t n = 0; n < to.size(); ++n) blocks[to[n].block].data()[to[n].slot] = incoming[n];
+  }
+}
+
+/// Anti bounce-back: f_opp = -f*_i + 2 w_i [ rho_w + 9/2 (c.u)^2 - 3/2 u^2 ], u that of the cell.
+template <class T>
+void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
+  const bool fill = parity == Parity::crossed;
+  T* const p = block.data();
+  const Int3 cj = c[o.direction];
+  for (std::size_t n = 0; n < o.cell.size(); ++n) {
+    double u[3] = {0.5 * force_[0], 0.5 * force_[1], 0.5 * force_[2]};
+    const std::ptrdiff_t cell = std::ptrdiff_t(o.cell[n]) - block.slot(0);
+    for (int i = 1; i < directions; ++i) {
+      const double g = p[block.leaving(i, parity) + cell];
+      for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g;
+    }
+    const double cu = cj.x * u[0] + cj.y * u[1] + cj.z * u[2];
+    const double even = o.density_deviation + 4.5 * cu * cu - 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    const auto from = fill ? o.home[n] : o.ghost[n], to = fill ? o.ghost[n] : o.home[n];
+    p[to] = T(2 * w(o.direction) * even - p[from]);
+  }
+}
+
+template <class T>
+void Halo<T>::exchange(std::span<Block<T>> blocks, Parity parity) {
+  const bool fill = parity == Parity::crossed;
+  if (!peers_.empty()) exchange_peers(blocks, parity);
+  for (const Copy& copy : copies_) {
+    T* const ghost = blocks[copy.ghost_block].data();
+    T* const home = blocks[copy.home_block].data();
+    if (fill)
+      for (std::size_t n = 0; n < copy.ghost.size(); ++n) ghost[copy.ghost[n]] = home[copy.home[n]];
+    else
+      for (std::size_t n = 0; n < copy.ghost.size(); ++n) home[copy.home[n]] = ghost[copy.ghost[n]];
+  }
+  for (const Wall& wall : walls_) {
+    T* const p = blocks[wall.block].data();
+    const auto& from = fill ? wall.home : wall.ghost;
+    const auto& to = fill ? wall.ghost : wall.home;
+    for (std::size_t n = 0; n < from.size(); ++n) p[to[n]] = p[from[n]] + wall.addend;
+  }
+  for (const Outlet& outlet : outlets_) apply_outlet(blocks[outlet.block], outlet, parity);
+}
+
+template class Halo<float>;
+template class Halo<double>;
+
+}  // namespace silt::lbm

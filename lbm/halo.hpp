@@ -1,0 +1,67 @@
+#pragma once
+// The ghost layer. A population that crosses out of a block along c_j has its slot (g, j) in a ghost cell g; its
+// home is a slot of another block, of the same block through a periodic image, or, at a wall, the slot into
+// which the wall turns it. One map from ghost slots to home slots therefore carries neighbours, periodic
+// images and walls:
+//     after an even pass (crossed parity) ghost slots are filled from their homes,
+//     after an odd pass (settled parity) they are returned to them.
+// Only crossing populations move: 5 a face cell, 1 an edge cell, one message per neighbouring rank and pass.
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lbm/domain.hpp"
+
+namespace silt::lbm {
+
+template <class T>
+class Halo {
+ public:
+  /// blocks: the local ones, in the order of domain.blocks_of(rank). force: the uniform acceleration.
+  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, const std::array<double, 3>& force);
+  /// `parity`: of the blocks after the dense pass.
+  void exchange(std::span<Block<T>> blocks, Parity parity);
+  /// Bytes sent by this rank in one exchange.
+  std::size_t message_bytes() const;
+
+ private:
+  struct Copy {  // between two local blocks
+    int ghost_block, home_block;
+    std::vector<std::uint32_t> ghost, home;
+  };
+  struct Wall {  // bounce: ghost and home in the same block, and what the wall's motion adds
+    int block;
+    T addend;
+    std::vector<std::uint32_t> ghost, home;
+  };
+  struct Outlet {
+    int block, direction;
+    double density_deviation;
+    std::vector<std::uint32_t> ghost, home, cell;
+  };
+  struct Place {
+    int block;
+    std::uint32_t slot;
+  };
+  struct Peer {
+    int rank;
+    std::vector<Place> ghosts, homes;  // ghosts here whose home is there; homes here of ghosts there
+    std::vector<T> ghost_buffer, home_buffer;
+  };
+  struct Builder;
+
+  void exchange_peers(std::span<Block<T>> blocks, Parity parity);
+  void apply_outlet(Block<T>&, const Outlet&, Parity) const;
+
+  MPI_Comm comm_;
+  std::array<double, 3> force_;
+  std::vector<Copy> copies_;
+  std::vector<Wall> walls_;
+  std::vector<Outlet> outlets_;
+  std::vector<Peer> peers_;
+};
+
+}  // namespace silt::lbm

@@ -1,0 +1,24 @@
+#pragma once
+// The kernels that are built once an instruction set: the same declarations in a namespace each.
+#include "lbm/block.hpp"
+#include "lbm/collision.hpp"
+#include "lbm/cut_links.hpp"
+#include "lbm/stream_collide.hpp"
+
+#define SILT_KERNELS(isa)                                                                                 \
+  namespace silt::lbm::isa {                                                                              \
+  template <class T>                                                                                      \
+  void stream_collide_rows(Block<T>&, Parity, const CollisionRates<T>&, RowRange);                        \
+  template <class T>                                                                                      \
+  void apply_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&, ForceForm,  \
+                 LinkSums&);                                                                              \
+  template <class T>                                                                                      \
+  void correct_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&,           \
+                   LinkSums&);                                                                            \
+  template <class T>                                                                                      \
+  void stiffness_run(const CutLinks<T>&, const LinkRun&, StiffnessSums&);                                 \
+  }
+
+SILT_KERNELS(portable)
+SILT_KERNELS(avx2)
+SILT_KERNELS(avx512)

@@ -1,0 +1,72 @@
+"""Reads bodies.h5: a series of bodies whose number may change from time to time.
+
+    series = BodySeries("out/bodies.h5")
+    series.time, series.step, series.count      one entry a time
+    series.at(-1)["position"]                   rows of one time, sorted by id
+    series.array("position")                    [time, body, 3], where the bodies are the same at all times
+    series.of_body(7, "velocity")               (times, values) of one body
+    series.unit("velocity")                     "m/s"
+An append that was cut off by a killed run is left out.
+"""
+import h5py
+import numpy as np
+
+COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angular_velocity", "force", "torque")
+
+
+class BodySeries:
+    def __init__(self, path):
+        with h5py.File(path, "r") as f:
+            times = min(len(f[name]) for name in ("time", "step", "offset", "count"))
+            offset, count = f["offset"][:times].astype(int), f["count"][:times].astype(int)
+            rows = min(len(f["bodies"][name]) for name in COLUMNS)
+            whole = 0
+            while (whole < times and offset[whole] == count[:whole].sum() and offset[whole] + count[whole] <= rows):
+                whole += 1
+            self.time, self.step = f["time"][:whole], f["step"][:whole]
+            self.offset, self.count = offset[:whole], count[:whole]
+            self.columns = {name: f["bodies"][name][: self.count.sum()] for name in COLUMNS}
+            self.units = {name: f["bodies"][name].attrs.get("unit", b"") for name in COLUMNS}
+            self.units["time"] = f["time"].attrs.get("unit", b"")
+            self.kinds = [text(k) for k in f["bodies"].attrs.get("kind_names", [])]
+            self.domain = np.array([f.attrs["domain_lower"], f.attrs["domain_upper"]])
+            kinds = f["kinds"]
+            self.bounding_radius = kinds["bounding_radius"][:]
+            self.parts = [
+                dict(kind=int(k), type=text(t), position=p, orientation=q, size=s)
+                for k, t, p, q, s in zip(kinds["part_kind"], kinds.attrs.get("part_types", []), kinds["part_position"],
+                                         kinds["part_orientation"], kinds["part_size"])
+            ]
+            self.provenance = {name: text(value) for name, value in f["provenance"].attrs.items()}
+
+    def __len__(self):
+        return len(self.time)
+
+    def at(self, index):
+        """The columns of one time."""
+        index = range(len(self))[index]
+        rows = slice(self.offset[index], self.offset[index] + self.count[index])
+        return {name: values[rows] for name, values in self.columns.items()}
+
+    def array(self, name):
+        """A column as [time, body, ...]; ValueError where the bodies are not the same at all times."""
+        if len(set(self.count)) > 1:
+            raise ValueError("the number of bodies changes: use at(index) or of_body(id, name)")
+        shape = (len(self), self.count[0] if len(self) else 0)
+        ids = self.columns["id"].reshape(shape)
+        if len(self) and (ids != ids[0]).any():
+            raise ValueError("the bodies change: use at(index) or of_body(id, name)")
+        values = self.columns[name]
+        return values.reshape(shape + values.shape[1:])
+
+    def of_body(self, body, name):
+        """Times and values of a column for one body."""
+        rows = np.flatnonzero(self.columns["id"] == body)
+        return np.repeat(self.time, self.count)[rows], self.columns[name][rows]
+
+    def unit(self, name):
+        return text(self.units[name])
+
+
+def text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)

@@ -1,0 +1,126 @@
+// Judging: impossible scenes are refused (see also bad_cases/), doubtful ones warned of, legal ones left
+// alone.
+#include <gtest/gtest.h>
+
+#include "coupler/overlap.hpp"
+#include "tests/coupler/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+
+std::string warnings(const CaseText& c) {
+  return listed(check_case(c.read()));
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != text.npos;
+}
+
+TEST(CaseCheck, ALegalSceneHasNothingToSay) {
+  EXPECT_EQ(warnings(CaseText{}), "");
+  EXPECT_EQ(warnings(si_case()), "");
+}
+
+TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
+  CaseText c;
+  c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
+  EXPECT_TRUE(contains(warnings(c), "case.toml:7:1: warning: the relaxation time is 0.505; below 0.51"))
+      << warnings(c);
+  c.fluid = "[fluid]\nrelaxation_time = 2.5\n";
+  EXPECT_TRUE(contains(warnings(c), "above 2 walls and slow flow lose accuracy")) << warnings(c);
+}
+
+TEST(CaseCheck, WarnsOfHighSpeedsAndSmallBodies) {
+  CaseText c;
+  c.bodies += "velocity = [0.15, 0, 0]\n";
+  EXPECT_TRUE(contains(warnings(c), "bodies[0].velocity is 0.15 cells a step; above 0.1")) << warnings(c);
+  c = CaseText{};
+  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2\n";
+  EXPECT_TRUE(contains(warnings(c), "shape 'ball' is 4 cells across; below 6")) << warnings(c);
+  c.fluid = "";  // a dry body needs no resolution
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, WarnsOfEndlessFall) {
+  CaseText c;
+  c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"periodic\"\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
+  EXPECT_TRUE(contains(warnings(c), "gravity acts, but nothing holds")) << warnings(c);
+}
+
+TEST(CaseCheck, WarnsOfBodiesFasterThanTheContactMargin) {
+  CaseText c;
+  c.fluid = "";
+  c.bodies += "velocity = [3, 0, 0]\n";
+  EXPECT_TRUE(contains(warnings(c), "moves 3 cells in a sub-step, but contacts.margin is 1")) << warnings(c);
+}
+
+TEST(CaseCheck, RequireRunnableKeepsWarningsAndThrowsErrors) {
+  CaseText c;
+  c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
+  EXPECT_EQ(require_runnable(c.read()).size(), 1u);
+  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1.2\nposition = [16, 16, 2]\n";
+  EXPECT_THROW(require_runnable(c.read()), CaseError);
+}
+
+TEST(CaseCheck, FixedBodiesMayReachIntoWallsAndEachOther) {
+  CaseText c;
+  c.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\npositions = [[16, 16, 2], [16, 16, 6], "
+      "[16, 0, 2]]\n";
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, TouchingBodiesAreLegal) {
+  CaseText c;
+  c.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\npositions = [[16, 16, 4], [16, 16, 12], [24, 16, 12]]\n";
+  EXPECT_EQ(warnings(c), "");
+  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"box\"\nedges = [8, 8, 8]\n";
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Case made by a program can
+  Case scene = CaseText{}.read();
+  scene.fluid->relaxation_time = 0.5;
+  scene.pair_materials[0].restitution = 1.5;
+  scene.steps = 0;
+  scene.bodies[0].density = -1;
+  const std::string text = listed(check_case(scene));
+  for (const char* part :
+       {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
+    EXPECT_TRUE(contains(text, part)) << part << " is not in\n" << text;
+}
+
+// Legal scenes must never be refused: the depth found is never above the true one.
+TEST(Overlap, FindsOverlapsAndNeverInventsThem) {
+  const rigid::Shape ball = rigid::Sphere{2}, box = rigid::Box{{2, 2, 2}}, rod = rigid::Capsule{1, 3};
+  const auto at = [](double x, double y = 0, double z = 0) {
+    return rigid::Pose{{x, y, z}, rigid::Quat::Identity()};
+  };
+  EXPECT_NEAR(overlap_depth(ball, at(0), ball, at(3)), 1, 1e-12);
+  EXPECT_NEAR(overlap_depth(ball, at(0), ball, at(5)), -1, 1e-12);
+  EXPECT_NEAR(overlap_depth(ball, at(0), box, at(3.5)), 0.5, 1e-12);
+  EXPECT_LE(overlap_depth(box, at(0), box, at(4)), 1e-12) << "face to face";
+  EXPECT_GT(overlap_depth(box, at(0), box, at(3.5)), 0.4);
+  EXPECT_GT(overlap_depth(box, at(0), box, at(0)), 1) << "one inside the other";
+  EXPECT_LE(overlap_depth(rod, at(0), rod, at(2)), 1e-12) << "side by side";
+  EXPECT_GT(overlap_depth(rod, at(0), rod, at(1.5)), 0.4);
+  const rigid::Pose lying{{2, 0, 0}, rigid::Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX()).normalized()};
+  EXPECT_GT(overlap_depth(rod, at(0), rod, lying), 1) << "a rod through another";
+}
+
+TEST(Overlap, SeesPeriodicImages) {
+  rigid::Extent extent;
+  extent.size = Vec3(20, 20, 20);
+  extent.periodic = {true, false, false};
+  const rigid::Shape ball = rigid::Sphere{2};
+  const auto at = [](double x, double y) { return rigid::Pose{{x, y, 0}, rigid::Quat::Identity()}; };
+  EXPECT_NEAR(overlap_depth(ball, at(1, 5), ball, at(18, 5), extent), 1, 1e-12);
+  EXPECT_LT(overlap_depth(ball, at(5, 1), ball, at(5, 18), extent), 0);
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing

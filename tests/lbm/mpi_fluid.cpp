@@ -1,0 +1,219 @@
+// The fluid alone, on any number of ranks: theory for the walls, and the same bits for every layout.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+#include "lbm/fluid.hpp"
+
+namespace silt::lbm {
+namespace {
+
+int ranks() {
+  int n = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &n);
+  return n;
+}
+
+SideCondition side(SideKind kind, std::array<double, 3> v = {}, double rho = 0) { return {kind, v, rho}; }
+std::array<SideCondition, 6> sides(SideCondition x, SideCondition y, SideCondition zl, SideCondition zh) {
+  return {x, x, y, y, zl, zh};
+}
+const SideCondition periodic = side(SideKind::periodic), no_slip = side(SideKind::bounce),
+                    slip = side(SideKind::free_slip);
+
+template <class T>
+void step(Fluid<T>& fluid) {
+  fluid.stream_collide();
+  fluid.exchange();
+}
+
+/// Calls f(block, local cell, global cell) for every cell of this rank.
+template <class T, class F>
+void for_cells(Fluid<T>& fluid, F&& f) {
+  for (int b = 0; b < int(fluid.blocks().size()); ++b) {
+    const CellBox& box = fluid.blocks()[b].box();
+    for (int z = 0; z < box.size.z; ++z)
+      for (int y = 0; y < box.size.y; ++y)
+        for (int x = 0; x < box.size.x; ++x) f(b, Int3{x, y, z}, box.lower + Int3{x, y, z});
+  }
+}
+
+double largest(double x) {
+  double all = 0;
+  MPI_Allreduce(&x, &all, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  return all;
+}
+
+/// Order-free: every population's bits mixed with where it is.
+template <class T>
+std::uint64_t fingerprint(Fluid<T>& fluid) {
+  std::uint64_t sum = 0, all = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3 g) {
+    for (int i = 0; i < directions; ++i) {
+      std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
+      h ^= std::uint64_t(((g.z * 1009 + g.y) * 1009 + g.x) * 19 + i) * 0x9E3779B97F4A7C15u;
+      h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
+      sum += h;
+    }
+  });
+  MPI_Allreduce(&sum, &all, 1, MPI_UINT64_T, MPI_SUM, fluid.comm());
+  return all;
+}
+
+// u(z) = g/(2 nu) z (H - z) + slip, z = k + 1/2; slip = g (16 Lambda - 3)/(24 nu) (halfway walls, exact solution).
+double poiseuille_error(double tau, double magic, bool bgk) {
+  const double g = 1e-6, nu = (tau - 0.5) / 3, lambda = bgk ? (tau - 0.5) * (tau - 0.5) : magic;
+  const int h = 8;
+  Fluid<double> fluid(Domain({4, 8, h}, sides(periodic, periodic, no_slip, no_slip), Int3{4, 1, 4}, ranks()),
+                      {tau, magic, bgk, {g, 0, 0}}, MPI_COMM_WORLD);
+  const auto exact = [&](int k) {
+    const double z = k + 0.5;
+    return g / (2 * nu) * z * (h - z) + g * (16 * lambda - 3) / (24 * nu);
+  };
+  for_cells(fluid, [&](int b, Int3 x, Int3 at) { fluid.set_equilibrium(b, x, 0, {exact(at.z) - g / 2, 0, 0}); });
+  for (int t = 0; t < int(40 * h * h / nu / 10); ++t) step(fluid);
+  double error = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+    const double u = fluid.velocity(fluid.moments(b, x))[0];
+    error = std::max(error, std::fabs(u - exact(at.z)) / exact(h / 2));
+  });
+  return largest(error);
+}
+
+TEST(Fluid, PoiseuilleExactToRoundOff) {
+  EXPECT_LT(poiseuille_error(0.8, 3. / 16, false), 1e-10);
+  EXPECT_LT(poiseuille_error(1.4, 3. / 16, false), 1e-10);
+}
+TEST(Fluid, WallSlipOfOtherSchemesIsTheTheoretical) {
+  EXPECT_LT(poiseuille_error(0.8, 1. / 4, false), 1e-10);
+  EXPECT_LT(poiseuille_error(0.8, 0, true), 1e-10);
+}
+
+TEST(Fluid, CouetteIsLinear) {
+  const double u0 = 0.02;
+  const int h = 8;
+  Fluid<double> fluid(Domain({3, 8, h}, sides(periodic, periodic, no_slip, side(SideKind::bounce, {u0, 0.5 * u0, 0})),
+                             Int3{3, 1, 4}, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
+  for (int t = 0; t < 8000; ++t) step(fluid);
+  double error = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+    const auto u = fluid.velocity(fluid.moments(b, x));
+    error = std::max({error, std::fabs(u[0] - u0 * (at.z + 0.5) / h), std::fabs(u[1] - 0.5 * u0 * (at.z + 0.5) / h)});
+  });
+  EXPECT_LT(largest(error), 1e-12);
+}
+
+// Half of a Poiseuille channel: free slip in the middle (slip at z high and, with the force along y, tangentially
+// across block borders).
+TEST(Fluid, FreeSlipIsASymmetryPlane) {
+  const int h = 8;
+  const double g = 1e-6, nu = 0.1;
+  for (int axis = 0; axis < 2; ++axis) {
+    Fluid<double> fluid(Domain({8, 8, h}, sides(periodic, periodic, no_slip, slip), Int3{4, 2, 4}, ranks()),
+                        {0.5 + 3 * nu, 3. / 16, false, {axis == 0 ? g : 0, axis == 1 ? g : 0, 0}}, MPI_COMM_WORLD);
+    for (int t = 0; t < 12000; ++t) step(fluid);
+    double error = 0;
+    for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+      const double z = at.z + 0.5, exact = g / (2 * nu) * z * (2 * h - z);
+      error = std::max(error, std::fabs(fluid.velocity(fluid.moments(b, x))[axis] / exact - 1));
+    });
+    EXPECT_LT(largest(error), 1e-9) << "axis " << axis;
+  }
+}
+
+// Plug flow in at x low, out at x high between free-slip planes: a uniform stream must stay uniform.
+TEST(Fluid, InletAndOutletCarryAUniformStream) {
+  const double u0 = 0.01;
+  const auto inlet = side(SideKind::bounce, {u0, 0, 0}), outlet = side(SideKind::pressure);
+  const std::array<SideCondition, 6> s{inlet, outlet, periodic, periodic, slip, slip};
+  Fluid<double> fluid(Domain({16, 4, 8}, s, Int3{4, 2, 8}, ranks()), {0.8, 3. / 16, false, {}}, MPI_COMM_WORLD);
+  for (int t = 0; t < 6000; ++t) step(fluid);
+  double error = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3) {
+    const auto u = fluid.velocity(fluid.moments(b, x));
+    error = std::max({error, std::fabs(u[0] - u0), std::fabs(u[1]), std::fabs(u[2])});
+  });
+  EXPECT_LT(largest(error) / u0, 0.01);
+}
+
+// Square duct: the series solution's u_max mu / (G a^2) = 0.2946854160 and mean 0.1405770150 (a: full edge... half edge).
+TEST(Fluid, SquareDuctFlowRate) {
+  const int n = 16;
+  const double g = 1e-6, nu = 0.5 / 3, a = n / 2.0;
+  const std::array<SideCondition, 6> s{periodic, periodic, no_slip, no_slip, no_slip, no_slip};
+  Fluid<double> fluid(Domain({4, n, n}, s, Int3{4, 8, 4}, ranks()), {1.0, 3. / 16, false, {g, 0, 0}}, MPI_COMM_WORLD);
+  for (int t = 0; t < 5000; ++t) step(fluid);
+  double sum = 0, all = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3) { sum += fluid.velocity(fluid.moments(b, x))[0]; });
+  MPI_Allreduce(&sum, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  EXPECT_NEAR(all / (4 * n * n) * nu / (g * a * a) / 0.1405770150 * 1.0, 1.0, 0.005);
+}
+
+double taylor_green_error(int n) {
+  // u = -U cos kx sin kz, w = U sin kx cos kz, decaying as exp(-2 nu k^2 t); U shrinks with n at fixed Re (diffusive scaling).
+  const double u0 = 0.02 * 16 / n, nu = 0.1, k = 2 * M_PI / n;
+  Fluid<double> fluid(Domain({n, 2, n}, sides(periodic, periodic, periodic, periodic), Int3{n, 2, n / 8}, ranks()),
+                      {0.5 + 3 * nu, 1. / 4, false, {}}, MPI_COMM_WORLD);
+  const auto exact = [&](Int3 g, double t) {
+    const double d = u0 * std::exp(-2 * nu * k * k * t), x = k * (g.x + 0.5), z = k * (g.z + 0.5);
+    return std::array<double, 3>{-d * std::cos(x) * std::sin(z), 0, d * std::sin(x) * std::cos(z)};
+  };
+  for_cells(fluid, [&](int b, Int3 x, Int3 g) {
+    const double p = -0.25 * u0 * u0 * (std::cos(2 * k * (g.x + 0.5)) + std::cos(2 * k * (g.z + 0.5)));
+    const auto u = exact(g, 0);
+    fluid.set_equilibrium(b, x, 3 * p, u);
+    // the non-equilibrium part, -tau w_i 3 (c c : grad u): else the start is only first order
+    const double xk = k * (g.x + 0.5), zk = k * (g.z + 0.5), tau = 0.5 + 3 * nu;
+    const double dxu = u0 * k * std::sin(xk) * std::sin(zk), dzw = -u0 * k * std::sin(xk) * std::sin(zk);
+    for (int i = 0; i < directions; ++i)
+      fluid.arriving(b, x, i) -= tau * w(i) * 3 * (c[i].x * c[i].x * dxu + c[i].z * c[i].z * dzw);
+  });
+  const int steps = int(0.5 / (nu * k * k)) / 2 * 2;
+  for (int t = 0; t < steps; ++t) step(fluid);
+  double e[2] = {0, 0}, sum[2];
+  for_cells(fluid, [&](int b, Int3 x, Int3 g) {
+    const auto u = fluid.velocity(fluid.moments(b, x)), v = exact(g, steps);
+    for (int d = 0; d < 3; ++d) e[0] += (u[d] - v[d]) * (u[d] - v[d]), e[1] += v[d] * v[d];
+  });
+  MPI_Allreduce(e, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return std::sqrt(sum[0] / sum[1]);
+}
+
+TEST(Fluid, TaylorGreenIsSecondOrder) {
+  const double coarse = taylor_green_error(32), fine = taylor_green_error(64), slope = std::log2(coarse / fine);
+  RecordProperty("slope", std::to_string(slope));
+  EXPECT_GE(slope, 1.9) << coarse << " " << fine;
+  EXPECT_LT(fine, 0.005);
+}
+
+/// A stirred box with a wall of each kind, on the ranks of a communicator.
+template <class T>
+std::uint64_t stirred(std::optional<Int3> blocks, int steps, MPI_Comm comm = MPI_COMM_WORLD) {
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  const auto moving = side(SideKind::bounce, {0.03, 0.01, 0});
+  const std::array<SideCondition, 6> s{slip, no_slip, periodic, periodic, moving, no_slip};
+  Fluid<T> fluid(Domain({21, 13, 16}, s, blocks, size), {0.6, 3. / 16, false, {1e-5, 2e-5, 0}}, comm);
+  for_cells(fluid, [&](int b, Int3 x, Int3 g) {
+    fluid.set_equilibrium(b, x, 1e-3 * std::sin(g.x + 2.0 * g.y),
+                          {0.01 * std::sin(3.0 * g.z), 0.02 * std::cos(2.0 * g.x), 0});
+  });
+  for (int t = 0; t < steps; ++t) step(fluid);
+  return fingerprint(fluid);
+}
+
+TEST(Fluid, SameBitsForEveryRankCountAndLayout) {
+  for (int steps : {40, 41}) {
+    const auto alone = stirred<float>(Int3{21, 13, 16}, steps, MPI_COMM_SELF);  // one block, one rank
+    EXPECT_EQ(alone, stirred<float>(std::nullopt, steps));
+    EXPECT_EQ(alone, (stirred<float>(Int3{5, 7, 4}, steps)));
+    EXPECT_EQ(alone, (stirred<float>(Int3{21, 4, 3}, steps)));
+    EXPECT_EQ(alone, (stirred<float>(Int3{2, 3, 2}, steps, MPI_COMM_SELF)));
+    EXPECT_EQ((stirred<double>(Int3{21, 13, 16}, steps, MPI_COMM_SELF)), (stirred<double>(Int3{8, 5, 4}, steps)));
+    EXPECT_NE(alone, (stirred<float>(std::nullopt, steps + 2)));
+  }
+}
+
+}  // namespace
+}  // namespace silt::lbm
