@@ -56,7 +56,10 @@ bool has_errors(std::span<const Diagnostic> list) {
 
 std::string listed(std::span<const Diagnostic> list) {
   std::string text;
-  for (const Diagnostic& d : list) text += (text.empty() ? "" : "\n") + d.line();
+  for (const Diagnostic& d : list) {
+    if (!text.empty()) text += '\n';
+    text += d.line();
+  }
   return text;
 }
 

@@ -45,7 +45,7 @@ class BroadPhase {
   struct Level {
     std::array<double, 3> width;        // of a cell
     std::array<std::int32_t, 3> cells;  // along periodic axes; 0 along others: unbounded
-    std::uint32_t mask;                 // buckets - 1
+    std::uint32_t mask = 0;             // buckets - 1
     std::vector<std::uint32_t> first;   // of each bucket in entries, one more at the end
     std::vector<Entry> entries;         // by bucket
     std::vector<std::uint32_t> rows;    // of this size

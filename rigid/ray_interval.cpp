@@ -33,13 +33,6 @@ Interval intersect(const Interval& a, const Interval& b) {
   return i.enter <= i.leave ? Interval{i} : Interval{};
 }
 
-/// Of two pieces of one convex shape: their hull.
-Interval join(const Interval& a, const Interval& b) {
-  if (!a) return b;
-  if (!b) return a;
-  return RayInterval{std::min(a->enter, b->enter), std::max(a->leave, b->leave)};
-}
-
 Interval sphere(double radius, const Vec3& o, const Vec3& d) {
   const double distance = o.norm();  // the difference of squares, factored: exact close to the surface
   return roots(d.squaredNorm(), o.dot(d), (distance - radius) * (distance + radius));
@@ -55,14 +48,27 @@ struct LineInside {
   }
   Interval operator()(const Capsule& c) const {
     const double a = d[0] * d[0] + d[1] * d[1], rho = std::sqrt(o[0] * o[0] + o[1] * o[1]);
-    Interval barrel;
-    if (a > 0)
-      barrel = roots(a, o[0] * d[0] + o[1] * d[1], (rho - c.radius) * (rho + c.radius));
-    else if (rho <= c.radius)
-      barrel = RayInterval{-infinity, infinity};
-    const Vec3 top(0, 0, c.half_length);
-    return join(intersect(barrel, slab(o[2], d[2], c.half_length)),
-                join(sphere(c.radius, o - top, d), sphere(c.radius, o + top, d)));
+    if (!(a > 0)) return rho <= c.radius ? along_axis(c, rho) : Interval{};
+    const Interval barrel = roots(a, o[0] * d[0] + o[1] * d[1], (rho - c.radius) * (rho + c.radius));
+    if (!barrel) return {};
+    // Where the line crosses the endless barrel beyond the segment, it enters or leaves through that end's cap or not at all.
+    const auto end = [&](double t, bool entering) -> std::optional<double> {
+      const double z = o[2] + t * d[2];
+      if (std::abs(z) <= c.half_length) return t;
+      const Interval cap = sphere(c.radius, o - Vec3(0, 0, std::copysign(c.half_length, z)), d);
+      if (!cap) return {};
+      return entering ? cap->enter : cap->leave;
+    };
+    const auto enter = end(barrel->enter, true);
+    if (!enter) return {};
+    const auto leave = end(barrel->leave, false);
+    if (!leave) return {};
+    return RayInterval{*enter, *leave};
+  }
+  /// A line parallel to the capsule's axis at distance rho <= radius.
+  Interval along_axis(const Capsule& c, double rho) const {
+    const double reach = c.half_length + std::sqrt((c.radius - rho) * (c.radius + rho));
+    return slab(o[2], d[2], reach);
   }
   Interval operator()(const HalfSpace& h) const {
     const double distance = h.normal.dot(o), speed = h.normal.dot(d);
