@@ -51,8 +51,9 @@ void check_bodies(const Case& scene, const rigid::BodySet& bodies, std::int64_t 
                                   scene.fluid ? flow_remedy(scene) : "use a smaller units.time_step"));
     if (scene.fluid && speed > furthest_motion)
       throw GuardStop(fmt::format(
-          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: use a smaller {}", step,
+          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: use {}a smaller {}", step,
           bodies.id[row], rank, shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"), furthest_motion,
+          scene.coupling.time == TimeCoupling::explicit_ ? "coupling.time = \"implicit\" (light bodies need it) or " : "",
           scene.units.si ? "units.time_step" : "gravity.acceleration or velocity"));
   }
 }
