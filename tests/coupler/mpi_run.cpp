@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
-#include "coupler/checkpoint.hpp"
 #include "coupler/build_info.hpp"
+#include "coupler/checkpoint.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/report.hpp"
 #include "tests/coupler/case_text.hpp"
@@ -24,18 +24,22 @@ constexpr const char* finely_cut = "domain.blocks=[6, 12, 6]";  // 32 blocks
 /// Heavy and light bodies of two shapes that drift through each other, close enough to touch.
 CaseText crowd(const std::string& precision) {
   CaseText c;
-  c.domain = "[domain]\nsize = [24, 24, 24]\nboundary = { x = \"periodic\", y = \"periodic\", z = [\"no-slip\", "
-             "\"no-slip\"] }\n";
+  c.domain =
+      "[domain]\nsize = [24, 24, 24]\nboundary = { x = \"periodic\", y = \"periodic\", z = [\"no-slip\", "
+      "\"no-slip\"] }\n";
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"" + precision + "\"\n";
   c.rest = "[gravity]\nacceleration = [2e-3, 1e-3, -2e-3]\n[contacts]\nrestitution = 0.3\nfriction = 0.3\n";
-  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2.5\n"
-             "[[shapes]]\nname = \"rod\"\ntype = \"capsule\"\nradius = 1.8\nlength = 2\n";
+  c.shapes =
+      "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2.5\n"
+      "[[shapes]]\nname = \"rod\"\ntype = \"capsule\"\nradius = 1.8\nlength = 2\n";
   c.bodies.clear();
-  for (const char* entry : {"shape = \"ball\"\ndensity = 3\nseed = 1", "shape = \"ball\"\ndensity = 0.5\nseed = 2",
-                            "shape = \"rod\"\ndensity = 2\nseed = 3", "shape = \"rod\"\ndensity = 0.6\nseed = 4"})
+  for (const char* entry :
+       {"shape = \"ball\"\ndensity = 3\nseed = 1", "shape = \"ball\"\ndensity = 0.5\nseed = 2",
+        "shape = \"rod\"\ndensity = 2\nseed = 3", "shape = \"rod\"\ndensity = 0.6\nseed = 4"})
     c.bodies += std::string("[[fill]]\ncount = 5\ngap = 0.2\n") + entry + "\n";
-  c.run = "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = \"mean-height\"\n"
-          "[[quantities]]\nname = \"speed\"\ntype = \"max-speed\"\n";
+  c.run =
+      "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = \"mean-height\"\n"
+      "[[quantities]]\nname = \"speed\"\ntype = \"max-speed\"\n";
   return c;
 }
 
@@ -47,10 +51,12 @@ CaseText dry_crowd() {
 
 CaseText pure_fluid() {
   CaseText c;
-  c.domain = "[domain]\nsize = [20, 16, 24]\nboundary = { x = \"periodic\", y = [\"no-slip\", { type = \"moving\", "
-             "velocity = [0.02, 0, 0] }], z = [\"free-slip\", \"no-slip\"] }\n";
-  c.fluid = "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-5, 0, 2e-5]\n"
-            "initial = { type = \"uniform\", velocity = [0.01, 0.02, 0] }\n";
+  c.domain =
+      "[domain]\nsize = [20, 16, 24]\nboundary = { x = \"periodic\", y = [\"no-slip\", { type = \"moving\", "
+      "velocity = [0.02, 0, 0] }], z = [\"free-slip\", \"no-slip\"] }\n";
+  c.fluid =
+      "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-5, 0, 2e-5]\n"
+      "initial = { type = \"uniform\", velocity = [0.01, 0.02, 0] }\n";
   c.shapes.clear(), c.bodies.clear();
   return c;
 }
@@ -84,8 +90,8 @@ TEST(Run, CrowdInFluidHasOneHashOnAnyRanksAndBlocks) {
   EXPECT_EQ(simulation.hash(), one);
   const RunCounters c = simulation.counters();
   if (rank() == 0)
-    std::printf("%d ranks: migrations %lu, contacts %lu, between owners %lu, covered %lu, uncovered %lu\n", ranks(),
-                c.migrations, c.contacts, c.mixed_owner_contacts, c.covered, c.uncovered);
+    std::printf("%d ranks: migrations %lu, contacts %lu, between owners %lu, covered %lu, uncovered %lu\n",
+                ranks(), c.migrations, c.contacts, c.mixed_owner_contacts, c.covered, c.uncovered);
   EXPECT_GT(c.contacts, 0u);
   EXPECT_GT(c.uncovered, 0u);
   if (ranks() == 1) return;
@@ -93,14 +99,20 @@ TEST(Run, CrowdInFluidHasOneHashOnAnyRanksAndBlocks) {
   EXPECT_GT(c.mixed_owner_contacts, 0u);
 }
 
-TEST(Run, DoublePrecisionHasOneHash) { expect_same_on_any_ranks(crowd("double"), 40); }
-TEST(Run, DryCrowdHasOneHash) { expect_same_on_any_ranks(dry_crowd(), 200); }
-TEST(Run, PureFluidHasOneHash) { expect_same_on_any_ranks(pure_fluid(), 101); }
+TEST(Run, DoublePrecisionHasOneHash) {
+  expect_same_on_any_ranks(crowd("double"), 40);
+}
+TEST(Run, DryCrowdHasOneHash) {
+  expect_same_on_any_ranks(dry_crowd(), 200);
+}
+TEST(Run, PureFluidHasOneHash) {
+  expect_same_on_any_ranks(pure_fluid(), 101);
+}
 
 // ---- checkpoints ----
 
-std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene, MPI_Comm comm, std::int64_t steps,
-                           double* speed) {
+std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene, MPI_Comm comm,
+                           std::int64_t steps, double* speed) {
   const adapters::CheckpointReader reader(comm, path);
   Simulation simulation(scene, comm, read_state(reader, scene));
   Quantities quantities(scene);
@@ -126,10 +138,13 @@ void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t
   EXPECT_EQ(resumed_hash(path, scene, MPI_COMM_WORLD, steps, &speed_again), uninterrupted);
   EXPECT_EQ(speed_again, speed);
   EXPECT_EQ(resumed_hash(path, uncut, MPI_COMM_WORLD, steps, nullptr), uninterrupted) << "other blocks";
-  EXPECT_EQ(alone([&] { return resumed_hash(path, uncut, MPI_COMM_SELF, steps, nullptr); }), uninterrupted) << "one rank";
+  EXPECT_EQ(alone([&] { return resumed_hash(path, uncut, MPI_COMM_SELF, steps, nullptr); }), uninterrupted)
+      << "one rank";
 }
 
-TEST(Run, ResumesToTheBit) { expect_resume_is_exact(crowd("single"), 151, 200); }
+TEST(Run, ResumesToTheBit) {
+  expect_resume_is_exact(crowd("single"), 151, 200);
+}
 TEST(Run, ResumesToTheBitInExplicitAndExactForm) {
   CaseText text = crowd("double");
   text.rest += "[coupling]\nforce = \"exact\"\ntime = \"explicit\"\nwall_scheme = \"bounce-back\"\n";
@@ -137,7 +152,9 @@ TEST(Run, ResumesToTheBitInExplicitAndExactForm) {
     text.bodies.replace(text.bodies.find(light), 13, "density = 4.0");
   expect_resume_is_exact(text, 33, 60);
 }
-TEST(Run, ResumesDry) { expect_resume_is_exact(dry_crowd(), 151, 200); }
+TEST(Run, ResumesDry) {
+  expect_resume_is_exact(dry_crowd(), 151, 200);
+}
 
 TEST(Run, AChangedCaseIsNotResumed) {
   const Scratch scratch;
@@ -150,13 +167,15 @@ TEST(Run, AChangedCaseIsNotResumed) {
   MPI_Barrier(MPI_COMM_WORLD);
   const Case scene = read_case(directory, {"contacts.friction=0.25"});
   Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
+  const auto path =
+      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
   const Case again = case_to_resume(reader, directory, {"run.steps=900"});
   EXPECT_EQ(again.steps, 900);
   EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
-  EXPECT_NE(error_of([&] { case_to_resume(reader, directory, {"contacts.friction=0.5"}); }).find("cannot change"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of([&] { case_to_resume(reader, directory, {"contacts.friction=0.5"}); }).find("cannot change"),
+      std::string::npos);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank() == 0) {
     std::string changed = text.text();
@@ -189,7 +208,8 @@ std::uint64_t steered_hash(const Case& scene, MPI_Comm comm) {
 TEST(Run, WhatAProgramDoesIsTheSameOnAnyRanks) {
   CaseText text = crowd("single");
   text.bodies.clear();  // far apart, so that body 1 finds room
-  for (const char* x : {"5, 5, 5", "17, 5, 5", "5, 17, 5", "17, 17, 5", "5, 5, 19", "17, 5, 19", "5, 17, 19", "17, 17, 19"})
+  for (const char* x :
+       {"5, 5, 5", "17, 5, 5", "5, 17, 5", "17, 17, 5", "5, 5, 19", "17, 5, 19", "5, 17, 19", "17, 17, 19"})
     text.bodies += std::string("[[bodies]]\nshape = \"ball\"\ndensity = 1.5\nposition = [") + x + "]\n";
   const std::uint64_t one = alone([&] { return steered_hash(text.read(), MPI_COMM_SELF); });
   EXPECT_EQ(steered_hash(text.read({finely_cut}), MPI_COMM_WORLD), one);
@@ -253,11 +273,16 @@ TEST(Run, TheReportHasTheKeysOthersRead) {
   Simulation simulation(scene, MPI_COMM_WORLD);
   simulation.run(3);
   const std::string report = report_of(simulation, Quantities(scene), {}).text();
-  for (const char* key :
-       {"steps", "ranks", "blocks", "cells", "bodies", "backend", "state_hash", "mlups", "wall_seconds", "stage_seconds",
-        "skipped", "mass_drift", "momentum_drift", "max_velocity", "max_penetration", "contacts", "fallbacks", "migrations",
-        "covered", "uncovered", "mixed_owner_contacts", "links", "quantities", "exit_reason", "version", "commit", "compiler",
-        "instruction_set", "precision", "wall_scheme"})
+  for (const char* key : {"steps",           "ranks",        "blocks",
+                          "cells",           "bodies",       "backend",
+                          "state_hash",      "mlups",        "wall_seconds",
+                          "stage_seconds",   "skipped",      "mass_drift",
+                          "momentum_drift",  "max_velocity", "max_penetration",
+                          "contacts",        "fallbacks",    "migrations",
+                          "covered",         "uncovered",    "mixed_owner_contacts",
+                          "links",           "quantities",   "exit_reason",
+                          "version",         "commit",       "compiler",
+                          "instruction_set", "precision",    "wall_scheme"})
     EXPECT_NE(report.find('"' + std::string(key) + "\":"), std::string::npos) << key;
 }
 
