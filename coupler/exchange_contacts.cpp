@@ -54,7 +54,9 @@ void BodyExchange::Parallel::exchange_contacts(BodySet& bodies, std::vector<Cont
   });
   messages.with_partners(those_that(&Tie::given));
   receive_contacts(bodies, contacts);
-  std::sort(contacts.begin(), contacts.end(), [](const auto& p, const auto& q) { return p.key() < q.key(); });
+  // those of a pair come from one rank, in the order of their keys
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const auto& p, const auto& q) { return p.pair() < q.pair(); });
   plan_sweeps(bodies, contacts);
 }
 

@@ -22,7 +22,8 @@ namespace {
 /// The anchor takes back this share of the mean density deviation a step.
 constexpr double anchor_rate = 0.01;
 
-std::int64_t to_quanta(double x) { return std::llrint(x / lbm::link_quantum); }
+/// Of mass and momentum of cells.
+std::int64_t to_quanta(double x) { return std::llrint(x / lbm::mass_quantum); }
 
 template <class T>
 class FlowOf final : public Flow {
@@ -48,10 +49,10 @@ class FlowOf final : public Flow {
   void stream_collide() override {
     const double cells = double(anchor_.fluid_cells);
     if (anchored_ && cells > 0)
-      fluid_.set_anchor(-anchor_rate * double(anchor_.mass) * lbm::link_quantum / cells);
+      fluid_.set_anchor(-anchor_rate * double(anchor_.mass) * lbm::mass_quantum / cells);
     fluid_.stream_collide();
     // What the anchor has done, to the quantum; the rounding of single cells is not seen.
-    if (anchored_) anchor_.mass -= to_quanta(anchor_rate * double(anchor_.mass) * lbm::link_quantum);
+    if (anchored_) anchor_.mass -= to_quanta(anchor_rate * double(anchor_.mass) * lbm::mass_quantum);
   }
 
   void communicate() override { fluid_.exchange(); }
@@ -191,8 +192,8 @@ FlowTotals FlowOf<T>::totals() const {
   MPI_Allreduce(MPI_IN_PLACE, high, 3, MPI_DOUBLE, MPI_MAX, fluid_.comm());
   MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, fluid_.comm());
   t.fluid_cells = std::uint64_t(sums[0]);
-  t.mass_deviation = double(sums[1]) * lbm::link_quantum;
-  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[2 + d]) * lbm::link_quantum;
+  t.mass_deviation = double(sums[1]) * lbm::mass_quantum;
+  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[2 + d]) * lbm::mass_quantum;
   t.max_speed = high[0], t.min_density = 1 - high[1], t.max_density = 1 + high[2];
   t.finite = bad == std::numeric_limits<std::int64_t>::max();
   if (!t.finite) t.bad_cell = {int(bad % n.x), int(bad / n.x % n.y), int(bad / n.x / n.y)};

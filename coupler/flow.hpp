@@ -29,7 +29,7 @@ struct FlowTotals {
   std::array<int, 3> bad_cell{};
 };
 
-/// What the pressure anchor remembers between steps (quanta of 2^-40; the same on every rank).
+/// What the pressure anchor remembers between steps (mass quanta, 2^-40; the same on every rank).
 struct AnchorState {
   std::int64_t mass = 0;
   std::int64_t fluid_cells = 0;

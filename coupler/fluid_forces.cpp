@@ -47,7 +47,7 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
   MPI_Allreduce(&mine, &first, 1, MPI_UINT64_T, MPI_MIN, comm);
   if (first != std::numeric_limits<std::uint64_t>::max())
     throw std::overflow_error("the force on body " + std::to_string(first) +
-                              " is not a number or above 1024 lattice units on one link; the flow around it has become "
+                              " is not a number or above 64 lattice units on one link; the flow around it has become "
                               "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time");
 }
 

@@ -38,7 +38,7 @@ class FluidForces {
   /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation: momentum
   /// gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
   void hand_over(rigid::BodyId, const rigid::Vec3& momentum, const rigid::Vec3& arm);
-  /// Collective. Returns the density that fluid cells of this rank gained through links, in link quanta.
+  /// Collective. Returns the density that fluid cells of this rank gained through links, in mass quanta.
   std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
                           const rigid::Vec3& gravity);
 

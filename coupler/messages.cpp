@@ -12,6 +12,9 @@ constexpr int first_unannounced_tag = 1;
 
 Messages::Messages(MPI_Comm comm) {
   MPI_Comm_dup(comm, &comm_);
+  int ranks = 0;
+  MPI_Comm_size(comm_, &ranks);
+  place_.assign(ranks, -1);
 }
 
 Messages::~Messages() {
@@ -21,8 +24,8 @@ Messages::~Messages() {
 }
 
 Bytes& Messages::to(int rank) {
-  for (Message& m : sent_)
-    if (m.rank == rank) return m.bytes;
+  if (place_[rank] >= 0) return sent_[place_[rank]].bytes;
+  place_[rank] = static_cast<int>(sent_.size());
   if (spare_.empty()) spare_.push_back({rank, {}});
   sent_.push_back(std::move(spare_.back()));
   spare_.pop_back();
@@ -52,7 +55,10 @@ void Messages::send_all(int tag, bool synchronous) {
 }
 
 void Messages::end_round() {
-  for (Message& m : sent_) spare_.push_back(std::move(m));
+  for (Message& m : sent_) {
+    place_[m.rank] = -1;
+    spare_.push_back(std::move(m));
+  }
   sent_.clear();
   std::sort(received_.begin(), received_.end(), [](const auto& p, const auto& q) { return p.rank < q.rank; });
 }

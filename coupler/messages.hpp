@@ -94,6 +94,7 @@ class Messages {
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::vector<Message> sent_, received_;  // kept, buffers and all, from round to round
   std::vector<Message> spare_;
+  std::vector<int> place_;  // of a rank in sent_, -1: not yet in this round
   std::vector<MPI_Request> requests_;
   int round_ = 0;
   std::uint64_t messages_sent_ = 0, bytes_sent_ = 0;

@@ -38,15 +38,16 @@ struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
 };
 
-/// Fixed point: sums that do not depend on the order or the partition of links. Quantum 2^-40 (forces, torques,
-/// mass; a term below 2^10 in magnitude) and 2^-30 (stiffness; below 2^20). Sums of 2^12 times the largest term times 2^10
-/// stay in range; a term out of range, or not a number, sets `invalid`.
-inline constexpr double link_quantum = 0x1p-40, stiffness_quantum = 0x1p-30;
+/// Fixed point: sums that do not depend on the order or the partition of links. Each term is rounded once to a whole
+/// number of quanta: force and torque 2^-44 (a term below 2^6 in magnitude, a sum below 2^19), stiffness 2^-30 (2^20, 2^33),
+/// mass 2^-40 (2^10, 2^23); lattice units. A term out of range, or not a number, sets `invalid`. Sums wrap on the way
+/// without harm: only the result must be in range.
+inline constexpr double link_quantum = 0x1p-44, stiffness_quantum = 0x1p-30, mass_quantum = 0x1p-40;
 
 /// Momentum exchange (equation 6 of Goetz et al.) with deviations, on one surface in one step.
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
-  std::int64_t mass = 0;  // density gained by the fluid
+  std::int64_t mass = 0;  // density gained by the fluid, in mass quanta
   bool invalid = false;
 };
 

@@ -106,7 +106,7 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
     constexpr double scale = 1 / link_quantum;
     force[0].add(fx, n, scale), force[1].add(fy, n, scale), force[2].add(fz, n, scale);
     torque[0].add(tx, n, scale), torque[1].add(ty, n, scale), torque[2].add(tz, n, scale);
-    mass.add(m, n, scale);
+    mass.add(m, n, 1 / mass_quantum);
   }
   std::int64_t bad = mass.bad;
   for (int d = 0; d < 3; ++d) {
@@ -139,7 +139,7 @@ void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const
     }
 #pragma GCC ivdep
     for (int l = 0; l < n; ++l) back[cell[l]] = after[l];
-    mass.add(m, n, 1 / link_quantum);
+    mass.add(m, n, 1 / mass_quantum);
   }
   sums.mass += mass.sum;
   if (mass.bad) sums.invalid = true;

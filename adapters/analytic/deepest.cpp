@@ -138,11 +138,12 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
   const bool with_box = extent_a == 3 || extent_b == 3;
   if (with_box && axis.core_gap <= 0) return axis;
   const Separation closest = closest_features(a, b);
-  if (closest.core_gap > reach) return {};
   if (closest.core_gap <= rounding * scale) return with_box ? axis : touching_cores(a, b);
-  // the two agree where a face or crossed edges touch; the better supported normal is the one without
-  // rounding
-  return core_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
+  // the better supported normal is the right one: where faces are parallel, with no vertex over either
+  // (crossed beams), the closest features found are not the closest there are, and the axis shows it
+  const Separation best = core_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
+  if (best.core_gap > reach) return {};
+  return best;
 }
 
 }  // namespace silt::adapters

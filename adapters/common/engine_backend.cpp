@@ -18,7 +18,9 @@ namespace {
 bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer& answer) {
   const double slack = answer_tolerance * length_scale(a, b);
   if (!(std::abs(answer.normal.squaredNorm() - 1) < 1e-6)) return false;  // also refuses NaN
-  answer.normal = nearest_candidate_axis(a, b, answer.normal.normalized(), snap_angle);
+  answer.normal.normalize();
+  if (a.extent() > 0 && b.extent() > 0)
+    answer.normal = nearest_candidate_axis(a, b, answer.normal, snap_angle);
   const double gap = support_gap(q, answer.normal);
   if (!(std::abs(gap - answer.gap) <= slack + (gap < 0 ? answer.padding : 0))) return false;
   // apart, a distance between two points that is also one between supporting planes proves itself; overlap

@@ -10,8 +10,8 @@ namespace silt::adapters {
 /// An engine's answer is taken where it agrees with the supporting planes to this part of the pair's size
 /// (length_scale, sizes and distance: some 60 lattice units for bodies of 10, so 6e-10 of a cell).
 inline constexpr double answer_tolerance = 1e-11;
-/// A normal this near (radian) to that of a face or of two crossed edges is taken to be it.
-inline constexpr double snap_angle = 1e-6;
+/// A normal this near (radian) to that of a face or of two crossed edges is taken to be it (not for spheres).
+inline constexpr double snap_angle = 1e-7;
 
 /// A pair as asked; the cores are those of rounded_box (b's is of no use for a half-space).
 struct Query {

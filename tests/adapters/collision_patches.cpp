@@ -80,6 +80,29 @@ TEST_P(Patches, BoxHalfOverTheEdge) {
                  {{2, 1, 0}, {2, -1, 0}, {4, 1, 0}, {4, -1, 0}}, -0.1);
 }
 
+TEST_P(Patches, CrossedBeamsHaveNoVertexOverTheOther) {
+  for (const double degrees : {90.0, 75.0, 60.0})
+    for (const double gap : {0.4, 0.0, -0.4}) {
+      const Points points = at(stacked_boxes({40, 1, 2}, {0.3, 0.2, 0}, degrees, gap));
+      EXPECT_EQ(points.size(), 4u) << degrees << " " << gap;
+      for (const auto& p : points) EXPECT_NEAR(p.gap, gap, 1e-12) << degrees << " " << gap;
+      const Pair capsule{
+          rigid::Box{{4, 1, 2}}, rigid::Capsule{2, 30}, {}, {Vec3(0, 0, 4 + gap), turned(90, Vec3::UnitX())}};
+      EXPECT_EQ(at(capsule).size(), 2u) << gap;
+      EXPECT_NEAR(deepest(at(capsule)).gap, gap, 1e-12) << gap;
+    }
+}
+
+TEST_P(Patches, BeamsAcrossEachCornerHaveNoVertexOverTheOther) {
+  for (const double x : {-2.0, 2.0})
+    for (const double y : {-1.5, 1.5})
+      for (const double gap : {0.4, 0.0, -0.4}) {
+        const Points points = at(stacked_boxes({40, 1, 2}, {x, y, 0}, x * y > 0 ? -45 : 45, gap));
+        EXPECT_EQ(points.size(), 4u) << x << " " << y << " " << gap;
+        for (const auto& p : points) EXPECT_NEAR(p.gap, gap, 1e-12);
+      }
+}
+
 TEST_P(Patches, NoMarginOnFaces) {
   for (const double gap : {1e-3, 0.02, 0.04, 0.3, -1e-3, -0.04, -0.3}) {
     for (const auto& p : at(stacked_boxes({2, 1, 2}, {0.3, 0.2, 0}, 17, gap))) EXPECT_NEAR(p.gap, gap, 1e-12);

@@ -2,6 +2,7 @@
 // Dry scenes for the tests of the body exchange: the same bodies on every rank to start with, to be run on
 // all ranks or, as the reference, by each rank alone.
 #include <algorithm>
+#include <bit>
 #include <memory>
 #include <optional>
 #include <random>
@@ -80,6 +81,38 @@ using Blocks = std::optional<lbm::Int3>;
 
 /// Reach of copies that the contacts of these tests need: half a margin, and some.
 constexpr double contact_rim = 0.25;
+
+/// Keeps account of the contacts that owners are given: each one once at the owner of either body, in order.
+class Witness : public BodyExchange {
+ public:
+  using BodyExchange::BodyExchange;
+  std::uint64_t at_first = 0, at_second = 0;  // wrapping sums of hashes
+  bool in_order = true;
+  std::size_t visitors = 0;
+
+  void exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) override {
+    BodyExchange::exchange_contacts(bodies, contacts);
+    visitors += bodies.visitors;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const rigid::Contact& c = contacts[k];
+      if (k > 0) in_order &= contacts[k - 1].key() < c.key();
+      if (bodies.row_of(c.a) < bodies.owned) at_first += hash_of_contact(c);
+      if (bodies.row_of(c.b) < bodies.owned) at_second += hash_of_contact(c);
+    }
+  }
+
+ private:
+  static std::uint64_t hash_of_contact(const rigid::Contact& c) {
+    rigid::BodyRecord r;  // borrowed: hashes all bits of what is put into it
+    r.id = c.a, r.mapping_position[0] = std::bit_cast<double>(c.b);
+    r.mapping_position[1] = std::bit_cast<double>(c.feature);
+    r.image[0] = c.image.x, r.image[1] = c.image.y, r.image[2] = c.image.z;
+    for (int d = 0; d < 3; ++d)
+      r.position[d] = c.normal[d], r.velocity[d] = c.r_a[d], r.angular_velocity[d] = c.r_b[d];
+    r.mass = c.gap, r.weight_factor = c.restitution, r.mapping_orientation[0] = c.friction;
+    return hash_of(r);
+  }
+};
 
 /// A scene on a communicator, its bodies spread over the ranks. Exchange: BodyExchange or one derived from
 /// it.

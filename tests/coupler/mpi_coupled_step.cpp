@@ -1,0 +1,264 @@
+// Fluid and bodies together: the same bits on any number of ranks, and physics against theory.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "coupler/derived_table.hpp"
+#include "coupler/state_hash.hpp"
+#include "tests/coupler/coupled_scenes.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Vec3;
+
+int rank_of_world() {
+  int r = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  return r;
+}
+int ranks_of_world() {
+  int n = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &n);
+  return n;
+}
+double sum_over_ranks(double x) {
+  double all = 0;
+  MPI_Allreduce(&x, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return all;
+}
+
+constexpr int crowd_steps = 500;
+
+/// Everything thrown about at the start, so that much happens in few steps.
+void stir(Simulation& s) {
+  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id) {
+    const double a = 1.7 * double(id);
+    s.set_velocity(id, 0.04 * Vec3(std::cos(a), std::sin(a), std::sin(2 * a)),
+                   0.005 * Vec3(std::sin(a), std::cos(3 * a), std::sin(5 * a)));
+  }
+}
+
+struct CrowdResult {
+  std::uint64_t hash;
+  RunCounters counters;
+};
+template <class Between>
+CrowdResult run_crowd(const std::vector<std::string>& overrides, MPI_Comm comm, Between&& between) {
+  Simulation s(crowd(overrides), comm);
+  stir(s);
+  while (s.steps_done() < crowd_steps) s.step(), between(s);
+  return {s.hash(), s.counters()};
+}
+CrowdResult run_crowd(const std::vector<std::string>& overrides, MPI_Comm comm) {
+  return run_crowd(overrides, comm, [](Simulation&) {});
+}
+
+/// The scene alone on one rank in one block: computed once, by rank 0 only, known to all.
+std::uint64_t reference_hash() {
+  static const std::uint64_t hash = [] {
+    std::uint64_t h = 0;
+    if (rank_of_world() == 0) h = run_crowd({}, MPI_COMM_SELF).hash;
+    MPI_Bcast(&h, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    return h;
+  }();
+  return hash;
+}
+
+TEST(CoupledStep, SameBitsOnAnyNumberOfRanksAndBlocks) {
+  for (const char* blocks : {"domain.blocks=[12,10,7]", "domain.blocks=[24,7,5]"}) {
+    const CrowdResult r = run_crowd({blocks}, MPI_COMM_WORLD);
+    EXPECT_EQ(r.hash, reference_hash()) << blocks;
+    if (rank_of_world() == 0)
+      printf("%s on %d ranks: %llu migrations, %llu contacts, %llu between owners, %llu uncovered, hash %016llx\n",
+             blocks, ranks_of_world(), (unsigned long long)r.counters.migrations,
+             (unsigned long long)r.counters.contacts, (unsigned long long)r.counters.mixed_owner_contacts,
+             (unsigned long long)r.counters.uncovered, (unsigned long long)r.hash);
+    EXPECT_GT(r.counters.uncovered, 0u);
+    EXPECT_GT(r.counters.contacts, 0u);
+    if (ranks_of_world() > 1) {
+      EXPECT_GT(r.counters.migrations, 0u);
+      EXPECT_GT(r.counters.mixed_owner_contacts, 0u);
+    }
+  }
+}
+
+// One link skipped once, on one rank: the population that should have come back from the surface does not.
+TEST(CoupledStep, OneSkippedLinkChangesTheHash) {
+  int skipped = 0;
+  const auto skip = [&](Simulation& s) {
+    Flow& flow = *s.scene().flow;
+    if (s.steps_done() != 100) return;
+    for (int b = 0; b < flow.blocks() && !skipped; ++b) {
+      const lbm::Int3 n = flow.block(b).size;
+      for (int z = 1; z + 1 < n.z && !skipped; ++z)
+        for (int y = 1; y + 1 < n.y && !skipped; ++y)
+          for (int x = 1; x + 1 < n.x && !skipped; ++x)
+            if (flow.is_fluid(b, {x, y, z}) && !flow.is_fluid(b, {x + 1, y, z})) {
+              flow.set_arriving(b, {x, y, z}, 2, flow.arriving(b, {x + 1, y, z}, 1) * 0.5);
+              skipped = 1;
+            }
+    }
+    if (rank_of_world() != 0) skipped = 1;
+  };
+  if (rank_of_world() != 0) skipped = 1;
+  const CrowdResult r = run_crowd({"domain.blocks=[12,10,7]"}, MPI_COMM_WORLD, skip);
+  EXPECT_NE(r.hash, reference_hash());
+}
+
+// A contact counted twice gives its impulse twice: the smallest such change of one body must be seen.
+TEST(CoupledStep, OneExtraImpulseChangesTheHash) {
+  const CrowdResult r = run_crowd({"domain.blocks=[12,10,7]"}, MPI_COMM_WORLD, [](Simulation& s) {
+    if (s.steps_done() == 100) s.add_force(3, Vec3(0, 0, 1e-12));
+  });
+  EXPECT_NE(r.hash, reference_hash());
+}
+
+// What stands in solid cells never reaches the fluid.
+TEST(CoupledStep, SolidCellsAreNeverRead) {
+  const auto poison = [](Simulation& s) {
+    Flow& flow = *s.scene().flow;
+    for (int b = 0; b < flow.blocks(); ++b) {
+      const lbm::Int3 n = flow.block(b).size;
+      for (int z = 0; z < n.z; ++z)
+        for (int y = 0; y < n.y; ++y)
+          for (int x = 0; x < n.x; ++x)
+            if (!flow.is_fluid(b, {x, y, z}))
+              for (int i = 0; i < lbm::directions; ++i) {
+                // only slots that no fluid cell's link uses: from solid to solid
+                const lbm::Int3 from = lbm::Int3{x, y, z} - lbm::c[i];
+                if (from.x < 0 || from.y < 0 || from.z < 0 || from.x >= n.x || from.y >= n.y || from.z >= n.z) continue;
+                if (!flow.is_fluid(b, from)) flow.set_arriving(b, {x, y, z}, i, std::nan(""));
+              }
+    }
+  };
+  const auto fixed = [&](bool poisoned) {
+    Simulation s(sphere_array({"run.steps=20", "bodies[0].position=[8.2,7.9,8.4]"}), MPI_COMM_WORLD);
+    if (poisoned) poison(s);
+    for (int t = 0; t < 20; ++t) s.step();
+    return s.hash();
+  };
+  if (ranks_of_world() <= 4) EXPECT_EQ(fixed(false), fixed(true));
+}
+
+double momentum_drift(const std::vector<std::string>& overrides, int steps) {
+  Simulation s(free_spheres(overrides), MPI_COMM_WORLD);
+  const Balance before = s.balance();
+  double scale = 0;  // sum of |m v| of the bodies at the start
+  for (std::size_t row = 0; row < s.bodies().owned; ++row) scale += s.bodies().mass[row] * s.bodies().velocity[row].norm();
+  scale = sum_over_ranks(scale);
+  while (s.steps_done() < steps) s.step();
+  EXPECT_GT(s.counters().uncovered, 0u);
+  return (s.balance().momentum - before.momentum).norm() / scale;
+}
+
+TEST(CoupledStep, ExactFormConservesMomentum) {
+  for (const char* time : {"coupling.time=implicit", "coupling.time=explicit"}) {
+    const double in_double = momentum_drift({time}, 1000);
+    const double in_single = momentum_drift({time, "fluid.precision=single"}, 1000);
+    if (rank_of_world() == 0) printf("%s: exact form, drift %.2g in double, %.2g in single\n", time, in_double, in_single);
+    EXPECT_LT(in_double, 1e-11) << time;
+    EXPECT_LT(in_single, 1e-5) << time;
+  }
+}
+
+TEST(CoupledStep, DefaultFormDriftIsSmallButNotZero) {
+  const double drift = momentum_drift({"coupling.force=galilean"}, 1000);
+  if (rank_of_world() == 0) printf("galilean form: drift %.3g of the bodies' momentum in 1000 steps\n", drift);
+  EXPECT_LT(drift, 0.05);
+  EXPECT_GT(drift, 1e-9);  // else the two forms would be the same code
+}
+
+// Zick and Homsy 1982, simple cubic array, phi = 0.064: K = 2.810.
+TEST(CoupledStep, DragOfACubicArray) {
+  const char* const positions[] = {"[8.13,8.31,7.87]", "[8.31,8.13,8.47]", "[8.2,8.4,8.1]",
+                                   "[8.05,8.15,8.35]", "[8.42,7.71,8.27]", "[7.64,8.44,7.93]"};
+  double sum = 0;
+  for (const char* p : positions) sum += drag_coefficient(sphere_array({std::string("bodies[0].position=") + p}), MPI_COMM_WORLD);
+  const double error = sum / std::size(positions) / 2.810198 - 1;
+  if (rank_of_world() == 0) printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
+  EXPECT_LT(std::fabs(error), 0.01);
+}
+
+TEST(CoupledStep, DragDoesNotDependOnViscosity) {
+  const auto k = [](const char* tau, const char* steps) {
+    return drag_coefficient(sphere_array({tau, steps, "bodies[0].position=[8.13,8.31,7.87]"}), MPI_COMM_WORLD);
+  };
+  const double one = k("fluid.relaxation_time=1.0", "run.steps=2500");
+  EXPECT_NEAR(k("fluid.relaxation_time=0.6", "run.steps=12000") / one, 1, 1e-4);
+  EXPECT_NEAR(k("fluid.relaxation_time=1.5", "run.steps=1500") / one, 1, 1e-4);
+}
+
+// Half as dense as the fluid, at a relaxation time where explicit coupling is unstable: it rises and settles into a
+// steady speed, a little below that of unbounded fluid (Schiller and Naumann; the walls are two diameters away).
+TEST(CoupledStep, LightSphereRisesSteadily) {
+  const Case light = read_case_text(R"(
+title = "light"
+[units]
+system = "lattice"
+[domain]
+size = [32, 32, 64]
+boundary = "no-slip"
+[fluid]
+relaxation_time = 0.6
+[gravity]
+acceleration = [0, 0, -4e-4]
+[[shapes]]
+name = "sphere"
+type = "sphere"
+diameter = 8
+[[bodies]]
+shape = "sphere"
+density = 0.5
+position = [16.3, 15.8, 12.2]
+[run]
+steps = 3000
+)", "light");
+  Simulation s(light, MPI_COMM_WORLD);
+  double speed[2] = {};
+  for (int half = 0; half < 2; ++half) {
+    while (s.steps_done() < 1500 + half * 500) s.step();
+    double v = 0;
+    for (std::size_t row = 0; row < s.bodies().owned; ++row) v += s.bodies().velocity[row][2];
+    speed[half] = sum_over_ranks(v);
+  }
+  const double unbounded = terminal_velocity(8, 0.5, 4e-4, 0.1 / 3);
+  if (rank_of_world() == 0) printf("light sphere: %.5f, unbounded fluid %.5f\n", speed[1], std::fabs(unbounded));
+  EXPECT_NEAR(speed[1] / speed[0], 1, 0.05);
+  EXPECT_LT(speed[1], std::fabs(unbounded));
+  EXPECT_GT(speed[1], 0.7 * std::fabs(unbounded));
+}
+
+// The paper's Figure 4: exactly the cells whose centres are inside are solid, after many coverings and uncoverings.
+TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
+  Simulation s(crowd({"domain.blocks=[12,10,7]"}), MPI_COMM_WORLD);
+  stir(s);
+  for (int t = 0; t < 60; ++t) {
+    s.step();
+    if (t % 10) continue;
+    const Flow& flow = *s.scene().flow;
+    const auto& bodies = s.bodies();
+    const auto cells = s.setup().cells;
+    for (int b = 0; b < flow.blocks(); ++b) {
+      const lbm::CellBox& box = flow.block(b);
+      for (int z = 0; z < box.size.z; ++z)
+        for (int y = 0; y < box.size.y; ++y)
+          for (int x = 0; x < box.size.x; ++x) {
+            bool inside = false;
+            for (std::size_t row = 0; row < bodies.first_wall() && !inside; ++row) {
+              const rigid::Pose& pose = bodies.mapping_pose[row];
+              Vec3 r = Vec3(box.lower.x + x + 0.5, box.lower.y + y + 0.5, box.lower.z + z + 0.5) - pose.position;
+              for (int d = 0; d < 2; ++d) r[d] -= cells[d] * std::round(r[d] / cells[d]);
+              inside = rigid::contains(s.scene().world.shapes[bodies.shape[row]], pose.orientation.conjugate() * r);
+            }
+            ASSERT_EQ(inside, !flow.is_fluid(b, {x, y, z})) << x << " " << y << " " << z;
+          }
+    }
+  }
+  EXPECT_GT(s.counters().covered, 0u);
+  EXPECT_GT(s.counters().uncovered, 0u);
+}
+
+}  // namespace
+}  // namespace silt::coupler
