@@ -11,7 +11,9 @@ namespace silt::coupler {
 using std::numbers::pi;
 
 TaylorGreen::TaylorGreen(const Case& scene)
-    : amplitude(scene.fluid->initial_velocity.norm()), kx(2 * pi / scene.cells[0]), ky(2 * pi / scene.cells[1]),
+    : amplitude(scene.fluid->initial_velocity.norm()),
+      kx(2 * pi / scene.cells[0]),
+      ky(2 * pi / scene.cells[1]),
       viscosity(scene.fluid->kinematic_viscosity) {}
 
 std::array<double, 3> TaylorGreen::velocity(double x, double y, double t) const {
@@ -45,7 +47,8 @@ WallProfile::WallProfile(const Case& scene, const std::string& profile)
   }
   if (acceleration_ == 0 || walls != (is_duct_ ? 2 : 1) || !scene.periodic(flow_axis_))
     throw CaseError(scene.place("quantities"),
-                    "the profile \"" + profile + "\" needs a fluid.body_force along a periodic axis and walls across " +
+                    "the profile \"" + profile +
+                        "\" needs a fluid.body_force along a periodic axis and walls across " +
                         (is_duct_ ? "the two other axes" : "exactly one other axis"));
 }
 
@@ -69,7 +72,8 @@ double WallProfile::duct(double y, double z) const {
   for (int n = 0, sign = 1; n < terms; ++n, sign = -sign) {
     const double i = 2 * n + 1, s = i * pi / (2 * a);
     // cosh(s z) / cosh(s b) without overflow
-    const double ratio = std::exp(-s * (b - std::abs(z))) * (1 + std::exp(-2 * s * std::abs(z))) / (1 + std::exp(-2 * s * b));
+    const double ratio =
+        std::exp(-s * (b - std::abs(z))) * (1 + std::exp(-2 * s * std::abs(z))) / (1 + std::exp(-2 * s * b));
     sum += sign * (1 - ratio) * std::cos(s * y) / (i * i * i);
   }
   return 16 * a * a * acceleration_ / (viscosity_ * pi * pi * pi) * sum;
@@ -100,7 +104,9 @@ void set_initial_flow(const Case& scene, Flow& flow) {
   if (fluid.initial == "taylor-green") return set_taylor_green(scene, flow);
   if (fluid.initial != "uniform") return;
   const rigid::Vec3& u = fluid.initial_velocity;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) { flow.set_equilibrium(b, cell, 0, {u[0], u[1], u[2]}); });
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
+    flow.set_equilibrium(b, cell, 0, {u[0], u[1], u[2]});
+  });
 }
 
 }  // namespace silt::coupler

@@ -7,8 +7,8 @@
 namespace silt::coupler {
 
 /// The two-dimensional Taylor-Green vortex in the x-y plane, one wave a period:
-///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y) e^(-nu (kx^2 + ky^2) t),  exact for incompressible flow,
-///   p = -A^2/4 (cos 2 kx x + (kx/ky)^2 cos 2 ky y) e^(-2 nu (kx^2 + ky^2) t).
+///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y) e^(-nu (kx^2 + ky^2) t),  exact for incompressible
+///   flow, p = -A^2/4 (cos 2 kx x + (kx/ky)^2 cos 2 ky y) e^(-2 nu (kx^2 + ky^2) t).
 struct TaylorGreen {
   double amplitude, kx, ky, viscosity;
   explicit TaylorGreen(const Case&);  // amplitude: length of fluid.initial.velocity
@@ -20,8 +20,8 @@ struct TaylorGreen {
   std::array<double, 3> strain_rate(double x, double y, double t) const;
 };
 
-/// Steady flow along the body force between the walls of a case: "channel" (walls across one axis) or "duct" (across
-/// two). Walls half way between cells. Throws CaseError if the scene has other walls.
+/// Steady flow along the body force between the walls of a case: "channel" (walls across one axis) or "duct"
+/// (across two). Walls half way between cells. Throws CaseError if the scene has other walls.
 class WallProfile {
  public:
   WallProfile(const Case&, const std::string& profile);

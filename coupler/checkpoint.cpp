@@ -42,11 +42,15 @@ struct Write {
 
 struct Read {
   const CheckpointReader& reader;
-  void operator()(const char* name, std::uint64_t& x) const { x = static_cast<std::uint64_t>(reader.integer(name)); }
+  void operator()(const char* name, std::uint64_t& x) const {
+    x = static_cast<std::uint64_t>(reader.integer(name));
+  }
   void operator()(const char* name, double& x) const { x = reader.number(name); }
 };
 
-std::string history_name(const QuantitySpec& q) { return "quantity." + q.name; }
+std::string history_name(const QuantitySpec& q) {
+  return "quantity." + q.name;
+}
 
 // ---- populations ----
 
@@ -61,15 +65,18 @@ void visit_box(const lbm::CellBox& box, Visit&& visit) {
 
 template <class T>
 void write_populations(CheckpointWriter& writer, const Case& scene, const Flow& flow) {
-  writer.cells<T>("populations", scene.cells, lbm::directions, boxes_of(&flow), [&](int q, std::size_t b, T* out) {
-    visit_box(flow.block(int(b)), [&](lbm::Int3 cell, std::size_t i) { out[i] = T(flow.arriving(int(b), cell, q)); });
-  });
+  writer.cells<T>(
+      "populations", scene.cells, lbm::directions, boxes_of(&flow), [&](int q, std::size_t b, T* out) {
+        visit_box(flow.block(int(b)),
+                  [&](lbm::Int3 cell, std::size_t i) { out[i] = T(flow.arriving(int(b), cell, q)); });
+      });
 }
 
 template <class T>
 void read_populations(const CheckpointReader& reader, Flow& flow) {
   reader.cells<T>("populations", boxes_of(&flow), [&](int q, std::size_t b, const T* in) {
-    visit_box(flow.block(int(b)), [&](lbm::Int3 cell, std::size_t i) { flow.set_arriving(int(b), cell, q, in[i]); });
+    visit_box(flow.block(int(b)),
+              [&](lbm::Int3 cell, std::size_t i) { flow.set_arriving(int(b), cell, q, in[i]); });
   });
 }
 
@@ -114,7 +121,8 @@ struct Line {
   std::string text;
 };
 
-/// The lines that matter for the state: none of the sections that may change, no blank lines, no whole-line comments.
+/// The lines that matter for the state: none of the sections that may change, no blank lines, no whole-line
+/// comments.
 std::vector<Line> lines_that_matter(const std::string& text) {
   std::vector<Line> lines;
   bool skip = false;
@@ -142,16 +150,18 @@ void require_same_text(const CheckpointReader& reader, const Case& now) {
   Place place = now.place("");
   place.line = i < after.size() ? after[i].number : after.empty() ? 1 : after.back().number;
   place.column = 1;
-  throw CaseError(place, fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only "
-                                     "[run], [output] and [[quantities]] may differ when a run goes on; restore it, or "
-                                     "start a new run",
-                                     i < before.size() ? before[i].text : ""));
+  throw CaseError(
+      place, fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only "
+                         "[run], [output] and [[quantities]] may differ when a run goes on; restore it, or "
+                         "start a new run",
+                         i < before.size() ? before[i].text : ""));
 }
 
 }  // namespace
 
 std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
-                                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+                                       const std::filesystem::path& folder,
+                                       const adapters::Provenance& provenance) {
   const Case& scene = simulation.setup();
   const Flow* flow = simulation.scene().flow.get();
   const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
@@ -185,9 +195,10 @@ Case case_to_resume(const CheckpointReader& reader, const std::filesystem::path&
   for (const std::string& o : overrides) {
     const std::string key = o.substr(0, o.find('='));
     if (!may_change(key))
-      throw CaseError(Place{"--set " + o}, fmt::format("{} cannot change when a run goes on; only keys of run, output and "
-                                                       "quantities can",
-                                                       key));
+      throw CaseError(Place{"--set " + o},
+                      fmt::format("{} cannot change when a run goes on; only keys of run, output and "
+                                  "quantities can",
+                                  key));
     all.push_back(o);
   }
   Case scene = read_case(directory, all);

@@ -10,12 +10,12 @@ namespace silt::coupler {
 
 /// Collective. Writes FOLDER/checkpoint_STEP.h5 and keeps the case's number of them. Returns its path.
 /// std::runtime_error on every rank; earlier checkpoints are then untouched.
-std::filesystem::path write_checkpoint(const Simulation&, const Quantities&, const std::filesystem::path& folder,
-                                       const adapters::Provenance&);
+std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
+                                       const std::filesystem::path& folder, const adapters::Provenance&);
 
-/// The case a checkpoint's run goes on with: what `directory` holds now, with the --set of the run that wrote the
-/// checkpoint and then those given. Only [run], [output] and [[quantities]] may differ from what it began with: else
-/// CaseError, saying where.
+/// The case a checkpoint's run goes on with: what `directory` holds now, with the --set of the run that wrote
+/// the checkpoint and then those given. Only [run], [output] and [[quantities]] may differ from what it began
+/// with: else CaseError, saying where.
 Case case_to_resume(const adapters::CheckpointReader&, const std::filesystem::path& directory,
                     const std::vector<std::string>& overrides);
 

@@ -12,7 +12,8 @@ std::string in_case_units(const Case& scene, double x, Dimension dimension, cons
   return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si) : "";
 }
 
-/// What to change when a flow runs away: the relaxation time if it is close to 1/2, else the time step or the drive.
+/// What to change when a flow runs away: the relaxation time if it is close to 1/2, else the time step or the
+/// drive.
 std::string flow_remedy(const Case& scene) {
   constexpr double delicate_relaxation_time = 0.55;
   const double tau = scene.fluid->relaxation_time;
@@ -34,7 +35,8 @@ void check_flow(const Case& scene, const FlowTotals& totals, std::int64_t step) 
     stop(fmt::format("the fluid at cell [{}, {}, {}] is not a number", totals.bad_cell[0], totals.bad_cell[1],
                      totals.bad_cell[2]));
   if (!(totals.max_speed <= highest_speed))
-    stop(fmt::format("the fluid's largest speed is {} cells a step{}; at most {} is possible", shown(totals.max_speed),
+    stop(fmt::format("the fluid's largest speed is {} cells a step{}; at most {} is possible",
+                     shown(totals.max_speed),
                      in_case_units(scene, totals.max_speed, dimension::velocity, "m/s"), highest_speed));
   if (!(totals.min_density > 0))
     stop(fmt::format("the fluid's smallest density is {} of its reference; it must be above 0",
@@ -44,15 +46,20 @@ void check_flow(const Case& scene, const FlowTotals& totals, std::int64_t step) 
 void check_bodies(const Case& scene, const rigid::BodySet& bodies, std::int64_t step, int rank) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const double speed = bodies.velocity[row].norm();
-    const double sum = speed + bodies.angular_velocity[row].squaredNorm() + bodies.position[row].squaredNorm();
+    const double sum =
+        speed + bodies.angular_velocity[row].squaredNorm() + bodies.position[row].squaredNorm();
     if (!std::isfinite(sum))
-      throw GuardStop(fmt::format("step {}: position or velocity of body {} (rank {}) is not a number; {}", step,
-                                  bodies.id[row], rank,
+      throw GuardStop(fmt::format("step {}: position or velocity of body {} (rank {}) is not a number; {}",
+                                  step, bodies.id[row], rank,
                                   scene.fluid ? flow_remedy(scene) : "use a smaller units.time_step"));
     if (scene.fluid && speed > furthest_motion)
       throw GuardStop(fmt::format(
-          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: use a smaller {}", step,
-          bodies.id[row], rank, shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"), furthest_motion,
+          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: use {}a smaller {}",
+          step, bodies.id[row], rank, shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"),
+          furthest_motion,
+          scene.coupling.time == TimeCoupling::explicit_
+              ? "coupling.time = \"implicit\" (light bodies need it) or "
+              : "",
           scene.units.si ? "units.time_step" : "gravity.acceleration or velocity"));
   }
 }

@@ -13,8 +13,8 @@ struct GuardStop : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Steps between two looks at the fluid. A look reads every cell once, about the price of two steps: 2 %. An instability
-/// grows tenfold in some tens of steps, so not much time is lost before it is seen.
+/// Steps between two looks at the fluid. A look reads every cell once, about the price of two steps: 2 %. An
+/// instability grows tenfold in some tens of steps, so not much time is lost before it is seen.
 inline constexpr std::int64_t guard_interval = 100;
 /// Above this speed (cells a step; sound: 0.58) the scheme's error is of the order of the flow itself.
 inline constexpr double highest_speed = 0.4;

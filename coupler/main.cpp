@@ -1,7 +1,7 @@
 // The program `silt`: its command line.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <mpi.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 
@@ -60,15 +60,20 @@ Exit info(const CommandLine& line, bool loud) {
 void add_case(CLI::App& command, CommandLine& line) {
   command.add_option("CASE", line.case_directory, "case directory, or a .toml file")->required();
   command.add_option("--set", line.run.overrides, "key.path=value: another value for a key of the case")
-      ->take_all()->expected(1)->type_name("KEY=VALUE");
+      ->take_all()
+      ->expected(1)
+      ->type_name("KEY=VALUE");
 }
 
 void add_run(CLI::App& command, CommandLine& line) {
   add_case(command, line);
   command.add_option("--out", line.out, "folder for the results (CASE/out)")->type_name("DIR");
   command.add_option("--steps", line.steps, "short for --set run.steps=N")->check(CLI::PositiveNumber);
-  command.add_option("--time-limit", line.run.time_limit, "stop with a checkpoint after so many seconds of wall-clock time")
-      ->check(CLI::PositiveNumber)->type_name("SECONDS");
+  command
+      .add_option("--time-limit", line.run.time_limit,
+                  "stop with a checkpoint after so many seconds of wall-clock time")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
 }
 
 Exit main_on(MPI_Comm comm, int argc, char** argv) {
@@ -77,18 +82,25 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   const bool loud = rank == 0;
   CommandLine line;
   CLI::App app("Silt: rigid bodies in a fluid, both fully resolved");
-  app.footer("exit codes: 0 done, 1 a file could not be written or the like, 2 bad case or usage, 3 stopped by a guard,\n"
-             "4 interrupted, with a checkpoint");
-  app.set_version_flag("--version", fmt::format("silt {} ({}), {}, {}", build_info().version, build_info().commit,
-                                                build_info().compiler, instruction_set()));
+  app.footer(
+      "exit codes: 0 done, 1 a file could not be written or the like, 2 bad case or usage, 3 stopped by a "
+      "guard,\n"
+      "4 interrupted, with a checkpoint");
+  app.set_version_flag("--version",
+                       fmt::format("silt {} ({}), {}, {}", build_info().version, build_info().commit,
+                                   build_info().compiler, instruction_set()));
   app.require_subcommand(1);
-  CLI::App* run = app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");
+  CLI::App* run =
+      app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");
   CLI::App* resume = app.add_subcommand("resume", "goes on from the newest checkpoint");
-  CLI::App* checks = app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
+  CLI::App* checks =
+      app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
   CLI::App* infos = app.add_subcommand("info", "says what is in a file of results");
   add_run(*run, line);
-  run->add_option("--backend", line.backend, "collision backend: auto, analytic, bullet, fcl")->type_name("NAME");
-  run->add_flag("--overwrite,--force", line.run.overwrite, "delete the results of an earlier run instead of moving them");
+  run->add_option("--backend", line.backend, "collision backend: auto, analytic, bullet, fcl")
+      ->type_name("NAME");
+  run->add_flag("--overwrite,--force", line.run.overwrite,
+                "delete the results of an earlier run instead of moving them");
   add_run(*resume, line);
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);

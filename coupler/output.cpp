@@ -16,7 +16,9 @@ using rigid::Vec3;
 class SolidVelocities {
  public:
   explicit SolidVelocities(const Simulation& simulation)
-      : bodies_(simulation.bodies()), world_(simulation.scene().world), extent_(simulation.scene().exchange->extent()) {}
+      : bodies_(simulation.bodies()),
+        world_(simulation.scene().world),
+        extent_(simulation.scene().exchange->extent()) {}
 
   /// Fills the solid cells of a block: out is [cell][3], x fastest.
   void fill(const Flow& flow, int b, double scale, double* out) const {
@@ -26,8 +28,10 @@ class SolidVelocities {
 
  private:
   void fill_image(const Flow& flow, int b, std::size_t row, int image, double scale, double* out) const {
-    const rigid::Image periods{std::int8_t(image % 3 - 1), std::int8_t(image / 3 % 3 - 1), std::int8_t(image / 9 - 1)};
-    if ((periods.x && !extent_.periodic[0]) || (periods.y && !extent_.periodic[1]) || (periods.z && !extent_.periodic[2]))
+    const rigid::Image periods{std::int8_t(image % 3 - 1), std::int8_t(image / 3 % 3 - 1),
+                               std::int8_t(image / 9 - 1)};
+    if ((periods.x && !extent_.periodic[0]) || (periods.y && !extent_.periodic[1]) ||
+        (periods.z && !extent_.periodic[2]))
       return;
     const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
     rigid::Pose pose = bodies_.mapping_pose[row];
@@ -95,7 +99,9 @@ adapters::FieldQuantity density_field(const Simulation& simulation) {
           false};
 }
 
-std::array<double, 3> scaled(const Vec3& v, double scale) { return {scale * v[0], scale * v[1], scale * v[2]}; }
+std::array<double, 3> scaled(const Vec3& v, double scale) {
+  return {scale * v[0], scale * v[1], scale * v[2]};
+}
 
 adapters::KindPart kind_part(const rigid::Part& part, double cell) {
   adapters::KindPart p;
@@ -117,7 +123,8 @@ adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& worl
   adapters::BodySeriesInfo info;
   const double cell = scene.units.cell_size;
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * cell;
-  if (scene.units.si) info.length = "m", info.time = "s", info.mass = "kg";
+  if (scene.units.si)
+    info.length = std::string("m"), info.time = std::string("s"), info.mass = std::string("kg");
   info.kinds.resize(scene.kind_names.size());
   const auto describe = [&](int kind, int shape, double density) {
     adapters::BodyKind& k = info.kinds[kind];
@@ -125,14 +132,16 @@ adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& worl
     k.name = scene.kind_names[kind];
     k.bounding_radius = cell * world.bounding_radii[shape];
     k.density = scene.units.physical(density, dimension::density);
-    for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape])) k.parts.push_back(kind_part(part, cell));
+    for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape]))
+      k.parts.push_back(kind_part(part, cell));
   };
   for (const BodySpec& body : scene.bodies) describe(body.kind, body.shape, body.density);
   for (const FillSpec& fill : scene.fills) describe(fill.kind, fill.shape, fill.density);
   return info;
 }
 
-adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const BodyLoad& load, const Units& units) {
+adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const BodyLoad& load,
+                           const Units& units) {
   const rigid::Quat& q = bodies.orientation[row];
   adapters::BodyRow r;
   r.id = bodies.id[row];
@@ -166,7 +175,7 @@ void write_flow_fields(const Simulation& simulation, const std::filesystem::path
   adapters::ImageGrid grid;
   grid.cells = scene.cells;
   grid.spacing = {cell, cell, cell};
-  if (scene.units.si) grid.length_unit = "m", grid.time_unit = "s";
+  if (scene.units.si) grid.length_unit = std::string("m"), grid.time_unit = std::string("s");
   std::vector<adapters::FieldQuantity> quantities;
   for (const std::string& name : scene.output.quantities)
     quantities.push_back(name == "density" ? density_field(simulation) : velocity_field(simulation));
@@ -185,8 +194,8 @@ BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path
   if (there)
     series_ = adapters::BodySeries::open_for_append(comm, path, simulation.steps_done());
   else
-    series_ = adapters::BodySeries::create(comm, path, series_info(simulation.setup(), simulation.scene().world),
-                                           provenance);
+    series_ = adapters::BodySeries::create(
+        comm, path, series_info(simulation.setup(), simulation.scene().world), provenance);
 }
 
 void BodyOutput::append(const Simulation& simulation) {
@@ -194,7 +203,8 @@ void BodyOutput::append(const Simulation& simulation) {
   const Units& units = simulation.setup().units;
   const auto loads = simulation.last_loads();
   std::vector<adapters::BodyRow> rows;
-  for (std::size_t row = 0; row < bodies.owned; ++row) rows.push_back(body_row(bodies, row, loads[row], units));
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    rows.push_back(body_row(bodies, row, loads[row], units));
   const std::int64_t step = simulation.steps_done();
   series_->append(step, static_cast<double>(step) * units.time_step, rows);
 }

@@ -12,8 +12,9 @@ namespace silt::coupler {
 /// Boxes of this rank's blocks; empty without a flow.
 std::vector<adapters::CellBox> boxes_of(const Flow*);
 
-/// Velocity and density of every cell, in the units of the case (velocity, density as output.fields names them). A
-/// solid cell has the velocity of its body and the reference density. Collective; std::runtime_error on every rank.
+/// Velocity and density of every cell, in the units of the case (velocity, density as output.fields names
+/// them). A solid cell has the velocity of its body and the reference density. Collective; std::runtime_error
+/// on every rank.
 void write_flow_fields(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&);
 
 /// The series of the bodies of a run, in the units of the case.
@@ -21,7 +22,8 @@ class BodyOutput {
  public:
   /// Collective. resumed: goes on with the series in the folder (or starts one, if there is none) at the
   /// simulation's step.
-  BodyOutput(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&, bool resumed);
+  BodyOutput(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&,
+             bool resumed);
   /// Collective. Force and torque are those of the fluid in the last step.
   void append(const Simulation&);
 

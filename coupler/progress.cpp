@@ -15,7 +15,9 @@ namespace {
 // Seconds between two lines: on a terminal, in a log or a pipe.
 constexpr double terminal_interval = 0.2, log_interval = 10;
 
-double seconds(std::chrono::steady_clock::duration d) { return std::chrono::duration<double>(d).count(); }
+double seconds(std::chrono::steady_clock::duration d) {
+  return std::chrono::duration<double>(d).count();
+}
 
 /// 4 s, 3 min 20 s, 2 h 05 min
 std::string duration_text(double s) {
@@ -28,16 +30,20 @@ std::string duration_text(double s) {
 }  // namespace
 
 Progress::Progress(const Case& scene, std::int64_t first_step, const std::filesystem::path& log, bool loud)
-    : steps_(scene.steps), first_step_(first_step),
-      cells_(scene.fluid ? double(scene.cells[0]) * scene.cells[1] * scene.cells[2] : 0), time_step_(scene.units.time_step),
-      si_(scene.units.si), loud_(loud) {
+    : steps_(scene.steps),
+      first_step_(first_step),
+      cells_(scene.fluid ? double(scene.cells[0]) * scene.cells[1] * scene.cells[2] : 0),
+      time_step_(scene.units.time_step),
+      si_(scene.units.si),
+      loud_(loud) {
   begin_ = shown_ = logged_ = Clock::now();
   if (!loud_) return;
   // mpirun gives its first rank a terminal even if its own output goes elsewhere: then this must say so.
   const char* plain = std::getenv("SILT_PLAIN");
   terminal_ = isatty(STDOUT_FILENO) && !(plain && *plain);
   log_ = std::fopen(log.c_str(), "a");
-  if (!log_) throw std::runtime_error(fmt::format("{}: cannot be opened: {}", log.string(), std::strerror(errno)));
+  if (!log_)
+    throw std::runtime_error(fmt::format("{}: cannot be opened: {}", log.string(), std::strerror(errno)));
 }
 
 Progress::~Progress() {
@@ -95,9 +101,11 @@ std::string Progress::line(std::int64_t step) const {
   const double done = double(step - first_step_), rate = elapsed > 0 ? done / elapsed : 0;
   std::string text = fmt::format("step {}/{} ({:.1f} %)", step, steps_, 100. * double(step) / double(steps_));
   if (si_) text += fmt::format("  {:.4g} s simulated", double(step) * time_step_);
-  text += cells_ > 0 ? fmt::format("  {:.2f} MLUPS", rate * cells_ * 1e-6) : fmt::format("  {:.4g} steps/s", rate);
+  text += cells_ > 0 ? fmt::format("  {:.2f} MLUPS", rate * cells_ * 1e-6)
+                     : fmt::format("  {:.4g} steps/s", rate);
   text += fmt::format("  {} elapsed", duration_text(elapsed));
-  if (step < steps_ && rate > 0) text += fmt::format(", {} left", duration_text(double(steps_ - step) / rate));
+  if (step < steps_ && rate > 0)
+    text += fmt::format(", {} left", duration_text(double(steps_ - step) / rate));
   return text;
 }
 

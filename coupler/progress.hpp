@@ -1,6 +1,7 @@
 #pragma once
-// What the user sees of a run: a line that keeps itself up to date on a terminal, else (or if the environment variable
-// SILT_PLAIN is set) one every few seconds; all of it also in run.log. Rank 0 only; other ranks hold a silent one.
+// What the user sees of a run: a line that keeps itself up to date on a terminal, else (or if the environment
+// variable SILT_PLAIN is set) one every few seconds; all of it also in run.log. Rank 0 only; other ranks hold
+// a silent one.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>

@@ -11,9 +11,12 @@ namespace silt::coupler {
 
 std::string instruction_set() {
   switch (lbm::chosen_isa()) {
-    case lbm::Isa::avx512: return "avx512";
-    case lbm::Isa::avx2: return "avx2";
-    default: return "portable";
+    case lbm::Isa::avx512:
+      return "avx512";
+    case lbm::Isa::avx2:
+      return "avx2";
+    default:
+      return "portable";
   }
 }
 

@@ -22,7 +22,9 @@ using rigid::Vec3;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double lowest = -std::numeric_limits<double>::infinity();
 
-bool is_largest_value(const QuantitySpec& q) { return q.type == "max-speed" || q.type == "max-height-after"; }
+bool is_largest_value(const QuantitySpec& q) {
+  return q.type == "max-speed" || q.type == "max-height-after";
+}
 
 bool is_of(const rigid::BodySet& bodies, std::size_t row, const QuantitySpec& q) {
   return q.kind < 0 || bodies.kind[row] == q.kind;
@@ -71,8 +73,8 @@ double superficial_velocity(const Simulation& simulation, int axis) {
   return from_fixed(sum) / (double(n[0]) * n[1] * n[2]);
 }
 
-/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together the whole
-/// pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
+/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
+/// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
 double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   const Case& scene = simulation.setup();
   const rigid::BodySet& bodies = simulation.bodies();
@@ -89,7 +91,8 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   sum_over_ranks(simulation.scene().comm, sums);
   const double speed = superficial_velocity(simulation, q.axis), viscosity = scene.fluid->kinematic_viscosity;
   if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return nothing;
-  const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count, radius = from_fixed(sums[1]) / count;
+  const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count,
+               radius = from_fixed(sums[1]) / count;
   return force / (6 * std::numbers::pi * viscosity * radius * speed);
 }
 
@@ -108,7 +111,7 @@ double profile_error(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 struct VortexSums {
-  double error2 = 0, exact2 = 0;          // of |u - exact|^2, |exact|^2
+  double error2 = 0, exact2 = 0;           // of |u - exact|^2, |exact|^2
   double projection = 0, projection0 = 0;  // of u . exact(0), |exact(0)|^2
 };
 
@@ -140,7 +143,8 @@ double vortex_decay_error(const Simulation& simulation) {
   if (simulation.steps_done() == 0) return nothing;
   const TaylorGreen exact(simulation.setup());
   const VortexSums sums = vortex_sums(simulation, exact);
-  const double rate = -std::log(sums.projection / sums.projection0) / static_cast<double>(simulation.steps_done());
+  const double rate =
+      -std::log(sums.projection / sums.projection0) / static_cast<double>(simulation.steps_done());
   return rate / exact.decay_rate() - 1;
 }
 
@@ -163,7 +167,8 @@ void Quantities::observe(const Simulation& simulation) {
     if (!speed && static_cast<double>(simulation.steps_done()) < q.time) continue;
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (is_of(bodies, row, q))
-        largest_[i] = std::max(largest_[i], speed ? bodies.velocity[row].norm() : bodies.position[row][q.axis]);
+        largest_[i] =
+            std::max(largest_[i], speed ? bodies.velocity[row].norm() : bodies.position[row][q.axis]);
   }
 }
 

@@ -26,10 +26,13 @@ Json spread(const Simulation& simulation, double mine) {
 bool has_stage(const Scene& scene, Stage stage) {
   switch (stage) {
     case Stage::object_mapping:
-    case Stage::force_evaluation: return scene.flow && scene.body_count > 0;
+    case Stage::force_evaluation:
+      return scene.flow && scene.body_count > 0;
     case Stage::lbm_communication:
-    case Stage::stream_collide: return scene.flow != nullptr;
-    default: return scene.rigid_step != nullptr;
+    case Stage::stream_collide:
+      return scene.flow != nullptr;
+    default:
+      return scene.rigid_step != nullptr;
   }
 }
 
@@ -53,7 +56,7 @@ Json skipped_passes(const Scene& scene) {
   skip(scene.flow && scene.body_count > 0 && !scene.anything_moves, "remapping");
   skip(scene.rigid_step && setup.gravity.isZero(0), "gravity");
   skip(scene.flow && setup.fluid->body_force.isZero(0), "body force");
-  const auto none = [&](double rigid::Material::* coefficient) {
+  const auto none = [&](double rigid::Material::*coefficient) {
     return std::all_of(setup.pair_materials.begin(), setup.pair_materials.end(),
                        [&](const rigid::Material& m) { return m.*coefficient == 0; });
   };
@@ -100,11 +103,14 @@ void add_balance(Simulation& simulation, Json& report) {
   const Balance& before = simulation.initial_balance();
   const Balance now = simulation.balance();
   // of the whole mass of the fluid at the start
-  report["mass_drift"] = before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
-  // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something acts from outside
+  report["mass_drift"] =
+      before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
+  // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
+  // acts from outside
   const double scale = std::max(before.momentum_scale, now.momentum_scale);
-  report["momentum_drift"] =
-      keeps_momentum(simulation.scene()) && scale > 0 ? (now.momentum - before.momentum).norm() / scale : unknown;
+  report["momentum_drift"] = keeps_momentum(simulation.scene()) && scale > 0
+                                 ? (now.momentum - before.momentum).norm() / scale
+                                 : unknown;
 }
 
 void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& report) {

@@ -17,8 +17,8 @@ struct RunStatus {
   bool state_is_sound = true;           // false: no hash, no quantities
 };
 
-/// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths and
-/// quantities in the units of the case.
+/// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths
+/// and quantities in the units of the case.
 adapters::Json report_of(Simulation&, const Quantities&, const RunStatus&);
 
 }  // namespace silt::coupler

@@ -33,10 +33,12 @@ bool is_result(const fs::path& path) {
   const auto is = [&](std::string_view begin, std::string_view end) {
     return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
   };
-  static const std::vector<std::string> names = {"run.log", "report.json", "report.html", "bodies.h5", "mean_height.png",
-                                                 "velocity.png", "bodies.png", "slice.png", "stages.png"};
-  return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("fields", ".hdf.series") ||
-         is("bodies_", ".hdf") || is("bodies", ".hdf.series") || is("checkpoint_", ".h5") || name.ends_with(".part");
+  static const std::vector<std::string> names = {"run.log",    "report.json",     "report.html",
+                                                 "bodies.h5",  "mean_height.png", "velocity.png",
+                                                 "bodies.png", "slice.png",       "stages.png"};
+  return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
+         is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
+         is("checkpoint_", ".h5") || name.ends_with(".part");
 }
 
 std::string prepare_result_folder(const fs::path& given, bool overwrite) {
@@ -45,7 +47,8 @@ std::string prepare_result_folder(const fs::path& given, bool overwrite) {
   if (fs::exists(folder) && !fs::is_directory(folder)) fail(folder, "is a file; the results need a folder");
   std::vector<fs::path> results, others;
   if (fs::exists(folder))
-    for (const auto& entry : fs::directory_iterator(folder)) (is_result(entry.path()) ? results : others).push_back(entry.path());
+    for (const auto& entry : fs::directory_iterator(folder))
+      (is_result(entry.path()) ? results : others).push_back(entry.path());
   std::string done;
   if (!results.empty() && overwrite) {
     for (const fs::path& path : results)
@@ -53,12 +56,16 @@ std::string prepare_result_folder(const fs::path& given, bool overwrite) {
     done = fmt::format("the earlier results in {} are deleted", folder.string());
   } else if (!results.empty()) {
     if (!others.empty())
-      fail(folder, fmt::format("holds results of an earlier run, and {} that is none; choose another folder with --out, or "
-                               "delete the results with --overwrite",
-                               others[0].filename().string()));
+      fail(folder,
+           fmt::format(
+               "holds results of an earlier run, and {} that is none; choose another folder with --out, or "
+               "delete the results with --overwrite",
+               others[0].filename().string()));
     const fs::path aside = first_free(folder);
     fs::rename(folder, aside, error);
-    if (error) fail(folder, fmt::format("holds results of an earlier run and cannot be moved to {}: {}", aside.string(), error.message()));
+    if (error)
+      fail(folder, fmt::format("holds results of an earlier run and cannot be moved to {}: {}",
+                               aside.string(), error.message()));
     done = fmt::format("the earlier results are now in {}", aside.string());
   }
   fs::create_directories(folder, error);

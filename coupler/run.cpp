@@ -70,8 +70,12 @@ class Run {
 };
 
 Run::Run(Prepared prepared, fs::path folder, const RunOptions& options, bool resumed)
-    : prepared_(std::move(prepared)), simulation_(*prepared_.simulation), quantities_(*prepared_.quantities),
-      comm_(simulation_.scene().comm), folder_(std::move(folder)), resumed_(resumed),
+    : prepared_(std::move(prepared)),
+      simulation_(*prepared_.simulation),
+      quantities_(*prepared_.quantities),
+      comm_(simulation_.scene().comm),
+      folder_(std::move(folder)),
+      resumed_(resumed),
       resume_with_(options.directory.string() + (options.out ? " --out " + options.out->string() : "")),
       first_step_(simulation_.steps_done()),
       provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
@@ -80,7 +84,8 @@ Run::Run(Prepared prepared, fs::path folder, const RunOptions& options, bool res
 Exit Run::go() {
   try {
     adapters::together(comm_, [&] {
-      progress_ = std::make_unique<Progress>(setup(), first_step_, folder_ / "run.log", simulation_.scene().rank == 0);
+      progress_ = std::make_unique<Progress>(setup(), first_step_, folder_ / "run.log",
+                                             simulation_.scene().rank == 0);
     });
     greet();
     start_outputs();
@@ -91,7 +96,8 @@ Exit Run::go() {
       if (why.empty() || simulation_.steps_done() == setup().steps) continue;
       checkpoint();
       return end(Exit::interrupted, "interrupted",
-                 fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(), resume_with_));
+                 fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(),
+                             resume_with_));
     }
     return end(Exit::done, "completed", "");
   } catch (const GuardStop& stop) {  // every rank: a guard of the fluid
@@ -101,7 +107,8 @@ Exit Run::go() {
   }
 }
 
-/// One step. What goes wrong on this rank leaves the others waiting for it: unless it is alone, that ends everything.
+/// One step. What goes wrong on this rank leaves the others waiting for it: unless it is alone, that ends
+/// everything.
 void Run::advance() {
   const int rank = simulation_.scene().rank;
   try {
@@ -116,7 +123,8 @@ void Run::advance() {
     abort_alone(Exit::guard, "guard", text);
   } catch (const std::exception& error) {
     if (simulation_.scene().ranks == 1) throw;
-    abort_alone(Exit::failed, "error", fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
+    abort_alone(Exit::failed, "error",
+                fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
   }
   progress_->step(simulation_.steps_done());
 }
@@ -174,7 +182,8 @@ void Run::greet() {
   const auto& n = setup().cells;
   std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
   if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);
-  text += fmt::format("{} {} bodies, {} rank{}", scene.flow ? "," : ":", scene.body_count, scene.ranks, scene.ranks > 1 ? "s" : "");
+  text += fmt::format("{} {} bodies, {} rank{}", scene.flow ? "," : ":", scene.body_count, scene.ranks,
+                      scene.ranks > 1 ? "s" : "");
   progress_->say(text);
   if (resumed_) progress_->say(fmt::format("goes on from step {}", first_step_));
   progress_->say(fmt::format("results go to {}", folder_.string()));
@@ -202,8 +211,8 @@ Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   return code;
 }
 
-/// This rank alone knows of an error; the others wait for it somewhere. One of them that fail alone at the same time
-/// speaks and leaves a short report: the one that can create its file.
+/// This rank alone knows of an error; the others wait for it somewhere. One of them that fail alone at the
+/// same time speaks and leaves a short report: the one that can create its file.
 void Run::abort_alone(Exit code, const std::string& reason, const std::string& what) {
   const std::string text = what + last_checkpoint_text();
   const fs::path part = folder_ / "report.json.part";
@@ -217,7 +226,8 @@ void Run::abort_alone(Exit code, const std::string& reason, const std::string& w
     report["steps"] = simulation_.steps_done();
     report["ranks"] = simulation_.scene().ranks;
     const std::string content = report.text() + "\n";
-    if (file >= 0 && write(file, content.data(), content.size()) == ssize_t(content.size()) && fsync(file) == 0)
+    if (file >= 0 && write(file, content.data(), content.size()) == ssize_t(content.size()) &&
+        fsync(file) == 0)
       fs::rename(part, folder_ / "report.json");
     if (std::FILE* log = std::fopen((folder_ / "run.log").c_str(), "a")) {
       fmt::print(log, "{}\n", text);
@@ -261,9 +271,11 @@ Prepared prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& f
 Prepared prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   const auto there = adapters::list_checkpoints(folder);
   if (there.empty() && !options.checkpoint)
-    throw std::runtime_error(fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
-                                         folder.string(), options.directory.string()));
-  const adapters::CheckpointReader reader(comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
+    throw std::runtime_error(
+        fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
+                    folder.string(), options.directory.string()));
+  const adapters::CheckpointReader reader(
+      comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
   Prepared prepared;
   std::unique_ptr<Case> scene;
   adapters::together(comm, [&] {
@@ -292,8 +304,9 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
   const std::int64_t step = prepared.simulation->steps_done(), steps = prepared.simulation->setup().steps;
   if (resumed && step >= steps) {
     if (rank == 0)
-      fmt::print("the run is complete: it has done {} of {} steps; to go on, raise run.steps (--set run.steps={})\n", step,
-                 steps, 2 * steps);
+      fmt::print(
+          "the run is complete: it has done {} of {} steps; to go on, raise run.steps (--set run.steps={})\n",
+          step, steps, 2 * steps);
     return Exit::done;
   }
   return Run(std::move(prepared), folder, options, resumed).go();
@@ -301,7 +314,11 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
 
 }  // namespace
 
-Exit run_case(const RunOptions& options, MPI_Comm comm) { return start(options, comm, false, prepare_run); }
-Exit resume_case(const RunOptions& options, MPI_Comm comm) { return start(options, comm, true, prepare_resume); }
+Exit run_case(const RunOptions& options, MPI_Comm comm) {
+  return start(options, comm, false, prepare_run);
+}
+Exit resume_case(const RunOptions& options, MPI_Comm comm) {
+  return start(options, comm, true, prepare_resume);
+}
 
 }  // namespace silt::coupler

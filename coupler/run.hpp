@@ -18,16 +18,17 @@ enum class Exit : int {
 };
 
 struct RunOptions {
-  std::filesystem::path directory;               // of the case
-  std::optional<std::filesystem::path> out;      // else DIRECTORY/out
-  std::vector<std::string> overrides;            // --set
+  std::filesystem::path directory;           // of the case
+  std::optional<std::filesystem::path> out;  // else DIRECTORY/out
+  std::vector<std::string> overrides;        // --set
   bool overwrite = false;
-  double time_limit = 0;                         // seconds of wall-clock time; 0: none
-  std::optional<std::filesystem::path> checkpoint;  // to resume from; else the newest in the folder of results
+  double time_limit = 0;  // seconds of wall-clock time; 0: none
+  std::optional<std::filesystem::path>
+      checkpoint;  // to resume from; else the newest in the folder of results
 };
 
-/// Collective. Prints on rank 0: what goes on to stdout, what went wrong to stderr. The return value is the same on
-/// every rank. If a rank fails alone, it says so and ends the whole program with MPI_Abort.
+/// Collective. Prints on rank 0: what goes on to stdout, what went wrong to stderr. The return value is the
+/// same on every rank. If a rank fails alone, it says so and ends the whole program with MPI_Abort.
 Exit run_case(const RunOptions&, MPI_Comm);
 /// The same, going on from a checkpoint.
 Exit resume_case(const RunOptions&, MPI_Comm);

@@ -12,14 +12,15 @@ namespace {
 
 using rigid::Vec3;
 
-// Cells by which the blocks are grown when the holders of a body are found. With fluid: the ghost layer, the cell
-// behind a link's fluid cell, and the largest motion of a step that the guard lets pass.
+// Cells by which the blocks are grown when the holders of a body are found. With fluid: the ghost layer, the
+// cell behind a link's fluid cell, and the largest motion of a step that the guard lets pass.
 constexpr double ghost_layers = 2, largest_motion = 1;
 // Without: what rounding may do to a contact point between two blocks.
 constexpr double dry_slack = 1e-3;
 
 double rim_of(const Case& scene) {
-  return scene.contacts.margin / 2 + (scene.fluid ? ghost_layers + largest_motion : scene.contacts.margin / 2 + dry_slack);
+  return scene.contacts.margin / 2 +
+         (scene.fluid ? ghost_layers + largest_motion : scene.contacts.margin / 2 + dry_slack);
 }
 
 int size_of(MPI_Comm comm) {
@@ -51,7 +52,9 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& scene) {
   return walls;
 }
 
-void store(const Vec3& v, double* to) { Eigen::Map<Vec3>{to} = v; }
+void store(const Vec3& v, double* to) {
+  Eigen::Map<Vec3>{to} = v;
+}
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 #pragma once
-// Everything a run holds, built from a case: the domain, the bodies and the world they live in, the exchange between
-// ranks, and those parts of the step the scene needs. What it does not need is not there (null).
+// Everything a run holds, built from a case: the domain, the bodies and the world they live in, the exchange
+// between ranks, and those parts of the step the scene needs. What it does not need is not there (null).
 #include <mpi.h>
 
 #include <memory>
@@ -26,19 +26,20 @@ struct SavedBodies {
 struct CentredShape {
   rigid::Shape shape;
   double volume = 0, bounding_radius = 0;
-  rigid::Vec3 centre = rigid::Vec3::Zero();    // of mass, in the frame the case gives the shape in
-  rigid::Mat3 inertia = rigid::Mat3::Zero();   // of unit density
+  rigid::Vec3 centre = rigid::Vec3::Zero();   // of mass, in the frame the case gives the shape in
+  rigid::Mat3 inertia = rigid::Mat3::Zero();  // of unit density
 };
 std::vector<CentredShape> centred_shapes(const Case&);
 
-/// The bodies of a case as records: ids from 1 in the order of the case, poses of the centres of mass (unwrapped).
+/// The bodies of a case as records: ids from 1 in the order of the case, poses of the centres of mass
+/// (unwrapped).
 std::vector<rigid::BodyRecord> body_records(const Case&, const std::vector<CentredShape>&);
 
 class Scene {
  public:
-  /// Collective. The case must have passed check_case. With `saved` the bodies are those (all of them on every rank)
-  /// instead of the case's. std::invalid_argument for a domain that cannot be cut for this many ranks, or an unknown
-  /// backend or resolver. The flow is at rest and not started.
+  /// Collective. The case must have passed check_case. With `saved` the bodies are those (all of them on
+  /// every rank) instead of the case's. std::invalid_argument for a domain that cannot be cut for this many
+  /// ranks, or an unknown backend or resolver. The flow is at rest and not started.
   Scene(const Case&, MPI_Comm, const SavedBodies* saved = nullptr);
 
   const Case setup;
@@ -46,14 +47,14 @@ class Scene {
   int rank = 0, ranks = 1;
   lbm::Domain domain;
   rigid::World world;
-  rigid::BodySet bodies;                     // this rank's
-  std::uint64_t body_count = 0;              // of all ranks
-  bool anything_moves = false;               // a body that is not fixed, on any rank
+  rigid::BodySet bodies;         // this rank's
+  std::uint64_t body_count = 0;  // of all ranks
+  bool anything_moves = false;   // a body that is not fixed, on any rank
   std::unique_ptr<BodyExchange> exchange;
   std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves
   std::unique_ptr<rigid::ContactResolver> resolver;
   std::unique_ptr<rigid::RigidStep> rigid_step;
-  std::unique_ptr<Flow> flow;                // null: no [fluid]
+  std::unique_ptr<Flow> flow;  // null: no [fluid]
 
   std::string backend_name() const { return backend ? std::string(backend->name()) : "none"; }
   /// The passes of a coupled step for this scene.

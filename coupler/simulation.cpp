@@ -17,7 +17,8 @@ using rigid::BodyId;
 using rigid::Vec3;
 
 Simulation::Simulation(const Case& scene, MPI_Comm comm) : Simulation(scene, comm, nullptr) {}
-Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState& saved) : Simulation(scene, comm, &saved) {}
+Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState& saved)
+    : Simulation(scene, comm, &saved) {}
 
 Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved)
     : scene_(scene, comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
@@ -43,7 +44,8 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
 
 SceneParts Simulation::observed_parts() {
   SceneParts parts = scene_.parts();
-  if (parts.flow && parts.bodies) parts.forces_seen = [this](const rigid::BodySet& bodies) { see_forces(bodies); };
+  if (parts.flow && parts.bodies)
+    parts.forces_seen = [this](const rigid::BodySet& bodies) { see_forces(bodies); };
   return parts;
 }
 
@@ -106,7 +108,8 @@ RunCounters Simulation::counters() const {
   sum_over_ranks(scene_.comm, sums);
   double most[] = {c.body_speed, c.penetration, c.residual};
   max_over_ranks(scene_.comm, most);
-  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[8], most[0], most[1], most[2]};
+  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5],
+          sums[6], sums[7], sums[8], most[0], most[1], most[2]};
 }
 
 // ---- what a program may do ----
@@ -150,7 +153,9 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
 
 // ---- what may be asked ----
 
-std::uint64_t Simulation::hash() const { return state_hash(scene_.comm, scene_.flow.get(), scene_.bodies); }
+std::uint64_t Simulation::hash() const {
+  return state_hash(scene_.comm, scene_.flow.get(), scene_.bodies);
+}
 
 FlowTotals Simulation::look_at_flow() {
   const FlowTotals totals = scene_.flow->totals();
@@ -202,7 +207,8 @@ std::vector<BodyLoad> Simulation::last_loads() const {
   const auto take = [&](const SeenLoad& seen) {
     const std::size_t row = bodies.row_of(seen.id);
     if (row >= bodies.owned) return false;
-    loads[row] = {Vec3(seen.load[0], seen.load[1], seen.load[2]), Vec3(seen.load[3], seen.load[4], seen.load[5])};
+    loads[row] = {Vec3(seen.load[0], seen.load[1], seen.load[2]),
+                  Vec3(seen.load[3], seen.load[4], seen.load[5])};
     return true;
   };
   std::vector<SeenLoad> gone;

@@ -7,8 +7,8 @@
 //     simulation.step();
 //   }
 //
-// Every call is collective unless it says otherwise; every rank makes the same calls with the same arguments, and the
-// result does not depend on how many there are. Lattice units.
+// Every call is collective unless it says otherwise; every rank makes the same calls with the same arguments,
+// and the result does not depend on how many there are. Lattice units.
 #include <functional>
 
 #include "coupler/scene.hpp"
@@ -18,7 +18,8 @@ namespace silt::coupler {
 /// What happened since step 0. Counts of contacts are sums over steps.
 struct RunCounters {
   std::uint64_t covered = 0, uncovered = 0, migrations = 0;
-  std::uint64_t contacts = 0, mixed_owner_contacts = 0, sweeps = 0, infeasible = 0, queries = 0, fallbacks = 0;
+  std::uint64_t contacts = 0, mixed_owner_contacts = 0, sweeps = 0, infeasible = 0, queries = 0,
+                fallbacks = 0;
   double body_speed = 0, penetration = 0, residual = 0;  // largest
 };
 
@@ -51,8 +52,8 @@ class Simulation {
   Simulation(const Case&, MPI_Comm, const SavedState&);
   Simulation(const Simulation&) = delete;
 
-  /// One step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever, so a program
-  /// on several ranks ends with MPI_Abort after saying what happened.
+  /// One step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever, so a
+  /// program on several ranks ends with MPI_Abort after saying what happened.
   void step();
   /// So many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -64,26 +65,28 @@ class Simulation {
   rigid::BodySet& bodies() { return scene_.bodies; }
   const rigid::BodySet& bodies() const { return scene_.bodies; }
 
-  // ---- what a program may do between steps, by id. std::invalid_argument for a body that is not there or is fixed ----
+  // ---- what a program may do between steps, by id. std::invalid_argument for a body that is not there or is
+  // fixed ----
   /// Acts in the next step, once, however many ranks hold the body.
-  void add_force(rigid::BodyId, const rigid::Vec3& force_W, const rigid::Vec3& torque_W = rigid::Vec3::Zero());
+  void add_force(rigid::BodyId, const rigid::Vec3& force_W,
+                 const rigid::Vec3& torque_W = rigid::Vec3::Zero());
   void set_velocity(rigid::BodyId, const rigid::Vec3& velocity_W, const rigid::Vec3& angular_velocity_W);
   /// Anywhere in the domain; the velocity stays.
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
   // ---- what may be asked ----
   std::uint64_t hash() const;
-  RunCounters counters() const;         // of all ranks
+  RunCounters counters() const;  // of all ranks
   const Balance& initial_balance() const { return initial_; }
   Balance balance() const;
-  FlowTotals look_at_flow();            // needs a flow; also checks it (GuardStop)
+  FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
-  std::uint64_t links() const;          // of all ranks
+  std::uint64_t links() const;                         // of all ranks
   const StageSeconds& stage_seconds() const { return coupled_step_.seconds(); }  // local
-  double step_seconds() const { return step_seconds_; }                          // local: time spent in step()
+  double step_seconds() const { return step_seconds_; }  // local: time spent in step()
   /// Force and torque the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
-  std::uint64_t contacts_now() const;   // of all ranks, in the last step
+  std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
  private:
   struct SeenLoad {
@@ -99,11 +102,11 @@ class Simulation {
   Scene scene_;
   CoupledStep coupled_step_;
   std::int64_t step_ = 0;
-  RunCounters counters_;                // this rank's; those of a checkpoint on rank 0
+  RunCounters counters_;  // this rank's; those of a checkpoint on rank 0
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
   double fluid_speed_ = 0, step_seconds_ = 0;
-  std::vector<SeenLoad> seen_loads_;    // of the bodies owned when forces were evaluated
+  std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
 };
 
 }  // namespace silt::coupler

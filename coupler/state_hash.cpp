@@ -59,6 +59,8 @@ std::uint64_t state_hash(MPI_Comm comm, const Flow* flow, const rigid::BodySet& 
   return sum;
 }
 
-std::string hex(std::uint64_t x) { return fmt::format("{:016x}", x); }
+std::string hex(std::uint64_t x) {
+  return fmt::format("{:016x}", x);
+}
 
 }  // namespace silt::coupler

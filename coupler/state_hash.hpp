@@ -8,8 +8,8 @@
 
 namespace silt::coupler {
 
-/// Wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation, velocity, angular momentum
-/// and stored impulses.
+/// Wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation, velocity, angular
+/// momentum and stored impulses.
 std::uint64_t hash_bodies(const rigid::BodySet&);
 
 /// Collective: wrapping sum over all ranks of hash_bodies and Flow::hash (flow may be null).

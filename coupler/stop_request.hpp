@@ -16,8 +16,8 @@ class StopRequest {
  public:
   /// limit_seconds of wall-clock time from now; 0: none.
   StopRequest(MPI_Comm, double limit_seconds);
-  /// Collective, after every step; talks to the others only every agreement_seconds or so. Returns why all ranks
-  /// stop now, or "".
+  /// Collective, after every step; talks to the others only every agreement_seconds or so. Returns why all
+  /// ranks stop now, or "".
   std::string why(std::int64_t step);
 
  private:

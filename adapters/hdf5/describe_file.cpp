@@ -14,7 +14,8 @@ using hdf5::Handle;
 
 /// The first numbers or texts of an attribute.
 std::string attribute_text(const File& file, hid_t owner, const std::string& name) {
-  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, file.path(), "attribute " + name);
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, file.path(),
+                         "attribute " + name);
   const Handle type(H5Aget_type(attribute), H5Tclose, file.path(), "type of attribute " + name);
   const Handle space(H5Aget_space(attribute), H5Sclose, file.path(), "shape of attribute " + name);
   const auto n = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
@@ -89,7 +90,8 @@ std::string describe_file(const std::filesystem::path& path) {
     (info->type == H5O_TYPE_DATASET ? all.datasets : all.groups).push_back(full);
     return 0;
   };
-  file.check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &objects, H5O_INFO_BASIC), "cannot list what is in it");
+  file.check(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &objects, H5O_INFO_BASIC),
+             "cannot list what is in it");
   std::string text = path.string() + "\n";
   for (const auto& name : objects.groups) {
     const Handle group = file.group(name, false);
