@@ -1,9 +1,10 @@
 #pragma once
 // Owner and remote bodies over MPI (the paper, section III): the four exchanges of Algorithm 1.
 //
-// The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of whose
-// blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy. A message goes to
-// those ranks only; who they are follows from the state alone, so both ends know it.
+// The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
+// whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy. Messages
+// go to those ranks only. Who they are both ends know from the last synchronisation (parallel_bodies.hpp); a
+// synchronisation itself may reach ranks that do not expect it (messages.hpp).
 #include <mpi.h>
 
 #include <memory>
@@ -15,14 +16,15 @@
 namespace silt::coupler {
 
 struct ExchangeCounters {
-  std::uint64_t migrations = 0;     // bodies this rank gave away
+  std::uint64_t migrations = 0;  // bodies this rank gave away
   std::uint64_t copies_made = 0;
   std::uint64_t messages = 0, bytes = 0;
 };
 
 class BodyExchange : public rigid::BodyExchange {
  public:
-  /// rim: cells by which blocks are grown: the ghost layer, the largest motion of a step and half a contact margin.
+  /// rim: cells by which blocks are grown: the ghost layer, the largest motion of a step and half a contact
+  /// margin.
   BodyExchange(MPI_Comm, const lbm::Domain&, const rigid::World&, double rim);
 
   void sum_forces(rigid::BodySet&) override;
@@ -41,10 +43,12 @@ class BodyExchange : public rigid::BodyExchange {
   int rank_at(const rigid::Vec3& x_W) const;
   /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
   std::vector<int> holders(int shape, const rigid::Pose&) const;
-  /// From a body set in which every rank has every body as `owned` (as at the start of a run) to a distributed one.
+  /// From a body set in which every rank has every body as `owned` (as at the start of a run) to a
+  /// distributed one.
   void distribute(rigid::BodySet&);
 
-  /// Sums `width` integers a row from copies into their owners' rows (exact in any order); copies' entries become zero.
+  /// Sums `width` integers a row from copies into their owners' rows (exact in any order); copies' entries
+  /// become zero.
   void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width) const;
   /// Overwrites `width` doubles a row of every copy by its owner's.
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width) const;
