@@ -49,6 +49,7 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool pressure_anchor = true;
+  double remap_tolerance = 1e-3;  // cells a surface may move before its cells and wall distances are renewed
 };
 
 struct ContactSpec {

@@ -39,8 +39,10 @@ bool one_contains_the_other(std::string_view a, std::string_view b) {
 
 std::string Diagnostic::line() const {
   const char* label = severity == Severity::warning ? "warning: " : "";
-  return place.file.empty() ? fmt::format("{}{}", label, text)
-                            : fmt::format("{}: {}{}", place.text(), label, text);
+  std::string all = place.file.empty() ? std::string() : place.text() + ": ";
+  all += label;
+  all += text;
+  return all;
 }
 
 CaseError::CaseError(std::vector<Diagnostic> list)

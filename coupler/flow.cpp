@@ -34,7 +34,8 @@ class FlowOf final : public Flow {
         anchored_(scene.coupling.pressure_anchor && scene.has_bodies() && !has_outlet(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {
-    map_(bodies, MapAt::present_pose);
+    renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
+    map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     const bool changed = std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
     if (!changed) return;
@@ -83,7 +84,7 @@ class FlowOf final : public Flow {
   void set_anchor(const AnchorState& a) override { anchor_ = a, restarted_ = true; }
 
   void start(rigid::BodySet& bodies) override {
-    map_(bodies, MapAt::mapping_pose);
+    map_(bodies);
     rebuild_links(bodies);
     if (restarted_) return;
     const FlowTotals now = totals();

@@ -40,8 +40,8 @@ class Flow {
   virtual ~Flow() = default;
 
   // ---- the passes of a step, in this order (Algorithm 2) ----
-  /// Object mapping: bodies onto the lattice at their present poses; links rebuilt where something changed; uncovered
-  /// cells refilled. Reads and then sets mapping_pose of every row.
+  /// Object mapping: bodies that moved further than the tolerance onto the lattice at their present poses; links rebuilt
+  /// where something changed; uncovered cells refilled. Renews mapping_pose of every held row.
   virtual void map_bodies(rigid::BodySet&) = 0;
   virtual void stream_collide() = 0;
   /// LBM communication: ghost layers and domain walls.

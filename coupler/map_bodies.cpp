@@ -47,18 +47,29 @@ MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world, std::
   }
 }
 
-void MapBodies::operator()(rigid::BodySet& bodies, MapAt at) {
-  for (auto& block : blocks_) map_block(block, bodies, at);
-  if (at == MapAt::present_pose)
-    for (std::size_t row = 0; row < bodies.first_wall(); ++row) bodies.mapping_pose[row] = bodies.pose(row);
+void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, double tolerance) {
+  for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
+    const rigid::Pose now = bodies.pose(row);
+    rigid::Pose& then = bodies.mapping_pose[row];
+    if (same(now, then)) continue;
+    // |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'
+    const auto a = now.orientation.coeffs(), b = then.orientation.coeffs();
+    const double angle = 2 * std::min((a - b).norm(), (a + b).norm());
+    const double moved = (now.position - then.position).norm() + angle * world.bounding_radii[bodies.shape[row]];
+    if (moved > tolerance) then = now;
+  }
+}
+
+void MapBodies::operator()(const rigid::BodySet& bodies) {
+  for (auto& block : blocks_) map_block(block, bodies);
 }
 
 /// Every image of every body whose bounding box meets the block or its ghost layer, without bits.
-void MapBodies::find_masks(const BlockMap& block, const rigid::BodySet& bodies, MapAt at,
+void MapBodies::find_masks(const BlockMap& block, const rigid::BodySet& bodies,
                            std::vector<BodyMask>& found) const {
   found.clear();
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
-    const rigid::Pose pose = at == MapAt::present_pose ? bodies.pose(row) : bodies.mapping_pose[row];
+    const rigid::Pose& pose = bodies.mapping_pose[row];
     const rigid::BoundingBox box = rigid::bounding_box(world_.shapes[bodies.shape[row]], pose);
     int low[3], high[3];  // cells the box may cover, then the images that reach the block
     Int3 first, last;
@@ -119,9 +130,9 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
     }
 }
 
-void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies, MapAt at) {
+void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   std::vector<BodyMask> found;
-  find_masks(block, bodies, at, found);
+  find_masks(block, bodies, found);
   block.changed = found.size() != block.masks.size();
   for (std::size_t k = 0; !block.changed && k < found.size(); ++k)
     block.changed = found[k].id != block.masks[k].id || !(found[k].shift == block.masks[k].shift) ||

@@ -10,21 +10,23 @@
 
 namespace silt::coupler {
 
-enum class MapAt { present_pose, mapping_pose };
+/// Bodies whose surface has moved further than this since they were last mapped (cells) are mapped anew; those at rest
+/// keep their cells and wall distances. Only the state decides: every holder of a body does the same.
+void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance);
 
 class MapBodies {
  public:
   MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks);
 
-  /// Renews the maps of all blocks and each held row's mapping_pose. A block in which no pose changed keeps its map:
-  /// `changed` is false there and `before` equals `solid`.
-  void operator()(rigid::BodySet&, MapAt);
+  /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed` is false
+  /// there and `before` equals `solid`.
+  void operator()(const rigid::BodySet&);
   std::vector<BlockMap>& blocks() { return blocks_; }
   const std::vector<BlockMap>& blocks() const { return blocks_; }
 
  private:
-  void map_block(BlockMap&, const rigid::BodySet&, MapAt);
-  void find_masks(const BlockMap&, const rigid::BodySet&, MapAt, std::vector<BodyMask>& found) const;
+  void map_block(BlockMap&, const rigid::BodySet&);
+  void find_masks(const BlockMap&, const rigid::BodySet&, std::vector<BodyMask>& found) const;
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&) const;
 
   const lbm::Domain& domain_;

@@ -215,6 +215,7 @@ void read_coupling(TableReader& root, Case& scene) {
   if (const auto name = table.choice("force", {"galilean", "exact"}))
     c.force = *name == "exact" ? ForceForm::exact : ForceForm::galilean;
   c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
+  c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
 }
 
 }  // namespace
