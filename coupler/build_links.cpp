@@ -34,7 +34,7 @@ class SurfaceDistance {
     const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
     for (const auto& part : rigid::convex_parts(shape)) {
       const rigid::Mat3 to_part = part.pose.orientation.toRotationMatrix().transpose();
-      parts_.push_back({part.shape, rigid::bounding_radius(std::visit(to_shape, part.shape)), to_part * to_body,
+      parts_.push_back({part.shape, rigid::reach({part.shape, rigid::Pose{}}), to_part * to_body,
                         to_part * part.pose.position, Vec3::Zero()});
     }
   }
@@ -56,7 +56,6 @@ class SurfaceDistance {
   }
 
  private:
-  static constexpr auto to_shape = [](const auto& s) { return rigid::Shape(s); };
   struct PreparedPart {
     rigid::ConvexShape shape;
     double radius;

@@ -179,6 +179,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   if (flow) {
     writer.set("anchor_mass", flow->anchor().mass);
     writer.set("anchor_fluid_cells", flow->anchor().fluid_cells);
+    writer.set("anchor_gain", flow->anchor().gain);
     if (scene.fluid->precision == Precision::double_)
       write_populations<double>(writer, scene, *flow);
     else
@@ -215,7 +216,8 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; });
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
-  state.anchor = {reader.integer("anchor_mass"), reader.integer("anchor_fluid_cells")};
+  state.anchor = {reader.integer("anchor_mass"), reader.integer("anchor_fluid_cells"),
+                  reader.integer("anchor_gain")};
   const bool is_double = scene.fluid->precision == Precision::double_;
   state.set_populations = [&reader, is_double](Flow& flow) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);

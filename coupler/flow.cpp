@@ -19,9 +19,6 @@ using rigid::Vec3;
 
 namespace {
 
-/// The anchor takes back this share of the mean density deviation a step.
-constexpr double anchor_rate = 0.01;
-
 /// Of mass and momentum of cells.
 std::int64_t to_quanta(double x) { return std::llrint(x / lbm::mass_quantum); }
 
@@ -48,12 +45,8 @@ class FlowOf final : public Flow {
   }
 
   void stream_collide() override {
-    const double cells = double(anchor_.fluid_cells);
-    if (anchored_ && cells > 0)
-      fluid_.set_anchor(-anchor_rate * double(anchor_.mass) * lbm::mass_quantum / cells);
+    if (anchored_) set_anchor_density();
     fluid_.stream_collide();
-    // What the anchor has done, to the quantum; the rounding of single cells is not seen.
-    if (anchored_) anchor_.mass -= to_quanta(anchor_rate * double(anchor_.mass) * lbm::mass_quantum);
   }
 
   void communicate() override { fluid_.exchange(); }
@@ -63,6 +56,7 @@ class FlowOf final : public Flow {
     if (!anchored_) return;
     std::int64_t mine[2] = {mass_gained_, cells_gained_}, all[2];
     MPI_Allreduce(mine, all, 2, MPI_INT64_T, MPI_SUM, fluid_.comm());
+    anchor_.gain = all[0];
     anchor_.mass += all[0], anchor_.fluid_cells += all[1];
     mass_gained_ = cells_gained_ = 0;
   }
@@ -107,6 +101,14 @@ class FlowOf final : public Flow {
     std::vector<lbm::CellBox> all;
     for (const auto& b : fluid.blocks()) all.push_back(b.box());
     return all;
+  }
+
+  /// The pressure anchor: interpolated walls, and cells that change sides, do not conserve mass. What is known to have
+  /// been gained, and as much as the last step gained for the one to come, is taken out of all cells alike.
+  void set_anchor_density() {
+    const std::int64_t surplus = anchor_.mass + anchor_.gain;
+    fluid_.set_anchor(anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0);
+    anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {

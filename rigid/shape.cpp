@@ -77,24 +77,6 @@ BoundingBox box_of(const Compound& c, const Pose& p) {
   return all;
 }
 
-/// Furthest distance of a point of a part from the body's origin.
-double reach(const Part& part) {
-  const Pose& pose = part.pose;
-  return std::visit(Visitor{[&](const Sphere& s) { return pose.position.norm() + s.radius; },
-                            [&](const Box& b) {
-                              // the corner furthest from the origin, seen from the box's own frame
-                              const Vec3 centre = pose.orientation.conjugate() * pose.position;
-                              return (centre.cwiseAbs() + b.half_edges).norm();
-                            },
-                            [&](const Capsule& c) {
-                              const Vec3 end = pose.orientation * Vec3(0, 0, c.half_length);
-                              return c.radius +
-                                     std::max((pose.position + end).norm(), (pose.position - end).norm());
-                            },
-                            [](const HalfSpace&) { return infinity; }},
-                    part.shape);
-}
-
 }  // namespace
 
 std::string_view shape_name(const Shape& shape) {
@@ -128,6 +110,23 @@ BoundingBox bounding_box(const Shape& shape, const Pose& pose) {
 
 BoundingBox part_box(const Part& part, const Pose& body) {
   return std::visit([&](const auto& s) { return box_of(s, body * part.pose); }, part.shape);
+}
+
+double reach(const Part& part) {
+  const Pose& pose = part.pose;
+  return std::visit(Visitor{[&](const Sphere& s) { return pose.position.norm() + s.radius; },
+                            [&](const Box& b) {
+                              // the corner furthest from the origin, seen from the box's own frame
+                              const Vec3 centre = pose.orientation.conjugate() * pose.position;
+                              return (centre.cwiseAbs() + b.half_edges).norm();
+                            },
+                            [&](const Capsule& c) {
+                              const Vec3 end = pose.orientation * Vec3(0, 0, c.half_length);
+                              return c.radius +
+                                     std::max((pose.position + end).norm(), (pose.position - end).norm());
+                            },
+                            [](const HalfSpace&) { return infinity; }},
+                    part.shape);
 }
 
 double bounding_radius(const Shape& shape) {

@@ -63,6 +63,8 @@ double ray_distance(const Shape&, const Vec3& origin_B, const Vec3& direction_B,
 BoundingBox bounding_box(const Shape&, const Pose&);
 /// About the origin of the body frame; infinite for a half-space.
 double bounding_radius(const Shape&);
+/// Furthest distance of a point of a part from the body's origin.
+double reach(const Part&);
 /// The point of a convex shape furthest along direction_B.
 Vec3 support(const ConvexShape&, const Vec3& direction_B);
 /// Closed forms; for a compound those of the union of its parts, relative error <= 1e-4, deterministic.

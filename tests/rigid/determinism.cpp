@@ -97,7 +97,7 @@ Outcome on_ranks(const char* resolver, int ranks, int steps) {
       Scene s = tumble(rank);
       testing::ThreadedExchange exchange(s.extent, s.world, memory, rank);
       const auto law = make_resolver(resolver, s.settings);
-      RigidStep step(s.world, s.backend, *law, exchange);
+      RigidStep step(s.world, *s.backend, *law, exchange);
       if (rank != 0) {  // rank 0 hands them out
         while (s.bodies.first_wall() > 0) s.bodies.erase(0);
         s.bodies.owned = 0;

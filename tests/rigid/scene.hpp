@@ -4,9 +4,12 @@
 
 #include "rigid/rigid_step.hpp"
 #include "rigid/walls.hpp"
-#include "test_backend.hpp"
+#include "adapters/automatic/collision_factory.hpp"
 
 namespace silt::rigid::testing {
+
+/// The collision backend of the scenes made from now on.
+inline const char* backend_name = "analytic";
 
 struct Scene {
   World world;
@@ -15,7 +18,7 @@ struct Scene {
   ResolverSettings settings;
   std::unique_ptr<ContactResolver> resolver;
   std::unique_ptr<BodyExchange> exchange;
-  TestBackend backend;
+  std::unique_ptr<CollisionBackend> backend = adapters::make_backend(backend_name);
   std::unique_ptr<RigidStep> step;
   RigidStepReport report;
   double deepest = 0;
@@ -61,7 +64,7 @@ struct Scene {
   void start(std::string_view name = "sffd") {
     resolver = make_resolver(name, settings);
     exchange = std::make_unique<BodyExchange>(extent);
-    step = std::make_unique<RigidStep>(world, backend, *resolver, *exchange);
+    step = std::make_unique<RigidStep>(world, *backend, *resolver, *exchange);
   }
   void run(int steps, double dt = 1e-3) {
     for (int i = 0; i < steps; ++i) {
