@@ -29,7 +29,8 @@ double sphere_distance(const Vec3& r, Int3 c, double radius) {
 /// Distance of a body's surface along one link direction, prepared once a body and direction.
 class SurfaceDistance {
  public:
-  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose) : ball_(std::get_if<rigid::Sphere>(&shape)) {
+  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose)
+      : ball_(std::get_if<rigid::Sphere>(&shape)) {
     if (ball_) return;
     const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
     for (const auto& part : rigid::convex_parts(shape)) {
@@ -59,7 +60,7 @@ class SurfaceDistance {
   struct PreparedPart {
     rigid::ConvexShape shape;
     double radius;
-    rigid::Mat3 rotation;  // world to part
+    rigid::Mat3 rotation;    // world to part
     Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
   };
   const rigid::Sphere* ball_;
@@ -102,7 +103,8 @@ struct LinkWriter {
       for (int z = std::max(mask.z0 - c.z, 0); z < std::min(mask.z1 - c.z, size.z); ++z)
         for (int y = std::max(mask.y0 - c.y, 0); y < std::min(mask.y1 - c.y, size.y); ++y)
           row(mask, distance, i, y, z);
-      if (const auto end = std::uint32_t(links.size()); end > begin) links.runs.push_back({begin, end, surface, i});
+      if (const auto end = std::uint32_t(links.size()); end > begin)
+        links.runs.push_back({begin, end, surface, i});
     }
   }
 };
@@ -121,9 +123,9 @@ void build_links(const BlockMap& map, const lbm::Block<T>& block, const rigid::W
   }
 }
 
-template void build_links(const BlockMap&, const lbm::Block<float>&, const rigid::World&, const rigid::BodySet&,
-                          WallScheme, lbm::CutLinks<float>&);
-template void build_links(const BlockMap&, const lbm::Block<double>&, const rigid::World&, const rigid::BodySet&,
-                          WallScheme, lbm::CutLinks<double>&);
+template void build_links(const BlockMap&, const lbm::Block<float>&, const rigid::World&,
+                          const rigid::BodySet&, WallScheme, lbm::CutLinks<float>&);
+template void build_links(const BlockMap&, const lbm::Block<double>&, const rigid::World&,
+                          const rigid::BodySet&, WallScheme, lbm::CutLinks<double>&);
 
 }  // namespace silt::coupler

@@ -1,6 +1,7 @@
 #pragma once
 // A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
-// with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml), case_check judges it.
+// with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml),
+// case_check judges it.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -34,8 +35,9 @@ enum class ForceForm { galilean, exact };
 
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;
-  bool bgk = false;        // else trt
-  double magic = 1. / 6;   // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
+  bool bgk = false;  // else trt
+  double magic =
+      1. / 6;  // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   // initial velocity: "rest", "uniform", "taylor-green"; amplitude and (for taylor-green) one wave a period
@@ -61,17 +63,17 @@ struct ContactSpec {
 
 struct BodySpec {  // one body
   int shape = 0, material = 0;
-  int kind = 0;    // index into Case::kind_names
-  int entry = -1;  // which [[bodies]] entry gave it; -1: a [[fill]]
+  int kind = 0;        // index into Case::kind_names
+  int entry = -1;      // which [[bodies]] entry gave it; -1: a [[fill]]
   double density = 1;  // relative to the fluid's (lattice)
   rigid::Motion motion = rigid::Motion::free;
-  rigid::Pose pose;    // of the shape as the case gives it, not of its centre of mass
+  rigid::Pose pose;  // of the shape as the case gives it, not of its centre of mass
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
 };
 
 struct FillSpec {
   int shape = 0, material = 0, kind = 0, count = 0;
-  double density = 1, gap = 0;           // gap: least distance between bounding spheres' surfaces and to walls
+  double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
   bool random_orientation = true;
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
   std::uint64_t seed = 1;
@@ -89,15 +91,15 @@ struct OutputSpec {
 
 /// A figure the run puts into report.json under "quantities", for reference.toml to compare. Types:
 ///   max-speed              largest speed any body of the kind has had
-///   drag-coefficient       force along the axis on the kind's fixed bodies / (6 pi mu a U), U: mean over the whole domain
-///   profile-error          largest deviation from the analytic profile ("channel", "duct") over its largest value
-///   taylor-green-velocity  relative L2 error of the velocity;  taylor-green-decay: relative error of the decay rate
-///   mean-height            mean coordinate of the kind's centres along the axis, at the end
-///   drift                  largest distance of a body of the kind from where it started, at the end
-///   max-height-after       largest coordinate of the kind's centres along the axis from a time on
+///   drag-coefficient       force along the axis on the kind's fixed bodies / (6 pi mu a U), U: mean over the
+///   whole domain profile-error          largest deviation from the analytic profile ("channel", "duct") over
+///   its largest value taylor-green-velocity  relative L2 error of the velocity;  taylor-green-decay:
+///   relative error of the decay rate mean-height            mean coordinate of the kind's centres along the
+///   axis, at the end drift                  largest distance of a body of the kind from where it started, at
+///   the end max-height-after       largest coordinate of the kind's centres along the axis from a time on
 struct QuantitySpec {
   std::string name, type;
-  int kind = -1;        // index into Case::kind_names; -1: every body
+  int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
   std::string profile;  // of profile-error: "channel", "duct"
   double time = 0;      // of max-height-after, in steps
@@ -121,12 +123,12 @@ struct Case {
 
   // material 0 is "default": of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
-  std::vector<rigid::Shape> shapes;               // as given (a compound need not be centred)
-  std::vector<rigid::Material> pair_materials;    // material_names.size()^2
+  std::vector<rigid::Shape> shapes;             // as given (a compound need not be centred)
+  std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FillSpec> fills;
-  // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of one
-  // name make one kind, and have one shape
+  // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
+  // one name make one kind, and have one shape
   std::vector<std::string> kind_names;
   std::vector<int> kind_shapes;
 

@@ -11,12 +11,19 @@ namespace silt::coupler {
 
 /// The stages of the paper's Figure 7; the last four are the parts of its "physics engine".
 enum class Stage {
-  object_mapping, lbm_communication, stream_collide, force_evaluation,
-  integrate, collision_detection, contact_response, body_synchronisation, count
+  object_mapping,
+  lbm_communication,
+  stream_collide,
+  force_evaluation,
+  integrate,
+  collision_detection,
+  contact_response,
+  body_synchronisation,
+  count
 };
 inline constexpr std::array<std::string_view, int(Stage::count)> stage_names = {
-    "object mapping", "LBM communication", "stream collide", "force evaluation",
-    "integrate", "collision detection", "contact response", "body synchronisation"};
+    "object mapping", "LBM communication",   "stream collide",   "force evaluation",
+    "integrate",      "collision detection", "contact response", "body synchronisation"};
 
 using StageSeconds = std::array<double, int(Stage::count)>;
 
@@ -27,7 +34,8 @@ struct SceneParts {
   int substeps = 1;
   rigid::Vec3 gravity = rigid::Vec3::Zero();
   bool bodies = false;  // any, fixed ones included
-  /// Called when the fluid's forces stand in the rows' accumulators and nothing has consumed them; may be empty.
+  /// Called when the fluid's forces stand in the rows' accumulators and nothing has consumed them; may be
+  /// empty.
   std::function<void(const rigid::BodySet&)> forces_seen;
 };
 

@@ -20,21 +20,28 @@ using rigid::Vec3;
 namespace {
 
 /// Of mass and momentum of cells.
-std::int64_t to_quanta(double x) { return std::llrint(x / lbm::mass_quantum); }
+std::int64_t to_quanta(double x) {
+  return std::llrint(x / lbm::mass_quantum);
+}
 
 template <class T>
 class FlowOf final : public Flow {
  public:
   FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const BodyExchange& exchange)
-      : coupling_(scene.coupling), world_(exchange.world()), fluid_(domain, collision(*scene.fluid), comm),
-        map_(fluid_.domain(), world_, boxes(fluid_)), links_(fluid_.blocks().size()), forces_(coupling_, exchange),
+      : coupling_(scene.coupling),
+        world_(exchange.world()),
+        fluid_(domain, collision(*scene.fluid), comm),
+        map_(fluid_.domain(), world_, boxes(fluid_)),
+        links_(fluid_.blocks().size()),
+        forces_(coupling_, exchange),
         anchored_(scene.coupling.pressure_anchor && scene.has_bodies() && !has_outlet(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
-    const bool changed = std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
+    const bool changed =
+        std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
     if (!changed) return;
     const ChangedCells cells = changed_cells(map_.blocks());
     for (const auto& c : cells.covered) hand_over(c, bodies, +1);
@@ -103,11 +110,13 @@ class FlowOf final : public Flow {
     return all;
   }
 
-  /// The pressure anchor: interpolated walls, and cells that change sides, do not conserve mass. What is known to have
-  /// been gained, and as much as the last step gained for the one to come, is taken out of all cells alike.
+  /// The pressure anchor: interpolated walls, and cells that change sides, do not conserve mass. What is
+  /// known to have been gained, and as much as the last step gained for the one to come, is taken out of all
+  /// cells alike.
   void set_anchor_density() {
     const std::int64_t surplus = anchor_.mass + anchor_.gain;
-    fluid_.set_anchor(anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0);
+    fluid_.set_anchor(
+        anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0);
     anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
@@ -127,7 +136,8 @@ class FlowOf final : public Flow {
     }
   }
 
-  /// Mass, and in the exact form momentum, of a cell that a body covered (+1: the body gains it) or left (-1).
+  /// Mass, and in the exact form momentum, of a cell that a body covered (+1: the body gains it) or left
+  /// (-1).
   void hand_over(const CoveredCell& c, const rigid::BodySet& bodies, int sign) {
     if (!anchored_ && coupling_.force != ForceForm::exact) return;
     const lbm::Moments m = fluid_.moments(c.block, c.cell);
@@ -136,14 +146,11 @@ class FlowOf final : public Flow {
     if (coupling_.force != ForceForm::exact || !c.body) return;
     const std::size_t row = bodies.row_of(c.body->id);
     if (row >= bodies.size()) return;
-    BodyMask present = *c.body;
-    present.pose = bodies.pose(row);
-    Vec3 arm = present.arm(map_.blocks()[c.block].box.lower + c.cell);
-    for (int d = 0; d < 3; ++d)
-      if (fluid_.domain().periodic(d))
-        arm[d] -= fluid_.domain().cells()[d] * std::round(arm[d] / fluid_.domain().cells()[d]);
+    const Vec3 arm =
+        nearest_arm(fluid_.domain(), bodies.position[row], map_.blocks()[c.block].box.lower + c.cell);
     const auto& force = fluid_.spec().force;
-    const Vec3 momentum(m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]);
+    const Vec3 momentum(m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1],
+                        m.momentum[2] + 0.5 * force[2]);
     forces_.hand_over(c.body->id, sign * momentum, arm);
   }
 
@@ -222,10 +229,17 @@ std::uint64_t FlowOf<T>::hash() const {
 lbm::SideCondition side_condition(const BoundarySpec& b) {
   lbm::SideCondition s;
   switch (b.kind) {
-    case BoundaryKind::periodic: s.kind = lbm::SideKind::periodic; break;
-    case BoundaryKind::free_slip: s.kind = lbm::SideKind::free_slip; break;
-    case BoundaryKind::pressure_outlet: s.kind = lbm::SideKind::pressure; break;
-    default: s.kind = lbm::SideKind::bounce;
+    case BoundaryKind::periodic:
+      s.kind = lbm::SideKind::periodic;
+      break;
+    case BoundaryKind::free_slip:
+      s.kind = lbm::SideKind::free_slip;
+      break;
+    case BoundaryKind::pressure_outlet:
+      s.kind = lbm::SideKind::pressure;
+      break;
+    default:
+      s.kind = lbm::SideKind::bounce;
   }
   s.velocity = {b.velocity[0], b.velocity[1], b.velocity[2]};
   s.density_deviation = b.density - 1;
@@ -238,7 +252,8 @@ lbm::Domain make_domain(const Case& scene, int ranks) {
   std::array<lbm::SideCondition, 6> sides;
   for (int s = 0; s < 6; ++s) sides[s] = side_condition(scene.boundary[s]);
   std::optional<Int3> blocks;
-  if (scene.block_cells) blocks = Int3{(*scene.block_cells)[0], (*scene.block_cells)[1], (*scene.block_cells)[2]};
+  if (scene.block_cells)
+    blocks = Int3{(*scene.block_cells)[0], (*scene.block_cells)[1], (*scene.block_cells)[2]};
   return lbm::Domain({scene.cells[0], scene.cells[1], scene.cells[2]}, sides, blocks, ranks);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-// The fluid with bodies in it, whatever the precision of its populations: the passes of Algorithm 2 that touch the
-// lattice, and what may be asked of it between steps. Built for a scene: a pass the scene does not need does nothing.
+// The fluid with bodies in it, whatever the precision of its populations: the passes of Algorithm 2 that
+// touch the lattice, and what may be asked of it between steps. Built for a scene: a pass the scene does not
+// need does nothing.
 #include <mpi.h>
 
 #include <array>
@@ -22,18 +23,18 @@ struct MappingCounts {
 /// Of all ranks, over fluid cells; sums in fixed point, so the same on any number of ranks.
 struct FlowTotals {
   std::uint64_t fluid_cells = 0;
-  double mass_deviation = 0;             // sum of density deviations
-  std::array<double, 3> momentum{};      // sum of c g (no half force)
+  double mass_deviation = 0;         // sum of density deviations
+  std::array<double, 3> momentum{};  // sum of c g (no half force)
   double max_speed = 0, min_density = 0, max_density = 0;
-  bool finite = true;                    // false: some value is not a number (global cell in bad_cell)
+  bool finite = true;  // false: some value is not a number (global cell in bad_cell)
   std::array<int, 3> bad_cell{};
 };
 
 /// What the pressure anchor remembers between steps (mass quanta, 2^-40; the same on every rank).
 struct AnchorState {
-  std::int64_t mass = 0;         // sum of the density deviations of all fluid cells
+  std::int64_t mass = 0;  // sum of the density deviations of all fluid cells
   std::int64_t fluid_cells = 0;
-  std::int64_t gain = 0;         // of the last step, through links and changed cells: what the next one will bring
+  std::int64_t gain = 0;  // of the last step, through links and changed cells: what the next one will bring
 };
 
 class Flow {
@@ -41,36 +42,38 @@ class Flow {
   virtual ~Flow() = default;
 
   // ---- the passes of a step, in this order (Algorithm 2) ----
-  /// Object mapping: bodies that moved further than the tolerance onto the lattice at their present poses; links rebuilt
-  /// where something changed; uncovered cells refilled. Renews mapping_pose of every held row.
+  /// Object mapping: bodies that moved further than the tolerance onto the lattice at their present poses;
+  /// links rebuilt where something changed; uncovered cells refilled. Renews mapping_pose of every held row.
   virtual void map_bodies(rigid::BodySet&) = 0;
   virtual void stream_collide() = 0;
   /// LBM communication: ghost layers and domain walls.
   virtual void communicate() = 0;
-  /// Force evaluation: what surfaces return, and force and torque on bodies added to the rows' accumulators (at
-  /// the owners). With implicit coupling also solves for the bodies' new velocity and returns with it.
+  /// Force evaluation: what surfaces return, and force and torque on bodies added to the rows' accumulators
+  /// (at the owners). With implicit coupling also solves for the bodies' new velocity and returns with it.
   virtual void evaluate_forces(rigid::BodySet&, const rigid::Vec3& gravity) = 0;
 
   // ---- between steps ----
   virtual const lbm::Domain& domain() const = 0;
-  virtual int blocks() const = 0;                       // of this rank
-  virtual const lbm::CellBox& block(int b) const = 0;   // global cells
+  virtual int blocks() const = 0;                      // of this rank
+  virtual const lbm::CellBox& block(int b) const = 0;  // global cells
   virtual bool is_fluid(int b, lbm::Int3 local_cell) const = 0;
   virtual lbm::Moments moments(int b, lbm::Int3 local_cell) const = 0;
   /// Velocity that goes with moments (half the force added).
   virtual std::array<double, 3> velocity(const lbm::Moments&) const = 0;
   virtual void set_equilibrium(int b, lbm::Int3 local_cell, double density_deviation,
                                const std::array<double, 3>& velocity) = 0;
-  /// Population i arriving at a cell, whatever the parity: for checkpoints. Exact in double for either precision.
+  /// Population i arriving at a cell, whatever the parity: for checkpoints. Exact in double for either
+  /// precision.
   virtual double arriving(int b, lbm::Int3 local_cell, int i) const = 0;
   virtual void set_arriving(int b, lbm::Int3 local_cell, int i, double g) = 0;
-  virtual std::size_t bytes() const = 0;                // populations of this rank
-  virtual MappingCounts mapping() const = 0;            // of the last step, this rank
+  virtual std::size_t bytes() const = 0;      // populations of this rank
+  virtual MappingCounts mapping() const = 0;  // of the last step, this rank
 
-  /// Collective. First call after the bodies exist and before the first step: maps without refilling, at the mapping
-  /// poses (fresh bodies: their poses). After a restart: set_arriving everything and set_anchor first.
+  /// Collective. First call after the bodies exist and before the first step: maps without refilling, at the
+  /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and set_anchor
+  /// first.
   virtual void start(rigid::BodySet&) = 0;
-  virtual FlowTotals totals() const = 0;                // collective
+  virtual FlowTotals totals() const = 0;  // collective
   /// Wrapping sum over this rank's fluid cells of XXH3 of global cell index and its arriving populations.
   virtual std::uint64_t hash() const = 0;
   virtual AnchorState anchor() const = 0;

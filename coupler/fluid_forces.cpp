@@ -13,7 +13,9 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 namespace {
 
-double from_link_quanta(std::int64_t q) { return double(q) * lbm::link_quantum; }
+double from_link_quanta(std::int64_t q) {
+  return double(q) * lbm::link_quantum;
+}
 
 Vec6 force_of(const std::int64_t* row) {
   Vec6 f;
@@ -46,16 +48,18 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
   std::uint64_t mine = bad, first = 0;
   MPI_Allreduce(&mine, &first, 1, MPI_UINT64_T, MPI_MIN, comm);
   if (first != std::numeric_limits<std::uint64_t>::max())
-    throw std::overflow_error("the force on body " + std::to_string(first) +
-                              " is not a number or above 64 lattice units on one link; the flow around it has become "
-                              "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time");
+    throw std::overflow_error(
+        "the force on body " + std::to_string(first) +
+        " is not a number or above 64 lattice units on one link; the flow around it has become "
+        "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time");
 }
 
 }  // namespace
 
 template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange)
-    : spec_(spec), exchange_(exchange),
+    : spec_(spec),
+      exchange_(exchange),
       width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width) {}
 
 template <class T>
@@ -152,7 +156,8 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
       set_motion(block.motions[k], Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
       block.sums[k] = {};
     }
-    lbm::correct_cut_links(fluid.blocks()[b], fluid.parity(), block.links, block.motions.data(), block.sums.data());
+    lbm::correct_cut_links(fluid.blocks()[b], fluid.parity(), block.links, block.motions.data(),
+                           block.sums.data());
     for (const auto& s : block.sums) mass += s.mass;
   }
   return mass;
@@ -160,7 +165,8 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
 
 template <class T>
 std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
-                                        std::span<BlockLinks<T>> links, rigid::BodySet& bodies, const Vec3& gravity) {
+                                        std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
+                                        const Vec3& gravity) {
   std::int64_t mass = apply(fluid, maps, links, bodies);
   gather(maps, links, bodies);
   if (spec_.time == TimeCoupling::implicit_)

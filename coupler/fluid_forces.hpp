@@ -1,11 +1,12 @@
 #pragma once
-// Force evaluation (Algorithm 2): what surfaces return to the fluid and what the fluid does to the bodies, by momentum
-// exchange over the cut links, summed in fixed point; and the coupling in time.
+// Force evaluation (Algorithm 2): what surfaces return to the fluid and what the fluid does to the bodies, by
+// momentum exchange over the cut links, summed in fixed point; and the coupling in time.
 //
-// `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are linear in the
-// wall velocity, so the owner solves (M + H) delta = F + F_ext for the change of velocity of this step, H = sum k J J^T,
-// and the links return as if the surface had moved with v + delta already. Fixed and prescribed bodies: delta = 0.
-// The force handed to the rigid step is M delta - F_ext: with the external force it makes exactly the kick delta.
+// `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are
+// linear in the wall velocity, so the owner solves (M + H) delta = F + F_ext for the change of velocity of
+// this step, H = sum k J J^T, and the links return as if the surface had moved with v + delta already. Fixed
+// and prescribed bodies: delta = 0. The force handed to the rigid step is M delta - F_ext: with the external
+// force it makes exactly the kick delta.
 //
 // History: none besides the state of bodies and populations.
 #include <span>
@@ -35,19 +36,20 @@ class FluidForces {
  public:
   FluidForces(const CouplingSpec&, const BodyExchange&);
 
-  /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation: momentum
-  /// gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
+  /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation:
+  /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
   void hand_over(rigid::BodyId, const rigid::Vec3& momentum, const rigid::Vec3& arm);
   /// Collective. Returns the density that fluid cells of this rank gained through links, in mass quanta.
-  std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
-                          const rigid::Vec3& gravity);
+  std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
+                          rigid::BodySet&, const rigid::Vec3& gravity);
 
  private:
-  std::int64_t apply(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, const rigid::BodySet&);
+  std::int64_t apply(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
+                     const rigid::BodySet&);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void add_explicit(rigid::BodySet&) const;
-  std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
-                              const rigid::Vec3& gravity);
+  std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
+                              rigid::BodySet&, const rigid::Vec3& gravity);
 
   CouplingSpec spec_;
   const BodyExchange& exchange_;

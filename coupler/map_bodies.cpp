@@ -36,7 +36,8 @@ void set_interval(const lbm::CellBox& box, int shift_x, double first, double las
 
 }  // namespace
 
-MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world, std::span<const lbm::CellBox> boxes)
+MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
+                     std::span<const lbm::CellBox> boxes)
     : domain_(domain), world_(world) {
   for (const auto& shape : world.shapes) parts_.push_back(rigid::convex_parts(shape));
   for (const auto& box : boxes) {
@@ -55,7 +56,8 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, doub
     // |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'
     const auto a = now.orientation.coeffs(), b = then.orientation.coeffs();
     const double angle = 2 * std::min((a - b).norm(), (a + b).norm());
-    const double moved = (now.position - then.position).norm() + angle * world.bounding_radii[bodies.shape[row]];
+    const double moved =
+        (now.position - then.position).norm() + angle * world.bounding_radii[bodies.shape[row]];
     if (moved > tolerance) then = now;
   }
 }
@@ -75,7 +77,8 @@ void MapBodies::find_masks(const BlockMap& block, const rigid::BodySet& bodies,
     Int3 first, last;
     for (int d = 0; d < 3; ++d) {
       low[d] = int(std::floor(box.lower[d] - 0.5)), high[d] = int(std::ceil(box.upper[d] - 0.5));
-      const int n = domain_.cells()[d], from = block.box.lower[d] - 1, to = block.box.lower[d] + block.box.size[d];
+      const int n = domain_.cells()[d], from = block.box.lower[d] - 1,
+                to = block.box.lower[d] + block.box.size[d];
       const auto floor_div = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
       first[d] = domain_.periodic(d) ? -floor_div(high[d] - from, n) : 0;
       last[d] = domain_.periodic(d) ? floor_div(to - low[d], n) : 0;
@@ -125,7 +128,8 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
         const auto hit = rigid::ray_interval(part.shape, part.pose.to_body(origin_B),
                                              part.pose.orientation.conjugate() * direction_B);
         if (hit)
-          set_interval(block.box, mask.shift.x, std::ceil(centre + hit->enter), std::floor(centre + hit->leave), row);
+          set_interval(block.box, mask.shift.x, std::ceil(centre + hit->enter),
+                       std::floor(centre + hit->leave), row);
       }
     }
 }
@@ -151,7 +155,8 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   for (auto& mask : block.masks) {
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
-    while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift)) ++match;
+    while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))
+      ++match;
     if (match != block.masks_before.end() && match->id == mask.id && same(match->pose, mask.pose))
       mask.words = match->words, mask.inside = match->inside;
     else

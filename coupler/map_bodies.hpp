@@ -1,6 +1,7 @@
 #pragma once
-// Object mapping: a cell is solid if its centre is inside a body (the paper, section IV). Where bodies overlap, the
-// lower id has the cell. Depends on nothing but the poses, so every rank that sees a cell agrees on it.
+// Object mapping: a cell is solid if its centre is inside a body (the paper, section IV). Where bodies
+// overlap, the lower id has the cell. Depends on nothing but the poses, so every rank that sees a cell agrees
+// on it.
 #include <span>
 
 #include "coupler/solid_map.hpp"
@@ -10,16 +11,17 @@
 
 namespace silt::coupler {
 
-/// Bodies whose surface has moved further than this since they were last mapped (cells) are mapped anew; those at rest
-/// keep their cells and wall distances. Only the state decides: every holder of a body does the same.
+/// Bodies whose surface has moved further than this since they were last mapped (cells) are mapped anew;
+/// those at rest keep their cells and wall distances. Only the state decides: every holder of a body does the
+/// same.
 void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance);
 
 class MapBodies {
  public:
   MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks);
 
-  /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed` is false
-  /// there and `before` equals `solid`.
+  /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
+  /// is false there and `before` equals `solid`.
   void operator()(const rigid::BodySet&);
   std::vector<BlockMap>& blocks() { return blocks_; }
   const std::vector<BlockMap>& blocks() const { return blocks_; }

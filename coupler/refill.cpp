@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -84,13 +85,15 @@ class RemoteMoments {
     }
   }
 
-  void exchange(std::map<int, std::map<MomentsKey, Packed>>& outgoing, std::map<int, std::vector<MomentsKey>>& wanted) {
+  void exchange(std::map<int, std::map<MomentsKey, Packed>>& outgoing,
+                std::map<int, std::vector<MomentsKey>>& wanted) {
     std::vector<MPI_Request> requests;
     std::map<int, std::vector<Packed>> in, out;
     for (auto& [rank, keys] : wanted) {
       std::sort(keys.begin(), keys.end());
       in[rank].resize(keys.size());
-      MPI_Irecv(in[rank].data(), int(10 * keys.size()), MPI_DOUBLE, rank, 2, fluid_.comm(), &requests.emplace_back());
+      MPI_Irecv(in[rank].data(), int(10 * keys.size()), MPI_DOUBLE, rank, 2, fluid_.comm(),
+                &requests.emplace_back());
     }
     for (auto& [rank, values] : outgoing) {
       for (auto& [key, value] : values) out[rank].push_back(value);
@@ -116,8 +119,12 @@ struct Average {
     ++count;
     density += m[0];
     const double u[3] = {m[1] + 0.5 * force[0], m[2] + 0.5 * force[1], m[3] + 0.5 * force[2]};
-    const double eq[6] = {m[0] / 3 + u[0] * u[0], m[0] / 3 + u[1] * u[1], m[0] / 3 + u[2] * u[2],
-                          u[0] * u[1],            u[0] * u[2],            u[1] * u[2]};
+    const double eq[6] = {m[0] / 3 + u[0] * u[0],
+                          m[0] / 3 + u[1] * u[1],
+                          m[0] / 3 + u[2] * u[2],
+                          u[0] * u[1],
+                          u[0] * u[2],
+                          u[1] * u[2]};
     for (int k = 0; k < 6; ++k) stress[k] += m[4 + k] - eq[k];
   }
   void finish() {
@@ -136,15 +143,24 @@ double grad_part(int i, const double s[6]) {
 
 }  // namespace
 
+rigid::Vec3 nearest_arm(const lbm::Domain& domain, const rigid::Vec3& position, Int3 cell) {
+  rigid::Vec3 arm(cell.x + 0.5 - position[0], cell.y + 0.5 - position[1], cell.z + 0.5 - position[2]);
+  for (int d = 0; d < 3; ++d)
+    if (domain.periodic(d)) arm[d] -= domain.cells()[d] * std::round(arm[d] / domain.cells()[d]);
+  return arm;
+}
+
 ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
   ChangedCells cells;
   for (int b = 0; b < int(maps.size()); ++b) {
     const BlockMap& map = maps[b];
     if (!map.changed) continue;
-    for_new_bits(map.before, map.solid, false,
-                 [&](Int3 x) { cells.covered.push_back({b, x, mask_at(map.masks, x)}); });
-    for_new_bits(map.solid, map.before, false,
-                 [&](Int3 x) { cells.uncovered.push_back({b, x, mask_at(map.masks_before, x)}); });
+    for_new_bits(map.before, map.solid, false, [&](Int3 x) {
+      cells.covered.push_back({b, x, mask_at(map.masks, x)});
+    });
+    for_new_bits(map.solid, map.before, false, [&](Int3 x) {
+      cells.uncovered.push_back({b, x, mask_at(map.masks_before, x)});
+    });
   }
   return cells;
 }
@@ -184,12 +200,8 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
     double j[3] = {};
     const std::size_t row = u.body ? bodies.row_of(u.body->id) : bodies.size();
     if (row < bodies.size()) {
-      BodyMask present = *u.body;  // the image that left, at the pose it has now
-      present.pose = bodies.pose(row);
-      // The canonical position may have jumped by a period since: take the nearest image.
-      rigid::Vec3 arm = present.arm(maps[u.block].box.lower + u.cell);
-      for (int d = 0; d < 3; ++d)
-        if (domain.periodic(d)) arm[d] -= domain.cells()[d] * std::round(arm[d] / domain.cells()[d]);
+      const Int3 cell = maps[u.block].box.lower + u.cell;
+      const rigid::Vec3 arm = nearest_arm(domain, bodies.position[row], cell);
       const rigid::Vec3 v = bodies.velocity_at(row, arm);
       for (int d = 0; d < 3; ++d) j[d] = v[d] - 0.5 * force[d];
     }
@@ -201,9 +213,9 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
   }
 }
 
-template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
-                     Refill);
-template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
-                     Refill);
+template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,
+                     const rigid::BodySet&, Refill);
+template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&,
+                     const rigid::BodySet&, Refill);
 
 }  // namespace silt::coupler

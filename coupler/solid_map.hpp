@@ -1,6 +1,6 @@
 #pragma once
-// Which cells of a block are solid, as bits: one word holds 64 cells of a row, ghost cells included. And the bodies
-// that make them so, each with the bits of its own.
+// Which cells of a block are solid, as bits: one word holds 64 cells of a row, ghost cells included. And the
+// bodies that make them so, each with the bits of its own.
 #include <cstdint>
 #include <vector>
 
@@ -14,7 +14,9 @@ class CellBits {
  public:
   CellBits() = default;
   explicit CellBits(lbm::Int3 size)
-      : size_(size), words_((size.x + 2 + 63) / 64), bits_(std::size_t(words_) * (size.y + 2) * (size.z + 2)) {}
+      : size_(size),
+        words_((size.x + 2 + 63) / 64),
+        bits_(std::size_t(words_) * (size.y + 2) * (size.z + 2)) {}
   int words() const { return words_; }
   std::size_t row(int y, int z) const { return std::size_t(words_) * ((z + 1) * (size_.y + 2) + (y + 1)); }
   std::uint64_t* at(int y, int z) { return bits_.data() + row(y, z); }
@@ -48,13 +50,13 @@ void for_bits(std::uint64_t word, int k, F&& f) {
 /// One periodic image of a body in a block: the cells whose centres are inside it.
 struct BodyMask {
   rigid::BodyId id = 0;
-  std::size_t row = 0;       // in the BodySet, this step
-  lbm::Int3 shift;           // the image: cells added to the canonical position (multiples of the domain)
-  rigid::Pose pose;          // canonical
+  std::size_t row = 0;  // in the BodySet, this step
+  lbm::Int3 shift;      // the image: cells added to the canonical position (multiples of the domain)
+  rigid::Pose pose;     // canonical
   int y0 = 0, y1 = 0, z0 = 0, z1 = 0;  // rows it may touch, local, ghosts included, half-open
   int words = 0;
-  std::vector<std::uint64_t> inside;   // centre inside the body
-  std::vector<std::uint64_t> bits;     // the same less what walls and lower ids have
+  std::vector<std::uint64_t> inside;  // centre inside the body
+  std::vector<std::uint64_t> bits;    // the same less what walls and lower ids have
   bool any = false;
 
   bool has_row(int y, int z) const { return y >= y0 && y < y1 && z >= z0 && z < z1; }
@@ -63,7 +65,8 @@ struct BodyMask {
   bool test(lbm::Int3 c) const {
     return has_row(c.y, c.z) && (at(c.y, c.z)[(c.x + 1) >> 6] >> ((c.x + 1) & 63) & 1);
   }
-  /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner + local).
+  /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner +
+  /// local).
   rigid::Vec3 arm(lbm::Int3 cell) const {
     return {(cell.x - shift.x + 0.5) - pose.position[0], (cell.y - shift.y + 0.5) - pose.position[1],
             (cell.z - shift.z + 0.5) - pose.position[2]};
@@ -73,9 +76,9 @@ struct BodyMask {
 /// The map of one block.
 struct BlockMap {
   lbm::CellBox box;
-  CellBits walls, solid, before;       // ghosts beyond walls; walls and bodies; the same a step ago
+  CellBits walls, solid, before;              // ghosts beyond walls; walls and bodies; the same a step ago
   std::vector<BodyMask> masks, masks_before;  // by (id, shift)
-  bool changed = false;                // in the last mapping
+  bool changed = false;                       // in the last mapping
 
   bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
 };

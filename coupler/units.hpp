@@ -1,6 +1,7 @@
 #pragma once
 // Conversion between the units of a case and lattice units, one line a quantity, both ways: x_lattice =
-// lattice(x_case, dimension), x_case = physical(x_lattice, dimension). In a lattice-unit case all scales are 1.
+// lattice(x_case, dimension), x_case = physical(x_lattice, dimension). In a lattice-unit case all scales
+// are 1.
 #include <cmath>
 
 namespace silt::coupler {

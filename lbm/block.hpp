@@ -20,7 +20,9 @@
 namespace silt::lbm {
 
 enum class Parity : std::uint8_t { settled = 0, crossed = 1 };
-inline Parity flipped(Parity p) { return p == Parity::settled ? Parity::crossed : Parity::settled; }
+inline Parity flipped(Parity p) {
+  return p == Parity::settled ? Parity::crossed : Parity::settled;
+}
 
 struct CellBox {  // cells lower <= x < lower + size
   Int3 lower, size;
@@ -44,7 +46,7 @@ class Block {
     while (plane_ % (4096 / int(sizeof(T))) == 0) plane_ += 5 * line;  // planes must not share cache sets
     lead_ = plane_ + row_ + line;                                      // so that cell (0,0,0) starts a line
     direction_ = lead_ + plane_ * (box.size.z + 1) + line;
-    const std::ptrdiff_t page = 4096 / sizeof(T), skew = 13 * line;    // 19 directions spread over the sets
+    const std::ptrdiff_t page = 4096 / sizeof(T), skew = 13 * line;  // 19 directions spread over the sets
     direction_ += (skew - direction_ % page + page) % page;
     const std::size_t bytes = (std::size_t(direction_) * directions * sizeof(T) + 63) / 64 * 64;
     memory_.reset(static_cast<T*>(std::aligned_alloc(64, bytes)));

@@ -1,7 +1,8 @@
 #pragma once
-// Collision with two relaxation times (Ginzburg et al. 2008): the even half of each pair of populations relaxes
-// with 1/tau, the odd half with 1/tau_odd, (tau - 1/2)(tau_odd - 1/2) = magic. BGK is the case tau_odd = tau.
-// nu = (tau - 1/2)/3. Body force after Guo, Zheng, Shi 2002, split into its even and odd part alike.
+// Collision with two relaxation times (Ginzburg et al. 2008): the even half of each pair of populations
+// relaxes with 1/tau, the odd half with 1/tau_odd, (tau - 1/2)(tau_odd - 1/2) = magic. BGK is the case
+// tau_odd = tau. nu = (tau - 1/2)/3. Body force after Guo, Zheng, Shi 2002, split into its even and odd part
+// alike.
 #include <array>
 #include <stdexcept>
 

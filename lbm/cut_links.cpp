@@ -7,8 +7,8 @@ namespace silt::lbm {
 
 namespace {
 template <class T>
-void apply_one(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run, const SurfaceMotion& motion,
-               ForceForm form, LinkSums& sums) {
+void apply_one(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
+               const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
   SILT_DISPATCH(apply_run, block, parity, links, run, motion, form, sums)
 }
 template <class T>
@@ -30,8 +30,8 @@ void apply_cut_links(Block<T>& block, Parity parity, const CutLinks<T>& links, c
 }
 
 template <class T>
-void correct_cut_links(Block<T>& block, Parity parity, const CutLinks<T>& links, const SurfaceMotion* increments,
-                       LinkSums* sums) {
+void correct_cut_links(Block<T>& block, Parity parity, const CutLinks<T>& links,
+                       const SurfaceMotion* increments, LinkSums* sums) {
   for (const auto& run : links.runs)
     correct_one(block, parity, links, run, increments[run.surface], sums[run.surface]);
 }
@@ -41,9 +41,10 @@ void sum_stiffness(const CutLinks<T>& links, StiffnessSums* sums) {
   for (const auto& run : links.runs) stiffness_one(links, run, sums[run.surface]);
 }
 
-#define SILT_INSTANTIATE(T)                                                                                       \
-  template void apply_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion*, ForceForm, LinkSums*); \
-  template void correct_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion*, LinkSums*);        \
+#define SILT_INSTANTIATE(T)                                                                                \
+  template void apply_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion*, ForceForm,    \
+                                LinkSums*);                                                                \
+  template void correct_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion*, LinkSums*); \
   template void sum_stiffness(const CutLinks<T>&, StiffnessSums*);
 SILT_INSTANTIATE(float)
 SILT_INSTANTIATE(double)

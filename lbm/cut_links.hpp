@@ -1,6 +1,6 @@
 #pragma once
-// Cut links: where a link from a fluid cell x along c_i meets a solid surface at a distance q c_i, q in (0, 1].
-// The dense kernel ignores them; this sparse pass then overwrites what the surface returns (NUMERICS: one
+// Cut links: where a link from a fluid cell x along c_i meets a solid surface at a distance q c_i, q in (0,
+// 1]. The dense kernel ignores them; this sparse pass then overwrites what the surface returns (NUMERICS: one
 // link owns the two slots it uses, so the order of links cannot matter).
 //
 // Runs after the halo exchange of the same pass: a link's solid cell, and the cell behind x, may be ghosts.
@@ -8,7 +8,8 @@
 // Schemes, both from one formula (Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation):
 //   f_opp(x, t+1) = f*_i(x) + kappa [ f*_i(x - c_i) - f*_opp(x) ] - k c_i.u_w,
 //   kappa = (1 - 2q)/(1 + 2q),  k = 12 w_i/(1 + 2q).
-// q = 1/2 gives bounce-back (equation 5 of Goetz et al. with rho_w = 1); it also stands where x - c_i is not fluid.
+// q = 1/2 gives bounce-back (equation 5 of Goetz et al. with rho_w = 1); it also stands where x - c_i is not
+// fluid.
 #include <cstdint>
 #include <vector>
 
@@ -33,15 +34,16 @@ struct CutLinks {
   void clear() { runs.clear(), cell.clear(), q.clear(), rx.clear(), ry.clear(), rz.clear(); }
 };
 
-/// Rigid motion of a surface: velocity of its reference point, angular velocity. Cells a step, radians a step.
+/// Rigid motion of a surface: velocity of its reference point, angular velocity. Cells a step, radians a
+/// step.
 struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
 };
 
-/// Fixed point: sums that do not depend on the order or the partition of links. Each term is rounded once to a whole
-/// number of quanta: force and torque 2^-44 (a term below 2^6 in magnitude, a sum below 2^19), stiffness 2^-30 (2^20, 2^33),
-/// mass 2^-40 (2^10, 2^23); lattice units. A term out of range, or not a number, sets `invalid`. Sums wrap on the way
-/// without harm: only the result must be in range.
+/// Fixed point: sums that do not depend on the order or the partition of links. Each term is rounded once to
+/// a whole number of quanta: force and torque 2^-44 (a term below 2^6 in magnitude, a sum below 2^19),
+/// stiffness 2^-30 (2^20, 2^33), mass 2^-40 (2^10, 2^23); lattice units. A term out of range, or not a
+/// number, sets `invalid`. Sums wrap on the way without harm: only the result must be in range.
 inline constexpr double link_quantum = 0x1p-44, stiffness_quantum = 0x1p-30, mass_quantum = 0x1p-40;
 
 /// Momentum exchange (equation 6 of Goetz et al.) with deviations, on one surface in one step.
@@ -64,11 +66,13 @@ enum class ForceForm : std::uint8_t { galilean, exact };
 /// Writes what every surface returns, and adds force, torque and mass to sums[run.surface]. `parity` is the
 /// block's parity after the pass.
 template <class T>
-void apply_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion* motions, ForceForm, LinkSums* sums);
+void apply_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion* motions, ForceForm,
+                     LinkSums* sums);
 
 /// Changes what was returned as if the surfaces had moved faster by `increments`; adds the mass only.
 template <class T>
-void correct_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion* increments, LinkSums* sums);
+void correct_cut_links(Block<T>&, Parity, const CutLinks<T>&, const SurfaceMotion* increments,
+                       LinkSums* sums);
 
 /// Adds the links' share to sums[run.surface]; depends on geometry only.
 template <class T>

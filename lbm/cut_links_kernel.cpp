@@ -11,7 +11,8 @@ namespace {
 
 inline constexpr int chunk = 64;
 
-/// Adds terms rounded to whole quanta: x / quantum + 3 * 2^51 has the rounded integer in its low mantissa bits.
+/// Adds terms rounded to whole quanta: x / quantum + 3 * 2^51 has the rounded integer in its low mantissa
+/// bits.
 struct FixedAdder {
   std::int64_t sum = 0;
   std::int64_t bad = 0;
@@ -66,10 +67,10 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
   const Motion<T> u(motion);
   const T cv = g.c[0] * u.v[0] + g.c[1] * u.v[1] + g.c[2] * u.v[2];
   T* const p = block.data();
-  const T* const out = p + block.leaving(i, parity);         // f*_i(x)
-  const T* const behind = p + block.arriving(i, parity);     // f*_i(x - c_i)
-  const T* const against = p + block.leaving(j, parity);     // f*_opp(x)
-  T* const back = p + block.arriving(j, parity);             // f_opp(x, t+1)
+  const T* const out = p + block.leaving(i, parity);      // f*_i(x)
+  const T* const behind = p + block.arriving(i, parity);  // f*_i(x - c_i)
+  const T* const against = p + block.leaving(j, parity);  // f*_opp(x)
+  T* const back = p + block.arriving(j, parity);          // f_opp(x, t+1)
   FixedAdder force[3], torque[3], mass;
 
   for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
@@ -179,10 +180,11 @@ void stiffness_run(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& 
   if (bad) sums.invalid = true;
 }
 
-#define SILT_INSTANTIATE(T)                                                                                    \
-  template void apply_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&, ForceForm, \
-                          LinkSums&);                                                                          \
-  template void correct_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&, LinkSums&); \
+#define SILT_INSTANTIATE(T)                                                                              \
+  template void apply_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&,   \
+                          ForceForm, LinkSums&);                                                         \
+  template void correct_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&, \
+                            LinkSums&);                                                                  \
   template void stiffness_run(const CutLinks<T>&, const LinkRun&, StiffnessSums&);
 SILT_INSTANTIATE(float)
 SILT_INSTANTIATE(double)

@@ -9,8 +9,9 @@ namespace silt::lbm {
 
 namespace {
 
-/// Blocks along each axis for one block a rank: the smallest surface between blocks, where a cut across x (short
-/// rows are slow) counts double. Falls back to more blocks than ranks never; to fewer cells never below 2.
+/// Blocks along each axis for one block a rank: the smallest surface between blocks, where a cut across x
+/// (short rows are slow) counts double. Falls back to more blocks than ranks never; to fewer cells never
+/// below 2.
 Int3 blocks_per_axis(Int3 cells, int ranks) {
   Int3 best{};
   double best_surface = 0;
@@ -19,13 +20,15 @@ Int3 blocks_per_axis(Int3 cells, int ranks) {
       if (ranks % (nx * ny)) continue;
       const int nz = ranks / (nx * ny);
       if (cells.x < 2 * nx || cells.y < 2 * ny || cells.z < 2 * nz) continue;
-      const double surface = 2.0 * (nx - 1) * cells.y * cells.z + 1.01 * (ny - 1) * double(cells.x) * cells.z +
+      const double surface = 2.0 * (nx - 1) * cells.y * cells.z +
+                             1.01 * (ny - 1) * double(cells.x) * cells.z +
                              1.0 * (nz - 1) * double(cells.x) * cells.y;
       if (best.x == 0 || surface < best_surface) best = {nx, ny, nz}, best_surface = surface;
     }
   if (best.x == 0)
-    throw std::invalid_argument("the domain of " + std::to_string(cells.x) + " x " + std::to_string(cells.y) + " x " +
-                                std::to_string(cells.z) + " cells cannot be cut into " + std::to_string(ranks) +
+    throw std::invalid_argument("the domain of " + std::to_string(cells.x) + " x " + std::to_string(cells.y) +
+                                " x " + std::to_string(cells.z) + " cells cannot be cut into " +
+                                std::to_string(ranks) +
                                 " blocks of at least 2 cells an edge; use fewer ranks");
   return best;
 }
@@ -38,12 +41,14 @@ std::vector<int> even_cuts(int cells, int parts) {
 
 }  // namespace
 
-Domain::Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells, int ranks)
+Domain::Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells,
+               int ranks)
     : cells_(cells), sides_(sides) {
   const Int3 parts = block_cells ? Int3{} : blocks_per_axis(cells, ranks);
   for (int d = 0; d < 3; ++d)
-    cuts_[d] = even_cuts(cells[d], block_cells ? std::max(1, (cells[d] + (*block_cells)[d] - 1) / (*block_cells)[d])
-                                               : parts[d]);
+    cuts_[d] =
+        even_cuts(cells[d], block_cells ? std::max(1, (cells[d] + (*block_cells)[d] - 1) / (*block_cells)[d])
+                                        : parts[d]);
   for (std::size_t k = 0; k + 1 < cuts_[2].size(); ++k)
     for (std::size_t j = 0; j + 1 < cuts_[1].size(); ++j)
       for (std::size_t i = 0; i + 1 < cuts_[0].size(); ++i) {
@@ -53,8 +58,9 @@ Domain::Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optio
       }
   const int count = int(blocks_.size());
   if (count < ranks)
-    throw std::invalid_argument("the domain is cut into " + std::to_string(count) + " blocks, fewer than the " +
-                                std::to_string(ranks) + " ranks; make domain.blocks smaller or use fewer ranks");
+    throw std::invalid_argument("the domain is cut into " + std::to_string(count) +
+                                " blocks, fewer than the " + std::to_string(ranks) +
+                                " ranks; make domain.blocks smaller or use fewer ranks");
   // Contiguous runs of equal cell counts, at least one block a rank.
   std::int64_t total = 0, before = 0;
   for (const auto& b : blocks_) total += b.box.cells();
@@ -91,7 +97,9 @@ Int3 Domain::wrapped(Int3 x) const {
   return x;
 }
 
-bool Domain::inside(Int3 x) const { return CellBox{{}, cells_}.contains(x); }
+bool Domain::inside(Int3 x) const {
+  return CellBox{{}, cells_}.contains(x);
+}
 
 std::vector<int> Domain::neighbourhood(int b) const {
   const CellBox& box = blocks_[b].box;
@@ -102,7 +110,9 @@ std::vector<int> Domain::neighbourhood(int b) const {
         Int3 cell;
         const Int3 delta{dx, dy, dz};
         for (int d = 0; d < 3; ++d)
-          cell[d] = delta[d] < 0 ? box.lower[d] - 1 : delta[d] > 0 ? box.lower[d] + box.size[d] : box.lower[d];
+          cell[d] = delta[d] < 0   ? box.lower[d] - 1
+                    : delta[d] > 0 ? box.lower[d] + box.size[d]
+                                   : box.lower[d];
         cell = wrapped(cell);
         if (inside(cell)) found.insert(block_at(cell));
       }

@@ -24,8 +24,8 @@ struct BlockPlace {
 
 class Domain {
  public:
-  /// Sides in the order x low, x high, y low, ... Blocks: cells of a block along each axis (the last one of an
-  /// axis takes the rest), or none: chosen for the number of ranks. Blocks are dealt out to ranks in
+  /// Sides in the order x low, x high, y low, ... Blocks: cells of a block along each axis (the last one of
+  /// an axis takes the rest), or none: chosen for the number of ranks. Blocks are dealt out to ranks in
   /// contiguous runs, x fastest. Throws std::invalid_argument for fewer blocks than ranks.
   Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells, int ranks);
 

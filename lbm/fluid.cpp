@@ -20,7 +20,11 @@ double equilibrium(int i, double rho, const double j[3]) {
 
 template <class T>
 Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
-    : domain_(domain), spec_(spec), rates_(spec), comm_(comm), blocks_(local_blocks<T>(domain, comm)),
+    : domain_(domain),
+      spec_(spec),
+      rates_(spec),
+      comm_(comm),
+      blocks_(local_blocks<T>(domain, comm)),
       halo_(domain_, comm, blocks_, spec.force) {}
 
 template <class T>

@@ -1,6 +1,6 @@
 #pragma once
-// The fluid as its user holds it: the local blocks, one pass of collision and streaming, and density, velocity
-// and momentum flux where they are asked for (never computed otherwise).
+// The fluid as its user holds it: the local blocks, one pass of collision and streaming, and density,
+// velocity and momentum flux where they are asked for (never computed otherwise).
 #include <mpi.h>
 
 #include <vector>
@@ -47,7 +47,8 @@ class Fluid {
   Moments moments(int b, Int3 local_cell) const;
   /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
   std::array<double, 3> velocity(const Moments&) const;
-  void set_equilibrium(int b, Int3 local_cell, double density_deviation, const std::array<double, 3>& velocity);
+  void set_equilibrium(int b, Int3 local_cell, double density_deviation,
+                       const std::array<double, 3>& velocity);
   std::size_t bytes() const;
 
  private:

@@ -13,7 +13,7 @@ enum class HomeKind { slot, bounce, outlet };
 
 struct Home {
   HomeKind kind;
-  Int3 cell;      // global
+  Int3 cell;  // global
   int direction;
   int axis = -1;  // of the wall, for bounce and outlet
   bool upper = false;
@@ -27,8 +27,11 @@ Home home_of(const Domain& domain, Int3 g, int j) {
     if (domain.periodic(d) || (cell[d] >= 0 && cell[d] < domain.cells()[d])) continue;
     const bool upper = cell[d] >= domain.cells()[d];
     switch (domain.side(d, upper).kind) {
-      case SideKind::bounce: return {HomeKind::bounce, g - c[j], opposite(j), d, upper};
-      case SideKind::pressure: pressure = {HomeKind::outlet, g - c[j], opposite(j), d, upper}; break;
+      case SideKind::bounce:
+        return {HomeKind::bounce, g - c[j], opposite(j), d, upper};
+      case SideKind::pressure:
+        pressure = {HomeKind::outlet, g - c[j], opposite(j), d, upper};
+        break;
       default:  // free slip: the mirror image of cell and direction
         cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
         direction[d] = -direction[d];
@@ -117,8 +120,7 @@ struct Halo<T>::Builder {
     for (int b = 0; b < int(local.size()); ++b)
       if (local[b] >= 0)
         for (int n : domain.neighbourhood(b)) around.insert(n);
-    for (int b : around)
-      for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
+    for (int b : around) for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
     for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
     for (auto& [key, x] : outlets) halo.outlets_.push_back(std::move(x));
@@ -131,7 +133,8 @@ struct Halo<T>::Builder {
 };
 
 template <class T>
-Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks, const std::array<double, 3>& force)
+Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
+              const std::array<double, 3>& force)
     : comm_(comm), force_(force) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);

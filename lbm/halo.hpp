@@ -1,7 +1,7 @@
 #pragma once
-// The ghost layer. A population that crosses out of a block along c_j has its slot (g, j) in a ghost cell g; its
-// home is a slot of another block, of the same block through a periodic image, or, at a wall, the slot into
-// which the wall turns it. One map from ghost slots to home slots therefore carries neighbours, periodic
+// The ghost layer. A population that crosses out of a block along c_j has its slot (g, j) in a ghost cell g;
+// its home is a slot of another block, of the same block through a periodic image, or, at a wall, the slot
+// into which the wall turns it. One map from ghost slots to home slots therefore carries neighbours, periodic
 // images and walls:
 //     after an even pass (crossed parity) ghost slots are filled from their homes,
 //     after an odd pass (settled parity) they are returned to them.

@@ -11,9 +11,12 @@ Isa chosen_isa();
 }  // namespace silt::lbm
 
 /// Calls silt::lbm::<isa>::function(...) of the chosen build.
-#define SILT_DISPATCH(function, ...)                                              \
-  switch (chosen_isa()) {                                                         \
-    case Isa::avx512: return avx512::function(__VA_ARGS__);                       \
-    case Isa::avx2: return avx2::function(__VA_ARGS__);                           \
-    default: return portable::function(__VA_ARGS__);                              \
+#define SILT_DISPATCH(function, ...)          \
+  switch (chosen_isa()) {                     \
+    case Isa::avx512:                         \
+      return avx512::function(__VA_ARGS__);   \
+    case Isa::avx2:                           \
+      return avx2::function(__VA_ARGS__);     \
+    default:                                  \
+      return portable::function(__VA_ARGS__); \
   }

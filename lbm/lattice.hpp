@@ -16,18 +16,33 @@ struct Int3 {
 
 inline constexpr int directions = 19, pairs = 9;
 inline constexpr std::array<Int3, directions> c = {{{0, 0, 0},
-                                                    {1, 0, 0}, {-1, 0, 0},
-                                                    {0, 1, 0}, {0, -1, 0},
-                                                    {0, 0, 1}, {0, 0, -1},
-                                                    {1, 1, 0}, {-1, -1, 0},
-                                                    {1, -1, 0}, {-1, 1, 0},
-                                                    {1, 0, 1}, {-1, 0, -1},
-                                                    {1, 0, -1}, {-1, 0, 1},
-                                                    {0, 1, 1}, {0, -1, -1},
-                                                    {0, 1, -1}, {0, -1, 1}}};
-inline constexpr int opposite(int i) { return i == 0 ? 0 : ((i - 1) ^ 1) + 1; }
-inline constexpr int norm2(int i) { return c[i].x * c[i].x + c[i].y * c[i].y + c[i].z * c[i].z; }
-inline constexpr double w(int i) { return i == 0 ? 1.0 / 3 : norm2(i) == 1 ? 1.0 / 18 : 1.0 / 36; }
+                                                    {1, 0, 0},
+                                                    {-1, 0, 0},
+                                                    {0, 1, 0},
+                                                    {0, -1, 0},
+                                                    {0, 0, 1},
+                                                    {0, 0, -1},
+                                                    {1, 1, 0},
+                                                    {-1, -1, 0},
+                                                    {1, -1, 0},
+                                                    {-1, 1, 0},
+                                                    {1, 0, 1},
+                                                    {-1, 0, -1},
+                                                    {1, 0, -1},
+                                                    {-1, 0, 1},
+                                                    {0, 1, 1},
+                                                    {0, -1, -1},
+                                                    {0, 1, -1},
+                                                    {0, -1, 1}}};
+inline constexpr int opposite(int i) {
+  return i == 0 ? 0 : ((i - 1) ^ 1) + 1;
+}
+inline constexpr int norm2(int i) {
+  return c[i].x * c[i].x + c[i].y * c[i].y + c[i].z * c[i].z;
+}
+inline constexpr double w(int i) {
+  return i == 0 ? 1.0 / 3 : norm2(i) == 1 ? 1.0 / 18 : 1.0 / 36;
+}
 
 inline constexpr int direction_of(Int3 v) {
   for (int i = 0; i < directions; ++i)

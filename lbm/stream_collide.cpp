@@ -14,9 +14,12 @@ template void stream_collide(Block<double>&, Parity, const CollisionRates<double
 
 const char* instruction_set() {
   switch (chosen_isa()) {
-    case Isa::avx512: return "avx512";
-    case Isa::avx2: return "avx2";
-    default: return "portable";
+    case Isa::avx512:
+      return "avx512";
+    case Isa::avx2:
+      return "avx2";
+    default:
+      return "portable";
   }
 }
 

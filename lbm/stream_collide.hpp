@@ -15,7 +15,8 @@ struct RowRange {
 template <class T>
 void stream_collide(Block<T>&, Parity parity, const CollisionRates<T>&, RowRange);
 
-/// "avx512", "avx2" or "portable": what this machine runs (SILT_ISA in the environment can choose a lesser one).
+/// "avx512", "avx2" or "portable": what this machine runs (SILT_ISA in the environment can choose a lesser
+/// one).
 const char* instruction_set();
 
 }  // namespace silt::lbm

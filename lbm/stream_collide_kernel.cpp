@@ -1,7 +1,7 @@
 // Built once an instruction set (SILT_ISA names the namespace). Bytes a cell and step: 19 reads, 19 writes.
 //
-// The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i goes
-// to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
+// The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
+// goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
 // serves the even and the odd step.
 #include "lbm/kernels.hpp"
 

@@ -2,8 +2,8 @@
 // The bodies a rank holds, as a structure of arrays. Rows, in this order:
 //   [0, owned)             bodies whose centre of mass lies in this rank's blocks, sorted by id
 //   [owned, owned+copies)  remote copies of bodies that reach into this rank's blocks, sorted by id
-//   then                   visitors: partners of owned bodies in a contact, here for the rest of one step only
-//   last                   walls (global: on every rank, never sent)
+//   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
+//   only last                   walls (global: on every rank, never sent)
 // A copy equals its owner's state to the bit. On one rank there are only owned bodies and walls.
 #include <cstdint>
 #include <unordered_map>
@@ -21,10 +21,11 @@ enum class Motion : std::uint8_t {
   prescribed,  // moves with its constant velocity and angular velocity, infinite mass
 };
 
-/// The impulse of one contact in the previous step (world frame, acting on the pair's body b): the warm start.
+/// The impulse of one contact in the previous step (world frame, acting on the pair's body b): the warm
+/// start.
 struct StoredImpulse {
-  BodyId partner;         // the other body
-  Image image;            // of b relative to a, as in Contact
+  BodyId partner;  // the other body
+  Image image;     // of b relative to a, as in Contact
   std::uint64_t feature;
   Vec3 impulse;
 };
@@ -61,7 +62,7 @@ struct BodySet {
   std::vector<Vec3> angular_momentum;  // W, about the centre of mass
   // how heavy
   std::vector<double> mass;
-  std::vector<double> weight_factor;   // 1 - displaced mass / mass: what gravity acts on
+  std::vector<double> weight_factor;  // 1 - displaced mass / mass: what gravity acts on
   std::vector<Mat3> inertia_B;
   // what acts on it this step, besides gravity; any holder may add
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass

@@ -22,8 +22,8 @@ class CollisionBackend {
   virtual std::string_view name() const = 0;
   virtual bool supports(const ConvexShape& a, const ConvexShape& b) const = 0;
   /// Appends every contact point with gap <= tolerance (lattice units) between a and b. Poses are relative to
-  /// the first *body* (small numbers). A pure function of its arguments: no state is kept from query to query.
-  /// A flat face on a flat face or plane gives at least the corners of the common patch (4 for boxes).
+  /// the first *body* (small numbers). A pure function of its arguments: no state is kept from query to
+  /// query. A flat face on a flat face or plane gives at least the corners of the common patch (4 for boxes).
   /// b may be a half-space; a never is. Points are ordered by feature, which is unique within the call.
   virtual void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
                        double tolerance, std::vector<ContactPoint>& out) = 0;

@@ -11,10 +11,10 @@ namespace silt::rigid {
 
 /// One point of a contact between two convex shapes, in the frame the query was made in.
 struct ContactPoint {
-  Vec3 on_a, on_b;       // surface points: on_b - on_a = gap * normal
-  Vec3 normal;           // unit, from a to b
-  double gap;            // < 0: overlap
-  std::uint32_t feature; // stable from step to step for the same pair of features (vertex, edge, face)
+  Vec3 on_a, on_b;        // surface points: on_b - on_a = gap * normal
+  Vec3 normal;            // unit, from a to b
+  double gap;             // < 0: overlap
+  std::uint32_t feature;  // stable from step to step for the same pair of features (vertex, edge, face)
 };
 
 /// Which periodic image of body b is meant: -1, 0, 1 an axis.
@@ -29,8 +29,8 @@ struct Contact {
   std::uint64_t feature;  // part of a, part of b, feature of the parts
   Vec3 normal;            // unit, from a to b
   double gap;
-  Vec3 r_a, r_b;          // the common contact point (midway between the surfaces; at a wall: the
-                          // point on a) from each centre of mass
+  Vec3 r_a, r_b;  // the common contact point (midway between the surfaces; at a wall: the
+                  // point on a) from each centre of mass
   double restitution, friction;
 
   auto pair() const { return std::tuple(a, b, image); }

@@ -17,16 +17,16 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
-  bool half_force = true;          // ffd only: a body in contact misses its second half kick, as in the paper
+  bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
 
 struct ResolverStatistics {
-  std::uint64_t contacts = 0;      // of owned bodies, each counted at the owner of its lower id
+  std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
   int sweeps = 0;
-  double residual = 0;             // largest relative impulse change of the last sweep
-  double penetration = 0;          // deepest overlap met, lattice units
-  double cone_excess = 0;          // largest |p_t| - mu p_n, relative to p_n
-  std::uint64_t infeasible = 0;    // ffd: bodies stopped because no feasible velocity was found
+  double residual = 0;           // largest relative impulse change of the last sweep
+  double penetration = 0;        // deepest overlap met, lattice units
+  double cone_excess = 0;        // largest |p_t| - mu p_n, relative to p_n
+  std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found
 };
 
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet.

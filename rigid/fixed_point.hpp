@@ -1,6 +1,6 @@
 #pragma once
-// Sums that do not depend on their order: each term is rounded once to a whole number of quanta and added as an
-// integer. Used for whatever is summed over ranks or in a varying order.
+// Sums that do not depend on their order: each term is rounded once to a whole number of quanta and added as
+// an integer. Used for whatever is summed over ranks or in a varying order.
 #include <array>
 #include <cstdint>
 

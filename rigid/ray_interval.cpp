@@ -51,7 +51,8 @@ struct LineInside {
     if (!(a > 0)) return rho <= c.radius ? along_axis(c, rho) : Interval{};
     const Interval barrel = roots(a, o[0] * d[0] + o[1] * d[1], (rho - c.radius) * (rho + c.radius));
     if (!barrel) return {};
-    // Where the line crosses the endless barrel beyond the segment, it enters or leaves through that end's cap or not at all.
+    // Where the line crosses the endless barrel beyond the segment, it enters or leaves through that end's
+    // cap or not at all.
     const auto end = [&](double t, bool entering) -> std::optional<double> {
       const double z = o[2] + t * d[2];
       if (std::abs(z) <= c.half_length) return t;

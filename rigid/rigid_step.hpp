@@ -15,7 +15,7 @@ struct StageClock {  // seconds of the last step, by the paper's parts of the ph
 
 struct RigidStepReport {
   ResolverStatistics resolver;
-  std::uint64_t pairs = 0;  // candidate pairs of the broad phase
+  std::uint64_t pairs = 0;                 // candidate pairs of the broad phase
   std::uint64_t mixed_owner_contacts = 0;  // between bodies that different ranks own (parallel only)
   StageClock seconds;
 };

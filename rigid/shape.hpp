@@ -53,8 +53,8 @@ std::string_view shape_name(const Shape&);  // "sphere", "box", "capsule", "half
 
 /// x_B inside or on the surface.
 bool contains(const Shape&, const Vec3& x_B);
-/// Distance to the surface, negative inside. For a compound: the minimum over its parts (exact outside; a lower
-/// bound in magnitude inside overlapping parts).
+/// Distance to the surface, negative inside. For a compound: the minimum over its parts (exact outside; a
+/// lower bound in magnitude inside overlapping parts).
 double signed_distance(const Shape&, const Vec3& x_B);
 /// Smallest t in [0, t_max] with origin + t direction on the surface, for an origin outside; t_max where
 /// there is none. Exact (closed form) for every convex shape here. direction need not be a unit vector.

@@ -29,6 +29,8 @@ using BodyId = std::uint64_t;
 /// Ids from here on are the half-spaces of the domain's walls: first_wall_id + 2 * axis + (upper side).
 /// They are above every body's id, so that a wall is always the second of a pair.
 inline constexpr BodyId first_wall_id = BodyId{1} << 63;
-inline bool is_wall(BodyId id) { return id >= first_wall_id; }
+inline bool is_wall(BodyId id) {
+  return id >= first_wall_id;
+}
 
 }  // namespace silt::rigid

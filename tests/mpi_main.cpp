@@ -1,4 +1,5 @@
-// The entry of every test program: MPI around GoogleTest; only rank 0 prints, a failure on any rank fails all.
+// The entry of every test program: MPI around GoogleTest; only rank 0 prints, a failure on any rank fails
+// all.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
@@ -10,7 +11,8 @@ int main(int argc, char** argv) {
   auto& listeners = testing::UnitTest::GetInstance()->listeners();
   class Reporter : public testing::EmptyTestEventListener {
     void OnTestPartResult(const testing::TestPartResult& r) override {
-      if (r.failed()) fprintf(stderr, "%s:%d: %s\n", r.file_name() ? r.file_name() : "?", r.line_number(), r.summary());
+      if (r.failed())
+        fprintf(stderr, "%s:%d: %s\n", r.file_name() ? r.file_name() : "?", r.line_number(), r.summary());
     }
   };
   if (rank != 0) {

@@ -7,8 +7,8 @@
 
 namespace silt::coupler {
 
-/// A small box stirred by gravity and given velocities: spheres, stars and boxes that touch each other and the walls,
-/// cross the borders of blocks and the periodic sides, cover and uncover cells.
+/// A small box stirred by gravity and given velocities: spheres, stars and boxes that touch each other and
+/// the walls, cross the borders of blocks and the periodic sides, cover and uncover cells.
 inline Case crowd(const std::vector<std::string>& overrides = {}) {
   return read_case_text(R"(
 title = "crowd"
@@ -58,7 +58,8 @@ count = 4
 seed = 3
 [run]
 steps = 600
-)", "crowd", overrides);
+)",
+                        "crowd", overrides);
 }
 
 /// Spheres in a periodic box, flying through each other's wakes: nothing outside that could take momentum.
@@ -101,10 +102,12 @@ position = [11.4, 17.3, 16.2]
 velocity = [0.01, -0.02, -0.01]
 [run]
 steps = 1000
-)", "free", overrides);
+)",
+                        "free", overrides);
 }
 
-/// One fixed sphere in a periodic cube, driven by a body force: the simple cubic array, phi = 0.064, D = 7.94.
+/// One fixed sphere in a periodic cube, driven by a body force: the simple cubic array, phi = 0.064, D
+/// = 7.94.
 inline Case sphere_array(const std::vector<std::string>& overrides = {}) {
   return read_case_text(R"(
 title = "array"
@@ -128,7 +131,8 @@ motion = "fixed"
 position = [8, 8, 8]
 [run]
 steps = 2500
-)", "array", overrides);
+)",
+                        "array", overrides);
 }
 
 /// F / (6 pi mu a U), F: wall force + body force on the sphere's volume, U: mean over the whole cube.

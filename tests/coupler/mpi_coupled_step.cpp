@@ -71,10 +71,12 @@ TEST(CoupledStep, SameBitsOnAnyNumberOfRanksAndBlocks) {
     const CrowdResult r = run_crowd({blocks}, MPI_COMM_WORLD);
     EXPECT_EQ(r.hash, reference_hash()) << blocks;
     if (rank_of_world() == 0)
-      printf("%s on %d ranks: %llu migrations, %llu contacts, %llu between owners, %llu uncovered, hash %016llx\n",
-             blocks, ranks_of_world(), (unsigned long long)r.counters.migrations,
-             (unsigned long long)r.counters.contacts, (unsigned long long)r.counters.mixed_owner_contacts,
-             (unsigned long long)r.counters.uncovered, (unsigned long long)r.hash);
+      printf(
+          "%s on %d ranks: %llu migrations, %llu contacts, %llu between owners, %llu uncovered, hash "
+          "%016llx\n",
+          blocks, ranks_of_world(), (unsigned long long)r.counters.migrations,
+          (unsigned long long)r.counters.contacts, (unsigned long long)r.counters.mixed_owner_contacts,
+          (unsigned long long)r.counters.uncovered, (unsigned long long)r.hash);
     EXPECT_GT(r.counters.uncovered, 0u);
     EXPECT_GT(r.counters.contacts, 0u);
     if (ranks_of_world() > 1) {
@@ -128,13 +130,15 @@ TEST(CoupledStep, SolidCellsAreNeverRead) {
               for (int i = 0; i < lbm::directions; ++i) {
                 // only slots that no fluid cell's link uses: from solid to solid
                 const lbm::Int3 from = lbm::Int3{x, y, z} - lbm::c[i];
-                if (from.x < 0 || from.y < 0 || from.z < 0 || from.x >= n.x || from.y >= n.y || from.z >= n.z) continue;
+                if (from.x < 0 || from.y < 0 || from.z < 0 || from.x >= n.x || from.y >= n.y || from.z >= n.z)
+                  continue;
                 if (!flow.is_fluid(b, from)) flow.set_arriving(b, {x, y, z}, i, std::nan(""));
               }
     }
   };
   const auto fixed = [&](bool poisoned) {
-    Simulation s(sphere_array({"run.steps=20", "bodies[0].position=[8.2,7.9,8.4]", "domain.blocks=[16,8,4]"}), MPI_COMM_WORLD);
+    Simulation s(sphere_array({"run.steps=20", "bodies[0].position=[8.2,7.9,8.4]", "domain.blocks=[16,8,4]"}),
+                 MPI_COMM_WORLD);
     if (poisoned) poison(s);
     for (int t = 0; t < 20; ++t) s.step();
     return s.hash();
@@ -146,7 +150,8 @@ double momentum_drift(const std::vector<std::string>& overrides, int steps) {
   Simulation s(free_spheres(overrides), MPI_COMM_WORLD);
   const Balance before = s.balance();
   double scale = 0;  // sum of |m v| of the bodies at the start
-  for (std::size_t row = 0; row < s.bodies().owned; ++row) scale += s.bodies().mass[row] * s.bodies().velocity[row].norm();
+  for (std::size_t row = 0; row < s.bodies().owned; ++row)
+    scale += s.bodies().mass[row] * s.bodies().velocity[row].norm();
   scale = sum_over_ranks(scale);
   while (s.steps_done() < steps) s.step();
   EXPECT_GT(s.counters().uncovered, 0u);
@@ -157,7 +162,8 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
   for (const char* time : {"coupling.time=implicit", "coupling.time=explicit"}) {
     const double in_double = momentum_drift({time}, 1000);
     const double in_single = momentum_drift({time, "fluid.precision=single"}, 1000);
-    if (rank_of_world() == 0) printf("%s: exact form, drift %.2g in double, %.2g in single\n", time, in_double, in_single);
+    if (rank_of_world() == 0)
+      printf("%s: exact form, drift %.2g in double, %.2g in single\n", time, in_double, in_single);
     EXPECT_LT(in_double, 1e-11) << time;
     EXPECT_LT(in_single, 1e-5) << time;
   }
@@ -165,7 +171,8 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
 
 TEST(CoupledStep, DefaultFormDriftIsSmallButNotZero) {
   const double drift = momentum_drift({"coupling.force=galilean"}, 1000);
-  if (rank_of_world() == 0) printf("galilean form: drift %.3g of the bodies' momentum in 1000 steps\n", drift);
+  if (rank_of_world() == 0)
+    printf("galilean form: drift %.3g of the bodies' momentum in 1000 steps\n", drift);
   EXPECT_LT(drift, 0.05);
   EXPECT_GT(drift, 1e-9);  // else the two forms would be the same code
 }
@@ -175,23 +182,27 @@ TEST(CoupledStep, DragOfACubicArray) {
   const char* const positions[] = {"[8.13,8.31,7.87]", "[8.31,8.13,8.47]", "[8.2,8.4,8.1]",
                                    "[8.05,8.15,8.35]", "[8.42,7.71,8.27]", "[7.64,8.44,7.93]"};
   double sum = 0;
-  for (const char* p : positions) sum += drag_coefficient(sphere_array({std::string("bodies[0].position=") + p}), MPI_COMM_WORLD);
+  for (const char* p : positions)
+    sum += drag_coefficient(sphere_array({std::string("bodies[0].position=") + p}), MPI_COMM_WORLD);
   const double error = sum / std::size(positions) / 2.810198 - 1;
-  if (rank_of_world() == 0) printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
+  if (rank_of_world() == 0)
+    printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
   EXPECT_LT(std::fabs(error), 0.01);
 }
 
 TEST(CoupledStep, DragDoesNotDependOnViscosity) {
   const auto k = [](const char* tau, const char* steps) {
-    return drag_coefficient(sphere_array({tau, steps, "bodies[0].position=[8.13,8.31,7.87]"}), MPI_COMM_WORLD);
+    return drag_coefficient(sphere_array({tau, steps, "bodies[0].position=[8.13,8.31,7.87]"}),
+                            MPI_COMM_WORLD);
   };
   const double one = k("fluid.relaxation_time=1.0", "run.steps=2500");
   EXPECT_NEAR(k("fluid.relaxation_time=0.6", "run.steps=12000") / one, 1, 1e-4);
   EXPECT_NEAR(k("fluid.relaxation_time=1.5", "run.steps=1500") / one, 1, 1e-4);
 }
 
-// Half as dense as the fluid, at a relaxation time where explicit coupling is unstable: it rises and settles into a
-// steady speed, a little below that of unbounded fluid (Schiller and Naumann; the walls are two diameters away).
+// Half as dense as the fluid, at a relaxation time where explicit coupling is unstable: it rises and settles
+// into a steady speed, a little below that of unbounded fluid (Schiller and Naumann; the walls are two
+// diameters away).
 TEST(CoupledStep, LightSphereRisesSteadily) {
   const Case light = read_case_text(R"(
 title = "light"
@@ -214,7 +225,8 @@ density = 0.5
 position = [16.3, 15.8, 12.2]
 [run]
 steps = 3000
-)", "light");
+)",
+                                    "light");
   Simulation s(light, MPI_COMM_WORLD);
   double speed[2] = {};
   for (int half = 0; half < 2; ++half) {
@@ -224,13 +236,15 @@ steps = 3000
     speed[half] = sum_over_ranks(v);
   }
   const double unbounded = terminal_velocity(8, 0.5, 4e-4, 0.1 / 3);
-  if (rank_of_world() == 0) printf("light sphere: %.5f, unbounded fluid %.5f\n", speed[1], std::fabs(unbounded));
+  if (rank_of_world() == 0)
+    printf("light sphere: %.5f, unbounded fluid %.5f\n", speed[1], std::fabs(unbounded));
   EXPECT_NEAR(speed[1] / speed[0], 1, 0.05);
   EXPECT_LT(speed[1], std::fabs(unbounded));
   EXPECT_GT(speed[1], 0.7 * std::fabs(unbounded));
 }
 
-// The paper's Figure 4: exactly the cells whose centres are inside are solid, after many coverings and uncoverings.
+// The paper's Figure 4: exactly the cells whose centres are inside are solid, after many coverings and
+// uncoverings.
 TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
   Simulation s(crowd({"domain.blocks=[12,10,7]"}), MPI_COMM_WORLD);
   stir(s);
@@ -248,9 +262,11 @@ TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
             bool inside = false;
             for (std::size_t row = 0; row < bodies.first_wall() && !inside; ++row) {
               const rigid::Pose& pose = bodies.mapping_pose[row];
-              Vec3 r = Vec3(box.lower.x + x + 0.5, box.lower.y + y + 0.5, box.lower.z + z + 0.5) - pose.position;
+              Vec3 r =
+                  Vec3(box.lower.x + x + 0.5, box.lower.y + y + 0.5, box.lower.z + z + 0.5) - pose.position;
               for (int d = 0; d < 2; ++d) r[d] -= cells[d] * std::round(r[d] / cells[d]);
-              inside = rigid::contains(s.scene().world.shapes[bodies.shape[row]], pose.orientation.conjugate() * r);
+              inside = rigid::contains(s.scene().world.shapes[bodies.shape[row]],
+                                       pose.orientation.conjugate() * r);
             }
             ASSERT_EQ(inside, !flow.is_fluid(b, {x, y, z})) << x << " " << y << " " << z;
           }

@@ -15,7 +15,9 @@ int ranks() {
   return n;
 }
 
-SideCondition side(SideKind kind, std::array<double, 3> v = {}, double rho = 0) { return {kind, v, rho}; }
+SideCondition side(SideKind kind, std::array<double, 3> v = {}, double rho = 0) {
+  return {kind, v, rho};
+}
 std::array<SideCondition, 6> sides(SideCondition x, SideCondition y, SideCondition zl, SideCondition zh) {
   return {x, x, y, y, zl, zh};
 }
@@ -61,7 +63,8 @@ std::uint64_t fingerprint(Fluid<T>& fluid) {
   return all;
 }
 
-// u(z) = g/(2 nu) z (H - z) + slip, z = k + 1/2; slip = g (16 Lambda - 3)/(24 nu) (halfway walls, exact solution).
+// u(z) = g/(2 nu) z (H - z) + slip, z = k + 1/2; slip = g (16 Lambda - 3)/(24 nu) (halfway walls, exact
+// solution).
 double poiseuille_error(double tau, double magic, bool bgk) {
   const double g = 1e-6, nu = (tau - 0.5) / 3, lambda = bgk ? (tau - 0.5) * (tau - 0.5) : magic;
   const int h = 8;
@@ -71,7 +74,9 @@ double poiseuille_error(double tau, double magic, bool bgk) {
     const double z = k + 0.5;
     return g / (2 * nu) * z * (h - z) + g * (16 * lambda - 3) / (24 * nu);
   };
-  for_cells(fluid, [&](int b, Int3 x, Int3 at) { fluid.set_equilibrium(b, x, 0, {exact(at.z) - g / 2, 0, 0}); });
+  for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+    fluid.set_equilibrium(b, x, 0, {exact(at.z) - g / 2, 0, 0});
+  });
   for (int t = 0; t < int(40 * h * h / nu / 10); ++t) step(fluid);
   double error = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3 at) {
@@ -93,25 +98,29 @@ TEST(Fluid, WallSlipOfOtherSchemesIsTheTheoretical) {
 TEST(Fluid, CouetteIsLinear) {
   const double u0 = 0.02;
   const int h = 8;
-  Fluid<double> fluid(Domain({3, 8, h}, sides(periodic, periodic, no_slip, side(SideKind::bounce, {u0, 0.5 * u0, 0})),
-                             Int3{3, 1, 4}, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
+  Fluid<double> fluid(
+      Domain({3, 8, h}, sides(periodic, periodic, no_slip, side(SideKind::bounce, {u0, 0.5 * u0, 0})),
+             Int3{3, 1, 4}, ranks()),
+      {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
   for (int t = 0; t < 8000; ++t) step(fluid);
   double error = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3 at) {
     const auto u = fluid.velocity(fluid.moments(b, x));
-    error = std::max({error, std::fabs(u[0] - u0 * (at.z + 0.5) / h), std::fabs(u[1] - 0.5 * u0 * (at.z + 0.5) / h)});
+    error = std::max(
+        {error, std::fabs(u[0] - u0 * (at.z + 0.5) / h), std::fabs(u[1] - 0.5 * u0 * (at.z + 0.5) / h)});
   });
   EXPECT_LT(largest(error), 1e-12);
 }
 
-// Half of a Poiseuille channel: free slip in the middle (slip at z high and, with the force along y, tangentially
-// across block borders).
+// Half of a Poiseuille channel: free slip in the middle (slip at z high and, with the force along y,
+// tangentially across block borders).
 TEST(Fluid, FreeSlipIsASymmetryPlane) {
   const int h = 8;
   const double g = 1e-6, nu = 0.1;
   for (int axis = 0; axis < 2; ++axis) {
     Fluid<double> fluid(Domain({8, 8, h}, sides(periodic, periodic, no_slip, slip), Int3{4, 2, 4}, ranks()),
-                        {0.5 + 3 * nu, 3. / 16, false, {axis == 0 ? g : 0, axis == 1 ? g : 0, 0}}, MPI_COMM_WORLD);
+                        {0.5 + 3 * nu, 3. / 16, false, {axis == 0 ? g : 0, axis == 1 ? g : 0, 0}},
+                        MPI_COMM_WORLD);
     for (int t = 0; t < 12000; ++t) step(fluid);
     double error = 0;
     for_cells(fluid, [&](int b, Int3 x, Int3 at) {
@@ -127,7 +136,8 @@ TEST(Fluid, InletAndOutletCarryAUniformStream) {
   const double u0 = 0.01;
   const auto inlet = side(SideKind::bounce, {u0, 0, 0}), outlet = side(SideKind::pressure);
   const std::array<SideCondition, 6> s{inlet, outlet, periodic, periodic, slip, slip};
-  Fluid<double> fluid(Domain({16, 4, 8}, s, Int3{4, 2, 8}, ranks()), {0.8, 3. / 16, false, {}}, MPI_COMM_WORLD);
+  Fluid<double> fluid(Domain({16, 4, 8}, s, Int3{4, 2, 8}, ranks()), {0.8, 3. / 16, false, {}},
+                      MPI_COMM_WORLD);
   for (int t = 0; t < 6000; ++t) step(fluid);
   double error = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3) {
@@ -137,12 +147,14 @@ TEST(Fluid, InletAndOutletCarryAUniformStream) {
   EXPECT_LT(largest(error) / u0, 0.01);
 }
 
-// Square duct: the series solution's u_max mu / (G a^2) = 0.2946854160 and mean 0.1405770150 (a: full edge... half edge).
+// Square duct: the series solution's u_max mu / (G a^2) = 0.2946854160 and mean 0.1405770150 (a: full edge...
+// half edge).
 TEST(Fluid, SquareDuctFlowRate) {
   const int n = 16;
   const double g = 1e-6, nu = 0.5 / 3, a = n / 2.0;
   const std::array<SideCondition, 6> s{periodic, periodic, no_slip, no_slip, no_slip, no_slip};
-  Fluid<double> fluid(Domain({4, n, n}, s, Int3{4, 8, 4}, ranks()), {1.0, 3. / 16, false, {g, 0, 0}}, MPI_COMM_WORLD);
+  Fluid<double> fluid(Domain({4, n, n}, s, Int3{4, 8, 4}, ranks()), {1.0, 3. / 16, false, {g, 0, 0}},
+                      MPI_COMM_WORLD);
   for (int t = 0; t < 5000; ++t) step(fluid);
   double sum = 0, all = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3) { sum += fluid.velocity(fluid.moments(b, x))[0]; });
@@ -151,10 +163,12 @@ TEST(Fluid, SquareDuctFlowRate) {
 }
 
 double taylor_green_error(int n) {
-  // u = -U cos kx sin kz, w = U sin kx cos kz, decaying as exp(-2 nu k^2 t); U shrinks with n at fixed Re (diffusive scaling).
+  // u = -U cos kx sin kz, w = U sin kx cos kz, decaying as exp(-2 nu k^2 t); U shrinks with n at fixed Re
+  // (diffusive scaling).
   const double u0 = 0.02 * 16 / n, nu = 0.1, k = 2 * M_PI / n;
-  Fluid<double> fluid(Domain({n, 2, n}, sides(periodic, periodic, periodic, periodic), Int3{n, 2, n / 8}, ranks()),
-                      {0.5 + 3 * nu, 1. / 4, false, {}}, MPI_COMM_WORLD);
+  Fluid<double> fluid(
+      Domain({n, 2, n}, sides(periodic, periodic, periodic, periodic), Int3{n, 2, n / 8}, ranks()),
+      {0.5 + 3 * nu, 1. / 4, false, {}}, MPI_COMM_WORLD);
   const auto exact = [&](Int3 g, double t) {
     const double d = u0 * std::exp(-2 * nu * k * k * t), x = k * (g.x + 0.5), z = k * (g.z + 0.5);
     return std::array<double, 3>{-d * std::cos(x) * std::sin(z), 0, d * std::sin(x) * std::cos(z)};
@@ -181,7 +195,8 @@ double taylor_green_error(int n) {
 }
 
 TEST(Fluid, TaylorGreenIsSecondOrder) {
-  const double coarse = taylor_green_error(32), fine = taylor_green_error(64), slope = std::log2(coarse / fine);
+  const double coarse = taylor_green_error(32), fine = taylor_green_error(64),
+               slope = std::log2(coarse / fine);
   RecordProperty("slope", std::to_string(slope));
   EXPECT_GE(slope, 1.9) << coarse << " " << fine;
   EXPECT_LT(fine, 0.005);
@@ -210,7 +225,8 @@ TEST(Fluid, SameBitsForEveryRankCountAndLayout) {
     EXPECT_EQ(alone, (stirred<float>(Int3{5, 7, 4}, steps)));
     EXPECT_EQ(alone, (stirred<float>(Int3{21, 4, 3}, steps)));
     EXPECT_EQ(alone, (stirred<float>(Int3{2, 3, 2}, steps, MPI_COMM_SELF)));
-    EXPECT_EQ((stirred<double>(Int3{21, 13, 16}, steps, MPI_COMM_SELF)), (stirred<double>(Int3{8, 5, 4}, steps)));
+    EXPECT_EQ((stirred<double>(Int3{21, 13, 16}, steps, MPI_COMM_SELF)),
+              (stirred<double>(Int3{8, 5, 4}, steps)));
     EXPECT_NE(alone, (stirred<float>(std::nullopt, steps + 2)));
   }
 }

@@ -293,7 +293,7 @@ TEST_P(Sffd, NoTunnelling) {  // one and a half radii a step
 }
 
 TEST_P(Sffd,
-     MovingWallDragsABall) {  // conveyor at 1 m/s: ends rolling on it at 2/7 of its speed... of the belt
+       MovingWallDragsABall) {  // conveyor at 1 m/s: ends rolling on it at 2/7 of its speed... of the belt
   Scene s(0, 0.5);
   s.world.gravity = down;
   s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});

@@ -2,9 +2,9 @@
 // What the tests of rigid/ share: a small world, bodies put into it, and steps.
 #include <memory>
 
+#include "adapters/automatic/collision_factory.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/walls.hpp"
-#include "adapters/automatic/collision_factory.hpp"
 
 namespace silt::rigid::testing {
 
