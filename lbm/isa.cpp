@@ -3,6 +3,10 @@
 #include <cstdlib>
 #include <string_view>
 
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
 namespace silt::lbm {
 
 Isa chosen_isa() {
@@ -24,6 +28,12 @@ Isa chosen_isa() {
     return best;
   }();
   return chosen;
+}
+
+void flush_denormals_to_zero() {
+#if defined(__x86_64__)
+  _mm_setcsr(_mm_getcsr() | 0x8040);  // FTZ and DAZ
+#endif
 }
 
 }  // namespace silt::lbm

@@ -7,6 +7,9 @@ namespace silt::lbm {
 enum class Isa { portable, avx2, avx512 };
 /// The widest one this machine has; the environment variable SILT_ISA may name a lesser one.
 Isa chosen_isa();
+/// For this thread, from now on: results too small for a normal number become zero (they are slow, and mean
+/// nothing in populations). Does nothing where the machine has no such mode.
+void flush_denormals_to_zero();
 
 }  // namespace silt::lbm
 
