@@ -3,9 +3,19 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+#include <string_view>
+
+#include "tests/act.hpp"
+
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   testing::InitGoogleTest(&argc, argv);
+  if (argc == 3 && std::string_view(argv[1]) == "--act") {
+    silt::tests::acts().at(argv[2])();
+    const bool bad = testing::UnitTest::GetInstance()->ad_hoc_test_result().Failed();
+    MPI_Finalize();
+    return bad;
+  }
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   auto& listeners = testing::UnitTest::GetInstance()->listeners();

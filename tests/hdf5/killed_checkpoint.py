@@ -12,10 +12,9 @@ program, kills = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 8
 cut_off = 0
 with tempfile.TemporaryDirectory() as folder:
     environment = dict(os.environ, OMPI_MCA_btl_vader_single_copy_mechanism="none", SILT_TEST_FOLDER=folder)
-    command = [program, "--gtest_also_run_disabled_tests"]
     for _ in range(kills):
         newest = max(pathlib.Path(folder).glob("*.h5"), default=None)
-        writer = subprocess.Popen(command + ["--gtest_filter=Writer.DISABLED_of_checkpoints_without_end"],
+        writer = subprocess.Popen([program, "--act", "write_checkpoints_without_end"],
                                   env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for _ in range(2000):  # until it has written one
             if max(pathlib.Path(folder).glob("*.h5"), default=None) != newest:
@@ -26,7 +25,7 @@ with tempfile.TemporaryDirectory() as folder:
         writer.kill()
         writer.wait()
         cut_off += len(list(pathlib.Path(folder).glob("*.part")))
-        subprocess.run(command + ["--gtest_filter=Reader.DISABLED_of_the_newest_checkpoint"], env=environment, check=True,
+        subprocess.run([program, "--act", "read_the_newest_checkpoint"], env=environment, check=True,
                        stdout=subprocess.DEVNULL)
         assert 1 <= len(list(pathlib.Path(folder).glob("*.h5"))) <= 3
 print(f"{kills} kills, {cut_off} of them in the middle of a checkpoint: the newest one was whole every time")

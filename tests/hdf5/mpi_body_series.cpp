@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/act.hpp"
 #include "tests/hdf5/scratch.hpp"
 
 namespace silt::tests {
@@ -90,7 +91,7 @@ const char* folder() {
   return std::getenv("SILT_TEST_FOLDER");
 }
 
-TEST(Writer, DISABLED_of_a_series) {
+const Act write_a_series("write_a_series", [] {
   const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";
   adapters::Provenance provenance;
   provenance.title = "\u00e4";
@@ -98,15 +99,15 @@ TEST(Writer, DISABLED_of_a_series) {
   append(MPI_COMM_WORLD, series, 0, 9);
   auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, path, 45);
   append(MPI_COMM_WORLD, resumed, 5, 9);
-}
+});
 
-TEST(Writer, DISABLED_of_a_series_without_end) {
+const Act write_a_series_without_end("write_a_series_without_end", [] {
   const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";
   auto series = std::filesystem::exists(path) ? BodySeries::open_for_append(MPI_COMM_WORLD, path, 1 << 30)
                                               : BodySeries::create(MPI_COMM_WORLD, path, info, {});
   const int first = static_cast<int>(series.times());
   append(MPI_COMM_WORLD, series, first, 1 << 26);
-}
+});
 
 }  // namespace
 }  // namespace silt::tests

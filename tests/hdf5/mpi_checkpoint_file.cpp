@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "tests/act.hpp"
 #include "tests/hdf5/scratch.hpp"
 
 namespace silt::tests {
@@ -334,18 +335,18 @@ TEST(Checkpoint, an_owner_too_many_is_an_error) {
 }
 
 // For killed_checkpoint.py, which sets the variable.
-TEST(Writer, DISABLED_of_checkpoints_without_end) {
+const Act write_checkpoints_without_end("write_checkpoints_without_end", [] {
   const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
   const auto before = adapters::list_checkpoints(folder);
   for (std::int64_t step = before.empty() ? 1 : before[0].step + 1;; ++step)
     write<float>({}, adapters::checkpoint_path(folder, step), 2);
-}
+});
 
-TEST(Reader, DISABLED_of_the_newest_checkpoint) {
+const Act read_the_newest_checkpoint("read_the_newest_checkpoint", [] {
   const auto found = adapters::list_checkpoints(std::getenv("SILT_TEST_FOLDER"));
   ASSERT_FALSE(found.empty());
   expect_whole<float>({}, found[0].path);
-}
+});
 
 }  // namespace
 }  // namespace silt::tests

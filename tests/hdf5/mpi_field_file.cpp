@@ -1,6 +1,7 @@
 // Fields written on several ranks equal those written on one, byte for byte.
 #include "adapters/hdf5/field_file.hpp"
 
+#include "tests/act.hpp"
 #include "tests/hdf5/scratch.hpp"
 
 namespace silt::tests {
@@ -86,13 +87,13 @@ TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
 }
 
 // The writer for reads_in_vtk.py, which sets the variable.
-TEST(Writer, DISABLED_of_fields) {
+const Act write_fields("write_fields", [] {
   const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
   for (const int step : {0, 50}) {
     const auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5}, step == 0, true);
     write(MPI_COMM_WORLD, adapters::field_path(folder, step), boxes, 0.01 * step);
   }
-}
+});
 
 }  // namespace
 }  // namespace silt::tests
