@@ -37,6 +37,9 @@ void add_balls(const rigid::Box& box, const Pose& pose, std::vector<InnerBall>& 
       }
 }
 
+void add_balls(const rigid::Cylinder&, const Pose&, std::vector<InnerBall>&) {}
+void add_balls(const rigid::Ellipsoid&, const Pose&, std::vector<InnerBall>&) {}
+void add_balls(const rigid::Polyhedron&, const Pose&, std::vector<InnerBall>&) {}
 void add_balls(const rigid::HalfSpace&, const Pose&, std::vector<InnerBall>&) {}
 
 // How far the balls of a reach into b.

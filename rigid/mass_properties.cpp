@@ -32,6 +32,18 @@ MassProperties of(const Capsule& c) {
   return {barrel + ends, Vec3::Zero(), Vec3(across, across, along).asDiagonal()};
 }
 
+MassProperties of(const Cylinder&) {
+  throw std::logic_error("not there yet");
+}
+
+MassProperties of(const Ellipsoid&) {
+  throw std::logic_error("not there yet");
+}
+
+MassProperties of(const Polyhedron&) {
+  throw std::logic_error("not there yet");
+}
+
 MassProperties of(const HalfSpace&) {
   throw std::invalid_argument("a half-space has no mass");
 }

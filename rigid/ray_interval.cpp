@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace silt::rigid {
 
@@ -71,6 +72,9 @@ struct LineInside {
     const double reach = c.half_length + std::sqrt((c.radius - rho) * (c.radius + rho));
     return slab(o[2], d[2], reach);
   }
+  Interval operator()(const Cylinder&) const { throw std::logic_error("not there yet"); }
+  Interval operator()(const Ellipsoid&) const { throw std::logic_error("not there yet"); }
+  Interval operator()(const Polyhedron&) const { throw std::logic_error("not there yet"); }
   Interval operator()(const HalfSpace& h) const {
     const double distance = h.normal.dot(o), speed = h.normal.dot(d);
     if (speed == 0) return distance <= 0 ? Interval{RayInterval{-infinity, infinity}} : Interval{};

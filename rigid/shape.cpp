@@ -32,6 +32,18 @@ double distance_to(const Capsule& c, const Vec3& x) {
   const double along = std::clamp(x[2], -c.half_length, c.half_length);
   return Vec3(x[0], x[1], x[2] - along).norm() - c.radius;
 }
+[[noreturn]] void not_yet() {
+  throw std::logic_error("this shape is not there yet");
+}
+double distance_to(const Cylinder&, const Vec3&) {
+  not_yet();
+}
+double distance_to(const Ellipsoid&, const Vec3&) {
+  not_yet();
+}
+double distance_to(const Polyhedron&, const Vec3&) {
+  not_yet();
+}
 double distance_to(const HalfSpace& h, const Vec3& x) {
   return h.normal.dot(x);
 }
@@ -64,6 +76,24 @@ BoundingBox box_of(const Capsule& c, const Pose& p) {
   const Vec3 axis = p.orientation * Vec3::UnitZ();
   return around(p.position, axis.cwiseAbs() * c.half_length + Vec3::Constant(c.radius));
 }
+BoundingBox box_of(const Cylinder& c, const Pose& p) {
+  const Vec3 axis = p.orientation * Vec3::UnitZ();
+  const Vec3 across = (Vec3::Ones() - axis.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  return around(p.position, axis.cwiseAbs() * c.half_length + c.radius * across);
+}
+BoundingBox box_of(const Ellipsoid& e, const Pose& p) {
+  const Mat3 r = p.orientation.toRotationMatrix();
+  return around(p.position, (r * e.half_axes.asDiagonal()).rowwise().norm());
+}
+BoundingBox box_of(const Polyhedron& q, const Pose& p) {
+  BoundingBox all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+  for (const Vec3& v : q.mesh->vertices) {
+    const Vec3 x = p.to_world(v);
+    all.lower = all.lower.cwiseMin(x);
+    all.upper = all.upper.cwiseMax(x);
+  }
+  return all;
+}
 BoundingBox box_of(const HalfSpace&, const Pose&) {
   return {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
 }
@@ -80,7 +110,8 @@ BoundingBox box_of(const Compound& c, const Pose& p) {
 }  // namespace
 
 std::string_view shape_name(const Shape& shape) {
-  constexpr std::string_view names[] = {"sphere", "box", "capsule", "half-space", "compound"};
+  constexpr std::string_view names[] = {"sphere",    "box",        "capsule",    "cylinder",
+                                        "ellipsoid", "polyhedron", "half-space", "compound"};
   return names[shape.index()];
 }
 
@@ -125,6 +156,21 @@ double reach(const Part& part) {
                               return c.radius +
                                      std::max((pose.position + end).norm(), (pose.position - end).norm());
                             },
+                            [&](const Cylinder& c) {
+                              // the rim point furthest from the origin, seen from the cylinder's own frame
+                              const Vec3 centre = pose.orientation.conjugate() * pose.position;
+                              return std::hypot(std::hypot(centre[0], centre[1]) + c.radius,
+                                                std::abs(centre[2]) + c.half_length);
+                            },
+                            [&](const Ellipsoid& e) {  // an upper bound, exact about its own centre
+                              return pose.position.norm() + e.half_axes.maxCoeff();
+                            },
+                            [&](const Polyhedron& q) {
+                              double furthest = 0;
+                              for (const Vec3& v : q.mesh->vertices)
+                                furthest = std::max(furthest, pose.to_world(v).norm());
+                              return furthest;
+                            },
                             [](const HalfSpace&) { return infinity; }},
                     part.shape);
 }
@@ -146,6 +192,21 @@ Vec3 support(const ConvexShape& shape, const Vec3& d) {
                             },
                             [&](const Capsule& c) -> Vec3 {
                               return c.radius * unit + Vec3(0, 0, std::copysign(c.half_length, d[2]));
+                            },
+                            [&](const Cylinder& c) -> Vec3 {
+                              const double across = std::hypot(unit[0], unit[1]);
+                              const double scale = across > 0 ? c.radius / across : 0;
+                              return {scale * unit[0], scale * unit[1], std::copysign(c.half_length, d[2])};
+                            },
+                            [&](const Ellipsoid& e) -> Vec3 {
+                              const Vec3 scaled = e.half_axes.cwiseProduct(unit);
+                              return e.half_axes.cwiseProduct(scaled) / scaled.norm();
+                            },
+                            [&](const Polyhedron& q) -> Vec3 {
+                              const Vec3* best = &q.mesh->vertices[0];
+                              for (const Vec3& v : q.mesh->vertices)
+                                if (v.dot(unit) > best->dot(unit)) best = &v;
+                              return *best;
                             },
                             [](const HalfSpace&) -> Vec3 {
                               throw std::invalid_argument("a half-space has no furthest point");

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "rigid/polyhedron.hpp"
 #include "rigid/types.hpp"
 
 namespace silt::rigid {
@@ -19,13 +20,24 @@ struct Box {
 struct Capsule {
   double radius, half_length;
 };
+/// Round about the body's z axis, flat ends at -half_length and +half_length.
+struct Cylinder {
+  double radius, half_length;
+};
+struct Ellipsoid {
+  Vec3 half_axes;
+};
+/// Convex. The mesh is never null; its origin is the body's.
+struct Polyhedron {
+  std::shared_ptr<const PolyhedronMesh> mesh;
+};
 /// All points with normal . x_B <= 0: the normal points out of the solid. Only for walls: infinite mass.
 struct HalfSpace {
   Vec3 normal;
 };
 
 /// What a collision backend sees: convex, in one piece.
-using ConvexShape = std::variant<Sphere, Box, Capsule, HalfSpace>;
+using ConvexShape = std::variant<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace>;
 
 struct Part {
   ConvexShape shape;
@@ -36,7 +48,7 @@ struct Compound {
   std::vector<Part> parts;
 };
 
-using Shape = std::variant<Sphere, Box, Capsule, HalfSpace, Compound>;
+using Shape = std::variant<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace, Compound>;
 
 struct BoundingBox {
   Vec3 lower, upper;
@@ -49,7 +61,7 @@ struct MassProperties {
   Mat3 inertia;
 };
 
-std::string_view shape_name(const Shape&);  // "sphere", "box", "capsule", "half-space", "compound"
+std::string_view shape_name(const Shape&);  // "sphere", "box", "capsule", "cylinder", ...
 
 /// x_B inside or on the surface.
 bool contains(const Shape&, const Vec3& x_B);
