@@ -4,8 +4,8 @@
 
 namespace silt::rigid {
 
-std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3>, const std::vector<std::vector<int>>&,
-                                                           double) {
+std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3>,
+                                                           const std::vector<std::vector<int>>&, double) {
   throw std::logic_error("not there yet");
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// The geometry of a convex polyhedron: made once from its corners and faces, then shared by all who look at it.
+// The geometry of a convex polyhedron: made once from its corners and faces, then shared by all who look at
+// it.
 #include <array>
 #include <memory>
 #include <vector>
@@ -24,9 +25,9 @@ struct PolyhedronMesh {
   std::vector<std::vector<int>> neighbours;  // of each vertex, along the edges
 };
 
-/// From corners and the faces' loops of corners (counter-clockwise seen from outside). Every face must be flat
-/// and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument says what is
-/// not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
+/// From corners and the faces' loops of corners (counter-clockwise seen from outside). Every face must be
+/// flat and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument says
+/// what is not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
 std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> vertices,
                                                            const std::vector<std::vector<int>>& faces,
                                                            double flatness = 1e-9);

@@ -3,27 +3,34 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigid/warm_start.hpp"
-
 namespace silt::rigid {
 
 namespace {
 
-constexpr int width = 7;           // doubles a body in a share: v, w, number
+constexpr int width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
 constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
 
-Twist twist(const std::vector<double>& state, std::size_t row) {
-  const double* s = state.data() + row * width;
-  return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
+Vec3 velocity(const BodyState& s) {
+  return {s.v[0], s.v[1], s.v[2]};
+}
+Vec3 angular_velocity(const BodyState& s) {
+  return {s.w[0], s.w[1], s.w[2]};
+}
+Vec3 velocity_at(const BodyState& s, const Vec3& r) {
+  return velocity(s) + angular_velocity(s).cross(r);
 }
 
-void store(std::vector<double>& state, std::size_t row, const Twist& t, double number) {
-  double* s = state.data() + row * width;
-  for (int d = 0; d < 3; ++d) s[d] = t.v[d], s[3 + d] = t.w[d];
-  s[6] = number;
+void store(BodyState& s, const Vec3& v, const Vec3& w, double number) {
+  for (int d = 0; d < 3; ++d) s.v[d] = v[d], s.w[d] = w[d];
+  s.number = number;
+  s.unused = 0;
+}
+
+std::span<double> as_doubles(std::vector<BodyState>& state) {
+  return {&state.data()->v[0], (state.size() - 1) * width};  // not the one at rest
 }
 
 /// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
@@ -39,151 +46,147 @@ double lever_arms(const Contact& c) {
   return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
 }
 
+void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
+  const Vec3 angular = r.cross(impulse);
+  for (int d = 0; d < 3; ++d) sum.impulse[d] += impulse[d], sum.angular[d] += angular[d];
+}
+
 }  // namespace
 
-std::size_t SffdResolver::involve(const BodySet& bodies, std::size_t row) {
-  if (index_[row] < 0) {
-    index_[row] = static_cast<std::int32_t>(bodies_.size());
-    const bool moves = row < bodies.owned && bodies.is_free(row);
-    bodies_.push_back({row, moves, bodies.inverse_mass(row), bodies.inverse_inertia_W(row)});
-  }
-  return static_cast<std::size_t>(index_[row]);
+void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
+  Body& b = bodies_[row];
+  if (b.involved) return;
+  b.involved = true;
+  b.pairs = 0;
+  involved_.push_back(row);
+  const bool free = bodies.is_free(row);
+  b.moves = row < bodies.owned && free;
+  b.inverse_mass = bodies.inverse_mass(row);
+  b.inverse_inertia = bodies.inverse_inertia_W(row);
+  b.isotropic = !free || bodies.is_isotropic(row);
+  b.turns = free || bodies.angular_velocity[row] != Vec3::Zero();
+  b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
 }
 
 void SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contact>& contacts) {
-  bodies_.clear();
   pairs_.clear();
-  index_.assign(bodies.size(), -1);
+  for (const std::size_t row : involved_) bodies_[row].involved = false;
+  bodies_.resize(bodies.size() + 1);
+  involved_.clear();
+  std::size_t row_a = 0;
   for (std::size_t first = 0, last; first < contacts.size(); first = last) {
     const Contact& c = contacts[first];
     for (last = first + 1; last < contacts.size() && contacts[last].pair() == c.pair();) ++last;
-    const std::size_t a = involve(bodies, bodies.row_of(c.a)), b = involve(bodies, bodies.row_of(c.b));
-    if (!bodies_[a].moves && !bodies_[b].moves) continue;  // its owners' business
-    ++bodies_[a].pairs;
-    ++bodies_[b].pairs;
-    pairs_.push_back({first, last, a, b});
+    if (first == 0 || c.a != contacts[first - 1].a) row_a = bodies.row_of(c.a);
+    const std::size_t row_b = bodies.row_of(c.b);
+    involve(bodies, row_a);
+    involve(bodies, row_b);
+    if (!bodies_[row_a].moves && !bodies_[row_b].moves) continue;  // its owners' business
+    ++bodies_[row_a].pairs;
+    ++bodies_[row_b].pairs;
+    pairs_.push_back({first, last, row_a, row_b});
+    pairs_.back().reduced_mass = 1 / (bodies_[row_a].inverse_mass + bodies_[row_b].inverse_mass);
   }
 }
 
 void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                          const StepVelocities& velocities) {
-  rows_.clear();
-  rows_.reserve(contacts.size());
-  for (const Contact& c : contacts) {
-    ContactRow row;
-    row.direction = contact_directions(c.normal), row.r_a = c.r_a, row.r_b = c.r_b;
-    row.friction = c.friction;
-    const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
-    row.target = target_velocity(c, dt,
-                                 Twist{velocities.before_v[b], velocities.before_w[b]}.at(c.r_b) -
-                                     Twist{velocities.before_v[a], velocities.before_w[a]}.at(c.r_a));
-    rows_.push_back(row);
-  }
-  state_.resize(bodies.size() * width);
-  for (const Body& b : bodies_) store(state_, b.row, {velocities.v[b.row], velocities.w[b.row]}, b.pairs);
+  const auto before = [&](std::size_t row, const Vec3& r) -> Vec3 {
+    return velocities.before_v[row] + velocities.before_w[row].cross(r);
+  };
+  impulses_.assign(contacts.size(), {});
+  targets_.resize(contacts.size());
+  for (const Pair& p : pairs_)
+    for (std::size_t k = p.first; k < p.last; ++k) {
+      const Contact& c = contacts[k];
+      targets_[k] = target_velocity(c, dt, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
+    }
+  state_.resize(bodies.size() + 1);
+  sums_.resize(bodies.size() + 1);
+  state_.back() = {};
+  for (const std::size_t row : involved_)
+    store(state_[row], velocities.v[row], velocities.w[row], bodies.is_free(row) ? bodies_[row].pairs : 0);
   if (settings_.warm_start) warm_start(bodies, contacts);
 }
 
 void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>& contacts) {
-  for (Body& b : bodies_) b.impulse = b.angular_impulse = Vec3::Zero();
+  for (const std::size_t row : involved_) sums_[row] = {};
   for (const Pair& p : pairs_) {
-    const bool at_a = bodies_[p.a].moves;
-    const Contact& c = contacts[p.first];
-    const std::span rows(rows_.data() + p.first, p.last - p.first);
-    recall_impulses(bodies.stored_impulses[bodies_[at_a ? p.a : p.b].row], at_a ? c.b : c.a,
-                    {contacts.data() + p.first, rows.size()}, rows);
-    for (const ContactRow& row : rows) {
-      const Vec3 impulse = row.impulse_W();
-      bodies_[p.a].impulse -= impulse;
-      bodies_[p.a].angular_impulse -= row.r_a.cross(impulse);
-      bodies_[p.b].impulse += impulse;
-      bodies_[p.b].angular_impulse += row.r_b.cross(impulse);
+    const bool at_a = bodies_[p.row_a].moves;
+    const std::span of_pair(contacts.data() + p.first, p.last - p.first);
+    recall_impulses(bodies.stored_impulses[at_a ? p.row_a : p.row_b], at_a ? of_pair[0].b : of_pair[0].a,
+                    of_pair, {impulses_.data() + p.first, of_pair.size()});
+    for (std::size_t k = p.first; k < p.last; ++k) {
+      const Contact& c = contacts[k];
+      const Vec3 impulse = impulses_[k].along(c.normal);
+      add(sums_[p.row_a], c.r_a, -impulse);
+      add(sums_[p.row_b], c.r_b, impulse);
     }
   }
-  for (const Body& b : bodies_) {
+  for (const std::size_t row : involved_) {
+    const Body& b = bodies_[row];
     if (!b.moves) continue;
-    Twist t = twist(state_, b.row);
-    t.v += b.inverse_mass * b.impulse;
-    t.w += b.inverse_inertia * b.angular_impulse;
-    store(state_, b.row, t, b.pairs);
+    const BodySum& sum = sums_[row];
+    BodyState& s = state_[row];
+    store(s, velocity(s) + b.inverse_mass * Eigen::Map<const Vec3>(sum.impulse),
+          angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), s.number);
   }
 }
 
-void SffdResolver::split_masses(const BodySet& bodies) {
-  std::size_t needed = 0;
+/// Impulses of a pair below this are rounding.
+double SffdResolver::least_scale(const Pair& p) const {
+  const auto speed = [&](std::size_t row) {
+    const BodyState& s = state_[row];
+    return std::max(velocity(s).norm(), bodies_[row].size * angular_velocity(s).norm());
+  };
+  return p.reduced_mass * rounding * std::max(speed(p.row_a), speed(p.row_b));
+}
+
+/// Each pair with the share of its bodies' masses that it has to itself.
+void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
+  const auto share_of = [&](std::size_t row) {
+    BodyMass m = bodies_[row];
+    m.inverse_mass *= state_[row].number;
+    m.inverse_inertia *= state_[row].number;
+    return m;
+  };
+  lanes_.clear(bodies_.size() - 1);
   for (Pair& p : pairs_) {
-    p.matrix = needed;
-    needed += matrix_size(p.last - p.first);
-  }
-  matrices_.resize(needed);
-  for (Pair& p : pairs_) {
-    const Body &a = bodies_[p.a], &b = bodies_[p.b];
-    const double n_a = state_[a.row * width + 6], n_b = state_[b.row * width + 6];
-    p.single = set_effective_masses(
-        {rows_.data() + p.first, p.last - p.first}, {n_a * a.inverse_mass, n_a * a.inverse_inertia},
-        {n_b * b.inverse_mass, n_b * b.inverse_inertia}, matrices_.data() + p.matrix);
-    p.final_after_one = (n_a == 1 || !bodies.is_free(a.row)) && (n_b == 1 || !bodies.is_free(b.row));
-    p.reduced_mass = 1 / (a.inverse_mass + b.inverse_mass);
-  }
-}
-
-void SffdResolver::set_least_scales(const BodySet& bodies, double dt, bool push) {
-  for (Pair& p : pairs_) {
-    const std::size_t a = bodies_[p.a].row, b = bodies_[p.b].row;
-    const double arms = rows_[p.first].r_a.norm() + (is_wall(bodies.id[b]) ? 0.0 : rows_[p.first].r_b.norm());
-    const Twist t_a = twist(state_, a), t_b = twist(state_, b);
-    const double speed = std::max({t_a.v.norm(), t_b.v.norm(), arms * t_a.w.norm(), arms * t_b.w.norm()});
-    p.least_scale = p.reduced_mass * (push ? push_rounding * arms / dt : rounding * speed);
+    const std::size_t count = p.last - p.first;
+    const bool again = state_[p.row_a].number > 1 || state_[p.row_b].number > 1;
+    p.place = lanes_.add({p.row_a,
+                          p.row_b,
+                          {contacts.data() + p.first, count},
+                          {impulses_.data() + p.first, count},
+                          {targets_.data() + p.first, count},
+                          share_of(p.row_a),
+                          share_of(p.row_b),
+                          least_scale(p),
+                          again});
   }
 }
 
-double SffdResolver::sweep(std::vector<double>& state, double tolerance, bool first, bool push) {
-  double residual = 0;
-  for (Body& b : bodies_) {
-    b.impulse = b.angular_impulse = Vec3::Zero();
-    b.changed = false;
-  }
-  for (const Pair& p : pairs_) {
-    Body &a = bodies_[p.a], &b = bodies_[p.b];
-    const bool woken = (a.inverse_mass > 0 && state[a.row * width + 6] != 0) ||
-                       (b.inverse_mass > 0 && state[b.row * width + 6] != 0);
-    if (!first && (p.final_after_one || !woken)) continue;
-    const PairLaw law = p.single ? PairLaw::single : push ? PairLaw::frictionless : PairLaw::coulomb;
-    const PairChange change =
-        solve_pair({rows_.data() + p.first, p.last - p.first}, matrices_.data() + p.matrix,
-                   twist(state, a.row), twist(state, b.row), law);
-    a.impulse -= change.impulse;
-    a.angular_impulse -= change.angular_a;
-    b.impulse += change.impulse;
-    b.angular_impulse += change.angular_b;
-    if (change.largest == 0) continue;
-    const double relative = change.largest / std::max(change.scale, p.least_scale);
-    if (relative > tolerance) a.changed = b.changed = true;
-    if (!p.final_after_one) residual = std::max(residual, relative);
-  }
-  return residual;
-}
-
-void SffdResolver::apply_impulses(std::vector<double>& state) {
-  for (const Body& b : bodies_) {
+/// Moves the bodies this rank owns; whether a body changed takes the place of its number of pairs.
+void SffdResolver::apply_sums(std::vector<BodyState>& state) {
+  for (const std::size_t row : involved_) {
+    const Body& b = bodies_[row];
     if (!b.moves) continue;
-    Twist t = twist(state, b.row);
-    if (b.impulse != Vec3::Zero() || b.angular_impulse != Vec3::Zero()) {
-      t.v += b.inverse_mass * b.impulse;
-      t.w += b.inverse_inertia * b.angular_impulse;
-    }
-    store(state, b.row, t, b.changed ? 1.0 : 0.0);
+    const BodySum& sum = sums_[row];
+    BodyState& s = state[row];
+    store(s, velocity(s) + b.inverse_mass * Eigen::Map<const Vec3>(sum.impulse),
+          angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), sum.changed);
   }
 }
 
 /// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
-int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<double>& state,
+int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
                                 double tolerance, bool push, double& residual) {
   for (int i = 1;; ++i) {
-    residual = exchange.maximum(sweep(state, tolerance, i == 1, push));
-    apply_impulses(state);
+    for (const std::size_t row : involved_) sums_[row] = {};
+    residual = exchange.maximum(lanes_.sweep(state, sums_, tolerance, i == 1, push));
+    apply_sums(state);
     if (residual <= tolerance || i >= settings_.max_sweeps) return i;
-    exchange.share(bodies, state, width);
+    exchange.share(bodies, as_doubles(state), width);
   }
 }
 
@@ -193,25 +196,38 @@ double SffdResolver::correctable_overlap(const std::vector<Contact>& contacts) c
   for (const Pair& p : pairs_)
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
-      if (-c.gap > settings_.slop + negligible_overlap * lever_arms(c)) deepest = std::max(deepest, -c.gap);
+      if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
+        deepest = std::max(deepest, -c.gap);
     }
   return deepest;
 }
 
 /// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact
 /// may use up the gap that is left.
-void SffdResolver::set_push_targets(const std::vector<Contact>& contacts, double dt) {
-  for (const Pair& p : pairs_)
+void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
+  for (const Pair& p : pairs_) {
     for (std::size_t k = p.first; k < p.last; ++k) {
-      ContactRow& row = rows_[k];
       const Contact& c = contacts[k];
-      const double u = row.normal().dot(twist(state_, bodies_[p.b].row).at(row.r_b) -
-                                        twist(state_, bodies_[p.a].row).at(row.r_a));
+      const double u =
+          c.normal.dot(velocity_at(state_[p.row_b], c.r_b) - velocity_at(state_[p.row_a], c.r_a));
       const double overlap = settings_.correction * (-c.gap - settings_.slop) / dt - std::max(0.0, u);
-      row.target = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
-      row.impulse = {};
-      row.friction = 0;
+      targets_[k] = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
     }
+    lanes_.aim(p.place, {targets_.data() + p.first, p.last - p.first},
+               p.reduced_mass * push_rounding * lever_arms(contacts[p.first]) / dt);
+  }
+}
+
+void SffdResolver::read_impulses(const std::vector<Contact>& contacts, ResolverStatistics& statistics) {
+  for (const Pair& p : pairs_) {
+    lanes_.read_impulses(p.place, {impulses_.data() + p.first, p.last - p.first});
+    for (std::size_t k = p.first; k < p.last; ++k) {
+      const ContactImpulse& i = impulses_[k];
+      if (i.normal > 0)
+        statistics.cone_excess =
+            std::max(statistics.cone_excess, i.tangential.norm() / i.normal - contacts[k].friction);
+    }
+  }
 }
 
 void SffdResolver::remember(BodySet& bodies, const std::vector<Contact>& contacts) const {
@@ -220,44 +236,37 @@ void SffdResolver::remember(BodySet& bodies, const std::vector<Contact>& contact
   // in key order, so each body's list comes out sorted by partner, image, feature
   for (const Pair& p : pairs_) {
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
-    const std::span rows(rows_.data() + p.first, of_pair.size());
-    if (bodies_[p.a].moves)
-      remember_impulses(of_pair, rows, of_pair[0].b, bodies.stored_impulses[bodies_[p.a].row]);
-    if (bodies_[p.b].moves)
-      remember_impulses(of_pair, rows, of_pair[0].a, bodies.stored_impulses[bodies_[p.b].row]);
+    const std::span impulses(impulses_.data() + p.first, of_pair.size());
+    if (bodies_[p.row_a].moves)
+      remember_impulses(of_pair, impulses, of_pair[0].b, bodies.stored_impulses[p.row_a]);
+    if (bodies_[p.row_b].moves)
+      remember_impulses(of_pair, impulses, of_pair[0].a, bodies.stored_impulses[p.row_b]);
   }
 }
 
 void SffdResolver::count(const BodySet& bodies, const std::vector<Contact>& contacts,
                          ResolverStatistics& statistics) const {
-  for (const Contact& c : contacts) {
-    if (bodies.row_of(c.a) < bodies.owned) ++statistics.contacts;
-    statistics.penetration = std::max(statistics.penetration, -c.gap);
-  }
-  for (const ContactRow& row : rows_)
-    if (row.impulse[0] > 0)
-      statistics.cone_excess =
-          std::max(statistics.cone_excess, row.tangential_impulse() / row.impulse[0] - row.friction);
+  for (const Contact& c : contacts) statistics.penetration = std::max(statistics.penetration, -c.gap);
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (bodies.copies + bodies.visitors == 0 || bodies.row_of(contacts[k].a) < bodies.owned)
+      ++statistics.contacts;
 }
 
 /// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
 /// forgotten.
 void SffdResolver::correct_positions(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                                      StepVelocities& velocities, BodyExchange& exchange) {
-  exchange.share(bodies, state_, width);
-  set_push_targets(contacts, dt);
-  set_least_scales(bodies, dt, true);
-  push_.resize(bodies.size() * width);
-  for (const Body& b : bodies_) store(push_, b.row, Twist{}, 0);
+  exchange.share(bodies, as_doubles(state_), width);
+  aim_push(contacts, dt);
+  push_.assign(bodies.size() + 1, BodyState{});
   double residual = 0;
   sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
   velocities.push_v.assign(bodies.size(), Vec3::Zero());
   velocities.push_w.assign(bodies.size(), Vec3::Zero());
-  for (const Body& b : bodies_) {
-    if (!b.moves) continue;
-    const Twist t = twist(push_, b.row);
-    velocities.push_v[b.row] = t.v;
-    velocities.push_w[b.row] = t.w;
+  for (const std::size_t row : involved_) {
+    if (!bodies_[row].moves) continue;
+    velocities.push_v[row] = velocity(push_[row]);
+    velocities.push_w[row] = angular_velocity(push_[row]);
   }
 }
 
@@ -273,18 +282,17 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   }
   collect_pairs(bodies, contacts);
   start(bodies, contacts, dt, velocities);
-  exchange.share(bodies, state_, width);
-  split_masses(bodies);
-  set_least_scales(bodies, dt, false);
+  exchange.share(bodies, as_doubles(state_), width);
+  lay_out(contacts);
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
+  read_impulses(contacts, statistics);
   remember(bodies, contacts);
   count(bodies, contacts, statistics);
-  for (const Body& b : bodies_) {
-    if (!b.moves) continue;
-    const Twist t = twist(state_, b.row);
-    velocities.v[b.row] = t.v;
-    velocities.w[b.row] = t.w;
+  for (const std::size_t row : involved_) {
+    if (!bodies_[row].moves) continue;
+    velocities.v[row] = velocity(state_[row]);
+    velocities.w[row] = angular_velocity(state_[row]);
   }
   if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0)
     correct_positions(bodies, contacts, dt, velocities, exchange);

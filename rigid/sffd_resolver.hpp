@@ -9,8 +9,8 @@
 // mass splitting: it descends for any number of pairs). A pair is solved wherever one of its free bodies is
 // owned, redundantly and bitwise equally; each owner moves its own bodies. Nothing depends on rows, only on
 // keys.
-#include "rigid/contact_pair.hpp"
 #include "rigid/contact_resolver.hpp"
+#include "rigid/pair_lanes.hpp"
 
 namespace silt::rigid {
 
@@ -22,48 +22,46 @@ class SffdResolver : public ContactResolver {
                              BodyExchange&) override;
 
  private:
-  struct Body {  // that takes part in a contact
-    std::size_t row;
-    bool moves;  // owned and free: this rank applies its impulses
-    double inverse_mass;
-    Mat3 inverse_inertia;
-    double pairs = 0;
-    Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();  // of the sweep at hand
-    bool changed = false;
+  struct Body : BodyMass {  // one a row
+    bool moves = false;     // owned and free: this rank applies its impulses
+    bool involved = false;  // in a contact of this step; else all here is unset
+    double pairs = 0;       // that are solved here
+    double size = 0;        // radius of gyration
   };
   struct Pair {
     std::size_t first, last;  // its contacts
-    std::size_t a, b;         // in bodies_
-    std::size_t matrix = 0;   // where it starts in matrices_
-    bool single = false, final_after_one = false;
-    double reduced_mass = 0, least_scale = 0;  // impulses below least_scale are rounding
+    std::size_t row_a, row_b;
+    double reduced_mass = 0;
+    PairLanes::Place place{};
   };
 
   void collect_pairs(const BodySet&, const std::vector<Contact>&);
-  std::size_t involve(const BodySet&, std::size_t row);
+  void involve(const BodySet&, std::size_t row);
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const BodySet&, const std::vector<Contact>&);
-  void split_masses(const BodySet&);
-  void set_least_scales(const BodySet&, double dt, bool push);
-  int sweep_to_rest(BodySet&, BodyExchange&, std::vector<double>& state, double tolerance, bool push,
+  void lay_out(const std::vector<Contact>&);
+  double least_scale(const Pair&) const;
+  int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
                     double& residual);
-  double sweep(std::vector<double>& state, double tolerance, bool first, bool push);
-  void apply_impulses(std::vector<double>& state);
+  void apply_sums(std::vector<BodyState>& state);
   double correctable_overlap(const std::vector<Contact>&) const;
-  void set_push_targets(const std::vector<Contact>&, double dt);
+  void aim_push(const std::vector<Contact>&, double dt);
+  void read_impulses(const std::vector<Contact>&, ResolverStatistics&);
   void remember(BodySet&, const std::vector<Contact>&) const;
   void count(const BodySet&, const std::vector<Contact>&, ResolverStatistics&) const;
   void correct_positions(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&, BodyExchange&);
 
   ResolverSettings settings_;
+  // one a row of the BodySet, and one more at rest
   std::vector<Body> bodies_;
+  std::vector<BodyState> state_, push_;  // velocities, pseudo velocities
+  std::vector<BodySum> sums_;            // of the sweep at hand
+  std::vector<std::size_t> involved_;    // rows that take part
   std::vector<Pair> pairs_;
-  std::vector<ContactRow> rows_;     // one a contact
-  std::vector<double> matrices_;     // of the pairs, one after the other
-  std::vector<std::int32_t> index_;  // of a row in bodies_, -1: takes no part
-  // what the sweeps read and write, a row of the BodySet: v, w, and a number that travels with them (before
-  // the first sweep the body's number of pairs, then whether it changed)
-  std::vector<double> state_, push_;
+  PairLanes lanes_;
+  // one a contact
+  std::vector<ContactImpulse> impulses_;
+  std::vector<double> targets_;
 };
 
 }  // namespace silt::rigid

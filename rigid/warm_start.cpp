@@ -19,29 +19,31 @@ const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Conta
 }  // namespace
 
 void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact> contacts,
-                     std::span<ContactRow> rows) {
+                     std::span<ContactImpulse> impulses) {
   const auto first =
       std::partition_point(stored.begin(), stored.end(), [&](auto& s) { return s.partner < partner; });
-  const auto last = std::partition_point(first, stored.end(), [&](auto& s) { return s.partner == partner; });
-  const std::span<const StoredImpulse> of_partner(first, last);
-  if (of_partner.empty()) return;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const StoredImpulse* s = find(of_partner, contacts[k]);
-    if (!s) continue;
-    ContactRow& row = rows[k];
-    const double normal = row.normal().dot(s->impulse);
+  auto last = first;
+  while (last != stored.end() && last->partner == partner) ++last;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const Contact& c = contacts[k];
+    ContactImpulse& p = impulses[k];
+    p = {};
+    const StoredImpulse* s = find({first, last}, c);
+    const double normal = s ? c.normal.dot(s->impulse) : 0;
     if (normal <= 0) continue;
-    row.impulse = {normal, row.direction[1].dot(s->impulse), row.direction[2].dot(s->impulse)};
-    const double size = row.tangential_impulse(), limit = row.friction * normal;
-    if (size > limit) row.impulse[1] *= limit / size, row.impulse[2] *= limit / size;
+    p.normal = normal;
+    p.tangential = s->impulse - normal * c.normal;
+    const double size = p.tangential.norm(), limit = c.friction * normal;
+    if (size > limit) p.tangential *= limit / size;
   }
 }
 
-void remember_impulses(std::span<const Contact> contacts, std::span<const ContactRow> rows, BodyId partner,
-                       std::vector<StoredImpulse>& stored) {
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    if (rows[k].impulse[0] > 0)
-      stored.push_back({partner, contacts[k].image, contacts[k].feature, rows[k].impulse_W()});
+void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
+                       BodyId partner, std::vector<StoredImpulse>& stored) {
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (impulses[k].normal > 0)
+      stored.push_back(
+          {partner, contacts[k].image, contacts[k].feature, impulses[k].along(contacts[k].normal)});
 }
 
 }  // namespace silt::rigid

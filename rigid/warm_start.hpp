@@ -4,19 +4,26 @@
 #include <span>
 
 #include "rigid/body_set.hpp"
-#include "rigid/contact_pair.hpp"
 
 namespace silt::rigid {
 
-/// Sets the impulses of a pair's rows (contacts and rows in the same order, sorted by key) to those that
+/// The impulse of one contact, on b.
+struct ContactImpulse {
+  double normal = 0;
+  Vec3 tangential = Vec3::Zero();  // W
+
+  Vec3 along(const Vec3& n) const { return normal * n + tangential; }
+};
+
+/// Sets the impulses of a pair's contacts (in the order of the contacts, sorted by key) to those that
 /// `stored` holds, laid on the new normal and inside the cone. `partner`: the other body. A contact not found
 /// starts at zero. Where the pair's image changed (a body crossed a periodic side) the same feature of
 /// another image will do.
 void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact>,
-                     std::span<ContactRow>);
+                     std::span<ContactImpulse>);
 
 /// Appends the pair's impulses to what one of its bodies remembers.
-void remember_impulses(std::span<const Contact>, std::span<const ContactRow>, BodyId partner,
+void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);
 
 }  // namespace silt::rigid

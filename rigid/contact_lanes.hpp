@@ -1,0 +1,83 @@
+#pragma once
+// The data the sweeps of sffd read and write: pairs of bodies side by side, eight in a group, so that one
+// vector instruction works on all of them. In a sweep no pair sees another's result (Jacobi), so which pairs
+// share a group changes no bit. Plain arrays only: the kernels are built for several instruction sets.
+//
+// Normals run from a to b, u = v_b - v_a at the contact, impulses act on b and are reversed on a.
+#include <cstddef>
+#include <cstdint>
+
+namespace silt::rigid {
+
+inline constexpr int lane_count = 8;
+using Lanes = double[lane_count];
+
+/// A body as the sweeps see it: one cache line.
+struct alignas(64) BodyState {
+  double v[3], w[3];
+  double number;  // travels with it: before the first sweep its number of pairs, then whether it changed
+  double unused;
+};
+
+/// What the pairs of one sweep do to a body.
+struct alignas(64) BodySum {
+  double impulse[3], angular[3];
+  double changed;
+  double unused;
+};
+
+/// Which bodies: rows of the BodySet; unused lanes point one past the last row.
+struct LaneBodies {
+  std::int32_t a[lane_count], b[lane_count];
+  std::int32_t again[lane_count];  // 0: final after the first sweep
+};
+
+/// Pairs that touch in one point on the line of centres of bodies that turn alike about every axis (or do not
+/// turn): normal, friction and rotation do not mix, so one pass over the contact is exact. Spheres, mostly.
+struct alignas(64) CentralGroup {
+  Lanes normal[3];
+  Lanes normal_impulse, tangential_impulse[3];
+  Lanes target;    // least normal velocity after the step
+  Lanes friction;  // coefficient
+  Lanes inverse_k_n, inverse_k_t;
+  Lanes arm_a, arm_b;  // the contact lies at arm * normal from each centre
+  Lanes least_scale;   // impulses below are rounding
+  LaneBodies bodies;
+};
+
+/// Any other pairs, as many contacts in each lane of a group. Moments are taken about a's centre.
+struct alignas(64) BlockGroup {
+  Lanes offset[3];                                   // from b's centre to a's
+  Lanes inverse_mass;                                // of both together
+  Lanes inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
+  Lanes inverse_arm;                                 // of the furthest contact from a's centre
+  Lanes least_scale;
+  Lanes impulse[3], angular[3];  // of the last sweep, on b about a's centre
+  Lanes relative_change;         // of the last sweep; negative: not solved
+  LaneBodies bodies;
+  std::uint32_t first, count;  // of its contacts
+};
+
+struct alignas(64) BlockContact {
+  Lanes r[3];  // from a's centre
+  Lanes normal[3];
+  Lanes k_normal[3];  // velocity there by a unit normal impulse
+  Lanes normal_impulse, tangential_impulse[3];
+  Lanes target, friction, inverse_k_n, inverse_k_t;
+};
+
+// One sweep over the groups. first: every pair; else those of which a body changed. push: position
+// correction, solved less exactly. Returns the largest relative change of a pair that is not final.
+#define SILT_CONTACT_KERNELS(isa)                                                                       \
+  namespace silt::rigid::isa {                                                                          \
+  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, double tolerance, \
+                       bool first);                                                                     \
+  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, bool first,     \
+                      bool push);                                                                       \
+  }
+
+}  // namespace silt::rigid
+
+SILT_CONTACT_KERNELS(portable)
+SILT_CONTACT_KERNELS(avx2)
+SILT_CONTACT_KERNELS(avx512)

@@ -1,0 +1,211 @@
+#include "rigid/pair_lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double on_axis = 1e-12;  // sine between a contact's arm and its normal: none
+
+bool is_central(const PairToSolve& p) {
+  if (p.contacts.size() != 1 || !p.a.isotropic || !p.b.isotropic) return false;
+  const Contact& c = p.contacts[0];
+  const auto along = [&](const Vec3& r, const BodyMass& m) {
+    return !m.turns || r.cross(c.normal).squaredNorm() <= on_axis * on_axis * r.squaredNorm();
+  };
+  return along(c.r_a, p.a) && along(c.r_b, p.b);
+}
+
+void set(Lanes* lanes, int l, const Vec3& x) {
+  for (int d = 0; d < 3; ++d) lanes[d][l] = x[d];
+}
+
+void set_symmetric(Lanes* lanes, int l, const Mat3& m) {
+  lanes[0][l] = m(0, 0), lanes[1][l] = m(1, 1), lanes[2][l] = m(2, 2);
+  lanes[3][l] = m(0, 1), lanes[4][l] = m(0, 2), lanes[5][l] = m(1, 2);
+}
+
+Mat3 cross_matrix(const Vec3& a) {
+  Mat3 m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
+/// Relative velocity at the contact by a unit impulse there.
+Mat3 compliance(const PairToSolve& p, const Contact& c) {
+  const Mat3 ra = cross_matrix(c.r_a), rb = cross_matrix(c.r_b);
+  return (p.a.inverse_mass + p.b.inverse_mass) * Mat3::Identity() - ra * p.a.inverse_inertia * ra -
+         rb * p.b.inverse_inertia * rb;
+}
+
+/// The larger eigenvalue of k between directions across n, k n being k_n.
+double tangential_eigenvalue(const Mat3& k, const Vec3& n, const Vec3& k_n) {
+  const double normal = n.dot(k_n), sum = k.trace() - normal;
+  const double squares = k.squaredNorm() - 2 * k_n.squaredNorm() + normal * normal;
+  return 0.5 * (sum + std::sqrt(std::max(0.0, 2 * squares - sum * sum)));
+}
+
+}  // namespace
+
+void PairLanes::clear(std::size_t rows) {
+  rows_ = rows;
+  central_lane_ = lane_count;
+  central_.clear();
+  blocks_.clear();
+  block_contacts_.clear();
+  open_.clear();
+  block_order_.clear();
+}
+
+PairLanes::Place PairLanes::add(const PairToSolve& p) {
+  return is_central(p) ? add_central(p) : add_block(p);
+}
+
+PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
+  if (central_lane_ == lane_count) {
+    central_.push_back({});
+    for (int l = 0; l < lane_count; ++l) {
+      LaneBodies& bodies = central_.back().bodies;
+      bodies.a[l] = bodies.b[l] = static_cast<std::int32_t>(rows_);
+      central_.back().least_scale[l] = 1;
+    }
+    central_lane_ = 0;
+  }
+  CentralGroup& g = central_.back();
+  const int l = central_lane_++;
+  const Contact& c = p.contacts[0];
+  const double arm_a = c.normal.dot(c.r_a), arm_b = c.normal.dot(c.r_b);
+  const double k_n = p.a.inverse_mass + p.b.inverse_mass;
+  const double k_t =
+      k_n + arm_a * arm_a * p.a.inverse_inertia(0, 0) + arm_b * arm_b * p.b.inverse_inertia(0, 0);
+  set(g.normal, l, c.normal);
+  g.normal_impulse[l] = p.impulses[0].normal;
+  set(g.tangential_impulse, l, p.impulses[0].tangential);
+  g.target[l] = p.targets[0], g.friction[l] = c.friction;
+  g.inverse_k_n[l] = 1 / k_n, g.inverse_k_t[l] = 1 / k_t;
+  g.arm_a[l] = arm_a, g.arm_b[l] = arm_b;
+  g.least_scale[l] = p.least_scale;
+  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
+  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
+  g.bodies.again[l] = p.again;
+  return {static_cast<std::uint32_t>(central_.size() - 1), static_cast<std::uint8_t>(l), true};
+}
+
+PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
+  const std::size_t count = p.contacts.size();
+  if (open_.size() <= count) open_.resize(count + 1);
+  Open& open = open_[count];
+  if (open.lane == lane_count) {
+    open = {static_cast<std::uint32_t>(blocks_.size()), 0};
+    blocks_.push_back({});
+    BlockGroup& g = blocks_.back();
+    for (int l = 0; l < lane_count; ++l) {
+      g.bodies.a[l] = g.bodies.b[l] = static_cast<std::int32_t>(rows_);
+      g.least_scale[l] = 1;
+    }
+    g.first = static_cast<std::uint32_t>(block_contacts_.size());
+    g.count = static_cast<std::uint32_t>(count);
+    block_contacts_.resize(block_contacts_.size() + count);
+  }
+  BlockGroup& g = blocks_[open.group];
+  const int l = open.lane++;
+  const Contact& c = p.contacts[0];
+  set(g.offset, l, c.r_b - c.r_a);
+  g.inverse_mass[l] = p.a.inverse_mass + p.b.inverse_mass;
+  set_symmetric(g.inverse_inertia_a, l, p.a.inverse_inertia);
+  set_symmetric(g.inverse_inertia_b, l, p.b.inverse_inertia);
+  g.least_scale[l] = p.least_scale;
+  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
+  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
+  g.bodies.again[l] = p.again;
+  double furthest = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
+    add_block_contact(block_contacts_[g.first + k], l, p, k);
+  }
+  g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
+  block_order_.push_back({open.group, static_cast<std::uint8_t>(l), false});
+  return block_order_.back();
+}
+
+void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve& p, std::size_t k) {
+  const Contact& c = p.contacts[k];
+  const Mat3 response = compliance(p, c);
+  const Vec3 k_normal = response * c.normal;
+  set(lanes.r, l, c.r_a);
+  set(lanes.normal, l, c.normal);
+  set(lanes.k_normal, l, k_normal);
+  lanes.normal_impulse[l] = p.impulses[k].normal;
+  set(lanes.tangential_impulse, l, p.impulses[k].tangential);
+  lanes.target[l] = p.targets[k], lanes.friction[l] = c.friction;
+  lanes.inverse_k_n[l] = 1 / c.normal.dot(k_normal);
+  lanes.inverse_k_t[l] = 1 / tangential_eigenvalue(response, c.normal, k_normal);
+}
+
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, double tolerance,
+                        bool first, bool push) {
+  const auto run = [&](auto central, auto blocks) {
+    const double residual =
+        central(central_.data(), central_.size(), state.data(), sums.data(), tolerance, first);
+    return std::max(
+        residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), first, push));
+  };
+  double residual = 0;
+  switch (chosen_isa()) {
+    case Isa::avx512:
+      residual = run(avx512::sweep_central, avx512::sweep_blocks);
+      break;
+    case Isa::avx2:
+      residual = run(avx2::sweep_central, avx2::sweep_blocks);
+      break;
+    default:
+      residual = run(portable::sweep_central, portable::sweep_blocks);
+  }
+  sum_blocks(sums, tolerance);
+  return residual;
+}
+
+void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
+  for (const Place& at : block_order_) {
+    const BlockGroup& g = blocks_[at.group];
+    const int l = at.lane;
+    if (g.relative_change[l] < 0) continue;
+    const Vec3 impulse(g.impulse[0][l], g.impulse[1][l], g.impulse[2][l]);
+    const Vec3 angular(g.angular[0][l], g.angular[1][l], g.angular[2][l]);
+    const Vec3 angular_b = angular + Vec3(g.offset[0][l], g.offset[1][l], g.offset[2][l]).cross(impulse);
+    BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
+    for (int d = 0; d < 3; ++d) {
+      a.impulse[d] -= impulse[d], a.angular[d] -= angular[d];
+      b.impulse[d] += impulse[d], b.angular[d] += angular_b[d];
+    }
+    if (g.relative_change[l] > tolerance) a.changed = b.changed = 1;
+  }
+}
+
+void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) const {
+  const auto read = [&](const auto& lanes, ContactImpulse& p) {
+    p.normal = lanes.normal_impulse[at.lane];
+    for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane];
+  };
+  if (at.central) return read(central_[at.group], out[0]);
+  for (std::size_t k = 0; k < out.size(); ++k) read(block_contacts_[blocks_[at.group].first + k], out[k]);
+}
+
+void PairLanes::aim(const Place& at, std::span<const double> targets, double least_scale) {
+  const auto set_target = [&](auto& lanes, double target) {
+    lanes.target[at.lane] = target;
+    lanes.friction[at.lane] = lanes.normal_impulse[at.lane] = 0;
+    for (int d = 0; d < 3; ++d) lanes.tangential_impulse[d][at.lane] = 0;
+  };
+  if (at.central) {
+    central_[at.group].least_scale[at.lane] = least_scale;
+    return set_target(central_[at.group], targets[0]);
+  }
+  blocks_[at.group].least_scale[at.lane] = least_scale;
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    set_target(block_contacts_[blocks_[at.group].first + k], targets[k]);
+}
+
+}  // namespace silt::rigid
