@@ -1,7 +1,8 @@
 #pragma once
 // The data the sweeps of sffd read and write: pairs of bodies side by side, eight in a group, so that one
 // vector instruction works on all of them. In a sweep no pair sees another's result (Jacobi), so which pairs
-// share a group changes no bit. Plain arrays only: the kernels are built for several instruction sets.
+// share a group changes no bit. No Eigen: the kernels are built for several
+// instruction sets.
 //
 // Normals run from a to b, u = v_b - v_a at the contact, impulses act on b and are reversed on a.
 #include <cstddef>
@@ -10,7 +11,8 @@
 namespace silt::rigid {
 
 inline constexpr int lane_count = 8;
-using Lanes = double[lane_count];
+/// One number of each of eight pairs. A vector type, whatever the width of the machine's own.
+using Lanes = double __attribute__((vector_size(lane_count * sizeof(double))));
 
 /// A body as the sweeps see it: one cache line.
 struct alignas(64) BodyState {
@@ -52,6 +54,8 @@ struct alignas(64) BlockGroup {
   Lanes inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
   Lanes inverse_arm;                                 // of the furthest contact from a's centre
   Lanes least_scale;
+  Lanes inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
+  Lanes softness;              // of the trial in which all stick
   Lanes impulse[3], angular[3];  // of the last sweep, on b about a's centre
   Lanes relative_change;         // of the last sweep; negative: not solved
   LaneBodies bodies;
@@ -66,12 +70,14 @@ struct alignas(64) BlockContact {
   Lanes target, friction, inverse_k_n, inverse_k_t;
 };
 
+// prepare_blocks: once a step, after the groups are filled.
 // One sweep over the groups. first: every pair; else those of which a body changed. push: position
 // correction, solved less exactly. Returns the largest relative change of a pair that is not final.
 #define SILT_CONTACT_KERNELS(isa)                                                                       \
   namespace silt::rigid::isa {                                                                          \
   double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, double tolerance, \
                        bool first);                                                                     \
+  void prepare_blocks(BlockGroup*, std::size_t groups);                                                 \
   double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, bool first,     \
                       bool push);                                                                       \
   }

@@ -65,7 +65,7 @@ PairLanes::Place PairLanes::add(const PairToSolve& p) {
 
 PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
   if (central_lane_ == lane_count) {
-    central_.push_back({});
+    central_.emplace_back();
     for (int l = 0; l < lane_count; ++l) {
       LaneBodies& bodies = central_.back().bodies;
       bodies.a[l] = bodies.b[l] = static_cast<std::int32_t>(rows_);
@@ -99,11 +99,12 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   Open& open = open_[count];
   if (open.lane == lane_count) {
     open = {static_cast<std::uint32_t>(blocks_.size()), 0};
-    blocks_.push_back({});
+    blocks_.emplace_back();
     BlockGroup& g = blocks_.back();
     for (int l = 0; l < lane_count; ++l) {
       g.bodies.a[l] = g.bodies.b[l] = static_cast<std::int32_t>(rows_);
-      g.least_scale[l] = 1;
+      g.least_scale[l] = g.softness[l] = g.inverse_mass[l] = 1;
+      set_symmetric(g.inverse_inertia_a, l, Mat3::Identity());
     }
     g.first = static_cast<std::uint32_t>(block_contacts_.size());
     g.count = static_cast<std::uint32_t>(count);
@@ -120,11 +121,13 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
   g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
   g.bodies.again[l] = p.again;
+  constexpr double soft = 1e-5;  // relative to a contact's own compliance
   double furthest = 0;
   for (std::size_t k = 0; k < count; ++k) {
     furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
     add_block_contact(block_contacts_[g.first + k], l, p, k);
   }
+  g.softness[l] = soft / block_contacts_[g.first].inverse_k_n[l];
   g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
   block_order_.push_back({open.group, static_cast<std::uint8_t>(l), false});
   return block_order_.back();
@@ -142,6 +145,14 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
   lanes.target[l] = p.targets[k], lanes.friction[l] = c.friction;
   lanes.inverse_k_n[l] = 1 / c.normal.dot(k_normal);
   lanes.inverse_k_t[l] = 1 / tangential_eigenvalue(response, c.normal, k_normal);
+}
+
+void PairLanes::prepare() {
+  switch (chosen_isa()) {
+    case Isa::avx512: return avx512::prepare_blocks(blocks_.data(), blocks_.size());
+    case Isa::avx2: return avx2::prepare_blocks(blocks_.data(), blocks_.size());
+    default: return portable::prepare_blocks(blocks_.data(), blocks_.size());
+  }
 }
 
 double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, double tolerance,

@@ -42,6 +42,8 @@ class PairLanes {
   void clear(std::size_t rows);
   /// Call in the order of the pairs' keys.
   Place add(const PairToSolve&);
+  /// After the last pair, before the first sweep.
+  void prepare();
   /// One sweep of all pairs from the same velocities. Adds to the bodies' sums in an order that only the keys
   /// decide, and marks a body as changed where a relative change exceeds the tolerance. Returns the largest
   /// relative change of a pair that is not final.

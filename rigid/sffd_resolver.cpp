@@ -164,6 +164,7 @@ void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
                           least_scale(p),
                           again});
   }
+  lanes_.prepare();
 }
 
 /// Moves the bodies this rank owns; whether a body changed takes the place of its number of pairs.
