@@ -42,6 +42,37 @@ void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
       if (const auto n = crossed_edges(a, i, b, j)) use(*n, true);
 }
 
+/// The separations along all candidates from one table of cosines, in a's axes (Gottschalk, Lin, Manocha,
+/// SIGGRAPH 1996, section 5).
+struct AxisTable {
+  const RoundedBox &a, &b;
+  Vec3 d, d_a, d_b;     // from a to b: as it is, along the axes of a and of b
+  Mat3 cosine, extent;  // of axis i of a with axis j of b, and its size
+
+  AxisTable(const RoundedBox& first, const RoundedBox& second)
+      : a(first),
+        b(second),
+        d(b.centre - a.centre),
+        d_a(a.axes.transpose() * d),
+        d_b(b.axes.transpose() * d),
+        cosine(a.axes.transpose() * b.axes),
+        extent(cosine.cwiseAbs()) {}
+
+  double of_face_a(int i) const { return std::abs(d_a[i]) - a.half[i] - extent.row(i).dot(b.half); }
+  double of_face_b(int j) const { return std::abs(d_b[j]) - b.half[j] - extent.col(j).dot(a.half); }
+  /// Minus infinity for axes that are no edges, or parallel.
+  double of_edges(int i, int j) const {
+    if (a.half[i] <= 0 || b.half[j] <= 0) return -infinity;
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const double sine = std::sqrt(cosine(i1, j) * cosine(i1, j) + cosine(i2, j) * cosine(i2, j));
+    if (sine < parallel_sine) return -infinity;
+    const double centres = std::abs(d_a[i2] * cosine(i1, j) - d_a[i1] * cosine(i2, j));
+    const double reach_a = a.half[i1] * extent(i2, j) + a.half[i2] * extent(i1, j);
+    const double reach_b = b.half[j1] * extent(i, j2) + b.half[j2] * extent(i, j1);
+    return (centres - reach_a - reach_b) / sine;
+  }
+};
+
 /// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the
 /// distance.
 Separation point_to_core(const Vec3& x, const RoundedBox& core) {
@@ -99,14 +130,27 @@ Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
 
 }  // namespace
 
-Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b) {
-  Separation best{Vec3::UnitZ(), -infinity};
+Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b, double enough) {
+  const AxisTable table(a, b);
   const double edge_handicap = 10 * rounding * length_scale(a, b);  // of two equal axes the face's is kept
-  for_each_candidate(a, b, [&](const Vec3& n, bool crossed) {
-    const double gap = core_separation(a, b, n);
-    if (gap - (crossed ? edge_handicap : 0) > best.core_gap) best = {n, gap};
-  });
-  return best;
+  double best = -infinity;
+  Vec3 axis = Vec3::UnitZ();
+  const auto found = [&] { return Separation{axis, best > -infinity ? core_separation(a, b, axis) : best}; };
+  if (a.extent() == 3)
+    for (int i = 0; i < 3; ++i)
+      if (const double gap = table.of_face_a(i); gap > best)
+        if (best = gap, axis = oriented(a.axes.col(i), table.d); gap > enough) return found();
+  if (b.extent() == 3)
+    for (int j = 0; j < 3; ++j)
+      if (const double gap = table.of_face_b(j); gap > best)
+        if (best = gap, axis = oriented(b.axes.col(j), table.d); gap > enough) return found();
+  int edge_a = -1, edge_b = -1;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const double gap = table.of_edges(i, j) - edge_handicap; gap > best)
+        best = gap, edge_a = i, edge_b = j;
+  if (edge_a >= 0) axis = *crossed_edges(a, edge_a, b, edge_b);
+  return found();
 }
 
 Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle) {
@@ -133,7 +177,7 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
     if (s.core_gap > rounding * scale) return s;
     return extent_a + extent_b == 3 ? best_separating_axis(a, b) : touching_cores(a, b);
   }
-  const Separation axis = best_separating_axis(a, b);
+  const Separation axis = best_separating_axis(a, b, reach);
   if (axis.core_gap > reach) return {};
   const bool with_box = extent_a == 3 || extent_b == 3;
   if (with_box && axis.core_gap <= 0) return axis;

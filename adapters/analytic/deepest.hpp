@@ -1,5 +1,6 @@
 #pragma once
 // The direction in which two convex shapes are furthest apart, or least deep in each other, in closed form.
+#include <limits>
 #include <optional>
 
 #include "adapters/common/rounded_box.hpp"
@@ -22,8 +23,9 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
 
 /// The largest of the separating-axis candidates: a lower bound of the gap of the cores, and exact where they
 /// overlap and one is a box. core_gap is minus infinity for a pair without candidates (spheres, parallel
-/// capsules).
-Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b);
+/// capsules). Any face's axis with a separation above `enough` ends the search.
+Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b,
+                                double enough = std::numeric_limits<double>::infinity());
 
 /// The separating-axis candidate within `angle` (radian) of unit n, or n itself.
 Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle);
