@@ -228,7 +228,7 @@ void run(Options o) {
   against_bullet("boxes", boxes, box_plan, o.box_sweeps, out);
   const std::vector<int> counts =
       o.quick ? std::vector{1000, 3000, 10000} : std::vector{1000, 3000, 10000, 30000, 100000};
-  cost_growth(counts, 80, o.sphere_sweeps, out);
+  cost_growth(counts, 150, o.sphere_sweeps, out);
   if (!o.json.empty()) out.write(o.json);
 }
 

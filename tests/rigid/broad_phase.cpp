@@ -1,5 +1,5 @@
 // The grid against all pairs.
-#include "rigid/broad_phase.hpp"
+#include "rigid/uniform_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ struct Cloud {
   }
 
   std::vector<Key> grid() const {
-    BroadPhase broad_phase;
+    UniformGrid broad_phase;
     std::vector<CandidatePair> pairs;
     broad_phase(bodies, extent, reach, {}, pairs);
     std::vector<Key> keys;
@@ -116,7 +116,7 @@ TEST(BroadPhase, WallsAreApart) {
   cloud.bodies.insert(cloud.bodies.size(), wall);
   cloud.bodies.walls = 1;
   cloud.bodies.reindex();
-  BroadPhase broad_phase;
+  UniformGrid broad_phase;
   std::vector<CandidatePair> pairs;
   const Vec3 normal = Vec3::UnitZ();
   broad_phase(cloud.bodies, cloud.extent, cloud.reach, {&normal, 1}, pairs);
@@ -132,7 +132,7 @@ TEST(BroadPhase, WallsAreApart) {
 TEST(BroadPhase, CostGrowsLinearly) {  // in searched pairs a body: counted by time with a wide allowance
   const auto seconds = [](int count, double edge, double large, int large_ones) {
     Cloud cloud(count, Vec3::Constant(edge), {true, true, true}, 0.5, large, large_ones, 5);
-    BroadPhase broad_phase;
+    UniformGrid broad_phase;
     std::vector<CandidatePair> pairs;
     broad_phase(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
     const auto start = std::chrono::steady_clock::now();
