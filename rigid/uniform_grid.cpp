@@ -40,7 +40,7 @@ void UniformGrid::build_levels(const Surroundings& around) {
     Level level;
     level.rows = std::move(members[k]);
     for (int d = 0; d < 3; ++d) {
-      const double wanted = 2 * largest[k] * (1 + 1e-12);
+      const double wanted = largest[k] > 0 ? 2 * largest[k] * (1 + 1e-12) : 1.0;
       level.cells[d] = extent.periodic[d]
                            ? static_cast<std::int32_t>(std::max(1.0, std::floor(extent.size[d] / wanted)))
                            : 0;

@@ -189,7 +189,7 @@ void cost_growth(const std::vector<int>& counts, int settle, int sweeps, Figures
 
 struct Options {
   bool quick = false, scan = false;
-  int sphere_sweeps = 4, box_sweeps = 4;
+  int sphere_sweeps = 8, box_sweeps = 12;
   std::string json;
 };
 
