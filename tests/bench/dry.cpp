@@ -187,49 +187,33 @@ void cost_growth(const std::vector<int>& counts, int settle, int sweeps, Figures
   if (counts.back() == 100000) out.figures["dry.cost_growth"] = median(growth);
 }
 
-struct Options {
-  bool quick = false, scan = false;
-  int sphere_sweeps = 8, box_sweeps = 12;
-  std::string json;
+/// Sweeps that overlap no more than Bullet (found by --scan; the run says if that is so no longer).
+struct Sweeps {
+  int spheres = 8, boxes = 12;
 };
 
-Options options_of(int argc, char** argv) {
-  Options o;
-  for (int i = 1; i < argc; ++i) {
-    const std::string a = argv[i];
-    const bool more = i + 1 < argc;
-    if (a == "--quick")
-      o.quick = true;
-    else if (a == "--scan")
-      o.scan = true;
-    else if (a == "--sweeps" && more)
-      o.sphere_sweeps = o.box_sweeps = std::stoi(argv[++i]);
-    else if (a == "--json" && more)
-      o.json = argv[++i];
-    else
-      throw std::invalid_argument(
-          "usage: bench dry [--quick] [--scan | --sweeps K] [--json FILE]\n"
-          "--scan looks for the fewest sweeps that overlap no more than Bullet");
-  }
-  return o;
-}
-
-void run(Options o) {
+void run(const Options& o) {
+  const bool scan = o.others == std::vector<std::string>{"--scan"};
+  if (!scan && !o.others.empty())
+    throw std::invalid_argument("unknown option " + o.others[0] +
+                                "; known: --quick, --json FILE, and --scan, which "
+                                "looks for the fewest sweeps that overlap no more than Bullet");
+  Sweeps sweeps;
   const Bed spheres = loose_spheres(o.quick ? 2000 : 10000, o.quick ? 12 : 22, 0.04, 0.06);
   const Bed boxes = loose_boxes(o.quick ? 400 : 2000, o.quick ? 9 : 20);
   const Plan sphere_plan{o.quick ? 400 : 700, o.quick ? 5 : 11, 10},
       box_plan{o.quick ? 400 : 500, o.quick ? 5 : 11, 10};
-  if (o.scan) {
-    o.sphere_sweeps = fewest_sweeps("spheres", spheres, sphere_plan);
-    o.box_sweeps = fewest_sweeps("boxes", boxes, box_plan);
+  if (scan) {
+    sweeps.spheres = fewest_sweeps("spheres", spheres, sphere_plan);
+    sweeps.boxes = fewest_sweeps("boxes", boxes, box_plan);
   }
   Figures out;
-  against_bullet("spheres", spheres, sphere_plan, o.sphere_sweeps, out);
-  against_bullet("boxes", boxes, box_plan, o.box_sweeps, out);
+  against_bullet("spheres", spheres, sphere_plan, sweeps.spheres, out);
+  against_bullet("boxes", boxes, box_plan, sweeps.boxes, out);
   const std::vector<int> counts =
       o.quick ? std::vector{1000, 3000, 10000} : std::vector{1000, 3000, 10000, 30000, 100000};
-  cost_growth(counts, 150, o.sphere_sweeps, out);
-  if (!o.json.empty()) out.write(o.json);
+  cost_growth(counts, 150, sweeps.spheres, out);
+  out.write(o.json);
 }
 
 }  // namespace
