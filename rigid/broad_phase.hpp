@@ -17,6 +17,12 @@ struct CandidatePair {
   Image image;               // of b, relative to the canonical position of a
 };
 
+/// a seen from b, where `image` is that of b seen from a.
+inline Image opposite(Image image) {
+  return {static_cast<std::int8_t>(-image.x), static_cast<std::int8_t>(-image.y),
+          static_cast<std::int8_t>(-image.z)};
+}
+
 /// How far a body's surface may travel, and from where.
 struct Reach {
   double radius;  // of the bounding sphere
@@ -34,17 +40,17 @@ struct Surroundings {
   /// The pair of two bodies, `image` being that of `other` seen from `row`, in id order.
   CandidatePair in_order(std::size_t row, std::size_t other, Image image) const {
     if (bodies.id[row] < bodies.id[other]) return {row, other, image};
-    return {other, row,
-            Image{static_cast<std::int8_t>(-image.x), static_cast<std::int8_t>(-image.y),
-                  static_cast<std::int8_t>(-image.z)}};
+    return {other, row, opposite(image)};
   }
   /// One of them is free, and their bounding spheres are no further apart than both margins. Rounds alike
   /// whoever asks.
   bool meet(const CandidatePair& p) const {
     if (!bodies.is_free(p.row_a) && !bodies.is_free(p.row_b)) return false;
     const double range = reach[p.row_a].sum() + reach[p.row_b].sum();
-    const Vec3 apart = bodies.position[p.row_b] + extent.shift(p.image) - bodies.position[p.row_a];
-    return apart.squaredNorm() <= range * range;
+    return near(bodies.position[p.row_a], bodies.position[p.row_b], p.image, range);
+  }
+  bool near(const Vec3& a, const Vec3& b, Image of_b, double range) const {
+    return (b + extent.shift(of_b) - a).squaredNorm() <= range * range;
   }
 };
 
