@@ -55,7 +55,7 @@ struct CouplingSpec {
 };
 
 struct ContactSpec {
-  std::string backend = "auto", resolver = "sffd";
+  std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
   rigid::ResolverSettings resolver_settings;
   int substeps = 1;
   double margin = 1.0;

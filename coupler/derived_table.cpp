@@ -166,6 +166,7 @@ void add_bodies(const Case& scene, Table& table) {
   const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
   table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / cells));
   table.line("collision backend", scene.contacts.backend);
+  table.line("broad phase", scene.contacts.broad_phase);
   table.line("contact resolver", scene.contacts.resolver);
 }
 

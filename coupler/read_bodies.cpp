@@ -199,6 +199,7 @@ void read_contacts(TableReader& root, Case& scene) {
   if (table.present()) {
     ContactSpec& c = scene.contacts;
     c.backend = table.choice("backend", {"auto", "analytic", "bullet", "fcl"}).value_or(c.backend);
+    c.broad_phase = table.choice("broad_phase", {"auto", "grid", "bullet", "fcl"}).value_or(c.broad_phase);
     c.resolver = table.choice("resolver", {"sffd", "ffd"}).value_or(c.resolver);
     standard.restitution = table.number("restitution", unit_interval).value_or(0);
     standard.friction = table.number("friction", range::at_least(0)).value_or(0);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "adapters/hdf5/together.hpp"
 #include "coupler/build_info.hpp"
@@ -252,6 +253,7 @@ void require_buildable(const Case& scene, MPI_Comm comm) {
   MPI_Comm_size(comm, &ranks);
   make_domain(scene, ranks);
   adapters::make_backend(scene.contacts.backend);
+  adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
 }
 
 Prepared prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/fill.hpp"
 #include "rigid/walls.hpp"
@@ -106,7 +107,9 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
     resolver = rigid::make_resolver(setup.contacts.resolver, setup.contacts.resolver_settings);
-    rigid_step = std::make_unique<rigid::RigidStep>(world, *backend, *resolver, *exchange);
+    rigid_step = std::make_unique<rigid::RigidStep>(
+        world, *backend, *resolver, *exchange,
+        adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
   if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
 }

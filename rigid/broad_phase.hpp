@@ -1,8 +1,10 @@
 #pragma once
-// Pairs of bodies whose bounding spheres come close: uniform grids, one for each power of two of the radius,
-// so that a few large bodies among many small ones cost the small ones nothing. Canonical positions; through
-// a periodic side a body meets the images of others (but never its own), through each side separately.
+// Which bodies come close enough to be looked at: pairs of bodies whose bounding spheres nearly touch, and
+// bodies near a wall. Canonical positions; through a periodic side a body meets the images of others (but
+// never its own), through each side separately. What is a pair is decided here, to the bit, so that the ways
+// to find them (rigid/uniform_grid, the trees of the engines in adapters/) can be swapped freely.
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "rigid/body_exchange.hpp"
@@ -15,42 +17,61 @@ struct CandidatePair {
   Image image;               // of b, relative to the canonical position of a
 };
 
+/// a seen from b, where `image` is that of b seen from a.
+inline Image opposite(Image image) {
+  return {static_cast<std::int8_t>(-image.x), static_cast<std::int8_t>(-image.y),
+          static_cast<std::int8_t>(-image.z)};
+}
+
 /// How far a body's surface may travel, and from where.
 struct Reach {
   double radius;  // of the bounding sphere
   double margin;  // largest gap at which it may take part in a contact
+  double sum() const { return radius + margin; }
 };
 
-/// Fills pairs with every (a, b, image) of which at least one is free and whose bounding spheres are no
-/// further apart than both margins; sorted by (id a, id b, image), each once. A wall (HalfSpace among the
-/// last rows, given by its outward normal through its position) is near if the sphere's distance to it is
-/// within the margin. reach: one a row (unused for walls). wall_normals: one a wall row.
+/// Of the bodies at hand, without the walls.
+struct Surroundings {
+  const BodySet& bodies;
+  const Extent& extent;
+  std::span<const Reach> reach;  // one a row
+
+  std::size_t size() const { return bodies.first_wall(); }
+  /// The pair of two bodies, `image` being that of `other` seen from `row`, in id order.
+  CandidatePair in_order(std::size_t row, std::size_t other, Image image) const {
+    if (bodies.id[row] < bodies.id[other]) return {row, other, image};
+    return {other, row, opposite(image)};
+  }
+  /// One of them is free, and their bounding spheres are no further apart than both margins. Rounds alike
+  /// whoever asks.
+  bool meet(const CandidatePair& p) const {
+    if (!bodies.is_free(p.row_a) && !bodies.is_free(p.row_b)) return false;
+    const double range = reach[p.row_a].sum() + reach[p.row_b].sum();
+    return near(bodies.position[p.row_a], bodies.position[p.row_b], p.image, range);
+  }
+  bool near(const Vec3& a, const Vec3& b, Image of_b, double range) const {
+    return (b + extent.shift(of_b) - a).squaredNorm() <= range * range;
+  }
+};
+
 class BroadPhase {
  public:
+  virtual ~BroadPhase() = default;
+  virtual std::string_view name() const = 0;
+  /// Fills pairs with every (a, b, image) that meet; sorted by (id a, id b, image), each once. A wall
+  /// (HalfSpace among the last rows, given by its outward normal through its position) is near if the
+  /// distance of a free body's bounding sphere to it is within the margin. reach: one a row (unused for
+  /// walls). wall_normals: one a wall row. A function of its arguments alone, whatever is kept from call to
+  /// call.
   void operator()(const BodySet&, const Extent&, std::span<const Reach> reach,
                   std::span<const Vec3> wall_normals, std::vector<CandidatePair>& pairs);
 
  private:
-  struct Level;
-  void build_levels(const BodySet&, const Extent&, std::span<const Reach>);
-  void search(const BodySet&, const Extent&, std::span<const Reach>, std::size_t row, const Level&,
-              bool same_level);
-  void search_walls(const BodySet&, std::span<const Reach>, std::span<const Vec3> wall_normals);
+  /// Appends the pairs of bodies that meet, each once, in any order. Called with one body at least.
+  virtual void find_pairs(const Surroundings&, std::vector<CandidatePair>& found) = 0;
+  void find_walls(const BodySet&, std::span<const Reach>, std::span<const Vec3> wall_normals);
   void sort_into(const BodySet&, std::vector<CandidatePair>& pairs);
 
-  struct Entry {
-    std::array<std::int32_t, 3> cell;
-    std::uint32_t row;
-  };
-  struct Level {
-    std::array<double, 3> width;        // of a cell
-    std::array<std::int32_t, 3> cells;  // along periodic axes; 0 along others: unbounded
-    std::uint32_t mask = 0;             // buckets - 1
-    std::vector<std::uint32_t> first;   // of each bucket in entries, one more at the end
-    std::vector<Entry> entries;         // by bucket
-    std::vector<std::uint32_t> rows;    // of this size
-  };
-  std::vector<Level> levels_;  // small bodies first
   std::vector<CandidatePair> found_;
   std::vector<std::uint32_t> order_, rank_, start_;
 };

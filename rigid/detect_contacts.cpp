@@ -29,6 +29,9 @@ std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std::uint32
 
 }  // namespace
 
+DetectContacts::DetectContacts(std::unique_ptr<BroadPhase> broad_phase)
+    : broad_phase_(std::move(broad_phase)) {}
+
 void DetectContacts::learn_shapes(const World& world) {
   for (std::size_t s = shapes_.size(); s < world.shapes.size(); ++s) {
     ShapeParts known;
@@ -125,7 +128,7 @@ std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies
   contacts.clear();
   learn_shapes(world);
   set_reach(world, bodies, dt);
-  broad_phase_(bodies, exchange.extent(), reach_, wall_normals_, pairs_);
+  (*broad_phase_)(bodies, exchange.extent(), reach_, wall_normals_, pairs_);
   for (const CandidatePair& p : pairs_) {
     const double margin = pair_margin(world, bodies, p, dt);
     if (!is_wall(bodies.id[p.row_b])) {  // the broad phase knew only each body's own speed

@@ -1,11 +1,12 @@
 #pragma once
 // Lines 7 to 12 of Algorithm 1: which bodies touch, or may touch before the step is over, and where.
+#include <memory>
 #include <vector>
 
 #include "rigid/body_exchange.hpp"
-#include "rigid/broad_phase.hpp"
 #include "rigid/collision_backend.hpp"
 #include "rigid/contact.hpp"
+#include "rigid/uniform_grid.hpp"
 #include "rigid/world.hpp"
 
 namespace silt::rigid {
@@ -14,6 +15,7 @@ namespace silt::rigid {
 /// alone, and is the same whichever rank finds a contact.
 class DetectContacts {
  public:
+  explicit DetectContacts(std::unique_ptr<BroadPhase> = std::make_unique<UniformGrid>());
   /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
   /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
   /// in dt, at most world.contact_margin. Returns the number of candidate pairs.
@@ -35,7 +37,7 @@ class DetectContacts {
                    const Pose& pose_b, double margin) const;
 
   std::vector<ShapeParts> shapes_;
-  BroadPhase broad_phase_;
+  std::unique_ptr<BroadPhase> broad_phase_;
   std::vector<Reach> reach_;
   std::vector<double> turn_;  // how far rotation moves a body's surface in the step
   std::vector<Vec3> wall_normals_;

@@ -54,8 +54,12 @@ void add(RigidStepReport& sum, const RigidStepReport& one) {
 }  // namespace
 
 RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResolver& resolver,
-                     BodyExchange& exchange)
-    : world_(world), backend_(backend), resolver_(resolver), exchange_(exchange) {}
+                     BodyExchange& exchange, std::unique_ptr<BroadPhase> broad_phase)
+    : world_(world),
+      backend_(backend),
+      resolver_(resolver),
+      exchange_(exchange),
+      detect_contacts_(std::move(broad_phase)) {}
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
   Stopwatch watch;

@@ -22,7 +22,8 @@ struct RigidStepReport {
 
 class RigidStep {
  public:
-  RigidStep(const World&, CollisionBackend&, ContactResolver&, BodyExchange&);
+  RigidStep(const World&, CollisionBackend&, ContactResolver&, BodyExchange&,
+            std::unique_ptr<BroadPhase> = std::make_unique<UniformGrid>());
   /// Advances every body by dt (1 / substeps of a fluid step); forces are consumed and cleared. Keeps the
   /// order of Algorithm 1 but for the velocity half of lines 2-5, which waits until line 13 is done: rows
   /// change at the synchronisations, and detection works with the velocities before the kick.

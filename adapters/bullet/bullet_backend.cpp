@@ -1,4 +1,4 @@
-// The only translation unit that sees Bullet's headers.
+// The narrow phase; only files of this folder see Bullet's headers.
 #include "adapters/bullet/bullet_backend.hpp"
 
 #include <btBulletCollisionCommon.h>
@@ -176,10 +176,12 @@ class BulletBackend : public EngineBackend {
   btCollisionWorld world_;
 };
 
+}  // namespace
+
 /// Debian ships Bullet twice, in float and in double, and a mix of the two links without complaint and
 /// computes rubbish. The hull's constructor has a name that holds the type of its numbers, so the wrong
 /// library does not resolve it; the box that comes back through a virtual call must be the box that went in.
-void check_precision() {
+void check_bullet_precision() {
   const btScalar corners[] = {1.0 / 3, 0, 0, 0, 0, 0, 2.0 / 3, 0, 0, 1e9 + 1.0 / 3, 0, 0};
   btConvexHullShape hull(corners, 3, 4 * sizeof(btScalar));
   hull.setMargin(0);
@@ -198,10 +200,8 @@ void check_precision() {
         "against: install libbullet3.24 and remove other builds of Bullet from the library path");
 }
 
-}  // namespace
-
 std::unique_ptr<rigid::CollisionBackend> make_bullet_backend() {
-  check_precision();
+  check_bullet_precision();
   return std::make_unique<BulletBackend>();
 }
 

@@ -1,4 +1,4 @@
-// The only translation unit that sees FCL's headers. FCL keeps its asserts, which end the process: so no
+// The narrow phase; only files of this folder see FCL's headers. FCL keeps its asserts, which end the process: so no
 // signed distance (it asserts where shapes nearly touch) and no distance to a half-space.
 #include "adapters/fcl/fcl_backend.hpp"
 

@@ -127,6 +127,7 @@ force = "exact"
 pressure_anchor = false
 [contacts]
 backend = "fcl"
+broad_phase = "bullet"
 resolver = "ffd"
 restitution = 0.9
 friction = 0.3
@@ -160,6 +161,7 @@ axis = "x"
   EXPECT_EQ(scene.coupling.force, ForceForm::exact);
   EXPECT_FALSE(scene.coupling.pressure_anchor);
   EXPECT_EQ(scene.contacts.backend, "fcl");
+  EXPECT_EQ(scene.contacts.broad_phase, "bullet");
   EXPECT_EQ(scene.contacts.resolver, "ffd");
   EXPECT_EQ(scene.contacts.resolver_settings.max_sweeps, 8);
   EXPECT_EQ(scene.contacts.substeps, 4);

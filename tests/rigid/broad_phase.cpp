@@ -1,5 +1,4 @@
-// The grid against all pairs.
-#include "rigid/broad_phase.hpp"
+// Every broad phase against all pairs.
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,8 @@
 #include <map>
 #include <random>
 #include <set>
+
+#include "adapters/automatic/broad_phase_factory.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -60,8 +61,7 @@ struct Cloud {
     return found;
   }
 
-  std::vector<Key> grid() const {
-    BroadPhase broad_phase;
+  std::vector<Key> found_by(BroadPhase& broad_phase) const {
     std::vector<CandidatePair> pairs;
     broad_phase(bodies, extent, reach, {}, pairs);
     std::vector<Key> keys;
@@ -70,22 +70,27 @@ struct Cloud {
   }
 };
 
-void expect_equal_to_brute(const Cloud& cloud, std::size_t least) {
-  const std::vector<Key> keys = cloud.grid();
-  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
-  const std::set<Key> unique(keys.begin(), keys.end());
-  EXPECT_EQ(unique.size(), keys.size()) << "duplicates";
-  EXPECT_EQ(unique, cloud.brute());
-  EXPECT_GE(keys.size(), least);
-}
+class BroadPhases : public ::testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<BroadPhase> broad_phase = adapters::make_broad_phase(GetParam());
 
-TEST(BroadPhase, AgainstAllPairs) {
+  void expect_equal_to_brute(const Cloud& cloud, std::size_t least) {
+    const std::vector<Key> keys = cloud.found_by(*broad_phase);
+    EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+    const std::set<Key> unique(keys.begin(), keys.end());
+    EXPECT_EQ(unique.size(), keys.size()) << "duplicates";
+    EXPECT_EQ(unique, cloud.brute());
+    EXPECT_GE(keys.size(), least);
+  }
+};
+
+TEST_P(BroadPhases, AgainstAllPairs) {
   for (int mask = 0; mask < 8; ++mask)
     expect_equal_to_brute(
         Cloud(300, {10, 8, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.5, 0.5, 0, mask), 100);
 }
 
-TEST(BroadPhase, DomainsOfOneToThreeCells) {
+TEST_P(BroadPhases, DomainsOfOneToThreeCells) {
   for (double size : {1.15, 1.7, 2.3, 3.4, 4.5})  // cells of about 1.1
     for (int mask = 1; mask < 8; ++mask)
       expect_equal_to_brute(Cloud(40, {size, 2 * size, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)},
@@ -93,22 +98,22 @@ TEST(BroadPhase, DomainsOfOneToThreeCells) {
                             1);
 }
 
-TEST(BroadPhase, APairMeetsThroughSeveralImages) {
+TEST_P(BroadPhases, APairMeetsThroughSeveralImages) {
   Cloud cloud(2, {1, 50, 50}, {true, false, false}, 0.4, 0, 0, 1);
   cloud.bodies.position = {Vec3(0.2, 25, 25), Vec3(0.7, 25, 25)};
   cloud.bodies.motion = {Motion::free, Motion::free};
-  const std::vector<Key> keys = cloud.grid();
+  const std::vector<Key> keys = cloud.found_by(*broad_phase);
   ASSERT_EQ(keys.size(), 2u);
   EXPECT_EQ(std::get<2>(keys[0]), (Image{-1, 0, 0}));
   EXPECT_EQ(std::get<2>(keys[1]), (Image{0, 0, 0}));
 }
 
-TEST(BroadPhase, MixedSizes) {
+TEST_P(BroadPhases, MixedSizes) {
   expect_equal_to_brute(Cloud(600, {20, 20, 20}, {true, true, true}, 0.3, 4, 5, 9), 100);
   expect_equal_to_brute(Cloud(400, {20, 20, 20}, {true, false, true}, 0.05, 6, 3, 10), 100);
 }
 
-TEST(BroadPhase, WallsAreApart) {
+TEST_P(BroadPhases, WallsAreApart) {
   Cloud cloud(50, {10, 10, 2}, {true, true, false}, 0.5, 0.5, 0, 2);
   BodyRecord wall;
   wall.id = first_wall_id + 4;
@@ -116,10 +121,9 @@ TEST(BroadPhase, WallsAreApart) {
   cloud.bodies.insert(cloud.bodies.size(), wall);
   cloud.bodies.walls = 1;
   cloud.bodies.reindex();
-  BroadPhase broad_phase;
   std::vector<CandidatePair> pairs;
   const Vec3 normal = Vec3::UnitZ();
-  broad_phase(cloud.bodies, cloud.extent, cloud.reach, {&normal, 1}, pairs);
+  (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {&normal, 1}, pairs);
   std::size_t walls = 0, expected = 0;
   for (const CandidatePair& p : pairs) walls += p.row_b == 50;
   for (std::size_t row = 0; row < 50; ++row)
@@ -129,19 +133,110 @@ TEST(BroadPhase, WallsAreApart) {
   EXPECT_GT(walls, 0u);
 }
 
-TEST(BroadPhase, CostGrowsLinearly) {  // in searched pairs a body: counted by time with a wide allowance
-  const auto seconds = [](int count, double edge, double large, int large_ones) {
+TEST_P(BroadPhases, CostGrowsLinearly) {  // in searched pairs a body: counted by time with a wide allowance
+  const auto seconds = [name = GetParam()](int count, double edge, double large, int large_ones) {
     Cloud cloud(count, Vec3::Constant(edge), {true, true, true}, 0.5, large, large_ones, 5);
-    BroadPhase broad_phase;
+    const auto broad_phase = adapters::make_broad_phase(name);
     std::vector<CandidatePair> pairs;
-    broad_phase(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
+    (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
     const auto start = std::chrono::steady_clock::now();
-    broad_phase(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
+    (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   const double small = seconds(4000, 22, 0.5, 0), big = seconds(32000, 44, 0.5, 0);
   EXPECT_LT(big / small, 8 * 3.0);
   EXPECT_LT(seconds(32000, 44, 10, 4) / big, 4.0) << "a few large bodies make the small ones slow";
+}
+
+TEST_P(BroadPhases, SizesAThousandTimesApart) {
+  expect_equal_to_brute(Cloud(400, {20, 20, 20}, {true, true, false}, 0.01, 10, 2, 11), 100);
+}
+
+TEST_P(BroadPhases, OneBodyHasNoPartner) {
+  for (const double radius : {0.1, 0.9})  // the larger one would meet its own image
+    EXPECT_TRUE(Cloud(1, {1, 1, 1}, {true, true, true}, radius, 0, 0, 3).found_by(*broad_phase).empty());
+}
+
+TEST_P(BroadPhases, NoBodies) {
+  EXPECT_TRUE(Cloud(0, {1, 1, 1}, {true, false, true}, 0.1, 0, 0, 3).found_by(*broad_phase).empty());
+}
+
+TEST_P(BroadPhases, AllAtOnePlace) {
+  Cloud cloud(120, {5, 5, 5}, {true, true, true}, 0.4, 0, 0, 4);
+  for (Vec3& x : cloud.bodies.position) x = Vec3(0.1, 4.9, 2);
+  expect_equal_to_brute(cloud, 5000);
+  for (Reach& r : cloud.reach) r = {0, 0};  // points that coincide
+  expect_equal_to_brute(cloud, 5000);
+}
+
+TEST_P(BroadPhases, TouchingToTheLastBits) {
+  Cloud cloud(2, {10, 10, 10}, {true, false, false}, 1, 0, 0, 4);
+  cloud.bodies.motion = {Motion::free, Motion::free};
+  cloud.reach = {{0.75, 0.25}, {0.5, 0.5}};
+  for (const double from : {2.0, 9.0}) {  // the second time through the periodic side
+    const double to = from == 2 ? 4 : 1;
+    cloud.bodies.position = {Vec3(from, 5, 5), Vec3(to, 5, 5)};
+    EXPECT_EQ(cloud.found_by(*broad_phase).size(), 1u);
+    cloud.bodies.position[1][0] = to + 4e-15;  // two units in the last place of 11
+    EXPECT_EQ(cloud.found_by(*broad_phase).size(), 0u);
+  }
+}
+
+/// Bodies that move through periodic sides, now and then far, grow, shrink, come and go.
+TEST_P(BroadPhases, FollowsBodiesOverManySteps) {
+  std::mt19937 g(7);
+  std::normal_distribution<> normal;
+  for (const std::array<bool, 3> periodic : {std::array{true, true, true}, std::array{false, true, false}}) {
+    Cloud all(250, {9, 8, 7}, periodic, 0.4, 2, 2, 21);
+    for (int step = 0; step < 100; ++step) {
+      for (std::size_t row = 0; row < all.bodies.size(); ++row) {
+        Vec3& x = all.bodies.position[row];
+        const double stride = g() % 50 ? 0.02 : 3;
+        x += stride * Vec3(normal(g), normal(g), normal(g));
+        std::array<std::int32_t, 3> image{};
+        all.extent.wrap(x, image);
+        all.reach[row].margin = 0.1 * all.reach[row].radius * (g() % 8);
+      }
+      Cloud here = all;  // without some of them, others from step to step
+      for (std::size_t row = here.bodies.owned; row-- > 0;)
+        if ((here.bodies.id[row] + step / 5) % 7 == 0) {
+          here.bodies.erase(row);
+          --here.bodies.owned;
+          here.reach.erase(here.reach.begin() + row);
+        }
+      here.bodies.reindex();
+      expect_equal_to_brute(here, 50);
+      if (HasFailure()) FAIL() << "in step " << step;
+    }
+  }
+}
+
+/// What was there before must not show.
+TEST_P(BroadPhases, KeepsNothingThatShows) {
+  const Cloud before(300, {10, 8, 6}, {true, false, true}, 0.7, 2, 3, 30);
+  const Cloud after(200, {10, 8, 6}, {true, false, true}, 0.4, 3, 2, 31);
+  before.found_by(*broad_phase);
+  Cloud(0, {1, 1, 1}, {}, 0.1, 0, 0, 3).found_by(*broad_phase);
+  EXPECT_EQ(after.found_by(*broad_phase), after.found_by(*adapters::make_broad_phase("grid")));
+}
+
+INSTANTIATE_TEST_SUITE_P(BroadPhase, BroadPhases, ::testing::Values("grid", "bullet", "fcl"),
+                         [](const auto& info) { return info.param; });
+
+TEST(BroadPhaseFactory, KnowsTheNamesAndTakesTheBackendsOwn) {
+  const auto names = adapters::broad_phase_names();
+  EXPECT_EQ(names, (std::vector<std::string_view>{"auto", "grid", "bullet", "fcl"}));
+  for (const auto name : names)
+    EXPECT_EQ(adapters::make_broad_phase(name, "fcl")->name(), name == "auto" ? "fcl" : name);
+  for (const auto& [backend, own] : {std::pair("auto", "grid"), std::pair("analytic", "grid"),
+                                     std::pair("bullet", "bullet"), std::pair("fcl", "fcl")})
+    EXPECT_EQ(adapters::make_broad_phase("auto", backend)->name(), own);
+  try {
+    adapters::make_broad_phase("gird");
+    FAIL();
+  } catch (const std::invalid_argument& e) {
+    EXPECT_STREQ(e.what(), "unknown broad phase \"gird\"; known: auto, grid, bullet, fcl");
+  }
 }
 
 }  // namespace

@@ -97,7 +97,8 @@ Outcome on_ranks(const char* resolver, int ranks, int steps) {
       Scene s = tumble(rank);
       testing::ThreadedExchange exchange(s.extent, s.world, memory, rank);
       const auto law = make_resolver(resolver, s.settings);
-      RigidStep step(s.world, *s.backend, *law, exchange);
+      RigidStep step(s.world, *s.backend, *law, exchange,
+                     adapters::make_broad_phase(testing::broad_phase_name));
       if (rank != 0) {  // rank 0 hands them out
         while (s.bodies.first_wall() > 0) s.bodies.erase(0);
         s.bodies.owned = 0;
@@ -158,6 +159,15 @@ TEST(Determinism, NumberOfRanksDoesNotMatter) {
 TEST(Determinism, ClassicFfdToo) {
   const Outcome reference = on_one_rank("ffd", 1, 200);
   for (int ranks : {2, 3}) expect_same(reference, on_ranks("ffd", ranks, 200));
+}
+
+TEST(Determinism, TheBroadPhaseDoesNotShow) {
+  const Outcome reference = on_one_rank("sffd", 1, 200);
+  for (const char* name : {"bullet", "fcl"}) {
+    testing::broad_phase_name = name;
+    for (int ranks : {1, 3}) expect_same(reference, on_ranks("sffd", ranks, 200));
+    testing::broad_phase_name = "auto";
+  }
 }
 
 }  // namespace

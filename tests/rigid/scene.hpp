@@ -2,6 +2,7 @@
 // What the tests of rigid/ share: a small world, bodies put into it, and steps.
 #include <memory>
 
+#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/walls.hpp"
@@ -10,6 +11,8 @@ namespace silt::rigid::testing {
 
 /// The collision backend of the scenes made from now on.
 inline const char* backend_name = "analytic";
+/// Their broad phase.
+inline const char* broad_phase_name = "auto";
 
 struct Scene {
   World world;
@@ -64,7 +67,8 @@ struct Scene {
   void start(std::string_view name = "sffd") {
     resolver = make_resolver(name, settings);
     exchange = std::make_unique<BodyExchange>(extent);
-    step = std::make_unique<RigidStep>(world, *backend, *resolver, *exchange);
+    step = std::make_unique<RigidStep>(world, *backend, *resolver, *exchange,
+                                       adapters::make_broad_phase(broad_phase_name));
   }
   void run(int steps, double dt = 1e-3) {
     for (int i = 0; i < steps; ++i) {

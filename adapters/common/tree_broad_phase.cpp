@@ -1,0 +1,130 @@
+#include "adapters/common/tree_broad_phase.hpp"
+
+#include <algorithm>
+
+namespace silt::adapters {
+
+using rigid::Image;
+using rigid::Vec3;
+
+namespace {
+
+/// How far a body may move before its leaf does, relative to its reach. More makes more pairs to look at.
+constexpr double slack = 0.05;
+/// Of coordinates, relative: a cube must not miss by rounding what `meet` finds.
+constexpr double rounding = 1e-14;
+
+/// Every direction and its opposite are the same pair seen from either body: these are half of the 26.
+std::vector<Image> half_of_images(const rigid::Extent& extent) {
+  std::vector<Image> images;
+  const auto range = [&](int d) -> std::int8_t { return extent.periodic[d] ? 1 : 0; };
+  for (std::int8_t x = -range(0); x <= range(0); ++x)
+    for (std::int8_t y = -range(1); y <= range(1); ++y)
+      for (std::int8_t z = -range(2); z <= range(2); ++z)
+        if (const Image image{x, y, z}; image > Image{}) images.push_back(image);
+  return images;
+}
+
+/// The box around all cubes.
+struct Bounds {
+  Vec3 lower = Vec3::Constant(1e300), upper = Vec3::Constant(-1e300);
+
+  template <class Cube>
+  void add(const Cube& c) {
+    lower = lower.cwiseMin(c.centre - Vec3::Constant(c.half_edge));
+    upper = upper.cwiseMax(c.centre + Vec3::Constant(c.half_edge));
+  }
+  template <class Cube>
+  bool overlap(const Cube& c) const {
+    return ((c.centre.array() + c.half_edge) >= lower.array()).all() &&
+           ((c.centre.array() - c.half_edge) <= upper.array()).all();
+  }
+};
+
+}  // namespace
+
+TreeBroadPhase::Leaf TreeBroadPhase::leaf_of(rigid::BodyId id, std::size_t row) {
+  if (row < by_row_.size() && leaves_[by_row_[row]].id == id) return by_row_[row];
+  const auto [at, is_new] = by_id_.try_emplace(id, 0);
+  if (!is_new) return at->second;
+  if (free_.empty()) {
+    free_.push_back(static_cast<Leaf>(leaves_.size()));
+    leaves_.emplace_back();
+  }
+  at->second = free_.back();
+  free_.pop_back();
+  leaves_[at->second] = {id, row, {}, 0};
+  return at->second;
+}
+
+/// Leaves for the bodies that are here now, where they are now.
+void TreeBroadPhase::follow(const rigid::Surroundings& around) {
+  ++step_;
+  reach_.resize(around.size());
+  std::vector<Leaf> by_row(around.size());
+  for (std::size_t row = 0; row < around.size(); ++row) {
+    const Vec3& x = around.bodies.position[row];
+    const double tight = around.reach[row].sum();
+    const double half_edge =
+        tight + rounding * (tight + x.lpNorm<Eigen::Infinity>() + around.extent.size.maxCoeff());
+    reach_[row] = {x, half_edge};
+    by_row[row] = leaf_of(around.bodies.id[row], row);
+    Known& leaf = leaves_[by_row[row]];
+    leaf.row = row;
+    const double spare = leaf.cube.half_edge - half_edge;
+    if (leaf.seen == 0 || (x - leaf.cube.centre).lpNorm<Eigen::Infinity>() > spare ||
+        spare > 4 * slack * half_edge) {
+      leaf.cube = {x, (1 + slack) * half_edge};
+      place(by_row[row], leaf.cube);
+    }
+    leaf.seen = step_;
+  }
+  by_row_ = std::move(by_row);
+}
+
+void TreeBroadPhase::drop_absent() {
+  if (by_id_.size() == by_row_.size()) return;
+  for (Leaf k = 0; k < leaves_.size(); ++k) {
+    Known& leaf = leaves_[k];
+    if (leaf.seen == 0 || leaf.seen == step_) continue;
+    remove(k);
+    by_id_.erase(leaf.id);
+    free_.push_back(k);
+    leaf.seen = 0;
+  }
+}
+
+void TreeBroadPhase::find_images(const rigid::Surroundings& around,
+                                 std::vector<rigid::CandidatePair>& found) {
+  const std::vector<Image> images = half_of_images(around.extent);
+  if (images.empty()) return;
+  Bounds all;
+  for (const Leaf k : by_row_) all.add(leaves_[k].cube);
+  for (std::size_t row = 0; row < around.size(); ++row)
+    for (const Image image : images) {
+      const Cube shifted{reach_[row].centre - around.extent.shift(image), reach_[row].half_edge};
+      if (!all.overlap(shifted)) continue;
+      asked_.clear();
+      overlapping(shifted, asked_);
+      for (const Leaf k : asked_) {
+        if (leaves_[k].row == row) continue;
+        const rigid::CandidatePair pair = around.in_order(row, leaves_[k].row, image);
+        if (around.meet(pair)) found.push_back(pair);
+      }
+    }
+}
+
+void TreeBroadPhase::find_pairs(const rigid::Surroundings& around, std::vector<rigid::CandidatePair>& found) {
+  follow(around);
+  drop_absent();
+  refresh();
+  pairs_.clear();
+  overlapping_pairs(pairs_);
+  for (const auto& [p, q] : pairs_) {
+    const rigid::CandidatePair pair = around.in_order(leaves_[p].row, leaves_[q].row, {});
+    if (around.meet(pair)) found.push_back(pair);
+  }
+  find_images(around, found);
+}
+
+}  // namespace silt::adapters
