@@ -99,12 +99,12 @@ TEST(Stl, SaysWhatIsWrongWithTheSurface) {
   open.pop_back();
   EXPECT_EQ(
       refusal(as_text(open)),
-      "the surface is not closed: 3 open edges, the first from [0, 0, 1] to [1, 1, 1]; close its holes");
+      "the surface is not closed: 3 open edges, the first from [0, 0, 1] to [0, 1, 1]; close its holes");
   auto turned = cube();
   std::swap(turned[3][0], turned[3][1]);
   EXPECT_EQ(
       refusal(as_text(turned)),
-      "two triangles run the same way along 3 edges, the first from [1, 1, 1] to [1, 0, 0]: some are turned "
+      "two triangles run the same way along 3 edges, the first from [1, 0, 0] to [1, 0, 1]: some are turned "
       "over or doubled; repair the surface");
   EXPECT_EQ(refusal(as_text({cube()[0]})), "it has 1 triangles; a closed surface has at least 4");
   // the top drawn down to a point below its middle: a dent of a pyramid, 1/3 x 1/2
@@ -116,9 +116,8 @@ TEST(Stl, SaysWhatIsWrongWithTheSurface) {
       refusal(as_binary(dented)),
       "the surface is not convex: it encloses 0.833333 of the volume of its hull; cut the body into convex "
       "pieces, one file each, and put them together as a compound");
-  EXPECT_EQ(refusal(as_text(cube([](const Vec3& x) -> Vec3 {
-              return {x[0], x[1], 0 * x[2]};
-            }))),
+  const Vec3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0), pressed(0.3, 0.3, 0);
+  EXPECT_EQ(refusal(as_text({{o, y, x}, {o, x, pressed}, {x, y, pressed}, {y, o, pressed}})),
             "all points lie in one plane, or nearly: they enclose no volume");
   auto two = cube();
   const auto other = cube([](const Vec3& x) -> Vec3 { return x + Vec3(3, 0, 0); });
