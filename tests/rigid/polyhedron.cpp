@@ -79,6 +79,26 @@ TEST(Polyhedron, RefusesWhatIsNone) {
             "polyhedron: it is not convex: corner 3 lies outside face 3");
 }
 
+TEST(Polyhedron, NearestCornerNeedNotBelongToTheFurthestPlane) {
+  // a steep pyramid, one edge of its side cut off below by a plane that is less steep than the sides: high
+  // above the tip this plane is the furthest, but its face does not reach the tip
+  const Vec3 tip(0, 0, 10), a(2, 0, 0), b(-1, 1.7, 0), c(-1, -1.7, 0);
+  const double cut = 0.2 / 3;
+  const Polyhedron obelisk{
+      make_polyhedron_mesh({tip, 0.5 * (tip + a), a + cut * (b - a), a + cut * (c - a), b, c},
+                           {{0, 1, 2, 4}, {0, 4, 5}, {0, 5, 3, 1}, {1, 3, 2}, {2, 3, 5, 4}})};
+  const Vec3 x(0, 0, 20);
+  double furthest = 0;
+  int face = -1;
+  for (int f = 0; f < 5; ++f) {
+    const auto& plane = obelisk.mesh->faces[f];
+    if (const double height = plane.normal.dot(x) - plane.offset; height > furthest)
+      furthest = height, face = f;
+  }
+  ASSERT_EQ(face, 3);
+  EXPECT_DOUBLE_EQ(signed_distance(obelisk, x), 10);
+}
+
 TEST(Polyhedron, TurnsLikeItsPrincipalAxesSay) {
   // the corner of a cube has off-diagonal inertia; about its principal axes the same motion is Euler's
   const auto p = mass_properties(testing::tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1.4, 0}, {0, 0, 1.9}));
