@@ -28,6 +28,12 @@ def placed(part, position, orientation):
     return position + body @ part["position"], body @ rotation(part["orientation"])
 
 
+def reach(part):
+    """Radius about the body's origin that the part stays within."""
+    size = np.linalg.norm(part["vertices"], axis=1).max() if part["type"] == "polyhedron" else part["size"].sum()
+    return np.linalg.norm(part["position"]) + size
+
+
 def hull(points):
     """Convex hull of points in a plane, counter-clockwise (Andrew's monotone chain)."""
     points = sorted(map(tuple, points))

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-from body_shapes import rotation, signed_distance, silhouette  # noqa: E402
+from body_shapes import reach, rotation, signed_distance, silhouette  # noqa: E402
 
 random = np.random.default_rng(3)
 sphere = random.normal(size=(20000, 3))
@@ -30,6 +30,8 @@ for kind, (size, surface) in PARTS.items():
         centre = random.normal(size=3)
         outline = silhouette(part, centre, turned, view)
         seen = (centre + surface @ turned.T) @ view[:2].T
+        part["position"] = centre
+        assert reach(part) > np.linalg.norm(centre + surface @ turned.T, axis=1).max() - 1e-12, kind
         for angle in np.linspace(0, 2 * np.pi, 32, endpoint=False):
             d = np.array([np.cos(angle), np.sin(angle)])
             assert abs((outline @ d).max() - (seen @ d).max()) < 0.02, (kind, angle)
