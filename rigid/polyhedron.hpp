@@ -34,4 +34,17 @@ std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> ver
 /// The same polyhedron about another origin.
 std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh&, const Vec3& by);
 
+/// Distance to the surface, negative inside; exact.
+double signed_distance(const PolyhedronMesh&, const Vec3& x);
+
+/// Integrals over the solid of 1, d and d d^T with d = x - about: exact, the sum over the tetrahedra between
+/// the faces' triangles and one corner (Tonon, J. Math. Stat. 1 (2004)).
+struct PolyhedronIntegrals {
+  Vec3 about = Vec3::Zero();
+  double volume = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+};
+PolyhedronIntegrals integrals(const PolyhedronMesh&);
+
 }  // namespace silt::rigid
