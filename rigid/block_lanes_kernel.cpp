@@ -47,8 +47,7 @@ struct Rounds {
       change = Lanes{};
       scale = active ? Lanes{} : scale;
       for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c]);
-      const Lanes enough =
-          larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
+      const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
       if (round + 1 >= few_rounds) active = active & final;
     }
@@ -69,8 +68,8 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) set_inverse_mobility(groups[k]);
 }
 
-double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
-                    const BodyState* state, bool first, bool push) {
+double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts, const BodyState* state,
+                    bool first, bool push) {
   double residual = 0;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];

@@ -117,6 +117,8 @@ void BodySet::reindex() {
 }
 
 std::size_t BodySet::row_of(BodyId wanted) const {
+  // consecutive ids, as those of a whole scene on one rank
+  if (owned > 0 && wanted - id[0] < owned && id[wanted - id[0]] == wanted) return wanted - id[0];
   const auto found = row_of_.find(wanted);
   return found == row_of_.end() ? size() : found->second;
 }

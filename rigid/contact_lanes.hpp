@@ -54,8 +54,9 @@ struct alignas(64) BlockGroup {
   Lanes inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
   Lanes inverse_arm;                                 // of the furthest contact from a's centre
   Lanes least_scale;
-  Lanes inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
-  Lanes softness;              // of the trial in which all stick
+  Lanes
+      inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
+  Lanes softness;            // of the trial in which all stick
   Lanes impulse[3], angular[3];  // of the last sweep, on b about a's centre
   Lanes relative_change;         // of the last sweep; negative: not solved
   LaneBodies bodies;

@@ -24,6 +24,7 @@ struct FixedVec3 {
   void add(const FixedVec3& o) {
     for (int d = 0; d < 3; ++d) q[d] += o.q[d];
   }
+  bool is_zero() const { return (q[0] | q[1] | q[2]) == 0; }
   Vec3 value() const { return {from_fixed(q[0]), from_fixed(q[1]), from_fixed(q[2])}; }
 };
 

@@ -12,6 +12,11 @@ Mat3 cross_matrix(const Vec3& a) {
   return m;
 }
 
+/// A quaternion that is off unit length by rounding, brought back without a root.
+Quat renormalised(const Quat& q) {
+  return Quat((1.5 - 0.5 * q.squaredNorm()) * q.coeffs());
+}
+
 /// (1, a / 2) normalised: the Cayley map of the rotation vector a.
 Quat cayley(const Vec3& a) {
   return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
@@ -43,7 +48,7 @@ void drift_free(BodySet& b, std::size_t row, double h) {
   }
   if (b.is_isotropic(row)) {  // omega is constant, and parallel to L
     b.angular_velocity[row] = momentum / b.inertia_B[row](0, 0);
-    b.orientation[row] = (cayley(h * b.angular_velocity[row]) * b.orientation[row]).normalized();
+    b.orientation[row] = renormalised(cayley(h * b.angular_velocity[row]) * b.orientation[row]);
     return;
   }
   b.orientation[row] = free_rotation(b.orientation[row], b.inertia_B[row], momentum, h);
@@ -55,7 +60,7 @@ void drift_free(BodySet& b, std::size_t row, double h) {
 Quat free_rotation(const Quat& q, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h) {
   const Vec3 momentum_B = q.conjugate() * angular_momentum_W;
   const Vec3 omega_B = midpoint_angular_velocity(inertia_B.inverse(), momentum_B, h);
-  return (q * cayley(h * omega_B)).normalized();
+  return renormalised(q * cayley(h * omega_B));
 }
 
 Quat rotation_by(const Vec3& angle) {

@@ -64,8 +64,7 @@ inline Vector times(const Lanes* m, const Vector& a) {
 inline Mask to_solve(const LaneBodies& bodies, const BodyState* state, bool first) {
   Mask on;
   for (int l = 0; l < lane_count; ++l) {
-    const bool woken =
-        bodies.again[l] && (state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0);
+    const bool woken = bodies.again[l] && (state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0);
     on[l] = first || woken ? -1 : 0;
   }
   return on;

@@ -36,8 +36,8 @@ Mat3 cross_matrix(const Vec3& a) {
 /// Relative velocity at the contact by a unit impulse there.
 Mat3 compliance(const PairToSolve& p, const Contact& c) {
   const Mat3 ra = cross_matrix(c.r_a), rb = cross_matrix(c.r_b);
-  return (p.a.inverse_mass + p.b.inverse_mass) * Mat3::Identity() - ra * p.a.inverse_inertia * ra -
-         rb * p.b.inverse_inertia * rb;
+  return (p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass) * Mat3::Identity() -
+         ra * (p.share_a * p.a.inverse_inertia) * ra - rb * (p.share_b * p.b.inverse_inertia) * rb;
 }
 
 /// The larger eigenvalue of k between directions across n, k n being k_n.
@@ -77,9 +77,9 @@ PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
   const int l = central_lane_++;
   const Contact& c = p.contacts[0];
   const double arm_a = c.normal.dot(c.r_a), arm_b = c.normal.dot(c.r_b);
-  const double k_n = p.a.inverse_mass + p.b.inverse_mass;
-  const double k_t =
-      k_n + arm_a * arm_a * p.a.inverse_inertia(0, 0) + arm_b * arm_b * p.b.inverse_inertia(0, 0);
+  const double k_n = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
+  const double turn_a = p.share_a * p.a.inverse_inertia(0, 0), turn_b = p.share_b * p.b.inverse_inertia(0, 0);
+  const double k_t = k_n + arm_a * arm_a * turn_a + arm_b * arm_b * turn_b;
   set(g.normal, l, c.normal);
   g.normal_impulse[l] = p.impulses[0].normal;
   set(g.tangential_impulse, l, p.impulses[0].tangential);
@@ -114,9 +114,9 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   const int l = open.lane++;
   const Contact& c = p.contacts[0];
   set(g.offset, l, c.r_b - c.r_a);
-  g.inverse_mass[l] = p.a.inverse_mass + p.b.inverse_mass;
-  set_symmetric(g.inverse_inertia_a, l, p.a.inverse_inertia);
-  set_symmetric(g.inverse_inertia_b, l, p.b.inverse_inertia);
+  g.inverse_mass[l] = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
+  set_symmetric(g.inverse_inertia_a, l, p.share_a * p.a.inverse_inertia);
+  set_symmetric(g.inverse_inertia_b, l, p.share_b * p.b.inverse_inertia);
   g.least_scale[l] = p.least_scale;
   g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
   g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
@@ -149,9 +149,12 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
 
 void PairLanes::prepare() {
   switch (chosen_isa()) {
-    case Isa::avx512: return avx512::prepare_blocks(blocks_.data(), blocks_.size());
-    case Isa::avx2: return avx2::prepare_blocks(blocks_.data(), blocks_.size());
-    default: return portable::prepare_blocks(blocks_.data(), blocks_.size());
+    case Isa::avx512:
+      return avx512::prepare_blocks(blocks_.data(), blocks_.size());
+    case Isa::avx2:
+      return avx2::prepare_blocks(blocks_.data(), blocks_.size());
+    default:
+      return portable::prepare_blocks(blocks_.data(), blocks_.size());
   }
 }
 

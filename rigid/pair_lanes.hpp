@@ -18,13 +18,14 @@ struct BodyMass {
   bool turns = false;                   // may have an angular velocity
 };
 
-/// One pair as it is to be laid out. Masses: those that this pair has to itself.
+/// One pair as it is to be laid out. Of either body the pair has the mass divided by `share` to itself.
 struct PairToSolve {
   std::size_t row_a, row_b;
   std::span<const Contact> contacts;
   std::span<const ContactImpulse> impulses;  // to start from
   std::span<const double> targets;
-  BodyMass a, b;
+  const BodyMass &a, &b;
+  double share_a, share_b;
   double least_scale;  // impulses below are rounding
   bool again;          // false: one sweep is exact, nothing else moves its bodies
 };

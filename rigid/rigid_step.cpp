@@ -134,9 +134,9 @@ void RigidStep::first_kick(BodySet& bodies, double dt) {
 
 /// Force and torque of one body over dt.
 void RigidStep::kick(BodySet& bodies, std::size_t row, double dt, Vec3& v, Vec3& w) const {
-  v += (dt / bodies.mass[row]) * bodies.force[row].value();
+  if (!bodies.force[row].is_zero()) v += (dt / bodies.mass[row]) * bodies.force[row].value();
+  if (bodies.torque[row].is_zero()) return;
   const Vec3 torque = bodies.torque[row].value();
-  if (torque == Vec3::Zero()) return;
   bodies.angular_momentum[row] += dt * torque;
   w += dt * (bodies.inverse_inertia_W(row) * torque);
 }

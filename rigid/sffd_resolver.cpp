@@ -111,11 +111,17 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
 
 void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>& contacts) {
   for (const std::size_t row : involved_) sums_[row] = {};
+  std::size_t row_a = bodies.size(), behind = 0;  // stored at row_a for partners that have been
   for (const Pair& p : pairs_) {
     const bool at_a = bodies_[p.row_a].moves;
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
-    recall_impulses(bodies.stored_impulses[at_a ? p.row_a : p.row_b], at_a ? of_pair[0].b : of_pair[0].a,
-                    of_pair, {impulses_.data() + p.first, of_pair.size()});
+    const std::span impulses(impulses_.data() + p.first, of_pair.size());
+    if (p.row_a != row_a) row_a = p.row_a, behind = 0;
+    if (at_a)
+      behind += recall_impulses(std::span(bodies.stored_impulses[p.row_a]).subspan(behind), of_pair[0].b,
+                                of_pair, impulses);
+    else
+      recall_impulses(bodies.stored_impulses[p.row_b], of_pair[0].a, of_pair, impulses);
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
       const Vec3 impulse = impulses_[k].along(c.normal);
@@ -144,12 +150,6 @@ double SffdResolver::least_scale(const Pair& p) const {
 
 /// Each pair with the share of its bodies' masses that it has to itself.
 void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
-  const auto share_of = [&](std::size_t row) {
-    BodyMass m = bodies_[row];
-    m.inverse_mass *= state_[row].number;
-    m.inverse_inertia *= state_[row].number;
-    return m;
-  };
   lanes_.clear(bodies_.size() - 1);
   for (Pair& p : pairs_) {
     const std::size_t count = p.last - p.first;
@@ -159,8 +159,10 @@ void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
                           {contacts.data() + p.first, count},
                           {impulses_.data() + p.first, count},
                           {targets_.data() + p.first, count},
-                          share_of(p.row_a),
-                          share_of(p.row_b),
+                          bodies_[p.row_a],
+                          bodies_[p.row_b],
+                          state_[p.row_a].number,
+                          state_[p.row_b].number,
                           least_scale(p),
                           again});
   }

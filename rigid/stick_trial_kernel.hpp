@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t most_stick_contacts = 16;  // of a pair; more are left to Gauss-Seidel
 constexpr int stick_passes = 2;                    // each leaves the softness' share of the error
-constexpr double stick_residual = 1e-7;            // of the velocity to be taken away: else the guess is wrong
+constexpr double stick_residual = 1e-7;  // of the velocity to be taken away: else the guess is wrong
 
 /// Where element (i, j) of a symmetric 6 x 6 matrix stands among its 21.
 constexpr int packed(int i, int j) {

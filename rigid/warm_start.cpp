@@ -18,10 +18,10 @@ const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Conta
 
 }  // namespace
 
-void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact> contacts,
-                     std::span<ContactImpulse> impulses) {
-  const auto first =
-      std::partition_point(stored.begin(), stored.end(), [&](auto& s) { return s.partner < partner; });
+std::size_t recall_impulses(std::span<const StoredImpulse> stored, BodyId partner,
+                            std::span<const Contact> contacts, std::span<ContactImpulse> impulses) {
+  auto first = stored.begin();  // a body has few partners
+  while (first != stored.end() && first->partner < partner) ++first;
   auto last = first;
   while (last != stored.end() && last->partner == partner) ++last;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -36,6 +36,7 @@ void recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std:
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;
   }
+  return static_cast<std::size_t>(first - stored.begin());
 }
 
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
