@@ -11,12 +11,16 @@ FORBIDDEN = {  # folder: pattern of includes it must not have
     "rigid": rf"(lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "adapters": r"coupler/",
     "coupler": ENGINES,
+    "tests": r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/)",
 }
+EXCEPT = {"tests/bench/bullet_world.cpp"}  # what Silt is measured against
 
 
 def violations(root):
     for folder, pattern in FORBIDDEN.items():
         for file in sorted((root / folder).rglob("*.[hc]pp")):
+            if str(file.relative_to(root)) in EXCEPT:
+                continue
             for number, line in enumerate(file.read_text().splitlines(), 1):
                 include = re.match(r'\s*#\s*include\s*[<"]([^>"]+)', line)
                 if include and re.match(pattern, include[1]):
