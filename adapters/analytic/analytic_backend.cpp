@@ -34,7 +34,7 @@ void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const Convex
     return append_convex_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance, out);
   const ConvexCore b = convex_core(shape_b, pose_b);
   const double reach = tolerance + a.radius + b.radius;
-  if (const auto found = deepest_direction(a, b, between_centres(a, b), reach))
+  if (const auto found = deepest_direction(a, b, reach))
     append_convex_manifold(a, b, found->peak.normal, found->peak.core_gap, found->where, tolerance, out);
 }
 

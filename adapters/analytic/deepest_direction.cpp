@@ -1,5 +1,6 @@
 #include "adapters/analytic/deepest_direction.hpp"
 
+#include "adapters/analytic/gjk.hpp"
 #include "adapters/analytic/search_directions.hpp"
 
 namespace silt::adapters {
@@ -8,8 +9,8 @@ namespace {
 
 /// Part of the pair's size by which two points that are one may miss each other.
 constexpr double rounding = 1e-10;
-/// Radian: how far from the seed edges and faces are tried.
-constexpr double first_angle = 0.6;
+/// The same of the proof that a direction is one of nearest approach.
+constexpr double proven = 1e-12;
 
 CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
   thread_local ContactOutline of_a, of_b;
@@ -22,7 +23,7 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& 
     touching_outline(b, -n, slack, of_b);
     const CommonPoint p = common_point(of_a, of_b, n, 10 * slack);
     if (p.miss < best.miss) best = p;
-    if (best.miss <= 10 * rounding * scale) break;
+    if (best.miss <= proven * scale) break;
   }
   return best;
 }
@@ -35,10 +36,16 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
   return distance > 1e-13 * length_scale(a, b) ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
 }
 
-std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& seed, double reach) {
-  const double slack = 10 * rounding * length_scale(a, b);
-  if (core_separation(a, b, seed) > reach) return {};
-  Peak peak = climb(a, b, seed, first_angle);
+std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
+  const Vec3 n = between_centres(a, b);
+  if (core_separation(a, b, n) > reach) return {};
+  const auto apart = gjk_direction(a, b, Vec3::Zero(), n);
+  return proven_direction(a, b, apart ? *apart : walk_uphill(a, b, n), reach);
+}
+
+std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double reach) {
+  const double slack = proven * length_scale(a, b);
+  const Peak peak = climb(a, b, n, search_resolution);
   if (peak.core_gap > reach) return {};
   CommonPoint where = meeting_point(a, b, peak.normal);
   const double rolling = a.rolling_radius() - a.radius + b.rolling_radius() - b.radius;

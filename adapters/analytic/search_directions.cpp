@@ -5,16 +5,16 @@
 #include <cmath>
 #include <vector>
 
+#include "adapters/analytic/gjk.hpp"
+
 namespace silt::adapters {
 
 namespace {
 
 /// A bound this little above the best (part of the pair's size) is not worth following.
-constexpr double rounding = 1e-12;
+constexpr double rounding = 1e-11;
 /// For pairs whose separation is the same in many directions (concentric bodies of revolution).
 constexpr int most_halvings = 6000;
-/// Triangles whose corners are further apart (radian) are only halved: climbing from so far off is a guess.
-constexpr double climb_from = 0.5;
 
 /// A direction and the supports' difference found there.
 struct Sample {
@@ -29,13 +29,20 @@ struct Triangle {
   bool operator<(const Triangle& other) const { return bound < other.bound; }
 };
 
+/// The least over some mixtures of the three w of the largest n_j . w.
 double bound_of(const std::array<Sample, 3>& c) {
+  std::array<std::array<double, 3>, 3> m;  // m[i][j] = w_i . n_j
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m[i][j] = c[i].w.dot(c[j].n);
   double least = std::numeric_limits<double>::infinity();
-  for (const Sample& s : c) {
+  const auto mix = [&](double x, double y, double z) {
     double most = -std::numeric_limits<double>::infinity();
-    for (const Sample& other : c) most = std::max(most, other.n.dot(s.w));
+    for (int j = 0; j < 3; ++j) most = std::max(most, x * m[0][j] + y * m[1][j] + z * m[2][j]);
     least = std::min(least, most);
-  }
+  };
+  mix(1, 0, 0), mix(0, 1, 0), mix(0, 0, 1);
+  mix(0.5, 0.5, 0), mix(0, 0.5, 0.5), mix(0.5, 0, 0.5);
+  mix(1.0 / 3, 1.0 / 3, 1.0 / 3);
   if (!(least > 0)) return least;
   const Vec3 area = (c[1].n - c[0].n).cross(c[2].n - c[0].n);
   return least * area.norm() / std::abs(area.dot(c[0].n));
@@ -82,8 +89,7 @@ class Search {
     std::push_heap(heap_.begin(), heap_.end());
   }
 
-  void rise(const Vec3& n, double angle) {
-    const Peak peak = climb(a_, b_, n, angle);
+  void take(const Peak& peak) {
     if (peak.core_gap > best_.core_gap) best_ = peak;
   }
 
@@ -94,12 +100,12 @@ class Search {
     const double length = std::sqrt(edge[k]);
     const Sample &from = c[k], &to = c[(k + 1) % 3], &opposite = c[(k + 2) % 3];
     if (length < search_resolution) {
-      if (2 - 2 * best_.normal.dot(from.n) > 4 * search_resolution * search_resolution)
-        rise((c[0].n + c[1].n + c[2].n).normalized(), 2 * search_resolution);
+      if (2 - 2 * best_.normal.dot(from.n) > search_resolution * search_resolution)
+        take(climb(a_, b_, (c[0].n + c[1].n + c[2].n).normalized(), 2 * search_resolution));
       return;
     }
     const Sample middle = sample((from.n + to.n).normalized());
-    if (length < climb_from && middle.height() > best_.core_gap + slack_) rise(middle.n, length);
+    if (middle.height() > best_.core_gap + slack_) take(climb(a_, b_, walk_uphill(a_, b_, middle.n), search_resolution));
     push({from, middle, opposite});
     push({middle, to, opposite});
   }

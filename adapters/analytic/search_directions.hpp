@@ -20,6 +20,6 @@ namespace silt::adapters {
 std::optional<Peak> search_directions(const ConvexCore& a, const ConvexCore& b, const Peak& seed, double enough);
 
 /// Radian.
-inline constexpr double search_resolution = 0.03;
+inline constexpr double search_resolution = 0.02;
 
 }  // namespace silt::adapters

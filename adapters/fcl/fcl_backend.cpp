@@ -4,6 +4,9 @@
 
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/ellipsoid.h>
 #include <fcl/geometry/shape/halfspace.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
@@ -38,6 +41,17 @@ fcl::Transform3d to_fcl(const Pose& pose, const Vec3& shift = Vec3::Zero()) {
   return t;
 }
 
+/// A polyhedron as FCL has it: its faces in one list, each the number of its corners and the corners.
+fcl::Convexd to_fcl(const rigid::PolyhedronMesh& mesh) {
+  auto vertices = std::make_shared<std::vector<Vec3>>(mesh.vertices);
+  auto faces = std::make_shared<std::vector<int>>();
+  for (const auto& face : mesh.faces) {
+    faces->push_back(static_cast<int>(face.corners.size()));
+    faces->insert(faces->end(), face.corners.begin(), face.corners.end());
+  }
+  return fcl::Convexd(vertices, static_cast<int>(mesh.faces.size()), faces, true);
+}
+
 /// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius.
 class FclShape {
  public:
@@ -48,6 +62,12 @@ class FclShape {
       shape_.emplace<fcl::Capsuled>(radius_share * capsule->radius, 2 * capsule->half_length);
     else if (const auto* box = std::get_if<rigid::Box>(&shape))
       shape_.emplace<fcl::Boxd>(2 * box->half_edges);
+    else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape))
+      shape_.emplace<fcl::Cylinderd>(cylinder->radius, 2 * cylinder->half_length);
+    else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape))
+      shape_.emplace<fcl::Ellipsoidd>(ellipsoid->half_axes);
+    else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape))
+      shape_.emplace<fcl::Convexd>(to_fcl(*polyhedron->mesh));
     else
       shape_.emplace<fcl::Halfspaced>(std::get<rigid::HalfSpace>(shape).normal, lift);
   }
@@ -63,7 +83,9 @@ class FclShape {
   }
 
  private:
-  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Halfspaced> shape_;
+  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Cylinderd,
+               fcl::Ellipsoidd, fcl::Convexd, fcl::Halfspaced>
+      shape_;
 };
 
 double radius_of(const ConvexShape& shape) {

@@ -72,7 +72,7 @@ class Gap {
   }
 
   void over_the_sphere() {
-    constexpr int samples = 1500, refined = 8;
+    constexpr int samples = 1500, refined = 5;
     std::vector<std::pair<double, Vec3>> grid;
     for (int i = 0; i < samples; ++i) {  // a spiral of equal areas
       const double z = 1 - (2 * i + 1.0) / samples, r = std::sqrt(1 - z * z), t = i * pi * (3 - std::sqrt(5.0));
@@ -86,25 +86,40 @@ class Gap {
       if (starts.size() == refined) break;
       if (std::all_of(starts.begin(), starts.end(), [&, &n = n](const Vec3& s) { return (s - n).norm() > 0.15; })) starts.push_back(n);
     }
-    for (const Vec3& n : starts) compass(n);
+    for (const Vec3& n : starts) uphill(n);
   }
 
   ReferenceGap best{-std::numeric_limits<double>::infinity(), Vec3::Zero()};
 
  private:
-  void compass(Vec3 n) {
-    double gap = at(n);
-    for (double step = 0.05; step > 1e-9;) {
+  /// Nelder and Mead (Computer Journal 7 (1965) 308) in the plane that touches the sphere at n, twice.
+  void uphill(Vec3 n) {
+    for (double size : {0.05, 1e-4}) {
       const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
-      Vec3 up = n;
-      double most = gap;
-      for (int k = 0; k < 8; ++k) {
-        const double t = 2 * pi * k / 8;
-        const Vec3 m = (n + step * (std::cos(t) * u + std::sin(t) * v)).normalized();
-        if (const double g = at(m); g > most) most = g, up = m;
+      struct Point {
+        double x, y, gap;
+      };
+      auto direction = [&](double x, double y) { return Vec3((n + x * u + y * v).normalized()); };
+      auto point = [&](double x, double y) { return Point{x, y, at(direction(x, y))}; };
+      std::array<Point, 3> s{point(0, 0), point(size, 0), point(0, size)};
+      for (int i = 0; i < 150; ++i) {
+        std::sort(s.begin(), s.end(), [](const Point& p, const Point& q) { return p.gap > q.gap; });
+        const double x = (s[0].x + s[1].x) / 2, y = (s[0].y + s[1].y) / 2;
+        auto along = [&](double t) { return point(x + t * (s[2].x - x), y + t * (s[2].y - y)); };
+        const Point reflected = along(-1);
+        if (reflected.gap > s[0].gap) {
+          const Point further = along(-2);
+          s[2] = further.gap > reflected.gap ? further : reflected;
+        } else if (reflected.gap > s[1].gap) {
+          s[2] = reflected;
+        } else if (const Point inner = along(reflected.gap > s[2].gap ? -0.5 : 0.5); inner.gap > s[2].gap) {
+          s[2] = inner;
+        } else {
+          for (int k = 1; k < 3; ++k) s[k] = point((s[0].x + s[k].x) / 2, (s[0].y + s[k].y) / 2);
+        }
       }
-      if (most > gap) n = up, gap = most, step *= 1.5;
-      else step /= 2;
+      std::sort(s.begin(), s.end(), [](const Point& p, const Point& q) { return p.gap > q.gap; });
+      n = direction(s[0].x, s[0].y);
     }
     take(n);
   }
