@@ -45,9 +45,15 @@ std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore&
 
 std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double reach) {
   const double slack = proven * length_scale(a, b);
-  const Peak peak = climb(a, b, n, search_resolution);
+  Peak peak = climb(a, b, n, search_resolution);
   if (peak.core_gap > reach) return {};
   CommonPoint where = meeting_point(a, b, peak.normal);
+  if (where.miss > slack)
+    if (const auto apart = gjk_direction(a, b, Vec3::Zero(), peak.normal))
+      if (const Peak other = climb(a, b, *apart, search_resolution); other.core_gap > peak.core_gap) {
+        peak = other;
+        where = meeting_point(a, b, peak.normal);
+      }
   const double rolling = a.rolling_radius() - a.radius + b.rolling_radius() - b.radius;
   if (where.miss <= slack && peak.core_gap > -rolling) return Approach{peak, where};
   const auto best = search_directions(a, b, peak, reach);

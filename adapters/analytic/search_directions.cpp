@@ -12,7 +12,7 @@ namespace silt::adapters {
 namespace {
 
 /// A bound this little above the best (part of the pair's size) is not worth following.
-constexpr double rounding = 1e-11;
+constexpr double rounding = 1e-12;
 /// For pairs whose separation is the same in many directions (concentric bodies of revolution).
 constexpr int most_halvings = 6000;
 

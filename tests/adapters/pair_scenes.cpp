@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "search_gap.hpp"
 
@@ -131,6 +132,8 @@ ConvexShape random_shape(Kind kind, std::mt19937_64& random) {
       // some with faces of four corners: symmetric about the origin in z
       if (random() % 2)
         for (int i = 0; i < 6; ++i) points[i + 6] = points[i].cwiseProduct(Vec3(1, 1, -1));
+      const Vec3 middle = std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / 12;
+      for (Vec3& x : points) x -= middle;
       return hull_of(points);
     }
     default:
@@ -196,7 +199,7 @@ Pair random_pair(Kind kind_a, Kind kind_b, double gap, std::mt19937_64& random) 
   Vec3 along = random_direction(random);
   if (const auto* wall = std::get_if<rigid::HalfSpace>(&p.b)) along = -(p.pose_b.orientation * wall->normal);
   const Vec3 sideways = random_direction(random);
-  if (!is_rounded_box(kind_a) || !(is_rounded_box(kind_b) || kind_b == Kind::half_space)) {
+  if (!has_closed_form(kind_a, kind_b)) {
     // apart, then along the normal
     p.pose_b.position = p.pose_a.position + sideways + 80 * along;
     for (int round = 0; round < 2; ++round) {

@@ -25,8 +25,12 @@ inline constexpr Kind bodies[] = {Kind::sphere,   Kind::box,       Kind::capsule
 inline constexpr Kind all_kinds[] = {Kind::sphere,    Kind::box,        Kind::capsule,   Kind::cylinder,
                                      Kind::ellipsoid, Kind::polyhedron, Kind::half_space};
 std::string kind_name(Kind);
-/// A sphere swept along a point, a segment or a box: the shapes with a closed form for every pair of them.
-inline bool is_rounded_box(Kind kind) { return kind == Kind::sphere || kind == Kind::box || kind == Kind::capsule; }
+/// Whether both are a point, a segment or a box swept by a sphere, or the second is a half-space: the reference is a
+/// brute-force search of the Minkowski difference, and the backends have closed forms.
+inline bool has_closed_form(Kind a, Kind b) {
+  const auto swept_box = [](Kind k) { return k == Kind::sphere || k == Kind::box || k == Kind::capsule; };
+  return swept_box(a) && (swept_box(b) || b == Kind::half_space);
+}
 
 /// Random sizes of 3 to 20 lattice units, orientation, and position near the origin.
 ConvexShape random_shape(Kind, std::mt19937_64&);
