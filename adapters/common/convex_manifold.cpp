@@ -13,6 +13,7 @@ using rigid::ContactPoint;
 namespace {
 
 constexpr double rounding = 1e-10;  // part of the pair's size: lengths below it are none
+constexpr double same_depth = 2e-14;  // part of the pair's size: gaps that differ by less are equal
 /// Faces seen more obliquely than this (cosine) have no points worth having.
 constexpr double oblique_cosine = 0.1;
 /// Lines (of capsules and cylinders) at an angle with a sine up to this may touch along their common length,
@@ -160,7 +161,8 @@ void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double
 
 void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                             const CommonPoint& deepest, double tolerance, std::vector<ContactPoint>& out) {
-  const double gap = core_gap - a.radius - b.radius, slack = rounding * length_scale(a, b);
+  const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
+  const double slack = rounding * scale, deep = same_depth * scale;
   if (gap > tolerance) return;
   thread_local std::vector<ContactPoint> points;
   points.clear();
@@ -168,7 +170,7 @@ void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3
   // nothing can lie between the supporting planes
   std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - 10 * slack || p.gap > tolerance; });
   const bool has_deepest =
-      std::any_of(points.begin(), points.end(), [&](const ContactPoint& p) { return p.gap <= gap + 10 * slack; });
+      std::any_of(points.begin(), points.end(), [&](const ContactPoint& p) { return p.gap <= gap + deep; });
   if (!has_deepest) {
     const Vec3 on_a = deepest.on_a + a.radius * n;
     add_unique(points, {on_a, on_a + gap * n, n, gap, pair_code(deepest.code_a, deepest.code_b)});
@@ -202,7 +204,7 @@ void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const
   }
   for (int e = 0; e < 2; ++e) {
     const auto c = lowest_rim_point(a, e ? 1 : -1, n);
-    if (outward.dot(c.x - origin) < lowest_fixed[e] - rounding * a.half.norm()) take(c.x, c.code);
+    if (outward.dot(c.x - origin) < lowest_fixed[e] - same_depth * a.half.norm()) take(c.x, c.code);
   }
 }
 
