@@ -34,13 +34,15 @@ Approach meet(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
   return {peak, meeting_point(a, b, peak.normal)};
 }
 
-/// Where the cores have no common point on the normal: the peak is narrow, or so flat that the next feature is far.
+/// Where the cores have no common point on the normal: the peak is narrow, or so flat that the next feature
+/// is far.
 void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
   const auto take = [&](const Peak& other) {
     if (other.core_gap > found.peak.core_gap) found = meet(a, b, other);
   };
   take(climb(a, b, found.peak.normal, wide_angle));
-  if (const auto apart = gjk_direction(a, b, Vec3::Zero(), found.peak.normal)) take(climb(a, b, *apart, wide_angle));
+  if (const auto apart = gjk_direction(a, b, Vec3::Zero(), found.peak.normal))
+    take(climb(a, b, *apart, wide_angle));
 }
 
 }  // namespace
@@ -58,7 +60,8 @@ std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore&
   return proven_direction(a, b, apart ? *apart : walk_uphill(a, b, n), reach);
 }
 
-std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double reach) {
+std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n,
+                                         double reach) {
   const double slack = proven * length_scale(a, b);
   Approach found = meet(a, b, climb(a, b, n, search_resolution));
   if (found.peak.core_gap > reach) return {};

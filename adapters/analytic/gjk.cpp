@@ -76,7 +76,8 @@ struct Simplex {
 
 }  // namespace
 
-std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift, const Vec3& start) {
+std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
+                                  const Vec3& start) {
   constexpr int most_rounds = 40;
   constexpr double enough = 1e-8;  // relative: the square of the direction's error
   const double touching = 1e-9 * length_scale(a, b), rounding = 1e-15 * length_scale(a, b);
