@@ -31,7 +31,8 @@ void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const Convex
                     const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
   const ConvexCore a = convex_core(shape_a, pose_a);
   if (const auto* wall = std::get_if<HalfSpace>(&shape_b))
-    return append_convex_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance, out);
+    return append_convex_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance,
+                                        out);
   const ConvexCore b = convex_core(shape_b, pose_b);
   const double reach = tolerance + a.radius + b.radius;
   if (const auto found = deepest_direction(a, b, reach))

@@ -90,7 +90,9 @@ void EngineBackend::collide_convex(const Query& q, std::vector<rigid::ContactPoi
   for (int method = 0; method < methods(q); ++method) {
     const std::optional<Answer> answer = ask(method, q);
     if (!answer) {
-      if (!deepest_direction(a, b, q.tolerance - slack + radii)) return;
+      const auto found = deepest_direction(a, b, q.tolerance + radii);
+      if (!found) return;
+      if (found->peak.core_gap - radii > q.tolerance - slack) return append(*found);
     } else if (std::abs(answer->normal.squaredNorm() - 1) < 1e-6) {
       const auto found = proven_direction(a, b, answer->normal.normalized(), q.tolerance + radii);
       if (!found && answer->gap > q.tolerance - slack) return;
