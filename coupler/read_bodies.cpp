@@ -124,6 +124,13 @@ void read_contacts(TableReader& root, Case& scene) {
     standard.friction = table.number("friction", range::at_least(0)).value_or(0);
     auto& settings = c.resolver_settings;
     settings.max_sweeps = static_cast<int>(table.integer("sweeps", 1, 100000).value_or(settings.max_sweeps));
+    settings.impact_sweeps =
+        static_cast<int>(table.integer("impact_sweeps", 0, 100000).value_or(settings.impact_sweeps));
+    if (settings.impact_sweeps > 0 && c.resolver != "sffd")
+      table.fail("impact_sweeps",
+                 fmt::format("{} is {}, but contacts.resolver is '{}', which has no impact phase; "
+                             "set contacts.resolver = \"sffd\", or remove the key",
+                             table.path("impact_sweeps"), settings.impact_sweeps, c.resolver));
     settings.correction = table.number("correction", unit_interval).value_or(settings.correction);
     c.substeps = static_cast<int>(table.integer("substeps", 1, 100000).value_or(c.substeps));
     c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);

@@ -4,12 +4,17 @@
 #include <string>
 
 #include "rigid/ffd_resolver.hpp"
+#include "rigid/impact_phase.hpp"
 #include "rigid/sffd_resolver.hpp"
 
 namespace silt::rigid {
 
 std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings& settings) {
-  if (name == "sffd") return std::make_unique<SffdResolver>(settings);
+  if (name == "sffd") {
+    auto sffd = std::make_unique<SffdResolver>(settings);
+    if (settings.impact_sweeps == 0) return sffd;
+    return std::make_unique<ImpactThenContact>(settings.impact_sweeps, std::move(sffd));
+  }
   if (name == "ffd") return std::make_unique<FfdResolver>(settings);
   throw std::invalid_argument("no resolver \"" + std::string(name) + "\"; known: sffd, ffd");
 }

@@ -17,12 +17,14 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
+  int impact_sweeps = 0;   // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
 
 struct ResolverStatistics {
   std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
   int sweeps = 0;
+  int impact_sweeps = 0;
   double residual = 0;           // largest relative impulse change of the last sweep
   double penetration = 0;        // deepest overlap met, lattice units
   double cone_excess = 0;        // largest |p_t| - mu p_n, relative to p_n

@@ -39,6 +39,7 @@ void add(RigidStepReport& sum, const RigidStepReport& one) {
   const ResolverStatistics& r = one.resolver;
   sum.resolver.contacts = r.contacts;
   sum.resolver.sweeps += r.sweeps;
+  sum.resolver.impact_sweeps += r.impact_sweeps;
   sum.resolver.infeasible += r.infeasible;
   sum.resolver.residual = std::max(sum.resolver.residual, r.residual);
   sum.resolver.penetration = std::max(sum.resolver.penetration, r.penetration);

@@ -46,6 +46,42 @@ Scene tumble(unsigned order) {
   return s;
 }
 
+/// The same with an impact phase.
+Scene tumble_of_impacts(unsigned order) {
+  Scene s = tumble(order);
+  s.world.materials[0].restitution = 0.9;
+  s.settings.impact_sweeps = 60;
+  return s;
+}
+
+/// Balls, boxes and stars on a turning plate, prescribed, much larger than a rank's slab, with a beam across
+/// it (a compound) that sweeps them along.
+Scene carousel(unsigned order) {
+  Scene s(0.3, 0.5, {6, 6, 6});
+  s.world.gravity = {0, 0, -9.81};
+  s.world.contact_margin = 0.1;
+  s.settings.max_sweeps = 6;
+  Compound plate, star;
+  plate.parts = {{Box{{2, 2, 0.1}}, {}}, {Box{{1.9, 0.1, 0.2}}, {Vec3(0, 0, 0.25), Quat::Identity()}}};
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+    star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
+  const int shapes[] = {s.shape(Sphere{0.2}), s.shape(Box{{0.2, 0.15, 0.25}}), s.shape(star)};
+  const int turntable = s.shape(plate);
+  std::vector<int> ids(24);
+  for (int i = 0; i < 24; ++i) ids[i] = i;
+  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
+  for (int id : ids)
+    s.add_with_id(10 + 3 * id, shapes[id % 3],
+                  {1.8 + 0.6 * (id % 5), 1.9 + 0.7 * (id / 5 % 4), 2.2 + id / 20}, Vec3::Zero(),
+                  {0, 0, 0.1 * id}, 1 + id % 3);
+  s.add_with_id(1000, turntable, {3, 3, 1}, {0.2, 0, 0}, {0, 0.05, 2}, 1);
+  s.bodies.motion[s.row(1000)] = Motion::prescribed;
+  s.floor();
+  return s;
+}
+
+using MakeScene = Scene (*)(unsigned order);
+
 void push(BodySet& bodies, int step) {  // the outside world: a force on some, by id; the same on any rank
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const double phase = 0.01 * step * static_cast<double>(bodies.id[row]);
@@ -71,11 +107,11 @@ bool same_bits(const BodyRecord& p, const BodyRecord& q) {
 
 struct Outcome {
   std::vector<BodyRecord> bodies;
-  std::uint64_t contacts = 0, sweeps = 0, visitors = 0, mixed = 0;
+  std::uint64_t contacts = 0, sweeps = 0, impact_sweeps = 0, visitors = 0, mixed = 0;
 };
 
-Outcome on_one_rank(const char* resolver, unsigned order, int steps) {
-  Scene s = tumble(order);
+Outcome on_one_rank(const char* resolver, unsigned order, int steps, MakeScene make = tumble) {
+  Scene s = make(order);
   s.start(resolver);
   Outcome o;
   for (int i = 0; i < steps; ++i) {
@@ -83,18 +119,19 @@ Outcome on_one_rank(const char* resolver, unsigned order, int steps) {
     s.run(1, 2e-3);
     o.contacts += s.report.resolver.contacts;
     o.sweeps += s.report.resolver.sweeps;
+    o.impact_sweeps += s.report.resolver.impact_sweeps;
   }
   o.bodies = records(s.bodies);
   return o;
 }
 
-Outcome on_ranks(const char* resolver, int ranks, int steps) {
+Outcome on_ranks(const char* resolver, int ranks, int steps, MakeScene make = tumble) {
   testing::SharedMemory memory(ranks);
   std::vector<Outcome> outcomes(ranks);
   std::vector<std::thread> threads;
   for (int rank = 0; rank < ranks; ++rank)
     threads.emplace_back([&, rank] {
-      Scene s = tumble(rank);
+      Scene s = make(rank);
       testing::ThreadedExchange exchange(s.extent, s.world, memory, rank);
       const auto law = make_resolver(resolver, s.settings);
       RigidStep step(s.world, *s.backend, *law, exchange,
@@ -111,6 +148,7 @@ Outcome on_ranks(const char* resolver, int ranks, int steps) {
         const RigidStepReport report = step(s.bodies, 2e-3);
         o.contacts += report.resolver.contacts;
         o.sweeps += report.resolver.sweeps;
+        o.impact_sweeps += report.resolver.impact_sweeps;
         o.mixed += report.mixed_owner_contacts;
       }
       o.bodies = records(s.bodies);
@@ -122,8 +160,10 @@ Outcome on_ranks(const char* resolver, int ranks, int steps) {
     all.bodies.insert(all.bodies.end(), o.bodies.begin(), o.bodies.end());
     all.contacts += o.contacts, all.visitors += o.visitors, all.mixed += o.mixed;
     EXPECT_EQ(o.sweeps, outcomes[0].sweeps) << "ranks disagree about the number of sweeps";
+    EXPECT_EQ(o.impact_sweeps, outcomes[0].impact_sweeps);
   }
   all.sweeps = outcomes[0].sweeps;
+  all.impact_sweeps = outcomes[0].impact_sweeps;
   std::sort(all.bodies.begin(), all.bodies.end(), [](auto& p, auto& q) { return p.id < q.id; });
   return all;
 }
@@ -135,6 +175,7 @@ void expect_same(const Outcome& p, const Outcome& q) {
   EXPECT_EQ(different, 0);
   EXPECT_EQ(p.contacts, q.contacts);
   EXPECT_EQ(p.sweeps, q.sweeps);
+  EXPECT_EQ(p.impact_sweeps, q.impact_sweeps);
 }
 
 TEST(Determinism, OrderOfInsertionDoesNotMatter) {
@@ -168,6 +209,23 @@ TEST(Determinism, TheBroadPhaseDoesNotShow) {
     for (int ranks : {1, 3}) expect_same(reference, on_ranks("sffd", ranks, 200));
     testing::broad_phase_name = "auto";
   }
+}
+
+TEST(Determinism, ImpactsToo) {
+  const Outcome reference = on_one_rank("sffd", 1, 250, tumble_of_impacts);
+  EXPECT_GT(reference.impact_sweeps, 300u);
+  expect_same(reference, on_one_rank("sffd", 2, 250, tumble_of_impacts));
+  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 250, tumble_of_impacts));
+}
+
+TEST(Determinism, PrescribedBodyLargerThanASlab) {
+  const Outcome reference = on_one_rank("sffd", 1, 400, carousel);
+  EXPECT_GT(reference.contacts, 4000u);
+  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 400, carousel));
+  const BodyRecord& plate = reference.bodies.back();
+  EXPECT_EQ(plate.id, 1000u);
+  EXPECT_NEAR(plate.position[0], 3 + 0.2 * 0.8, 1e-12) << "as prescribed, whatever lies on it";
+  EXPECT_EQ(plate.velocity[0], 0.2);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scene.hpp"
+#include "solids.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -48,6 +49,61 @@ TEST(Integrate, DzhanibekovFlipsOnTime) {
   EXPECT_LT(momentum_drift, 1e-8);
   EXPECT_EQ(s.bodies.angular_momentum[0], momentum);
   RecordProperty("energy_drift", std::to_string(energy_drift));
+}
+
+/// Time between two flips of a torque-free body spinning about its middle axis: 2 K(k) / rate (Landau,
+/// Lifshitz, Mechanics, section 37). Moments of inertia ascending; omega in their axes.
+double time_of_a_flip(Vec3 inertia, const Vec3& omega) {
+  const Vec3 l = inertia.cwiseProduct(omega);
+  const double twice_energy = l.dot(omega), square = l.squaredNorm();
+  if (square < twice_energy * inertia[1]) std::swap(inertia[0], inertia[2]);
+  const double rate = std::sqrt((inertia[2] - inertia[1]) * (square - twice_energy * inertia[0]) /
+                                (inertia[0] * inertia[1] * inertia[2]));
+  const double k = std::sqrt((inertia[1] - inertia[0]) * (twice_energy * inertia[2] - square) /
+                             ((inertia[2] - inertia[1]) * (square - twice_energy * inertia[0])));
+  return 2 * std::comp_ellint_1(k) / rate;
+}
+
+TEST(Integrate, BodiesOfThreeMomentsFlipOnTime) {  // 1000 steps a period, ten periods
+  for (const Shape& shape : {Shape(Box{{0.5, 0.35, 0.2}}), Shape(Ellipsoid{{0.6, 0.4, 0.3}}),
+                             Shape(testing::octahedron({0.6, 0.45, 0.25}))}) {
+    testing::Scene s(0, 0);
+    s.add(s.shape(shape), {50, 50, 50});
+    const Vec3 inertia = s.bodies.inertia_B[0].diagonal(), omega(0.02, 3, 0.02);  // I ascends with its axis
+    s.bodies.set_velocity(0, Vec3::Zero(), omega);
+    s.start();
+    const double half = time_of_a_flip(inertia, omega), energy = s.bodies.kinetic_energy(0);
+    const Vec3 momentum = s.bodies.angular_momentum[0];
+    std::vector<double> flips;
+    double energy_drift = 0, momentum_drift = 0;
+    for (int i = 0; i < 10000; ++i) {
+      const double dt = half / 500, before = body_spin(s)[1];
+      s.run(1, dt);
+      const double after = body_spin(s)[1];
+      if (before * after <= 0) flips.push_back((i + before / (before - after)) * dt);
+      const double length = (s.bodies.inertia_B[0] * body_spin(s)).norm();
+      energy_drift = std::max(energy_drift, std::abs(s.bodies.kinetic_energy(0) / energy - 1));
+      momentum_drift = std::max(momentum_drift, std::abs(length / momentum.norm() - 1));
+    }
+    ASSERT_GE(flips.size(), 19u) << shape_name(shape);
+    for (std::size_t i = 1; i < flips.size(); ++i)
+      EXPECT_NEAR((flips[i] - flips[i - 1]) / half, 1, 1e-3) << shape_name(shape);
+    EXPECT_LT(energy_drift, 1e-8) << shape_name(shape);
+    EXPECT_LT(momentum_drift, 1e-8) << shape_name(shape);
+  }
+}
+
+TEST(Integrate, CylinderPrecesses) {  // its axis turns about L at |L| / I_across; ten turns
+  testing::Scene s(0, 0);
+  s.add(s.shape(Cylinder{0.3, 0.5}), {50, 50, 50});
+  s.bodies.set_velocity(0, Vec3::Zero(), {0.4, 0, 2});
+  s.start();
+  const double across = s.bodies.inertia_B[0](0, 0), energy = s.bodies.kinetic_energy(0);
+  EXPECT_NEAR(across, (3 * 0.09 + 1.0) / 12, 1e-12);
+  const double turn = 2 * M_PI * across / s.bodies.angular_momentum[0].norm();
+  s.run(10000, turn / 1000);
+  EXPECT_LT((s.bodies.orientation[0] * Vec3::UnitZ() - Vec3::UnitZ()).norm(), 1e-3);
+  EXPECT_NEAR(s.bodies.kinetic_energy(0) / energy, 1, 1e-8);
 }
 
 TEST(Integrate, SymmetricTopPrecesses) {

@@ -327,6 +327,37 @@ TEST_P(Sffd, BedOfSpheresSettles) {
   EXPECT_LT(s.report.resolver.cone_excess, 1e-12);
 }
 
+TEST_P(Sffd, BedOf125SpheresAtFourSweeps) {  // the deepest overlap of any contact in any step of a span
+  Scene s(0.3, 0.4, {1, 1, 10});
+  s.extent.periodic = {true, true, false};
+  s.world.gravity = down;
+  s.settings.max_sweeps = 4;
+  const int ball = s.shape(Sphere{0.08});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<> u(-0.004, 0.004);
+  for (int i = 0; i < 125; ++i)
+    s.add(ball, {0.1 + 0.2 * (i % 5) + u(random), 0.1 + 0.2 * (i / 5 % 5) + u(random), 0.1 + 0.2 * (i / 25)});
+  s.floor();
+  s.start();
+  s.run(1200);
+  EXPECT_LT(s.deepest, 2e-2 * 0.08) << "while it falls together";
+  s.deepest = 0;
+  s.run(300);
+  EXPECT_LT(s.deepest, 2e-3 * 0.08) << "settled";
+}
+
+TEST_P(Sffd, StackOfTenEqualBoxesStands) {
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  const int box = s.shape(Box{{0.5, 0.5, 0.5}});
+  for (int i = 0; i < 10; ++i) s.add(box, {10, 10, 0.5 + i});
+  s.floor();
+  s.start();
+  s.run(5000);
+  for (int i = 0; i < 10; ++i) EXPECT_LT((s.x(i) - Vec3(10, 10, 0.5 + i)).norm(), 1e-3) << i;
+  EXPECT_LT(s.v(9).norm(), 1e-6);
+}
+
 TEST_P(Sffd, OverlapIsTakenBackWithoutSpeed) {
   Scene s(0, 0);
   const int ball = s.shape(Sphere{0.5});

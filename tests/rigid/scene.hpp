@@ -43,6 +43,13 @@ struct Scene {
   }
   BodyId add_with_id(BodyId id, int shape, const Vec3& x, const Vec3& v, const Vec3& w, double mass,
                      const Quat& q = Quat::Identity()) {
+    append(id, shape, x, q, mass);
+    bodies.reindex();
+    bodies.set_velocity(bodies.row_of(id), v, w);
+    return id;
+  }
+  /// At rest. The caller reindexes when all are in.
+  void append(BodyId id, int shape, const Vec3& x, const Quat& q, double mass = 1) {
     while (masses_.size() <= static_cast<std::size_t>(shape))
       masses_.push_back(mass_properties(world.shapes[masses_.size()]));
     const MassProperties& p = masses_[shape];
@@ -54,9 +61,6 @@ struct Scene {
     Eigen::Map<Vec3>{r.position} = x;
     r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
     bodies.add(r);
-    bodies.reindex();
-    bodies.set_velocity(bodies.row_of(id), v, w);
-    return id;
   }
   void floor(const Vec3& velocity = Vec3::Zero()) {
     std::array<WallSpec, 6> walls;
