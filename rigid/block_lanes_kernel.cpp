@@ -6,7 +6,8 @@ namespace silt::rigid::SILT_ISA {
 namespace {
 
 constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
-constexpr int few_rounds = 4;            // ... that later sweeps and steps go on with
+constexpr int few_rounds = 8;            // ... that later sweeps and steps go on with
+constexpr int few_sweeps = 16;           // with so few rounds: who asks for more sweeps wants the law
 constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
 constexpr double converged_push = 1e-6;  // the same where only positions are corrected
 constexpr double worth_another = 0;      // ... relative to what the pair changes in this sweep
@@ -40,7 +41,7 @@ struct Rounds {
   }
 
   /// A lane that has settled ends, and keeps its result whatever the others do.
-  void run(const BlockGroup& g, BlockContact* contacts, double tolerance) {
+  void run(const BlockGroup& g, BlockContact* contacts, double tolerance, int rounds) {
     Mask final;
     for (int l = 0; l < lane_count; ++l) final[l] = g.bodies.again[l] ? 0 : -1;
     for (int round = 0; round < most_rounds && any(active); ++round) {
@@ -49,7 +50,7 @@ struct Rounds {
       for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c]);
       const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
-      if (round + 1 >= few_rounds) active = active & final;
+      if (round + 1 >= rounds) active = active & final;
     }
   }
 };
@@ -74,7 +75,7 @@ double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_con
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
-    const Mask solved = to_solve(g.bodies, state, first);
+    const Mask solved = to_solve(g.bodies, state, number == 1);
     g.relative_change = Lanes{} - 1;
     if (!any(solved)) continue;
     Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
@@ -82,7 +83,8 @@ double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_con
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
-    rounds.run(g, contacts, push ? converged_push : converged);
+    rounds.run(g, contacts, push ? converged_push : converged,
+               number <= few_sweeps ? few_rounds : most_rounds);
     finish(g, rounds, solved);
     for (int l = 0; l < lane_count; ++l)
       if (g.bodies.again[l] && g.relative_change[l] > residual) residual = g.relative_change[l];

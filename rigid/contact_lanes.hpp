@@ -72,14 +72,15 @@ struct alignas(64) BlockContact {
 };
 
 // prepare_blocks: once a step, after the groups are filled.
-// One sweep over the groups. first: every pair; else those of which a body changed. push: position
+// One sweep over the groups, counted from 1. The first solves every pair, later ones those of which a body
+// changed. push: position
 // correction, solved less exactly. Returns the largest relative change of a pair that is not final.
 #define SILT_CONTACT_KERNELS(isa)                                                                       \
   namespace silt::rigid::isa {                                                                          \
   double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, double tolerance, \
                        bool first);                                                                     \
   void prepare_blocks(BlockGroup*, std::size_t groups);                                                 \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, bool first,     \
+  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, int number,     \
                       bool push);                                                                       \
   }
 

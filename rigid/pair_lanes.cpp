@@ -159,12 +159,12 @@ void PairLanes::prepare() {
 }
 
 double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, double tolerance,
-                        bool first, bool push) {
+                        int number, bool push) {
   const auto run = [&](auto central, auto blocks) {
     const double residual =
-        central(central_.data(), central_.size(), state.data(), sums.data(), tolerance, first);
+        central(central_.data(), central_.size(), state.data(), sums.data(), tolerance, number == 1);
     return std::max(
-        residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), first, push));
+        residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), number, push));
   };
   double residual = 0;
   switch (chosen_isa()) {

@@ -186,7 +186,7 @@ int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::ve
                                 double tolerance, bool push, double& residual) {
   for (int i = 1;; ++i) {
     for (const std::size_t row : involved_) sums_[row] = {};
-    residual = exchange.maximum(lanes_.sweep(state, sums_, tolerance, i == 1, push));
+    residual = exchange.maximum(lanes_.sweep(state, sums_, tolerance, i, push));
     apply_sums(state);
     if (residual <= tolerance || i >= settings_.max_sweeps) return i;
     exchange.share(bodies, as_doubles(state), width);

@@ -2,6 +2,7 @@
 
 #include "adapters/analytic/deepest.hpp"
 #include "adapters/analytic/deepest_direction.hpp"
+#include "adapters/common/contact_outline.hpp"
 #include "adapters/common/convex_manifold.hpp"
 #include "adapters/common/manifold.hpp"
 
@@ -41,8 +42,8 @@ void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const Convex
 
 }  // namespace
 
-bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape&) const {
-  return !std::holds_alternative<HalfSpace>(a);
+bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
+  return !std::holds_alternative<HalfSpace>(a) && has_codes(a) && has_codes(b);
 }
 
 void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,

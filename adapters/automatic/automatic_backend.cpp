@@ -25,9 +25,14 @@ bool supported(const Query& q, const std::vector<ContactPoint>& points, std::siz
   return std::abs(support_gap(q, deepest->normal) - deepest->gap) <= answer_tolerance * size;
 }
 
+/// Whether the answer comes from a search: not for a half-space, nor for a sphere and a sphere, capsule or
+/// box.
 bool needs_search(const ConvexShape& a, const ConvexShape& b) {
-  return !std::holds_alternative<rigid::Sphere>(a) && !std::holds_alternative<rigid::Sphere>(b) &&
-         !std::holds_alternative<rigid::HalfSpace>(b);
+  using rigid::HalfSpace, rigid::Sphere;
+  if (std::holds_alternative<Sphere>(a) && std::holds_alternative<Sphere>(b)) return false;
+  if (std::holds_alternative<HalfSpace>(b)) return false;
+  const bool with_sphere = std::holds_alternative<Sphere>(a) || std::holds_alternative<Sphere>(b);
+  return !(with_sphere && has_rounded_box(a) && has_rounded_box(b));
 }
 
 }  // namespace

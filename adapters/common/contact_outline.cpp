@@ -140,6 +140,13 @@ void touching_cylinder(const ConvexCore& core, const Vec3& n, const Vec3& d, dou
 
 }  // namespace
 
+bool has_codes(const rigid::ConvexShape& shape) {
+  const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape);
+  if (!polyhedron) return true;
+  const auto& mesh = *polyhedron->mesh;
+  return 1 + mesh.vertices.size() + mesh.edges.size() + mesh.faces.size() <= 1 << 16;
+}
+
 Corner lowest_rim_point(const ConvexCore& cylinder, int side, const Vec3& n) {
   const Vec3 d = cylinder.direction_B(n);
   const double across = std::hypot(d.x(), d.y()), scale = across > 0 ? cylinder.half.x() / across : 0;

@@ -43,6 +43,8 @@ void facing_outline(const ConvexCore&, const Vec3& n, ContactOutline& out);
 ContactOutline::Corner lowest_rim_point(const ConvexCore& cylinder, int side, const Vec3& n);
 /// The rim points of a cylinder's end.
 void end_outline(const ConvexCore& cylinder, int side, ContactOutline& out);
+/// Whether codes of all its vertices, edges and faces fit (some 10000 vertices; every other shape's do).
+bool has_codes(const rigid::ConvexShape&);
 /// Code of a vertex of a polyhedron.
 inline std::uint32_t vertex_code(int vertex) {
   return vertex + 1;

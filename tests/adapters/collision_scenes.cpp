@@ -15,7 +15,7 @@ namespace {
 int scenes_of(Kind a, Kind b) {
   if (has_closed_form(a, b)) return 40;
   const char* wanted = std::getenv("SILT_SCENES");
-  return wanted ? std::atoi(wanted) : 6;
+  return wanted ? std::atoi(wanted) : 4;
 }
 
 void add_scenes(Kind a, Kind b, std::mt19937_64& random, std::vector<Scene>& scenes) {
