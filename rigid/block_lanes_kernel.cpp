@@ -17,6 +17,7 @@ struct Rounds {
   PairMotion motion;
   Mask active;
   Lanes change{}, scale{};  // squared, largest of the round
+  Lanes moved{};            // at most: a contact's impulse, in all rounds
 
   /// FFD.md 5.3: first the normal impulse, then the tangential one.
   void solve(const BlockGroup& g, BlockContact& c) {
@@ -48,6 +49,7 @@ struct Rounds {
       change = Lanes{};
       scale = active ? Lanes{} : scale;
       for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c]);
+      moved += square_root(change);
       const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
       if (round + 1 >= rounds) active = active & final;
@@ -58,7 +60,8 @@ struct Rounds {
 void finish(BlockGroup& g, const Rounds& rounds, Mask solved) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
-  const Lanes change = rounds.total(g), scale = larger(rounds.scale, g.least_scale * g.least_scale);
+  const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
+  const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
   const Lanes relative = change > 0 ? square_root(change / scale) : Lanes{};
   g.relative_change = solved ? relative : Lanes{} - 1;
 }
@@ -70,7 +73,7 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
 }
 
 double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts, const BodyState* state,
-                    bool first, bool push) {
+                    int number, bool push) {
   double residual = 0;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
