@@ -47,7 +47,7 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     const Vec3 within = circle.onto(d);
     const double distance = within.norm();
     if (!(within.dot(n) > 0)) return {};
-    return within / distance;
+    return circle.onto(within / distance).normalized();  // again: of a small remainder little is left normal
   }
   for (int i = 0; i < most_steps; ++i) {
     const auto step = newton_step(n, d, a.curvature(n) + b.curvature(-n), circle);

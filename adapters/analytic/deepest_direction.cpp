@@ -14,7 +14,8 @@ constexpr double proven = 1e-12;
 /// Radian: how far edges and faces are tried where those within search_resolution did not lead to a peak.
 constexpr double wide_angle = 0.6;
 
-CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
+CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
+  const Vec3& n = peak.normal;
   thread_local ContactOutline of_a, of_b;
   const double scale = length_scale(a, b);
   CommonPoint best{};
@@ -23,7 +24,7 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& 
   for (const double slack : {rounding * scale, 100 * rounding * scale, 1e4 * rounding * scale}) {
     touching_outline(a, n, slack, of_a);
     touching_outline(b, -n, slack, of_b);
-    const CommonPoint p = common_point(of_a, of_b, n, 10 * slack);
+    const CommonPoint p = common_point(of_a, of_b, n, peak.core_gap, 10 * slack);
     if (p.miss < best.miss) best = p;
     if (best.miss <= proven * scale) break;
   }
@@ -31,7 +32,7 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& 
 }
 
 Approach meet(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
-  return {peak, meeting_point(a, b, peak.normal)};
+  return {peak, meeting_point(a, b, peak)};
 }
 
 /// Where the cores have no common point on the normal: the peak is narrow, or so flat that the next feature

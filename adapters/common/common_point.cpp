@@ -91,11 +91,12 @@ std::uint32_t code_under(const ContactOutline& face, const Prism& prism, const V
   return code;
 }
 
-CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double slack) {
+CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double gap,
+                         double slack) {
   CommonPoint best{Vec3::Zero(), Vec3::Zero(), std::numeric_limits<double>::infinity(), 0, 0};
   const auto take = [&](const Vec3& near) {
     const Place on_a = nearest(a, near, n, slack), on_b = nearest(b, on_a.x, n, slack);
-    const double miss = across(on_b.x - on_a.x, n);
+    const double miss = (on_b.x - on_a.x - gap * n).norm();
     if (miss < best.miss) best = {on_a.x, on_b.x, miss, on_a.code, on_b.code};
   };
   if (a.size() == 1) return take(a.corners[0].x), best;

@@ -8,13 +8,15 @@ namespace silt::adapters {
 /// Where the normal of a contact passes through both outlines.
 struct CommonPoint {
   Vec3 on_a, on_b;               // lattice units, on the cores
-  double miss;                   // distance of the two across the normal: 0 but for rounding
+  double miss;                   // of on_b from on_a + gap n: 0 but for rounding
   std::uint32_t code_a, code_b;  // of the features they lie on
 };
 
-/// The points of the two outlines that lie most exactly over each other along unit n, found among the
-/// corners, the crossings of edges and the centres of discs: one of these is common to both if anything is.
-CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double slack);
+/// The points of the two outlines, `gap` (lattice units) apart, that lie most exactly over each other along
+/// unit n, found among the corners, the crossings of edges and the centres of discs: one of these is common
+/// to both if anything is.
+CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double gap,
+                         double slack);
 
 /// The face as seen along unit n (not in its plane): signed distance of x to the edge k, positive outside.
 class Prism {

@@ -12,7 +12,7 @@ using rigid::ContactPoint;
 
 namespace {
 
-constexpr double rounding = 1e-10;    // part of the pair's size: lengths below it are none
+constexpr double rounding = 1e-12;    // part of the pair's size: lengths below it are none
 constexpr double same_depth = 2e-14;  // part of the pair's size: gaps that differ by less are equal
 /// Faces seen more obliquely than this (cosine) have no points worth having.
 constexpr double oblique_cosine = 0.1;
@@ -172,7 +172,7 @@ void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3
   points.clear();
   flat_points(a, b, n, slack, points);
   // nothing can lie between the supporting planes
-  std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - 10 * slack || p.gap > tolerance; });
+  std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - slack || p.gap > tolerance; });
   const bool has_deepest =
       std::any_of(points.begin(), points.end(), [&](const ContactPoint& p) { return p.gap <= gap + deep; });
   if (!has_deepest) {
