@@ -28,6 +28,11 @@ def placed(part, position, orientation):
     return position + body @ part["position"], body @ rotation(part["orientation"])
 
 
+def corners_of(lower, upper):
+    """The eight corners of a box."""
+    return np.array([[(lower, upper)[i >> d & 1][d] for d in range(3)] for i in range(8)])
+
+
 def hull(points):
     """Convex hull of points in a plane, counter-clockwise (Andrew's monotone chain)."""
     points = sorted(map(tuple, points))
