@@ -32,16 +32,17 @@ MassProperties of(const Capsule& c) {
   return {barrel + ends, Vec3::Zero(), Vec3(across, across, along).asDiagonal()};
 }
 
-MassProperties of(const Cylinder&) {
-  throw std::logic_error("not there yet");
+MassProperties of(const Cylinder& c) {
+  const double r2 = c.radius * c.radius, l = c.half_length, volume = 2 * pi * r2 * l;
+  const double across = volume * (0.25 * r2 + l * l / 3);
+  return {volume, Vec3::Zero(), Vec3(across, across, 0.5 * volume * r2).asDiagonal()};
 }
 
-MassProperties of(const Ellipsoid&) {
-  throw std::logic_error("not there yet");
-}
-
-MassProperties of(const Polyhedron&) {
-  throw std::logic_error("not there yet");
+MassProperties of(const Ellipsoid& e) {
+  const Vec3 sq = e.half_axes.cwiseAbs2();
+  const double volume = 4.0 / 3 * pi * e.half_axes.prod();
+  return {volume, Vec3::Zero(),
+          0.2 * volume * Vec3(sq[1] + sq[2], sq[0] + sq[2], sq[0] + sq[1]).asDiagonal()};
 }
 
 MassProperties of(const HalfSpace&) {
@@ -60,8 +61,8 @@ SolidMoments moments(const MassProperties& p, const Pose& pose) {
   return m;
 }
 
-/// Values below the quadrature's error become what symmetry would make them: a star's centre is its centre,
-/// and a body with equal moments needs no gyroscopic term.
+/// Values below the error of the integration become what symmetry would make them: a star's centre is its
+/// centre, and a body with equal moments needs no gyroscopic term.
 void snap_to_symmetry(MassProperties& p, double error) {
   const double size = std::sqrt(p.inertia.trace() / p.volume);
   for (int d = 0; d < 3; ++d)
@@ -82,6 +83,22 @@ void snap_to_symmetry(MassProperties& p, double error) {
   }
 }
 
+/// From second moments about the centre.
+Mat3 inertia_of(const Mat3& second) {
+  const Mat3 inertia = second.trace() * Mat3::Identity() - second;
+  return 0.5 * (inertia + inertia.transpose());
+}
+
+MassProperties of(const Polyhedron& q) {
+  constexpr double rounding = 1e-13;
+  const PolyhedronIntegrals sum = integrals(*q.mesh);
+  const Vec3 centre = sum.first / sum.volume;
+  MassProperties p{sum.volume, sum.about + centre,
+                   inertia_of(sum.second - sum.volume * centre * centre.transpose())};
+  snap_to_symmetry(p, rounding);
+  return p;
+}
+
 MassProperties of(const Compound& c) {
   constexpr double quadrature_error = 2e-5;  // a fifth of what is promised
   SolidMoments m;
@@ -91,9 +108,7 @@ MassProperties of(const Compound& c) {
   MassProperties p;
   p.volume = m.volume;
   p.centre = m.first / m.volume;
-  const Mat3 second = m.second - m.volume * p.centre * p.centre.transpose();
-  p.inertia = second.trace() * Mat3::Identity() - second;
-  p.inertia = 0.5 * (p.inertia + p.inertia.transpose()).eval();
+  p.inertia = inertia_of(m.second - m.volume * p.centre * p.centre.transpose());
   snap_to_symmetry(p, quadrature_error);
   return p;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// The geometry of a convex polyhedron: made once from its corners and faces, then shared by all who look at it.
+// The geometry of a convex polyhedron: made once from its corners and faces, then shared by all who look at
+// it.
 #include <array>
 #include <memory>
 #include <vector>
@@ -24,13 +25,26 @@ struct PolyhedronMesh {
   std::vector<std::vector<int>> neighbours;  // of each vertex, along the edges
 };
 
-/// From corners and the faces' loops of corners (counter-clockwise seen from outside). Every face must be flat
-/// and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument says what is
-/// not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
+/// From corners and the faces' loops of corners (counter-clockwise seen from outside). Every face must be
+/// flat and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument says
+/// what is not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
 std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> vertices,
                                                            const std::vector<std::vector<int>>& faces,
                                                            double flatness = 1e-9);
 /// The same polyhedron about another origin.
 std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh&, const Vec3& by);
+
+/// Distance to the surface, negative inside; exact.
+double signed_distance(const PolyhedronMesh&, const Vec3& x);
+
+/// Integrals over the solid of 1, d and d d^T with d = x - about: exact, the sum over the tetrahedra between
+/// the faces' triangles and one corner (Tonon, J. Math. Stat. 1 (2004)).
+struct PolyhedronIntegrals {
+  Vec3 about = Vec3::Zero();
+  double volume = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+};
+PolyhedronIntegrals integrals(const PolyhedronMesh&);
 
 }  // namespace silt::rigid

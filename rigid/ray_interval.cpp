@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 namespace silt::rigid {
 
@@ -72,9 +71,35 @@ struct LineInside {
     const double reach = c.half_length + std::sqrt((c.radius - rho) * (c.radius + rho));
     return slab(o[2], d[2], reach);
   }
-  Interval operator()(const Cylinder&) const { throw std::logic_error("not there yet"); }
-  Interval operator()(const Ellipsoid&) const { throw std::logic_error("not there yet"); }
-  Interval operator()(const Polyhedron&) const { throw std::logic_error("not there yet"); }
+  Interval operator()(const Cylinder& c) const {
+    const double a = d[0] * d[0] + d[1] * d[1], rho = std::sqrt(o[0] * o[0] + o[1] * o[1]);
+    const Interval between_ends = slab(o[2], d[2], c.half_length);
+    if (!(a > 0)) return rho <= c.radius ? between_ends : Interval{};
+    const double b = o[0] * d[0] + o[1] * d[1];
+    return intersect(roots(a, b, (rho - c.radius) * (rho + c.radius)), between_ends);
+  }
+  /// Seen in the coordinates in which it is the unit sphere.
+  Interval operator()(const Ellipsoid& e) const {
+    const Vec3 p = o.cwiseQuotient(e.half_axes), v = d.cwiseQuotient(e.half_axes);
+    const double a = v.squaredNorm(), b = p.dot(v), distance = p.norm();
+    const double closest =
+        (p - b / a * v).norm();  // the line passes the centre at: keeps far, grazing rays exact
+    if (!(closest <= 1)) return {};
+    const double s = std::sqrt(a * (1 - closest) * (1 + closest)), q = b >= 0 ? -b - s : -b + s;
+    const double t1 = q / a, t2 = q != 0 ? (distance - 1) * (distance + 1) / q : 0.0;
+    return RayInterval{std::min(t1, t2), std::max(t1, t2)};
+  }
+  /// Clipped by the plane of one face after the other.
+  Interval operator()(const Polyhedron& q) const {
+    RayInterval inside{-infinity, infinity};
+    for (const auto& face : q.mesh->faces) {
+      const double height = face.normal.dot(o) - face.offset, speed = face.normal.dot(d);
+      if (speed == 0 && height > 0) return {};
+      if (speed < 0) inside.enter = std::max(inside.enter, -height / speed);
+      if (speed > 0) inside.leave = std::min(inside.leave, -height / speed);
+    }
+    return inside.enter <= inside.leave ? Interval{inside} : Interval{};
+  }
   Interval operator()(const HalfSpace& h) const {
     const double distance = h.normal.dot(o), speed = h.normal.dot(d);
     if (speed == 0) return distance <= 0 ? Interval{RayInterval{-infinity, infinity}} : Interval{};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "rigid/ellipsoid.hpp"
 #include "rigid/ray_interval.hpp"
 
 namespace silt::rigid {
@@ -32,17 +33,17 @@ double distance_to(const Capsule& c, const Vec3& x) {
   const double along = std::clamp(x[2], -c.half_length, c.half_length);
   return Vec3(x[0], x[1], x[2] - along).norm() - c.radius;
 }
-[[noreturn]] void not_yet() {
-  throw std::logic_error("this shape is not there yet");
+double distance_to(const Cylinder& c, const Vec3& x) {
+  const double across = std::sqrt(x[0] * x[0] + x[1] * x[1]) - c.radius,
+               along = std::abs(x[2]) - c.half_length;
+  if (std::max(across, along) <= 0) return std::max(across, along);
+  return std::hypot(std::max(across, 0.0), std::max(along, 0.0));
 }
-double distance_to(const Cylinder&, const Vec3&) {
-  not_yet();
+double distance_to(const Ellipsoid& e, const Vec3& x) {
+  return ellipsoid_distance(e.half_axes, x);
 }
-double distance_to(const Ellipsoid&, const Vec3&) {
-  not_yet();
-}
-double distance_to(const Polyhedron&, const Vec3&) {
-  not_yet();
+double distance_to(const Polyhedron& q, const Vec3& x) {
+  return signed_distance(*q.mesh, x);
 }
 double distance_to(const HalfSpace& h, const Vec3& x) {
   return h.normal.dot(x);
@@ -54,6 +55,25 @@ double distance_to(const Compound& c, const Vec3& x) {
     least = std::min(least, std::visit([&](const auto& s) { return distance_to(s, x_P); }, part.shape));
   }
   return least;
+}
+
+/// The sign of distance_to, where that is cheaper to have.
+template <class S>
+bool holds(const S& shape, const Vec3& x) {
+  return distance_to(shape, x) <= 0;
+}
+bool holds(const Ellipsoid& e, const Vec3& x) {
+  return in_ellipsoid(e.half_axes, x);
+}
+bool holds(const Polyhedron& q, const Vec3& x) {
+  return std::all_of(q.mesh->faces.begin(), q.mesh->faces.end(),
+                     [&](const auto& face) { return face.normal.dot(x) - face.offset <= 0; });
+}
+bool holds(const Compound& c, const Vec3& x) {
+  return std::any_of(c.parts.begin(), c.parts.end(), [&](const Part& part) {
+    const Vec3 x_P = part.pose.to_body(x);
+    return std::visit([&](const auto& s) { return holds(s, x_P); }, part.shape);
+  });
 }
 
 double hit(const ConvexShape& shape, const Vec3& origin, const Vec3& direction, double t_max) {
@@ -116,7 +136,7 @@ std::string_view shape_name(const Shape& shape) {
 }
 
 bool contains(const Shape& shape, const Vec3& x_B) {
-  return signed_distance(shape, x_B) <= 0;
+  return std::visit([&](const auto& s) { return holds(s, x_B); }, shape);
 }
 
 double signed_distance(const Shape& shape, const Vec3& x_B) {
@@ -162,8 +182,9 @@ double reach(const Part& part) {
                               return std::hypot(std::hypot(centre[0], centre[1]) + c.radius,
                                                 std::abs(centre[2]) + c.half_length);
                             },
-                            [&](const Ellipsoid& e) {  // an upper bound, exact about its own centre
-                              return pose.position.norm() + e.half_axes.maxCoeff();
+                            [&](const Ellipsoid& e) {
+                              const Vec3 centre = pose.orientation.conjugate() * pose.position;
+                              return ellipsoid_reach(e.half_axes, -centre);
                             },
                             [&](const Polyhedron& q) {
                               double furthest = 0;
@@ -215,6 +236,8 @@ Vec3 support(const ConvexShape& shape, const Vec3& d) {
 }
 
 Shape recentred(const Shape& shape, const Vec3& centre) {
+  if (const auto* polyhedron = std::get_if<Polyhedron>(&shape))
+    return Polyhedron{shifted(*polyhedron->mesh, -centre)};
   const auto* compound = std::get_if<Compound>(&shape);
   if (!compound) return shape;
   Compound moved = *compound;

@@ -79,9 +79,11 @@ double bounding_radius(const Shape&);
 double reach(const Part&);
 /// The point of a convex shape furthest along direction_B.
 Vec3 support(const ConvexShape&, const Vec3& direction_B);
-/// Closed forms; for a compound those of the union of its parts, relative error <= 1e-4, deterministic.
+/// Closed forms, exact; for a compound those of the union of its parts, relative error <= 1e-4,
+/// deterministic.
 MassProperties mass_properties(const Shape&);
-/// The same shape expressed about its centre of mass (only a compound can differ); `centre` is subtracted.
+/// The same shape expressed about its centre of mass (only a compound or a polyhedron can differ); `centre`
+/// is subtracted.
 Shape recentred(const Shape&, const Vec3& centre);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);

@@ -1,6 +1,8 @@
 #include "adapters/analytic/analytic_backend.hpp"
 
 #include "adapters/analytic/deepest.hpp"
+#include "adapters/analytic/deepest_direction.hpp"
+#include "adapters/common/convex_manifold.hpp"
 #include "adapters/common/manifold.hpp"
 
 namespace silt::adapters {
@@ -24,6 +26,18 @@ void collide_spheres(double radius_a, const Vec3& centre_a, double radius_b, con
   out.push_back({on_a, on_a + gap * normal, normal, gap, feature_id({}, {})});
 }
 
+/// A pair of which one is a cylinder, an ellipsoid or a polyhedron.
+void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const ConvexShape& shape_b,
+                    const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
+  const ConvexCore a = convex_core(shape_a, pose_a);
+  if (const auto* wall = std::get_if<HalfSpace>(&shape_b))
+    return append_convex_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance, out);
+  const ConvexCore b = convex_core(shape_b, pose_b);
+  const double reach = tolerance + a.radius + b.radius;
+  if (const auto found = deepest_direction(a, b, reach))
+    append_convex_manifold(a, b, found->peak.normal, found->peak.core_gap, found->where, tolerance, out);
+}
+
 }  // namespace
 
 bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape&) const {
@@ -37,6 +51,8 @@ void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const Co
       sphere_a && sphere_b)
     return collide_spheres(sphere_a->radius, pose_a.position, sphere_b->radius, pose_b.position, tolerance,
                            out);
+  if (!has_rounded_box(a) || !(has_rounded_box(b) || std::holds_alternative<HalfSpace>(b)))
+    return collide_convex(a, pose_a, b, pose_b, tolerance, out);
   const RoundedBox core_a = rounded_box(a, pose_a);
   if (const auto* wall = std::get_if<HalfSpace>(&b))
     return append_plane_manifold(core_a, pose_b.position, pose_b.orientation * wall->normal, tolerance, out);

@@ -37,17 +37,49 @@ btTransform to_bullet(const Pose& pose) {
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(pose.position));
 }
 
-/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, 0 for a box and a plane (the
-/// default of 0.04 would round the box's edges).
+/// By its exact support: neither a scaled sphere nor a scaled multi-sphere is one.
+class BulletEllipsoid : public btConvexInternalShape {
+ public:
+  explicit BulletEllipsoid(const Vec3& half_axes) : half_axes_(half_axes) {
+    m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
+    m_implicitShapeDimensions = to_bullet(half_axes);
+    m_collisionMargin = 0;
+  }
+  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override {
+    return to_bullet(rigid::support(rigid::Ellipsoid{half_axes_}, from_bullet(direction)));
+  }
+  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions, btVector3* out,
+                                                         int count) const override {
+    for (int i = 0; i < count; ++i) out[i] = localGetSupportingVertexWithoutMargin(directions[i]);
+  }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  const char* getName() const override { return "ellipsoid"; }
+
+ private:
+  Vec3 half_axes_;
+};
+
+/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, else `margin` (Bullet's default of 0.04
+/// would round the edges).
 class BulletShape {
  public:
-  explicit BulletShape(const ConvexShape& shape) {
+  explicit BulletShape(const ConvexShape& shape, double margin = 0) {
     if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) {
       shape_.emplace<btSphereShape>(sphere->radius);
     } else if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) {
       shape_.emplace<btCapsuleShapeZ>(capsule->radius, 2 * capsule->half_length);
     } else if (const auto* box = std::get_if<rigid::Box>(&shape)) {
-      shape_.emplace<btBoxShape>(to_bullet(box->half_edges)).setMargin(0);
+      shape_.emplace<btBoxShape>(to_bullet(box->half_edges)).setMargin(margin);
+    } else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape)) {
+      const btVector3 half(cylinder->radius, cylinder->radius, cylinder->half_length);
+      shape_.emplace<btCylinderShapeZ>(half).setMargin(margin);
+    } else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape)) {
+      shape_.emplace<BulletEllipsoid>(ellipsoid->half_axes);
+    } else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) {
+      auto& hull = shape_.emplace<btConvexHullShape>();
+      for (const Vec3& v : polyhedron->mesh->vertices) hull.addPoint(to_bullet(v), false);
+      hull.recalcLocalAabb();
+      hull.setMargin(margin);
     } else {
       shape_.emplace<btStaticPlaneShape>(to_bullet(std::get<rigid::HalfSpace>(shape).normal), 0).setMargin(0);
     }
@@ -65,7 +97,9 @@ class BulletShape {
   const btConvexShape* convex() { return static_cast<const btConvexShape*>(get()); }
 
  private:
-  std::variant<std::monostate, btSphereShape, btCapsuleShapeZ, btBoxShape, btStaticPlaneShape> shape_;
+  std::variant<std::monostate, btSphereShape, btCapsuleShapeZ, btBoxShape, btCylinderShapeZ, BulletEllipsoid,
+               btConvexHullShape, btStaticPlaneShape>
+      shape_;
 };
 
 /// Keeps the deepest point that contactPairTest reports.
@@ -92,11 +126,14 @@ class BulletBackend : public EngineBackend {
 
  protected:
   /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
-  /// they are.
-  int methods(const Query&) const override { return 3; }
+  /// they are; with margins, where Bullet has them (coaxial cylinders that overlap are always wrong without).
+  int methods(const Query& q) const override {
+    return std::holds_alternative<rigid::HalfSpace>(q.b) ? 1 : has_margin(q.a) || has_margin(q.b) ? 4 : 3;
+  }
   std::optional<Answer> ask(int method, const Query& q) override {
     if (method == 1) return gjk_apart(q);
     if (method == 2) return gjk_epa(q, Vec3::Zero());
+    if (method == 3) return gjk_epa_with_margins(q);
     const bool boxes = std::holds_alternative<rigid::Box>(q.a) && std::holds_alternative<rigid::Box>(q.b);
     if (!boxes) return closest(q);
     if (const auto overlap = box_box(q); overlap && overlap->gap < -touching) return overlap;
@@ -108,6 +145,10 @@ class BulletBackend : public EngineBackend {
   /// Gap (lattice units) below which the normal, a difference of two nearly equal points, is asked for again
   /// with the shapes moved apart.
   static constexpr double touching = 1e-3;
+
+  static bool has_margin(const ConvexShape& shape) {
+    return std::holds_alternative<rigid::Cylinder>(shape) || std::holds_alternative<rigid::Polyhedron>(shape);
+  }
 
   /// The separating-axis test that Bullet's world uses for two boxes: overlap only. It prefers a face to
   /// crossed edges that are up to 5 % less deep; the check of the answer finds that out.
@@ -142,8 +183,16 @@ class BulletBackend : public EngineBackend {
     return deepest.answer;
   }
 
-  static std::optional<Answer> gjk_epa(const Query& q, const Vec3& shift_of_b) {
-    BulletShape a(q.a), b(q.b);
+  /// Margins round the edges of boxes and cylinders and are added to hulls.
+  static std::optional<Answer> gjk_epa_with_margins(const Query& q) {
+    constexpr double margin = 0.04;  // Bullet's own
+    auto answer = gjk_epa(q, Vec3::Zero(), margin);
+    if (answer) answer->padding = 4 * margin;
+    return answer;
+  }
+
+  static std::optional<Answer> gjk_epa(const Query& q, const Vec3& shift_of_b, double margin = 0) {
+    BulletShape a(q.a, margin), b(q.b, margin);
     btVoronoiSimplexSolver simplex;
     btGjkEpaPenetrationDepthSolver epa;
     btGjkPairDetector detector(a.convex(), b.convex(), &simplex, &epa);

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "adapters/analytic/deepest.hpp"
+#include "adapters/analytic/deepest_direction.hpp"
+#include "adapters/common/convex_manifold.hpp"
 #include "adapters/common/manifold.hpp"
 
 namespace silt::adapters {
@@ -50,10 +52,20 @@ void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, cons
                             const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
   ++counters_.queries;
   const Query q{shape_a, shape_b, pose_a, pose_b, tolerance};
-  const RoundedBox a = rounded_box(shape_a, pose_a);
-  if (std::holds_alternative<HalfSpace>(shape_b)) return collide_with_plane(q, a, out);
-  const RoundedBox b = rounded_box(shape_b, pose_b);
-  const double radii = a.radius + b.radius;
+  const auto* wall = std::get_if<HalfSpace>(&shape_b);
+  if (!wall && has_rounded_box(shape_a) && has_rounded_box(shape_b)) return collide_boxes(q, out);
+  if (!wall) return collide_convex(q, out);
+  check_plane(q);
+  const Vec3 outward = pose_b.orientation * wall->normal;
+  if (has_rounded_box(shape_a))
+    append_plane_manifold(rounded_box(shape_a, pose_a), pose_b.position, outward, tolerance, out);
+  else
+    append_convex_plane_manifold(convex_core(shape_a, pose_a), pose_b.position, outward, tolerance, out);
+}
+
+void EngineBackend::collide_boxes(const Query& q, std::vector<rigid::ContactPoint>& out) {
+  const RoundedBox a = rounded_box(q.a, q.pose_a), b = rounded_box(q.b, q.pose_b);
+  const double radii = a.radius + b.radius, tolerance = q.tolerance;
   for (int method = 0; method < methods(q); ++method) {
     std::optional<Answer> answer = ask(method, q);
     if (answer && confirmed(q, a, b, *answer))
@@ -69,17 +81,38 @@ void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, cons
     append_manifold(a, b, deepest->normal, deepest->core_gap, tolerance, out);
 }
 
-void EngineBackend::collide_with_plane(const Query& q, const RoundedBox& a,
-                                       std::vector<rigid::ContactPoint>& out) {
+void EngineBackend::collide_convex(const Query& q, std::vector<rigid::ContactPoint>& out) {
+  const ConvexCore a = convex_core(q.a, q.pose_a), b = convex_core(q.b, q.pose_b);
+  const double radii = a.radius + b.radius, slack = curved_tolerance * length_scale(a, b);
+  const auto append = [&](const Approach& found) {
+    append_convex_manifold(a, b, found.peak.normal, found.peak.core_gap, found.where, q.tolerance, out);
+  };
+  for (int method = 0; method < methods(q); ++method) {
+    const std::optional<Answer> answer = ask(method, q);
+    if (!answer) {
+      const auto found = deepest_direction(a, b, q.tolerance + radii);
+      if (!found) return;
+      if (found->peak.core_gap - radii > q.tolerance - slack) return append(*found);
+    } else if (std::abs(answer->normal.squaredNorm() - 1) < 1e-6) {
+      const auto found = proven_direction(a, b, answer->normal.normalized(), q.tolerance + radii);
+      if (!found && answer->gap > q.tolerance - slack) return;
+      if (found && std::abs(found->peak.core_gap - radii - answer->gap) <= slack + answer->padding)
+        return append(*found);
+    }
+    ++counters_.fallbacks;
+  }
+  if (const auto found = deepest_direction(a, b, q.tolerance + radii)) append(*found);
+}
+
+void EngineBackend::check_plane(const Query& q) {
   const Vec3 outward = q.pose_b.orientation * std::get<HalfSpace>(q.b).normal;
-  const Vec3 lowest = q.pose_a.to_world(rigid::support(q.a, q.pose_a.orientation.conjugate() * -outward));
-  const double gap = outward.dot(lowest - q.pose_b.position);
-  const double slack = answer_tolerance * (a.half.norm() + a.radius + std::abs(gap));
+  const Vec3 furthest = rigid::support(q.a, q.pose_a.orientation.conjugate() * -outward);
+  const double gap = outward.dot(q.pose_a.to_world(furthest) - q.pose_b.position);
+  const double slack = answer_tolerance * (furthest.norm() + std::abs(gap));
   const std::optional<Answer> answer = ask(0, q);
   const bool right = answer ? (answer->normal + outward).norm() < 1e-9 && std::abs(answer->gap - gap) <= slack
                             : gap > q.tolerance - slack;
   if (!right) ++counters_.fallbacks;
-  append_plane_manifold(a, q.pose_b.position, outward, q.tolerance, out);
 }
 
 }  // namespace silt::adapters

@@ -17,7 +17,7 @@ RoundedBox rounded_box(const rigid::ConvexShape& shape, const rigid::Pose& pose)
   } else if (const auto* box = std::get_if<rigid::Box>(&shape)) {
     core.half = box->half_edges;
   } else {
-    throw std::invalid_argument("a half-space has no bounded core");
+    throw std::invalid_argument("only a sphere, a capsule and a box have a box for a core");
   }
   return core;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Every convex shape here but the half-space is an oriented box, some of whose half edges may be zero, swept
+// Sphere, capsule and box are oriented boxes, some of whose half edges may be zero, swept
 // by a sphere: sphere = point + radius, capsule = segment + radius, box = box + 0. Distances and depths of
 // the swept shapes are those of the cores less the radii, so that one closed form serves all pairs.
 #include <array>
@@ -59,7 +59,12 @@ struct RoundedBox {
   Vec3 vertex(const Vec3& signs) const { return centre + axes * half.cwiseProduct(signs); }
 };
 
-/// Not for a half-space.
+/// Sphere, capsule or box.
+inline bool has_rounded_box(const rigid::ConvexShape& shape) {
+  return std::holds_alternative<rigid::Sphere>(shape) || std::holds_alternative<rigid::Box>(shape) ||
+         std::holds_alternative<rigid::Capsule>(shape);
+}
+/// std::invalid_argument for shapes that are none.
 RoundedBox rounded_box(const rigid::ConvexShape&, const rigid::Pose&);
 
 /// Length that tolerances of rounding are relative to: sizes and distance of the pair.

@@ -4,6 +4,9 @@
 
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/ellipsoid.h>
 #include <fcl/geometry/shape/halfspace.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
@@ -38,6 +41,17 @@ fcl::Transform3d to_fcl(const Pose& pose, const Vec3& shift = Vec3::Zero()) {
   return t;
 }
 
+/// A polyhedron as FCL has it: its faces in one list, each the number of its corners and the corners.
+fcl::Convexd to_fcl(const rigid::PolyhedronMesh& mesh) {
+  auto vertices = std::make_shared<std::vector<Vec3>>(mesh.vertices);
+  auto faces = std::make_shared<std::vector<int>>();
+  for (const auto& face : mesh.faces) {
+    faces->push_back(static_cast<int>(face.corners.size()));
+    faces->insert(faces->end(), face.corners.begin(), face.corners.end());
+  }
+  return fcl::Convexd(vertices, static_cast<int>(mesh.faces.size()), faces, true);
+}
+
 /// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius.
 class FclShape {
  public:
@@ -48,6 +62,12 @@ class FclShape {
       shape_.emplace<fcl::Capsuled>(radius_share * capsule->radius, 2 * capsule->half_length);
     else if (const auto* box = std::get_if<rigid::Box>(&shape))
       shape_.emplace<fcl::Boxd>(2 * box->half_edges);
+    else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape))
+      shape_.emplace<fcl::Cylinderd>(cylinder->radius, 2 * cylinder->half_length);
+    else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape))
+      shape_.emplace<fcl::Ellipsoidd>(ellipsoid->half_axes);
+    else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape))
+      shape_.emplace<fcl::Convexd>(to_fcl(*polyhedron->mesh));
     else
       shape_.emplace<fcl::Halfspaced>(std::get<rigid::HalfSpace>(shape).normal, lift);
   }
@@ -63,7 +83,9 @@ class FclShape {
   }
 
  private:
-  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Halfspaced> shape_;
+  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Cylinderd,
+               fcl::Ellipsoidd, fcl::Convexd, fcl::Halfspaced>
+      shape_;
 };
 
 double radius_of(const ConvexShape& shape) {
@@ -117,9 +139,11 @@ class FclBackend : public EngineBackend {
   /// themselves is wrong (libccd's MPR on two capsules: 61 of 100). For cores that overlap, collide: two
   /// boxes by separating axes (a face is preferred to crossed edges up to 5 % less deep: the check of the
   /// answer finds that out), a capsule's axis through a box by MPR (not always the least deep). 1: collide on
-  /// the shapes themselves.
+  /// the shapes themselves. With a cylinder, an ellipsoid or a polyhedron: the distance, or, of cores that touch or
+  /// overlap, that of cores moved apart along the normal that collide (MPR) gave, 1: along the line of centres.
   std::optional<Answer> ask(int method, const Query& q) override {
     if (is<rigid::HalfSpace>(q.b)) return plane(q);
+    if (!is_swept_box(q.a) || !is_swept_box(q.b)) return method == 0 ? near_or_deep(q) : moved_apart(q, centres(q));
     if (method == 1) return within(q, overlap(q));
     const bool boxes = is<rigid::Box>(q.a) && is<rigid::Box>(q.b);
     if (boxes)
@@ -163,6 +187,45 @@ class FclBackend : public EngineBackend {
     }
     answer->gap -= radius_of(q.a) + radius_of(q.b);
     return answer;
+  }
+
+  static bool is_swept_box(const ConvexShape& shape) {
+    return is<rigid::Sphere>(shape) || is<rigid::Capsule>(shape) || is<rigid::Box>(shape);
+  }
+
+  static Vec3 centres(const Query& q) {
+    const Vec3 d = q.pose_b.position - q.pose_a.position;
+    const double distance = d.norm();
+    return distance > 0 ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+  }
+
+  static std::optional<Answer> near_or_deep(const Query& q) {
+    auto near = distance(FclShape(q.a, 0), q.pose_a, FclShape(q.b, 0), q.pose_b, Vec3::Zero());
+    if (near && near->gap >= touching) {
+      near->gap -= radius_of(q.a) + radius_of(q.b);
+      return within(q, near);
+    }
+    const auto deep = overlap(q);
+    return moved_apart(q, deep && deep->normal.squaredNorm() > 0.5 ? deep->normal : centres(q));
+  }
+
+  /// The cores' distance with b moved off along the normal found so far, until the normal stays.
+  static std::optional<Answer> moved_apart(const Query& q, const Vec3& normal) {
+    constexpr int rounds = 8;
+    const double radii = radius_of(q.a) + radius_of(q.b);
+    const FclShape a(q.a, 0), b(q.b, 0);
+    std::optional<Answer> answer;
+    Vec3 n = normal;
+    for (int round = 0; round < rounds; ++round) {
+      const Vec3 shift = (10 * touching - support_gap(q, n) - radii) * n;
+      answer = distance(a, q.pose_a, b, q.pose_b, shift);
+      if (!answer) return {};
+      answer->gap -= answer->normal.dot(shift) + radii;
+      const bool settled = (answer->normal - n).squaredNorm() < 1e-12;
+      n = answer->normal;
+      if (settled) break;
+    }
+    return within(q, answer);
   }
 
   /// The half-space raised by the tolerance, so that a gap becomes an overlap.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+
+#include "search_gap.hpp"
 
 namespace silt::tests {
 
@@ -18,6 +21,12 @@ double radius_of(const ConvexShape& shape) {
   if (const auto* s = std::get_if<rigid::Sphere>(&shape)) return s->radius;
   if (const auto* c = std::get_if<rigid::Capsule>(&shape)) return c->radius;
   return 0;
+}
+
+/// A sphere, capsule or box.
+bool swept(const ConvexShape& shape) {
+  return std::holds_alternative<rigid::Sphere>(shape) || std::holds_alternative<rigid::Capsule>(shape) ||
+         std::holds_alternative<rigid::Box>(shape);
 }
 
 /// Vertices of the shape less its radius.
@@ -88,16 +97,9 @@ ReferenceGap depth_in_hull(const std::vector<Vec3>& w) {
 }  // namespace
 
 std::string kind_name(Kind kind) {
-  switch (kind) {
-    case Kind::sphere:
-      return "sphere";
-    case Kind::box:
-      return "box";
-    case Kind::capsule:
-      return "capsule";
-    default:
-      return "half-space";
-  }
+  constexpr const char* names[] = {"sphere",    "box",        "capsule",   "cylinder",
+                                   "ellipsoid", "polyhedron", "half-space"};
+  return names[static_cast<int>(kind)];
 }
 
 Vec3 random_direction(std::mt19937_64& random) {
@@ -119,6 +121,21 @@ ConvexShape random_shape(Kind kind, std::mt19937_64& random) {
       return rigid::Box{Vec3(size(), size(), size())};
     case Kind::capsule:
       return rigid::Capsule{size(), size()};
+    case Kind::cylinder:
+      return rigid::Cylinder{size(), size()};
+    case Kind::ellipsoid:
+      return rigid::Ellipsoid{Vec3(size(), size(), size())};
+    case Kind::polyhedron: {
+      const Vec3 half(size(), size(), size());
+      std::vector<Vec3> points;
+      for (int i = 0; i < 12; ++i) points.push_back(half.cwiseProduct(random_direction(random)));
+      // some with faces of four corners: symmetric about the origin in z
+      if (random() % 2)
+        for (int i = 0; i < 6; ++i) points[i + 6] = points[i].cwiseProduct(Vec3(1, 1, -1));
+      const Vec3 middle = std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / 12;
+      for (Vec3& x : points) x -= middle;
+      return hull_of(points);
+    }
     default:
       return rigid::HalfSpace{random_direction(random)};
   }
@@ -127,6 +144,9 @@ ConvexShape random_shape(Kind kind, std::mt19937_64& random) {
 double smallest_size(const ConvexShape& a, const ConvexShape& b) {
   auto size = [](const ConvexShape& shape) {
     if (const auto* box = std::get_if<rigid::Box>(&shape)) return box->half_edges.minCoeff();
+    if (const auto* c = std::get_if<rigid::Cylinder>(&shape)) return std::min(c->radius, c->half_length);
+    if (const auto* e = std::get_if<rigid::Ellipsoid>(&shape)) return e->half_axes.minCoeff();
+    if (std::holds_alternative<rigid::Polyhedron>(shape)) return -rigid::signed_distance(rigid::Shape(std::get<rigid::Polyhedron>(shape)), Vec3::Zero());
     return std::holds_alternative<rigid::HalfSpace>(shape) ? infinity : radius_of(shape);
   };
   return std::min(size(a), size(b));
@@ -145,6 +165,7 @@ double support_gap(const Pair& p, const Vec3& n) {
 }
 
 ReferenceGap reference_gap(const Pair& p) {
+  if (!swept(p.a) || !(swept(p.b) || std::holds_alternative<rigid::HalfSpace>(p.b))) return search_gap(p);
   const double radii = radius_of(p.a) + radius_of(p.b);
   if (const auto* wall = std::get_if<rigid::HalfSpace>(&p.b)) {
     const Vec3 outward = p.pose_b.orientation * wall->normal;
@@ -178,6 +199,16 @@ Pair random_pair(Kind kind_a, Kind kind_b, double gap, std::mt19937_64& random) 
   Vec3 along = random_direction(random);
   if (const auto* wall = std::get_if<rigid::HalfSpace>(&p.b)) along = -(p.pose_b.orientation * wall->normal);
   const Vec3 sideways = random_direction(random);
+  if (!has_closed_form(kind_a, kind_b)) {
+    // apart, then along the normal
+    p.pose_b.position = p.pose_a.position + sideways + 80 * along;
+    for (int round = 0; round < 2; ++round) {
+      const ReferenceGap far = reference_gap(p);
+      p.pose_b.position += (gap - far.gap) * far.normal;
+      if (std::holds_alternative<rigid::HalfSpace>(p.b) || gap < 0) break;
+    }
+    return p;
+  }
   // a secant search: the gap grows along a ray out of a, steadily once the shapes are nearly apart
   double inner = 0, outer = 120;
   auto gap_at = [&](double t) {

@@ -1,0 +1,65 @@
+#include "adapters/analytic/deepest_direction.hpp"
+
+#include "adapters/analytic/gjk.hpp"
+#include "adapters/analytic/search_directions.hpp"
+
+namespace silt::adapters {
+
+namespace {
+
+/// Part of the pair's size by which two points that are one may miss each other.
+constexpr double rounding = 1e-10;
+/// The same of the proof that a direction is one of nearest approach.
+constexpr double proven = 1e-12;
+
+CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
+  thread_local ContactOutline of_a, of_b;
+  const double scale = length_scale(a, b);
+  CommonPoint best{};
+  best.miss = std::numeric_limits<double>::infinity();
+  // a normal that is off by rounding may leave out a corner of an edge or a face
+  for (const double slack : {rounding * scale, 100 * rounding * scale, 1e4 * rounding * scale}) {
+    touching_outline(a, n, slack, of_a);
+    touching_outline(b, -n, slack, of_b);
+    const CommonPoint p = common_point(of_a, of_b, n, 10 * slack);
+    if (p.miss < best.miss) best = p;
+    if (best.miss <= proven * scale) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
+  const Vec3 d = b.centre - a.centre;
+  const double distance = d.norm();
+  return distance > 1e-13 * length_scale(a, b) ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+}
+
+std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
+  const Vec3 n = between_centres(a, b);
+  if (core_separation(a, b, n) > reach) return {};
+  const auto apart = gjk_direction(a, b, Vec3::Zero(), n);
+  return proven_direction(a, b, apart ? *apart : walk_uphill(a, b, n), reach);
+}
+
+std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double reach) {
+  const double slack = proven * length_scale(a, b);
+  Peak peak = climb(a, b, n, search_resolution);
+  if (peak.core_gap > reach) return {};
+  CommonPoint where = meeting_point(a, b, peak.normal);
+  if (where.miss > slack)
+    if (const auto apart = gjk_direction(a, b, Vec3::Zero(), peak.normal))
+      if (const Peak other = climb(a, b, *apart, search_resolution); other.core_gap > peak.core_gap) {
+        peak = other;
+        where = meeting_point(a, b, peak.normal);
+      }
+  const double rolling = a.rolling_radius() - a.radius + b.rolling_radius() - b.radius;
+  if (where.miss <= slack && peak.core_gap > -rolling) return Approach{peak, where};
+  const auto best = search_directions(a, b, peak, reach);
+  if (!best) return {};
+  if (best->normal != peak.normal) where = meeting_point(a, b, best->normal);
+  return Approach{*best, where};
+}
+
+}  // namespace silt::adapters
