@@ -105,7 +105,9 @@ struct QuantitySpec {
 };
 
 struct Case {
-  std::string title, text;  // text: case.toml as read, then each --set as a comment, for provenance
+  // text: case.toml as read, then each file and each --set as a comment, for provenance
+  std::string title, text;
+  std::vector<std::string> files;      // that the case names: AttachedFile::fingerprint of each, in its order
   std::vector<std::string> overrides;  // the --set arguments
   std::filesystem::path directory;
   Units units;

@@ -70,8 +70,6 @@ Case read_case_text(const std::string& text, const std::string& file,
                     const std::vector<std::string>& overrides) {
   const Node root = parsed(text, file, overrides);
   Case scene;
-  scene.text = text;
-  for (const std::string& argument : overrides) scene.text += fmt::format("\n# --set {}", argument);
   scene.overrides = overrides;
   scene.directory = fs::path(file).parent_path();
 
@@ -93,6 +91,9 @@ Case read_case_text(const std::string& text, const std::string& file,
   context.report_unread(root, "");
   if (!context.errors.empty()) throw CaseError(std::move(context.errors));
   scene.places = std::move(context.places);
+  scene.text = text;
+  for (const std::string& file_read : scene.files) scene.text += fmt::format("\n# file {}", file_read);
+  for (const std::string& argument : overrides) scene.text += fmt::format("\n# --set {}", argument);
   return scene;
 }
 

@@ -11,9 +11,14 @@ void read_units(TableReader& root, Case&);   // first: everything after it conve
 void read_domain(TableReader& root, Case&);  // [domain]
 void read_fluid(TableReader& root, Case&);   // [fluid], [coupling], [gravity]
 
+// read_shapes.cpp
+void read_shapes(TableReader& root, Case&);  // [[shapes]]
+/// From one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
+/// points.
+rigid::Quat read_orientation(TableReader&);
+
 // read_bodies.cpp
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
-void read_shapes(TableReader& root, Case&);    // [[shapes]]
 void read_bodies(TableReader& root, Case&);    // [[bodies]]
 void read_fills(TableReader& root, Case&);     // [[fill]]
 

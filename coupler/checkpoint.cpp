@@ -157,6 +157,19 @@ void require_same_text(const CheckpointReader& reader, const Case& now) {
                          i < before.size() ? before[i].text : ""));
 }
 
+/// The files that the case names, too, must be those of the run.
+void require_same_files(const CheckpointReader& reader, const Case& now) {
+  const auto before = reader.has("files") ? split_lines(reader.text("files")) : std::vector<std::string>{};
+  for (std::size_t i = 0; i < now.files.size(); ++i) {
+    if (i < before.size() && before[i] == now.files[i]) continue;
+    throw CaseError(
+        now.place("shapes"),
+        fmt::format("a file has changed since the checkpoint was written: it was {}; it is {}; restore "
+                    "it, or start a new run",
+                    i < before.size() ? before[i] : "not there", now.files[i]));
+  }
+}
+
 }  // namespace
 
 std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
@@ -172,6 +185,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   writer.set("step", simulation.steps_done());
   writer.set("time", static_cast<double>(simulation.steps_done()) * scene.units.time_step);
   writer.set("overrides", joined_lines(scene.overrides));
+  writer.set("files", joined_lines(scene.files));
   visit_counters(counters, Write{writer});
   visit_balance(simulation.initial_balance(), Write{writer});
   writer.set("fluid_speed", simulation.fluid_speed());
@@ -205,6 +219,7 @@ Case case_to_resume(const CheckpointReader& reader, const std::filesystem::path&
   }
   Case scene = read_case(directory, all);
   require_same_text(reader, scene);
+  require_same_files(reader, scene);
   return scene;
 }
 

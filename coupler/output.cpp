@@ -114,6 +114,14 @@ adapters::KindPart kind_part(const rigid::Part& part, double cell) {
     p.type = "box", p.size = scaled(box->half_edges, cell);
   } else if (const auto* capsule = std::get_if<rigid::Capsule>(&part.shape)) {
     p.type = "capsule", p.size = {cell * capsule->radius, cell * capsule->half_length, 0};
+  } else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&part.shape)) {
+    p.type = "cylinder", p.size = {cell * cylinder->radius, cell * cylinder->half_length, 0};
+  } else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&part.shape)) {
+    p.type = "ellipsoid", p.size = scaled(ellipsoid->half_axes, cell);
+  } else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&part.shape)) {
+    p.type = "polyhedron";
+    for (const Vec3& v : polyhedron->mesh->vertices) p.vertices.push_back(scaled(v, cell));
+    for (const auto& face : polyhedron->mesh->faces) p.faces.push_back(face.corners);
   }
   return p;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace silt::coupler {
 namespace {
@@ -37,9 +38,48 @@ void add_balls(const rigid::Box& box, const Pose& pose, std::vector<InnerBall>& 
       }
 }
 
-void add_balls(const rigid::Cylinder&, const Pose&, std::vector<InnerBall>&) {}
-void add_balls(const rigid::Ellipsoid&, const Pose&, std::vector<InnerBall>&) {}
-void add_balls(const rigid::Polyhedron&, const Pose&, std::vector<InnerBall>&) {}
+void add_balls(const rigid::Cylinder& cylinder, const Pose& pose, std::vector<InnerBall>& out) {
+  constexpr int most = 64, points = 12;
+  const double r = std::min(cylinder.radius, cylinder.half_length), free = cylinder.half_length - r;
+  const int gaps = std::clamp(static_cast<int>(std::ceil(4 * free / r)), 1, most);
+  for (int i = 0; i <= gaps; ++i) out.push_back({pose.to_world({0, 0, free * (2. * i / gaps - 1)}), r});
+  for (const double z : {-cylinder.half_length, cylinder.half_length}) {
+    out.push_back({pose.to_world({0, 0, z}), 0});
+    for (int k = 0; k < points; ++k) {
+      const double angle = 2 * std::numbers::pi * k / points;
+      for (const double r_k : {0.5 * cylinder.radius, cylinder.radius})
+        out.push_back({pose.to_world({r_k * std::cos(angle), r_k * std::sin(angle), z}), 0});
+    }
+  }
+}
+
+void add_balls(const rigid::Ellipsoid& ellipsoid, const Pose& pose, std::vector<InnerBall>& out) {
+  constexpr int points = 5;  // along the edges of a cube, drawn onto the surface
+  out.push_back({pose.position, ellipsoid.half_axes.minCoeff()});
+  for (int i = 0; i < points; ++i)
+    for (int j = 0; j < points; ++j)
+      for (int k = 0; k < points; ++k) {
+        const Vec3 at = Vec3(i, j, k) * (2. / (points - 1)) - Vec3::Ones();
+        if (at.cwiseAbs().maxCoeff() == 1)
+          out.push_back({pose.to_world(ellipsoid.half_axes.cwiseProduct(at.normalized())), 0});
+      }
+}
+
+void add_balls(const rigid::Polyhedron& polyhedron, const Pose& pose, std::vector<InnerBall>& out) {
+  const rigid::PolyhedronMesh& mesh = *polyhedron.mesh;
+  const auto middle = [&](const auto& corners) {
+    Vec3 mean = Vec3::Zero();
+    for (const int c : corners) mean += mesh.vertices[c] / static_cast<double>(corners.size());
+    return mean;
+  };
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& v : mesh.vertices) centre += v / static_cast<double>(mesh.vertices.size());
+  out.push_back({pose.to_world(centre), std::max(0.0, -rigid::signed_distance(mesh, centre))});
+  for (const Vec3& v : mesh.vertices) out.push_back({pose.to_world(v), 0});
+  for (const auto& edge : mesh.edges) out.push_back({pose.to_world(middle(edge.corners)), 0});
+  for (const auto& face : mesh.faces) out.push_back({pose.to_world(middle(face.corners)), 0});
+}
+
 void add_balls(const rigid::HalfSpace&, const Pose&, std::vector<InnerBall>&) {}
 
 // How far the balls of a reach into b.

@@ -15,7 +15,9 @@ struct InnerBall {
 };
 
 /// Balls that together stand for a shape: exact for a sphere; a chain of balls for a capsule; for a box the
-/// largest ball at its centre and a grid of points on its faces; for a compound those of its parts.
+/// largest ball at its centre and a grid of points on its faces; for a cylinder a chain of balls and points
+/// on its ends; for an ellipsoid the largest ball and points on its surface; for a polyhedron a ball, its
+/// corners and the middles of its edges and faces; for a compound those of its parts.
 std::vector<InnerBall> inner_balls(const rigid::Shape&);
 
 /// How far a shape reaches into another, at least, in cells; negative if no overlap is found (then, for two

@@ -1,16 +1,13 @@
-// [contacts], [[materials]], [[material_pairs]], [[shapes]], [[bodies]], [[fill]]
+// [contacts], [[materials]], [[material_pairs]], [[bodies]], [[fill]]
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "coupler/case_sections.hpp"
 
 namespace silt::coupler {
 namespace {
 
-using rigid::Quat;
 using rigid::Vec3;
 
 constexpr auto unit_interval = range::between(0, 1);
@@ -55,84 +52,6 @@ void read_materials(TableReader& root, const rigid::Material& standard, Case& sc
   }
   scene.pair_materials.assign(scene.material_names.size() * scene.material_names.size(), standard);
   read_material_pairs(root, scene);
-}
-
-// From one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
-// points.
-Quat read_orientation(TableReader& table) {
-  const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
-  if (given == "orientation") {
-    const Node* node = table.find(given);
-    double q[4] = {};
-    bool good = node->kind == Node::Kind::array && node->children.size() == 4;
-    for (int i = 0; good && i < 4; ++i) {
-      good = node->children[i].is_number() && std::isfinite(node->children[i].number());
-      if (good) q[i] = node->children[i].number();
-    }
-    const Quat orientation(q[0], q[1], q[2], q[3]);
-    if (good && orientation.norm() > 0) return orientation.normalized();
-    table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
-  } else if (given == "axis_angle") {
-    TableReader turn = table.table(given);
-    if (turn.present() && !turn.has("axis")) turn.missing("axis", "what to turn about, [x, y, z]");
-    if (turn.present() && !turn.has("degrees")) turn.missing("degrees", "how far to turn about the axis");
-    const auto axis = turn.vector("axis");
-    const auto degrees = turn.number("degrees", range::any);
-    if (axis && axis->norm() == 0) turn.refuse("axis", "a direction, not all 0");
-    if (axis && degrees && axis->norm() > 0)
-      return Quat(Eigen::AngleAxisd(*degrees * std::numbers::pi / 180, axis->normalized())).normalized();
-  } else if (given == "axis") {
-    const auto axis = table.vector(given);
-    if (axis && axis->norm() > 0) return Quat::FromTwoVectors(Vec3::UnitZ(), *axis).normalized();
-    if (axis) table.refuse(given, "a direction, not all 0");
-  }
-  return Quat::Identity();
-}
-
-double read_radius(TableReader& table) {
-  const std::string given = table.one_of({"radius", "diameter"}, true, "how large it is");
-  const double x = given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2);
-  return given == "diameter" ? x / 2 : x;
-}
-
-rigid::ConvexShape read_convex(TableReader& table, const std::string& type) {
-  if (type == "sphere") return rigid::Sphere{read_radius(table)};
-  if (type == "capsule") {
-    if (!table.has("length")) table.missing("length", "of the segment between the centres of the two ends");
-    const double radius = read_radius(table);
-    return rigid::Capsule{radius,
-                          table.quantity("length", dimension::length, range::above(0)).value_or(2) / 2};
-  }
-  if (!table.has("edges")) table.missing("edges", "the lengths of the box, [x, y, z]");
-  const Vec3 edges = table.vector("edges", dimension::length).value_or(Vec3::Ones());
-  if (edges.minCoeff() <= 0) table.refuse("edges", "above 0 in each direction");
-  return rigid::Box{edges / 2};
-}
-
-const std::vector<std::string> convex_types = {"sphere", "box", "capsule"};
-const std::vector<std::string> shape_types = {"sphere", "box", "capsule", "compound"};
-
-rigid::Compound read_compound(TableReader& table) {
-  rigid::Compound compound;
-  if (!table.has("parts"))
-    table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
-  for (TableReader& part : table.tables("parts")) {
-    if (!part.has("type")) part.missing("type", "one of " + joined(convex_types));
-    const auto type = part.choice("type", convex_types);
-    if (!type) part.judge_no_keys();
-    if (!type) continue;
-    rigid::Pose pose;
-    pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
-    pose.orientation = read_orientation(part);
-    compound.parts.push_back({read_convex(part, *type), pose});
-  }
-  if (compound.parts.empty() && table.has("parts"))
-    table.fail("parts", table.path("parts") + " has no usable part");
-  return compound;
-}
-
-rigid::Shape as_shape(const rigid::ConvexShape& convex) {
-  return std::visit([](const auto& shape) -> rigid::Shape { return shape; }, convex);
 }
 
 int read_shape_name(TableReader& table, const Case& scene) {
@@ -209,31 +128,6 @@ void read_contacts(TableReader& root, Case& scene) {
     c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);
   }
   read_materials(root, standard, scene);
-}
-
-void read_shapes(TableReader& root, Case& scene) {
-  for (TableReader& table : root.tables("shapes")) {
-    if (!table.has("name")) table.missing("name", "what bodies call the shape");
-    if (!table.has("type")) table.missing("type", "one of " + joined(shape_types));
-    const std::string name = table.string("name").value_or("");
-    if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
-        table.find("type")->string == "half-space") {
-      table.fail("type",
-                 fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
-                             "body's shape is one of {}",
-                             table.path("type"), joined(shape_types)));
-      table.judge_no_keys();
-    } else if (const auto type = table.choice("type", shape_types)) {
-      scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table))
-                                                 : as_shape(read_convex(table, *type)));
-    } else {
-      table.judge_no_keys();
-    }
-    scene.shapes.resize(scene.shape_names.size() + 1, rigid::Sphere{1});
-    if (std::count(scene.shape_names.begin(), scene.shape_names.end(), name))
-      table.fail("name", fmt::format("{}: there already is a shape '{}'", table.path("name"), name));
-    scene.shape_names.push_back(name);
-  }
 }
 
 void read_bodies(TableReader& root, Case& scene) {

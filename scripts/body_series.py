@@ -14,6 +14,16 @@ import numpy as np
 COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angular_velocity", "force", "torque")
 
 
+def polyhedra(kinds, parts):
+    """Of each part its vertices [n, 3] and the loops of its faces; none for what is no polyhedron."""
+    if "vertex" not in kinds:
+        return [(np.zeros((0, 3)), [])] * parts
+    names = ("vertex", "vertex_offset", "face_offset", "corner_offset", "corner")
+    vertex, vertices, faces, corners, corner = (kinds[name][:] for name in names)
+    return [(vertex[vertices[p]:vertices[p + 1]],
+             [corner[corners[f]:corners[f + 1]] for f in range(faces[p], faces[p + 1])]) for p in range(parts)]
+
+
 class BodySeries:
     def __init__(self, path):
         with h5py.File(path, "r") as f:
@@ -37,6 +47,8 @@ class BodySeries:
                 for k, t, p, q, s in zip(kinds["part_kind"], kinds.attrs.get("part_types", []), kinds["part_position"],
                                          kinds["part_orientation"], kinds["part_size"])
             ]
+            for part, (vertices, faces) in zip(self.parts, polyhedra(kinds, len(self.parts))):
+                part.update(vertices=vertices, faces=faces)
             self.provenance = {name: text(value) for name, value in f["provenance"].attrs.items()}
 
     def __len__(self):

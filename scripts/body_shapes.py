@@ -33,6 +33,12 @@ def corners_of(lower, upper):
     return np.array([[(lower, upper)[i >> d & 1][d] for d in range(3)] for i in range(8)])
 
 
+def reach(part):
+    """Radius about the body's origin that the part stays within."""
+    size = np.linalg.norm(part["vertices"], axis=1).max() if part["type"] == "polyhedron" else part["size"].sum()
+    return np.linalg.norm(part["position"]) + size
+
+
 def hull(points):
     """Convex hull of points in a plane, counter-clockwise (Andrew's monotone chain)."""
     points = sorted(map(tuple, points))
@@ -47,24 +53,55 @@ def hull(points):
 
 def silhouette(part, centre, turned, view):
     """Outline of a part seen along the third row of `view` (rows: right, up, towards the eye)."""
-    size = part["size"]
-    if part["type"] == "box":
-        corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T * size
-        return hull((centre + corners @ turned.T) @ view[:2].T)
+    size, kind = part["size"], part["type"]
+    seen = lambda local: (centre + local @ turned.T) @ view[:2].T  # noqa: E731
+    if kind == "box":
+        return hull(seen(np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T * size))
+    if kind == "polyhedron":
+        return hull(seen(part["vertices"]))
     angle = np.linspace(0, 2 * np.pi, 33)[:-1]
-    circle = size[0] * np.column_stack([np.cos(angle), np.sin(angle)])
-    half = turned[:, 2] * (size[1] if part["type"] == "capsule" else 0)
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    if kind == "ellipsoid":  # furthest along each direction across the view
+        normal = (circle @ view[:2]) @ turned * size
+        return seen(size * normal / np.linalg.norm(normal, axis=1, keepdims=True))
+    if kind == "cylinder":
+        rim = np.column_stack([size[0] * circle, np.full(len(circle), size[1])])
+        return hull(seen(np.vstack([rim, rim * [1, 1, -1]])))
+    circle = size[0] * circle
+    half = turned[:, 2] * (size[1] if kind == "capsule" else 0)
     ends = [(centre + half) @ view[:2].T, (centre - half) @ view[:2].T]
     return circle + ends[0] if not half.any() else hull(np.vstack([circle + e for e in ends]))
 
 
+def face_planes(part):
+    """Outward unit normals and offsets of a polyhedron's faces."""
+    normals, offsets = [], []
+    for loop in part["faces"]:
+        corners = part["vertices"][loop]
+        normal = np.cross(corners[1:-1] - corners[0], corners[2:] - corners[0]).sum(axis=0)
+        normals.append(normal / np.linalg.norm(normal))
+        offsets.append((corners @ normals[-1]).mean())
+    return np.array(normals), np.array(offsets)
+
+
 def signed_distance(part, centre, turned, points):
-    """Distance of points [..., 3] to the surface of a part, negative inside."""
-    local, size = (points - centre) @ turned, part["size"]
-    if part["type"] == "box":
+    """Distance of points [..., 3] to the surface of a part, negative inside. For cuts: of an ellipsoid and of a
+    polyhedron a function of the same sign, exact on the surface and to first order beside it (on faces)."""
+    local, size, kind = (points - centre) @ turned, part["size"], part["type"]
+    if kind == "box":
         outside = np.abs(local) - size
         return np.linalg.norm(np.maximum(outside, 0), axis=-1) + np.minimum(outside.max(axis=-1), 0)
-    if part["type"] == "capsule":
+    if kind == "polyhedron":
+        normals, offsets = face_planes(part)
+        return (local @ normals.T - offsets).max(axis=-1)
+    if kind == "ellipsoid":
+        scaled = np.linalg.norm(local / size, axis=-1)
+        slope = np.linalg.norm(local / size**2, axis=-1)
+        return scaled * (scaled - 1) / np.maximum(slope, 1e-300)
+    if kind == "cylinder":
+        outside = np.stack([np.hypot(local[..., 0], local[..., 1]) - size[0], np.abs(local[..., 2]) - size[1]], axis=-1)
+        return np.linalg.norm(np.maximum(outside, 0), axis=-1) + np.minimum(outside.max(axis=-1), 0)
+    if kind == "capsule":
         local = local.copy()
         local[..., 2] -= np.clip(local[..., 2], -size[1], size[1])
     return np.linalg.norm(local, axis=-1) - size[0]

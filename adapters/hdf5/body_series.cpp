@@ -92,11 +92,30 @@ void append_columns(File& file, const std::string& group, const std::vector<Colu
   }
 }
 
-/// The shapes of the kinds, for pictures: /kinds and one row a part in /kinds/parts.
+/// The corners and faces of the polyhedra among the parts, as ragged lists.
+struct Polyhedra {
+  std::vector<double> vertex;
+  std::vector<std::int64_t> vertex_offset{0}, face_offset{0}, corner_offset{0};
+  std::vector<std::int32_t> corner;
+
+  void add(const KindPart& part) {
+    for (const auto& v : part.vertices) vertex.insert(vertex.end(), v.begin(), v.end());
+    for (const auto& face : part.faces) {
+      corner.insert(corner.end(), face.begin(), face.end());
+      corner_offset.push_back(static_cast<std::int64_t>(corner.size()));
+    }
+    vertex_offset.push_back(static_cast<std::int64_t>(vertex.size() / 3));
+    face_offset.push_back(static_cast<std::int64_t>(corner_offset.size() - 1));
+  }
+  std::size_t bytes() const { return 8 * (vertex.size() + corner_offset.size()) + 4 * corner.size(); }
+};
+
+/// The shapes of the kinds, for pictures: /kinds, with one row a part in its part_... tables.
 void write_kinds(File& file, const BodySeriesInfo& info) {
   std::vector<std::string> names, types;
   std::vector<double> radii, densities, position, orientation, size;
   std::vector<std::int32_t> part_kind;
+  Polyhedra polyhedra;
   for (std::size_t k = 0; k < info.kinds.size(); ++k) {
     const BodyKind& kind = info.kinds[k];
     names.push_back(kind.name);
@@ -108,6 +127,7 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
       position.insert(position.end(), part.position.begin(), part.position.end());
       orientation.insert(orientation.end(), part.orientation.begin(), part.orientation.end());
       size.insert(size.end(), part.size.begin(), part.size.end());
+      polyhedra.add(part);
     }
   }
   const auto numbers = [&](const char* name, hid_t type, const void* data, std::vector<hsize_t> shape) {
@@ -129,11 +149,23 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
   numbers("part_position", H5T_IEEE_F64LE, position.data(), {parts, 3});
   numbers("part_orientation", H5T_IEEE_F64LE, orientation.data(), {parts, 4});
   numbers("part_size", H5T_IEEE_F64LE, size.data(), {parts, 3});
+  if (polyhedra.vertex.empty()) return;
+  const auto list = [&](const char* name, hid_t type, const auto& values) {
+    numbers(name, type, values.data(), {values.size()});
+  };
+  numbers("vertex", H5T_IEEE_F64LE, polyhedra.vertex.data(), {polyhedra.vertex.size() / 3, 3});
+  list("vertex_offset", H5T_STD_I64LE, polyhedra.vertex_offset);
+  list("face_offset", H5T_STD_I64LE, polyhedra.face_offset);
+  list("corner_offset", H5T_STD_I64LE, polyhedra.corner_offset);
+  list("corner", H5T_STD_I32LE, polyhedra.corner);
 }
 
 void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
   hdf5::TemporaryFile part(path.string() + ".part", true);
-  hdf5::reserve(part.path(), provenance.case_text.size() + hdf5::metadata_room);
+  Polyhedra polyhedra;
+  for (const BodyKind& kind : info.kinds)
+    for (const KindPart& piece : kind.parts) polyhedra.add(piece);
+  hdf5::reserve(part.path(), provenance.case_text.size() + polyhedra.bytes() + hdf5::metadata_room);
   File file = File::create(part.path(), hdf5::Format::classic);
   const Handle root = file.group("/", false);
   file.attribute(root, "format", std::string("silt bodies"));

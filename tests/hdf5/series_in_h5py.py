@@ -49,6 +49,11 @@ for ranks in (1, 3):
         assert len(series) == 10 and series.unit("velocity") == "m/s" and series.unit("torque") == "kg m^2/s^2"
         assert series.kinds == ["light spheres", "heavy \u2605"] and series.provenance["title"] == "\u00e4"
         assert series.parts[0]["type"] == "sphere" and series.parts[0]["size"][0] == 0.5
+        assert [p["type"] for p in series.parts] == ["sphere", "cylinder", "polyhedron", "ellipsoid"]
+        rock = series.parts[2]
+        assert (rock["vertices"] == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).all()
+        assert [list(f) for f in rock["faces"]] == [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+        assert len(series.parts[3]["vertices"]) == 0 and series.parts[3]["faces"] == []
         assert len(series.of_body(21, "position")[0]) == 6
         try:
             series.array("position")

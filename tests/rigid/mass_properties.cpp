@@ -5,7 +5,9 @@
 #include <numbers>
 #include <random>
 
+#include "rigid/ray_interval.hpp"
 #include "rigid/shape.hpp"
+#include "tests/rigid/solids.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -95,6 +97,109 @@ TEST(MassProperties, BoxesFaceToFaceAndNested) {
   const auto nested =
       mass_properties(Compound{{{Sphere{1}, {}}, {Sphere{0.4}, {{0.2, 0, 0}, Quat::Identity()}}}});
   EXPECT_NEAR(nested.volume / (4 * pi / 3) - 1, 0, promised / 5);
+}
+
+/// By rays on a grid: along them the intervals are integrated exactly, across them by the midpoint rule.
+MassProperties by_rays(const ConvexShape& shape) {
+  const Shape solid = std::visit([](const auto& s) -> Shape { return s; }, shape);
+  const BoundingBox box = bounding_box(solid, {});
+  const int n = 400;
+  const Vec3 cell = (box.upper - box.lower) / n;
+  double volume = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double x = box.lower[0] + (i + 0.5) * cell[0], y = box.lower[1] + (j + 0.5) * cell[1];
+      const auto z = ray_interval(shape, {x, y, 0}, Vec3::UnitZ());
+      if (!z) continue;
+      const double l = cell[0] * cell[1] * (z->leave - z->enter), mean = 0.5 * (z->leave + z->enter);
+      const double square = (z->leave * z->leave + z->leave * z->enter + z->enter * z->enter) / 3;
+      volume += l;
+      first += l * Vec3(x, y, mean);
+      Mat3 m;
+      m << x * x, x * y, x * mean, x * y, y * y, y * mean, x * mean, y * mean, square;
+      second += l * m;
+    }
+  const Vec3 centre = first / volume;
+  second -= volume * centre * centre.transpose();
+  return {volume, centre, second.trace() * Mat3::Identity() - second};
+}
+
+TEST(MassProperties, OfEveryShapeAreThoseOfItsRays) {
+  const std::vector<ConvexShape> shapes = {
+      Cylinder{0.6, 0.9},
+      Ellipsoid{{1.4, 0.5, 0.9}},
+      testing::frustum(),
+      testing::octahedron({1.2, 0.8, 1.7}),
+      testing::cuboid({3, 4, 5}, {4, 6, 8}),
+      testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6})};
+  for (const ConvexShape& shape : shapes) {
+    const Shape solid = std::visit([](const auto& s) -> Shape { return s; }, shape);
+    const MassProperties p = mass_properties(solid), q = by_rays(shape);
+    const double across = 1e-3;  // a grid of 400 rays
+    EXPECT_NEAR(p.volume / q.volume, 1, across) << shape_name(solid);
+    EXPECT_LT((p.centre - q.centre).norm(), across) << shape_name(solid);
+    EXPECT_LT((p.inertia - q.inertia).norm(), across * p.inertia.norm()) << shape_name(solid);
+    const MassProperties moved = mass_properties(recentred(solid, p.centre));
+    EXPECT_LT(moved.centre.norm(), 1e-14);
+    EXPECT_LT((moved.inertia - p.inertia).norm(), 1e-13 * p.inertia.norm());
+  }
+}
+
+TEST(MassProperties, ClosedFormsOfPolyhedra) {
+  const auto cube = mass_properties(testing::cuboid({3, 4, 5}, {4, 6, 8}));
+  const auto box = mass_properties(Box{{0.5, 1, 1.5}});
+  EXPECT_NEAR(cube.volume, box.volume, 1e-14);
+  EXPECT_LT((cube.centre - Vec3(3.5, 5, 6.5)).norm(), 1e-14);
+  EXPECT_LT((cube.inertia - box.inertia).norm(), 1e-13);
+  // the corner of a cube: volume a^3/6, moment about an edge a^5/30, so about the centre a^5/30 - V a^2/8
+  const auto corner = mass_properties(testing::tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}));
+  EXPECT_DOUBLE_EQ(corner.volume, 1.0 / 6);
+  EXPECT_LT((corner.centre - Vec3::Constant(0.25)).norm(), 1e-15);
+  EXPECT_NEAR(corner.inertia(0, 0), 1.0 / 30 - 1.0 / 48, 1e-16);
+  EXPECT_NEAR(corner.inertia(0, 1), -(1.0 / 120 - 1.0 / 96), 1e-16);  // minus the integral of x y
+  const auto regular = mass_properties(testing::octahedron({1, 1, 1}));
+  EXPECT_NEAR(regular.inertia(2, 2), regular.volume / 5, 1e-15);
+  EXPECT_EQ(regular.inertia(0, 0), regular.inertia(1, 1)) << "a regular one needs no gyroscopic term";
+  EXPECT_EQ(regular.inertia(0, 1), 0);
+}
+
+TEST(MassProperties, CrossedCylindersAndTheSolidsOfSteinmetz) {
+  const double r = 0.5, l = 1.4, one = 2 * pi * r * r * l;
+  const Part x{Cylinder{r, l}, {Vec3::Zero(), z_to(Vec3::UnitX())}};
+  const Part y{Cylinder{r, l}, {Vec3::Zero(), z_to(Vec3::UnitY())}}, z{Cylinder{r, l}, {}};
+  const double two = 16.0 / 3 * r * r * r, three = 8 * (2 - std::sqrt(2.0)) * r * r * r;
+  const auto cross = mass_properties(Compound{{x, y}}), star = mass_properties(Compound{{x, y, z}});
+  EXPECT_NEAR(cross.volume / (2 * one - two) - 1, 0, promised / 5);
+  EXPECT_NEAR(star.volume / (3 * one - 3 * two + three) - 1, 0, promised / 5);
+  EXPECT_EQ(star.inertia(0, 0), star.inertia(2, 2));
+  EXPECT_EQ(cross.centre, Vec3::Zero());
+  // of two in common, across both: squares of side 2 s, s^2 = r^2 - z^2; moments of x^2 and z^2
+  const double x2 = 64.0 / 45 * std::pow(r, 5), z2 = 16.0 / 15 * std::pow(r, 5);
+  const auto lone = mass_properties(Cylinder{r, l}).inertia;
+  const double about_z = 2 * lone(0, 0) - 2 * x2, about_x = lone(0, 0) + lone(2, 2) - (x2 + z2);
+  EXPECT_NEAR(cross.inertia(2, 2) / about_z - 1, 0, promised / 5);
+  EXPECT_NEAR(cross.inertia(0, 0) / about_x - 1, 0, promised / 5);
+}
+
+TEST(MassProperties, OverlapsOfTheOtherShapes) {
+  const double r = 0.4;  // a pin through a plate
+  const auto pin = mass_properties(Compound{{{Box{{1, 0.8, 0.2}}, {}}, {Cylinder{r, 1.5}, {}}}});
+  EXPECT_NEAR(pin.volume / (8 * 0.16 + 2 * pi * r * r * (1.5 - 0.2)) - 1, 0, promised / 5);
+  // two spheres with their lens, drawn out to ellipsoids
+  const Vec3 axes(1.5, 0.7, 1);
+  const double d = 0.8, lens = pi * (4 + d) * (2 - d) * (2 - d) / 12;
+  const auto pair = mass_properties(Compound{{{Ellipsoid{axes}, {{0, 0, d / 2}, Quat::Identity()}},
+                                              {Ellipsoid{axes}, {{0, 0, -d / 2}, Quat::Identity()}}}});
+  EXPECT_NEAR(pair.volume / (axes.prod() * (8 * pi / 3 - lens)) - 1, 0, promised / 5);
+  // two tetrahedra of a cube (the stella octangula): they share the octahedron, a sixth of the cube
+  const auto stella = mass_properties(
+      Compound{{{testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}), {}},
+                {testing::tetrahedron({-1, -1, -1}, {1, -1, 1}, {1, 1, -1}, {-1, 1, 1}), {}}}});
+  EXPECT_NEAR(stella.volume / (2 * 8.0 / 3 - 8.0 / 6) - 1, 0, promised / 5);
+  EXPECT_EQ(stella.inertia(0, 0), stella.inertia(1, 1));
+  EXPECT_EQ(stella.centre, Vec3::Zero());
 }
 
 TEST(MassProperties, StarOfCapsulesTurnsWithItsAxes) {

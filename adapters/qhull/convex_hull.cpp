@@ -1,0 +1,155 @@
+#include "adapters/qhull/convex_hull.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+extern "C" {
+#include <libqhull_r/qhull_ra.h>
+}
+
+namespace silt::adapters {
+
+namespace {
+
+using rigid::Mat3;
+using rigid::Vec3;
+
+struct Frame {
+  Vec3 centre = Vec3::Zero();
+  double size = 0;  // the largest extent along an axis
+};
+
+Frame frame_of(std::span<const Vec3> points) {
+  Vec3 lower = points[0], upper = points[0];
+  for (const Vec3& p : points) lower = lower.cwiseMin(p), upper = upper.cwiseMax(p);
+  return {0.5 * (lower + upper), (upper - lower).maxCoeff()};
+}
+
+/// Thickness along the direction in which the points spread least.
+double thickness(std::span<const Vec3> points, const Vec3& about) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += (p - about) / double(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - about - mean) * (p - about - mean).transpose();
+  const Vec3 least = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0);
+  double low = 0, high = 0;
+  for (const Vec3& p : points) {
+    const double at = least.dot(p - about - mean);
+    low = std::min(low, at), high = std::max(high, at);
+  }
+  return high - low;
+}
+
+void check(std::span<const Vec3> points) {
+  if (points.size() < 4)
+    throw std::invalid_argument("a convex hull needs at least 4 points, there are " +
+                                std::to_string(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite()) throw std::invalid_argument("point " + std::to_string(i) + " is not finite");
+  const Frame frame = frame_of(points);
+  if (!(frame.size > 0)) throw std::invalid_argument("all points are the same");
+  if (!(thickness(points, frame.centre) > 10 * hull_flatness * frame.size))
+    throw std::invalid_argument("all points lie in one plane, or nearly: they enclose no volume");
+}
+
+/// qhull's state and what it says, both given back at the end. Its errors jump to the end of qh_new_qhull,
+/// which returns a code; no other call that can fail is made, so nothing of it can end the process.
+class Qhull {
+ public:
+  /// Of n points, x y z each, of size about 1.
+  Qhull(double* coordinates, int n) : said_(open_memstream(&text_, &length_)) {
+    qh_zero(&state_, said_);
+    char command[64];
+    std::snprintf(command, sizeof command, "qhull C-%g", hull_flatness);
+    code_ = qh_new_qhull(&state_, 3, n, coordinates, False, command, nullptr, said_);
+  }
+  ~Qhull() {
+    int blocks = 0, bytes = 0;
+    qh_freeqhull(&state_, !qh_ALL);
+    qh_memfreeshort(&state_, &blocks, &bytes);
+    std::fclose(said_);
+    std::free(text_);
+  }
+  Qhull(const Qhull&) = delete;
+  Qhull& operator=(const Qhull&) = delete;
+
+  void require_success() {
+    if (code_ == 0) return;
+    std::fflush(said_);
+    const std::string all(text_, length_);
+    throw std::invalid_argument("qhull finds no hull of the points: " + all.substr(0, all.find('\n')));
+  }
+
+  /// The numbers of the points at the corners of each facet, in no order; and the facet's outward normal.
+  struct Facet {
+    std::vector<int> corners;
+    Vec3 normal;
+  };
+  std::vector<Facet> facets() {
+    std::vector<Facet> all;
+    qhT* qh = &state_;  // the name that qhull's macros know
+    facetT* facet;
+    vertexT *vertex, **vertexp;
+    FORALLfacets {
+      Facet f{{}, {facet->normal[0], facet->normal[1], facet->normal[2]}};
+      FOREACHvertex_(facet->vertices) f.corners.push_back(qh_pointid(qh, vertex->point));
+      all.push_back(std::move(f));
+    }
+    return all;
+  }
+
+ private:
+  qhT state_;
+  char* text_ = nullptr;
+  std::size_t length_ = 0;
+  std::FILE* said_;
+  int code_ = 0;
+};
+
+/// A convex polygon's corners, counter-clockwise seen against the normal.
+void put_in_order(std::vector<int>& corners, std::span<const Vec3> points, const Vec3& normal) {
+  Vec3 centre = Vec3::Zero();
+  for (const int c : corners) centre += points[c] / double(corners.size());
+  const Vec3 right = normal.unitOrthogonal(), up = normal.cross(right);
+  std::map<int, double> angle;
+  for (const int c : corners)
+    angle[c] = std::atan2(up.dot(points[c] - centre), right.dot(points[c] - centre));
+  std::sort(corners.begin(), corners.end(), [&](int a, int b) { return angle[a] < angle[b]; });
+}
+
+}  // namespace
+
+ConvexHull convex_hull(std::span<const Vec3> points) {
+  check(points);
+  const Frame frame = frame_of(points);
+  std::vector<Vec3> scaled;
+  for (const Vec3& p : points) scaled.push_back((p - frame.centre) / frame.size);
+  Qhull qhull(scaled[0].data(), static_cast<int>(scaled.size()));
+  qhull.require_success();
+
+  std::vector<std::vector<int>> faces;
+  std::map<int, int> vertex_of;  // of a point
+  for (auto& facet : qhull.facets()) {
+    put_in_order(facet.corners, scaled, facet.normal);
+    for (const int c : facet.corners) vertex_of[c] = 0;
+    faces.push_back(std::move(facet.corners));
+  }
+  ConvexHull hull;
+  std::vector<Vec3> vertices;
+  for (auto& [point, vertex] : vertex_of) {
+    vertex = static_cast<int>(vertices.size());
+    vertices.push_back(points[point]);
+    hull.corners.push_back(point);
+  }
+  for (auto& face : faces)
+    for (int& c : face) c = vertex_of[c];
+  hull.mesh = rigid::make_polyhedron_mesh(std::move(vertices), faces, 10 * hull_flatness);
+  return hull;
+}
+
+}  // namespace silt::adapters

@@ -1,0 +1,18 @@
+#pragma once
+// The triangles of an STL file, text or binary.
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "rigid/types.hpp"
+
+namespace silt::adapters {
+
+using Triangle = std::array<rigid::Vec3, 3>;
+
+/// From the bytes of a file. Binary if its length is the one its count of triangles asks for (some binary
+/// files begin with "solid" as well), else text if it begins with "solid". The normals in it are not read:
+/// the order of the corners says the same. std::invalid_argument says where it goes wrong.
+std::vector<Triangle> stl_triangles(std::string_view bytes);
+
+}  // namespace silt::adapters

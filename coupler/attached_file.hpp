@@ -1,0 +1,17 @@
+#pragma once
+// A file that a case names, beside its case.toml: its bytes, and what a checkpoint remembers of it.
+#include <filesystem>
+#include <string>
+
+namespace silt::coupler {
+
+struct AttachedFile {
+  std::string bytes;
+  std::string fingerprint;  // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
+};
+
+/// `name` is relative to the directory of the case and may not lead out of it. std::invalid_argument says
+/// what is wrong with it.
+AttachedFile read_attached(const std::filesystem::path& directory, const std::string& name);
+
+}  // namespace silt::coupler

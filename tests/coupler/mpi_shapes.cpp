@@ -1,0 +1,142 @@
+// Cylinder, ellipsoid and polyhedron in the fluid: they cover as many cells as they have volume, wherever
+// they are, and give the fluid what it gives them.
+#include <mpi.h>
+
+#include <cstdio>
+#include <numbers>
+
+#include "coupler/checkpoint.hpp"
+#include "coupler/report.hpp"
+#include "coupler/simulation.hpp"
+#include "tests/coupler/case_text.hpp"
+#include "tests/hdf5/scratch.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+using std::numbers::pi;
+
+/// An oblique frustum: it has no plane of symmetry, and its corners' origin is not its centre of mass.
+constexpr const char* frustum =
+    "vertices = [[0, 0, 0], [10, 0, 0], [10, 8, 0], [0, 8, 0], [3, 2, 9], [8, 2, 9], [8, 6, 9], [3, 6, 9]]\n";
+constexpr double frustum_volume = 9. / 3 * (80 + 20 + 40);  // h / 3 (A + B + sqrt(A B))
+
+struct Body {
+  const char *type, *sizes;
+  double volume;
+};
+const Body all[] = {{"cylinder", "diameter = 8\nlength = 10\n", pi * 16 * 10},
+                    {"ellipsoid", "diameters = [12, 7, 9]\n", pi / 6 * 12 * 7 * 9},
+                    {"polyhedron", frustum, frustum_volume}};
+
+Case alone(const Body& body, const std::vector<std::string>& overrides = {}) {
+  CaseText c;
+  c.domain = "[domain]\nsize = [24, 22, 26]\nboundary = \"periodic\"\n";
+  c.fluid =
+      "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n[coupling]\nforce = "
+      "\"exact\"\npressure_anchor = "
+      "false\n";
+  c.shapes = std::string("[[shapes]]\nname = \"ball\"\ntype = \"") + body.type + "\"\n" + body.sizes;
+  c.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 2\norientation = [0.8, 0.3, -0.4, 0.5]\n"
+      "position = [2.3, 20.1, 13.7]\nvelocity = [0.03, 0.01, -0.02]\nangular_velocity = [0.004, 0.003, "
+      "-0.005]\n";
+  return c.read(overrides);
+}
+
+double sum(double x) {
+  MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return x;
+}
+
+double solid_cells(const Simulation& s) {
+  const Flow& flow = *s.scene().flow;
+  double count = 0;
+  for (int b = 0; b < flow.blocks(); ++b) {
+    const lbm::Int3 n = flow.block(b).size;
+    for (int z = 0; z < n.z; ++z)
+      for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) count += !flow.is_fluid(b, {x, y, z});
+  }
+  return sum(count);
+}
+
+TEST(Shapes, CoverTheirVolumeAndKeepMomentum) {
+  for (const Body& body : all) {
+    Simulation s(alone(body, {"domain.blocks=[12,11,13]"}), MPI_COMM_WORLD);
+    const Vec3 before = s.balance().momentum;
+    double mass = 0, cells = 0;
+    for (std::size_t row = 0; row < s.bodies().owned; ++row) mass += s.bodies().mass[row];
+    EXPECT_NEAR(sum(mass), 2 * body.volume, 1e-9 * body.volume) << body.type;
+    const int looks = 20, steps_a_look = 5;
+    for (int look = 0; look < looks; ++look) {
+      cells += solid_cells(s) / looks;
+      for (int t = 0; t < steps_a_look; ++t) s.step();
+    }
+    EXPECT_NEAR(cells / body.volume, 1, 0.01) << body.type << ": 20 places, 1 or 2 % each";
+    EXPECT_GT(s.counters().uncovered, 0u);
+    const double scale = 2 * body.volume * Vec3(0.03, 0.01, -0.02).norm();
+    EXPECT_LT((s.balance().momentum - before).norm(), 1e-11 * scale) << body.type;
+  }
+}
+
+TEST(Shapes, SameBitsOnAnyNumberOfRanksAndBlocks) {
+  for (const Body& body : all) {
+    const auto hash = [&](const char* blocks, MPI_Comm comm) {
+      Simulation s(alone(body, {blocks}), comm);
+      while (s.steps_done() < 20) s.step();
+      return s.hash();
+    };
+    const auto many = hash("domain.blocks=[12,11,13]", MPI_COMM_WORLD);
+    auto one = tests::rank() == 0 ? hash("domain.blocks=\"auto\"", MPI_COMM_SELF) : many;
+    MPI_Bcast(&one, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+    EXPECT_EQ(many, one) << body.type;
+  }
+}
+
+constexpr const char* tetrahedron_stl = R"(solid rock
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 8 0 vertex 8 0 0 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 8 0 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 8 0 0 vertex 0 8 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 8 0 vertex 0 0 0 vertex 0 0 8 endloop endfacet
+endsolid rock
+)";
+
+TEST(Shapes, ARunGoesOnOnlyWithTheFilesItBeganWith) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  const auto write = [&](const std::string& stl) {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (tests::rank() == 0) {
+      std::filesystem::create_directory(directory);
+      CaseText c;
+      c.fluid.clear();
+      c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rock.stl\"\nscale = 0.5\n";
+      std::ofstream(directory / "case.toml") << c.text();
+      std::ofstream(directory / "rock.stl") << stl;
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+  };
+  write(tetrahedron_stl);
+  const Case scene = read_case(directory);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
+  EXPECT_NE(scene.text.find("\n# file rock.stl: "), std::string::npos);
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
+                                     provenance_of(scene, tests::ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_EQ(case_to_resume(reader, directory, {}).files, scene.files);
+  std::string changed = tetrahedron_stl;
+  changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  write(changed);
+  const std::string error = error_of([&] { case_to_resume(reader, directory, {}); });
+  EXPECT_NE(error.find("a file has changed since the checkpoint was written: it was " + scene.files[0] +
+                       "; it is "),
+            std::string::npos)
+      << error;
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
