@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "adapters/automatic/collision_factory.hpp"
 #include "coupler/fill.hpp"
 #include "coupler/neighbour_grid.hpp"
 #include "coupler/overlap.hpp"
@@ -153,6 +154,55 @@ void check_pairs(const Case& scene, Findings& findings) {
   }
 }
 
+// How often a shape is used, and whether by anything that moves freely.
+struct Use {
+  int count = 0;
+  bool free = false;
+};
+
+std::vector<Use> uses_of(const Case& scene) {
+  std::vector<Use> uses(scene.shapes.size());
+  for (const BodySpec& body : scene.bodies) {
+    ++uses[body.shape].count;
+    uses[body.shape].free |= body.motion == Motion::free;
+  }
+  for (const FillSpec& fill : scene.fills) uses[fill.shape].count += fill.count, uses[fill.shape].free = true;
+  return uses;
+}
+
+bool answers(const rigid::CollisionBackend& backend, const rigid::Shape& a, const rigid::Shape& b) {
+  for (const rigid::Part& part_a : rigid::convex_parts(a))
+    for (const rigid::Part& part_b : rigid::convex_parts(b))
+      if (!backend.supports(part_a.shape, part_b.shape)) return false;
+  return true;
+}
+
+// Every pair that can meet must have an answer.
+void check_backend(const Case& scene, Findings& findings) {
+  const auto backend = adapters::make_backend(scene.contacts.backend);
+  const std::vector<Use> uses = uses_of(scene);
+  std::size_t messages = 0;
+  const auto check = [&](std::size_t i, const rigid::Shape& other, const std::string& other_name) {
+    if (messages >= most_messages || answers(*backend, scene.shapes[i], other)) return;
+    ++messages;
+    findings.error(
+        "contacts.backend",
+        fmt::format("contacts.backend is \"{}\"; it cannot answer contacts of shape '{}' ({}) with {}: "
+                    "use another backend, or a simpler shape (polyhedra of at most some 10000 vertices)",
+                    scene.contacts.backend, scene.shape_names[i], rigid::shape_name(scene.shapes[i]),
+                    other_name));
+  };
+  const bool walls = std::any_of(scene.boundary.begin(), scene.boundary.end(),
+                                 [](const BoundarySpec& side) { return side.solid_for_bodies; });
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (uses[i].free && walls) check(i, rigid::HalfSpace{Vec3::UnitZ()}, "a wall");
+    for (std::size_t j = i; j < uses.size(); ++j)
+      if ((uses[i].free || uses[j].free) && uses[i].count > 0 && uses[j].count > (i == j))
+        check(i, scene.shapes[j],
+              fmt::format("shape '{}' ({})", scene.shape_names[j], rigid::shape_name(scene.shapes[j])));
+  }
+}
+
 // A fill whose bounding spheres are more than the densest packing of its box needs no try.
 void check_fill_volumes(const Case& scene, Findings& findings) {
   const double densest = std::numbers::pi / std::sqrt(18);
@@ -239,6 +289,7 @@ void check_bodies(const Case& scene, Findings& findings) {
     }
     if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;
   }
+  check_backend(scene, findings);
   if (placed) check_pairs(scene, findings);
   check_fill_volumes(scene, findings);
   check_falling(scene, findings);

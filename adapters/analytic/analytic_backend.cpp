@@ -2,6 +2,7 @@
 
 #include "adapters/analytic/deepest.hpp"
 #include "adapters/analytic/deepest_direction.hpp"
+#include "adapters/common/contact_outline.hpp"
 #include "adapters/common/convex_manifold.hpp"
 #include "adapters/common/manifold.hpp"
 
@@ -31,7 +32,8 @@ void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const Convex
                     const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
   const ConvexCore a = convex_core(shape_a, pose_a);
   if (const auto* wall = std::get_if<HalfSpace>(&shape_b))
-    return append_convex_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance, out);
+    return append_convex_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance,
+                                        out);
   const ConvexCore b = convex_core(shape_b, pose_b);
   const double reach = tolerance + a.radius + b.radius;
   if (const auto found = deepest_direction(a, b, reach))
@@ -40,8 +42,8 @@ void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const Convex
 
 }  // namespace
 
-bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape&) const {
-  return !std::holds_alternative<HalfSpace>(a);
+bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
+  return !std::holds_alternative<HalfSpace>(a) && has_codes(a) && has_codes(b);
 }
 
 void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,

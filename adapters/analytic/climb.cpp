@@ -36,7 +36,8 @@ std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, con
 }
 
 /// Up to where the slope vanishes, the curvature being that of both cores; nothing where that fails.
-std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const Vec3& from, const Circle& circle) {
+std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const Vec3& from,
+                                 const Circle& circle) {
   Vec3 n = circle.onto(from);
   const double length = n.norm();
   if (!(length > 0.1)) return {};

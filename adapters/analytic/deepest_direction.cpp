@@ -11,6 +11,8 @@ namespace {
 constexpr double rounding = 1e-10;
 /// The same of the proof that a direction is one of nearest approach.
 constexpr double proven = 1e-12;
+/// Radian: how far edges and faces are tried where those within search_resolution did not lead to a peak.
+constexpr double wide_angle = 0.6;
 
 CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
   thread_local ContactOutline of_a, of_b;
@@ -28,6 +30,21 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Vec3& 
   return best;
 }
 
+Approach meet(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
+  return {peak, meeting_point(a, b, peak.normal)};
+}
+
+/// Where the cores have no common point on the normal: the peak is narrow, or so flat that the next feature
+/// is far.
+void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
+  const auto take = [&](const Peak& other) {
+    if (other.core_gap > found.peak.core_gap) found = meet(a, b, other);
+  };
+  take(climb(a, b, found.peak.normal, wide_angle));
+  if (const auto apart = gjk_direction(a, b, Vec3::Zero(), found.peak.normal))
+    take(climb(a, b, *apart, wide_angle));
+}
+
 }  // namespace
 
 Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
@@ -43,23 +60,19 @@ std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore&
   return proven_direction(a, b, apart ? *apart : walk_uphill(a, b, n), reach);
 }
 
-std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double reach) {
+std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n,
+                                         double reach) {
   const double slack = proven * length_scale(a, b);
-  Peak peak = climb(a, b, n, search_resolution);
-  if (peak.core_gap > reach) return {};
-  CommonPoint where = meeting_point(a, b, peak.normal);
-  if (where.miss > slack)
-    if (const auto apart = gjk_direction(a, b, Vec3::Zero(), peak.normal))
-      if (const Peak other = climb(a, b, *apart, search_resolution); other.core_gap > peak.core_gap) {
-        peak = other;
-        where = meeting_point(a, b, peak.normal);
-      }
+  Approach found = meet(a, b, climb(a, b, n, search_resolution));
+  if (found.peak.core_gap > reach) return {};
+  if (found.where.miss > slack) improve(a, b, found);
   const double rolling = a.rolling_radius() - a.radius + b.rolling_radius() - b.radius;
-  if (where.miss <= slack && peak.core_gap > -rolling) return Approach{peak, where};
-  const auto best = search_directions(a, b, peak, reach);
+  if (found.where.miss <= slack && found.peak.core_gap > -rolling) return found;
+  const auto best = search_directions(a, b, found.peak, reach);
   if (!best) return {};
-  if (best->normal != peak.normal) where = meeting_point(a, b, best->normal);
-  return Approach{*best, where};
+  if (best->normal != found.peak.normal) found = meet(a, b, *best);
+  if (found.where.miss > slack) improve(a, b, found);
+  return found;
 }
 
 }  // namespace silt::adapters

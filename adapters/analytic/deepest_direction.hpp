@@ -13,15 +13,17 @@ struct Approach {
   CommonPoint where;
 };
 
-/// Nothing where the cores are found to be more than `reach` (lattice units) apart. GJK for cores that are, and
-/// walk_uphill() for those that overlap, both from the direction between the centres, lead to where proven_direction()
-/// starts.
+/// Nothing where the cores are found to be more than `reach` (lattice units) apart. GJK for cores that are,
+/// and walk_uphill() for those that overlap, both from the direction between the centres, lead to where
+/// proven_direction() starts.
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach);
 
-/// The same from unit n. climb() from there; where both cores have a point on the normal that it found, the direction
-/// is one of nearest approach, and the only one if the shapes less the spheres they can be swept by (rolling_radius) are
-/// apart: then the separation is a concave function of the direction. Else search_directions() tells.
-std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double reach);
+/// The same from unit n. climb() from there; where both cores have a point on the normal that it found, the
+/// direction is one of nearest approach, and the only one if the shapes less the spheres they can be swept by
+/// (rolling_radius) are apart: then the separation is a concave function of the direction. Else
+/// search_directions() tells.
+std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n,
+                                         double reach);
 
 /// The direction between the centres; the same one every time for cores with one centre.
 Vec3 between_centres(const ConvexCore& a, const ConvexCore& b);

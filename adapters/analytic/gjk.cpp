@@ -76,20 +76,22 @@ struct Simplex {
 
 }  // namespace
 
-std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift, const Vec3& start) {
+std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
+                                  const Vec3& start) {
   constexpr int most_rounds = 40;
   constexpr double enough = 1e-8;  // relative: the square of the direction's error
-  const double touching = 1e-9 * length_scale(a, b);
+  const double touching = 1e-9 * length_scale(a, b), rounding = 1e-15 * length_scale(a, b);
   Simplex simplex;
-  Vec3 n = start, nearest;
+  Vec3 n = start;
+  double distance = 0;
   for (int round = 0; round < most_rounds; ++round) {
     const Vec3 w = b.support(-n) - a.support(n) + shift;
-    if (round > 0 && nearest.squaredNorm() - nearest.dot(w) <= enough * nearest.squaredNorm()) return n;
+    if (round > 0 && distance - n.dot(w) <= enough * distance + rounding) return n;
     for (int k = 0; k < simplex.size; ++k)
       if (simplex.w[k] == w) return n;
     simplex.w[simplex.size++] = w;
-    nearest = simplex.reduce();
-    const double distance = nearest.norm();
+    const Vec3 nearest = simplex.reduce();
+    distance = nearest.norm();
     if (!(distance > touching)) return {};
     n = nearest / distance;
   }

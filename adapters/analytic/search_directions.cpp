@@ -69,7 +69,8 @@ class Search {
  private:
   /// Octants turned out of the axes, along which shapes are often aligned: there many directions are equal.
   void start_with_octants() {
-    const Mat3 turn = rigid::Quat(0.8414709848, 0.3141592654, -0.2718281828, 0.3466020610).normalized().toRotationMatrix();
+    const Mat3 turn =
+        rigid::Quat(0.8414709848, 0.3141592654, -0.2718281828, 0.3466020610).normalized().toRotationMatrix();
     std::array<Sample, 6> axis;
     for (int k = 0; k < 6; ++k) axis[k] = sample((k < 3 ? 1.0 : -1.0) * turn.col(k % 3));
     heap_.reserve(64);
@@ -105,7 +106,8 @@ class Search {
       return;
     }
     const Sample middle = sample((from.n + to.n).normalized());
-    if (middle.height() > best_.core_gap + slack_) take(climb(a_, b_, walk_uphill(a_, b_, middle.n), search_resolution));
+    if (middle.height() > best_.core_gap + slack_)
+      take(climb(a_, b_, walk_uphill(a_, b_, middle.n), search_resolution));
     push({from, middle, opposite});
     push({middle, to, opposite});
   }
@@ -118,7 +120,8 @@ class Search {
 
 }  // namespace
 
-std::optional<Peak> search_directions(const ConvexCore& a, const ConvexCore& b, const Peak& seed, double enough) {
+std::optional<Peak> search_directions(const ConvexCore& a, const ConvexCore& b, const Peak& seed,
+                                      double enough) {
   return Search(a, b, seed, enough).run();
 }
 

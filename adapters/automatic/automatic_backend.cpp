@@ -26,8 +26,9 @@ bool supported(const Query& q, const std::vector<ContactPoint>& points, std::siz
 }
 
 bool needs_search(const ConvexShape& a, const ConvexShape& b) {
-  return !std::holds_alternative<rigid::Sphere>(a) && !std::holds_alternative<rigid::Sphere>(b) &&
-         !std::holds_alternative<rigid::HalfSpace>(b);
+  if (std::holds_alternative<rigid::HalfSpace>(b)) return false;
+  if (!has_rounded_box(a) || !has_rounded_box(b)) return true;
+  return !std::holds_alternative<rigid::Sphere>(a) && !std::holds_alternative<rigid::Sphere>(b);
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ class BulletEllipsoid : public btConvexInternalShape {
   Vec3 half_axes_;
 };
 
-/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, else `margin` (Bullet's default of 0.04
-/// would round the edges).
+/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, else `margin` (Bullet's default of
+/// 0.04 would round the edges).
 class BulletShape {
  public:
   explicit BulletShape(const ConvexShape& shape, double margin = 0) {

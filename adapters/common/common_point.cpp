@@ -23,7 +23,9 @@ Place nearest_on_edge(const ContactOutline& o, std::size_t k, const Vec3& x, con
   const Vec3 along = to.x - from.x, seen = along - along.dot(n) * n;
   const double length = seen.norm();
   const double t = length > 0 ? std::clamp((x - from.x).dot(seen) / (length * length), 0.0, 1.0) : 0;
-  const std::uint32_t code = t * length <= slack ? from.code : (1 - t) * length <= slack ? to.code : from.edge_code;
+  const std::uint32_t code = t * length <= slack         ? from.code
+                             : (1 - t) * length <= slack ? to.code
+                                                         : from.edge_code;
   return {from.x + t * along, code};
 }
 
@@ -34,7 +36,8 @@ Place nearest(const ContactOutline& o, const Vec3& x, const Vec3& n, double slac
   if (o.disc_radius > 0) {
     const Vec3 onto = x + o.height(x, n) * n, from_centre = onto - o.centre;
     const double distance = from_centre.norm();
-    return {distance <= o.disc_radius ? onto : Vec3(o.centre + o.disc_radius / distance * from_centre), o.code};
+    return {distance <= o.disc_radius ? onto : Vec3(o.centre + o.disc_radius / distance * from_centre),
+            o.code};
   }
   const Prism prism(o, n);
   bool inside = true;

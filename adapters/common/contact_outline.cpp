@@ -9,8 +9,8 @@ namespace {
 
 using Corner = ContactOutline::Corner;
 
-// Codes of a cylinder: 0 unused, then the rim points of either end, the chords between them, the ends, the side,
-// and the points where an end's rim, or an end of a line of the side, is furthest along the normal.
+// Codes of a cylinder: 0 unused, then the rim points of either end, the chords between them, the ends, the
+// side, and the points where an end's rim, or an end of a line of the side, is furthest along the normal.
 constexpr std::uint32_t first_rim = 1, first_chord = first_rim + 2 * rim_points,
                         first_end = first_chord + 2 * rim_points, side_code = first_end + 2,
                         first_lowest = side_code + 1;
@@ -32,8 +32,10 @@ void box_outline(const ConvexCore& box, const Feature& f, ContactOutline& out) {
   out.code = f.code();
   int free_axes[3], count = 0;
   for (int k = 0; k < 3; ++k)
-    if (!f.sign[k] && box.half[k] > 0) free_axes[count++] = k;
-    else if (f.sign[k]) out.normal = f.sign[k] * box.axes.col(k);
+    if (!f.sign[k] && box.half[k] > 0)
+      free_axes[count++] = k;
+    else if (f.sign[k])
+      out.normal = f.sign[k] * box.axes.col(k);
   const int corners = count == 0 ? 1 : count == 1 ? 2 : 4;
   constexpr std::int8_t si[] = {-1, 1, 1, -1}, sj[] = {-1, -1, 1, 1};
   for (int c = 0; c < corners; ++c) {
@@ -41,8 +43,10 @@ void box_outline(const ConvexCore& box, const Feature& f, ContactOutline& out) {
     if (count > 0) corner.sign[free_axes[0]] = si[c];
     if (count > 1) {
       corner.sign[free_axes[1]] = sj[c];
-      if (c % 2 == 0) edge.sign[free_axes[1]] = sj[c];
-      else edge.sign[free_axes[0]] = si[c];
+      if (c % 2 == 0)
+        edge.sign[free_axes[1]] = sj[c];
+      else
+        edge.sign[free_axes[0]] = si[c];
     }
     const Vec3 signs(corner.sign[0], corner.sign[1], corner.sign[2]);
     out.corners.push_back({box.to_world(box.half.cwiseProduct(signs)), corner.code(), edge.code()});
@@ -89,7 +93,8 @@ void face_outline(const ConvexCore& core, int face, ContactOutline& out) {
     if (edge.faces[0] != face && edge.faces[1] != face) continue;
     for (std::size_t c = 0; c < f.corners.size(); ++c) {
       const int from = f.corners[c], to = f.corners[(c + 1) % f.corners.size()];
-      if ((edge.corners[0] == from && edge.corners[1] == to) || (edge.corners[0] == to && edge.corners[1] == from))
+      if ((edge.corners[0] == from && edge.corners[1] == to) ||
+          (edge.corners[0] == to && edge.corners[1] == from))
         out.corners[c].edge_code = 1 + mesh.vertices.size() + e;
     }
   }
@@ -124,7 +129,8 @@ void touching_polyhedron(const ConvexCore& core, const Vec3& d, double slack, Co
   out.corners.push_back({core.to_world(mesh.vertices[touching[1]]), vertex_code(touching[1]), out.code});
 }
 
-void touching_cylinder(const ConvexCore& core, const Vec3& n, const Vec3& d, double slack, ContactOutline& out) {
+void touching_cylinder(const ConvexCore& core, const Vec3& n, const Vec3& d, double slack,
+                       ContactOutline& out) {
   const int side = d.z() < 0 ? -1 : 1;
   if (2 * core.half.x() * std::hypot(d.x(), d.y()) <= slack) return end_outline(core, side, out);
   if (2 * core.half.z() * std::abs(d.z()) <= slack) return line_outline(core, n, out);
@@ -133,6 +139,13 @@ void touching_cylinder(const ConvexCore& core, const Vec3& n, const Vec3& d, dou
 }
 
 }  // namespace
+
+bool has_codes(const rigid::ConvexShape& shape) {
+  const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape);
+  if (!polyhedron) return true;
+  const auto& mesh = *polyhedron->mesh;
+  return 1 + mesh.vertices.size() + mesh.edges.size() + mesh.faces.size() <= 1 << 16;
+}
 
 Corner lowest_rim_point(const ConvexCore& cylinder, int side, const Vec3& n) {
   const Vec3 d = cylinder.direction_B(n);

@@ -37,7 +37,8 @@ Vec3 ConvexCore::support(const Vec3& n) const {
   const Vec3 d = direction_B(n);
   switch (kind) {
     case Kind::box:
-      return to_world({std::copysign(half.x(), d.x()), std::copysign(half.y(), d.y()), std::copysign(half.z(), d.z())});
+      return to_world(
+          {std::copysign(half.x(), d.x()), std::copysign(half.y(), d.y()), std::copysign(half.z(), d.z())});
     case Kind::cylinder: {
       const double across = std::hypot(d.x(), d.y()), scale = across > 0 ? half.x() / across : 0;
       return to_world({scale * d.x(), scale * d.y(), std::copysign(half.z(), d.z())});

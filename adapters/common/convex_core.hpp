@@ -1,7 +1,7 @@
 #pragma once
-// Any bounded convex shape as a core swept by a sphere, with all that a search over directions asks of it. For a
-// sphere, capsule or box it is the same core as rounded_box gives; cylinder, ellipsoid and polyhedron are
-// their own cores, of radius 0.
+// Any bounded convex shape as a core swept by a sphere, with all that a search over directions asks of it.
+// For a sphere, capsule or box it is the same core as rounded_box gives; cylinder, ellipsoid and polyhedron
+// are their own cores, of radius 0.
 #include <vector>
 
 #include "adapters/common/rounded_box.hpp"
@@ -21,9 +21,9 @@ struct ConvexCore {
 
   Kind kind;
   Vec3 centre;
-  Mat3 axes;                                   // columns: the unit axes of the body
-  Vec3 half;                                   // half widths along the axes (of a polyhedron: of its frame's box)
-  double radius;                               // of the sphere that sweeps the core
+  Mat3 axes;      // columns: the unit axes of the body
+  Vec3 half;      // half widths along the axes (of a polyhedron: of its frame's box)
+  double radius;  // of the sphere that sweeps the core
   const rigid::PolyhedronMesh* mesh = nullptr;  // of a polyhedron
 
   Vec3 to_world(const Vec3& x_B) const { return centre + axes * x_B; }
@@ -32,7 +32,8 @@ struct ConvexCore {
   bool is_segment() const { return kind == Kind::box && half.x() == 0 && half.z() > 0; }
   /// The point of the core furthest along n.
   Vec3 support(const Vec3& n) const;
-  /// Derivative of the supporting point by the unit direction n, the supporting feature kept: zero for polytopes.
+  /// Derivative of the supporting point by the unit direction n, the supporting feature kept: zero for
+  /// polytopes.
   Mat3 curvature(const Vec3& n) const;
   bool curved() const { return kind == Kind::cylinder || kind == Kind::ellipsoid; }
   /// The edges of the feature that supports n which are within `angle` (radian) of normal to n, and the faces

@@ -12,7 +12,7 @@ using rigid::ContactPoint;
 
 namespace {
 
-constexpr double rounding = 1e-10;  // part of the pair's size: lengths below it are none
+constexpr double rounding = 1e-10;    // part of the pair's size: lengths below it are none
 constexpr double same_depth = 2e-14;  // part of the pair's size: gaps that differ by less are equal
 /// Faces seen more obliquely than this (cosine) have no points worth having.
 constexpr double oblique_cosine = 0.1;
@@ -35,8 +35,8 @@ void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
 }
 
 /// A contact as seen from the first of the two, or with the two exchanged.
-void add(std::vector<ContactPoint>& points, const Vec3& on_first, const Vec3& m, double gap, std::uint32_t first,
-         std::uint32_t second, bool swap) {
+void add(std::vector<ContactPoint>& points, const Vec3& on_first, const Vec3& m, double gap,
+         std::uint32_t first, std::uint32_t second, bool swap) {
   const Vec3 on_second = on_first + gap * m;
   if (!swap)
     add_unique(points, {on_first, on_second, m, gap, pair_code(first, second)});
@@ -71,13 +71,15 @@ void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& 
   const Prism over_a(a, n), over_b(b, n);
   for (const Vec3& x : clip_face(over_a, b, slack)) {
     const double gap = -a.height(x, n);
-    const std::uint32_t of_a = code_under(a, over_a, x, 10 * slack), of_b = code_under(b, over_b, x, 10 * slack);
+    const std::uint32_t of_a = code_under(a, over_a, x, 10 * slack),
+                        of_b = code_under(b, over_b, x, 10 * slack);
     add_unique(points, {x - gap * n, x, n, gap, pair_code(of_a, of_b)});
   }
 }
 
-/// From the point x of a swept segment's axis, `t` from its middle, along unit m to the surface; nothing where that is
-/// past the barrel and on no hemisphere (it has a point of its own). A cylinder's line is on the surface already.
+/// From the point x of a swept segment's axis, `t` from its middle, along unit m to the surface; nothing
+/// where that is past the barrel and on no hemisphere (it has a point of its own). A cylinder's line is on
+/// the surface already.
 std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m) {
   if (line.radius == 0) return 0;
   const double half = line.half.z(), tilt = line.axes.col(2).dot(m);
@@ -88,8 +90,8 @@ std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m
   return line.radius / across;
 }
 
-void line_on_face(const ConvexCore& core, const ContactOutline& line, const ContactOutline& face, const Vec3& m,
-                  bool swap, double slack, std::vector<ContactPoint>& points) {
+void line_on_face(const ConvexCore& core, const ContactOutline& line, const ContactOutline& face,
+                  const Vec3& m, bool swap, double slack, std::vector<ContactPoint>& points) {
   if (-face.normal.dot(m) < oblique_cosine) return;
   const Prism prism(face, m);
   std::array<Vec3, 2> end{line.corners[0].x, line.corners[1].x};
@@ -106,7 +108,8 @@ void line_on_face(const ConvexCore& core, const ContactOutline& line, const Cont
     if (!offset) continue;
     const Vec3 surface = end[e] + *offset * m;
     // both ends cut: the features of the face tell them apart
-    add(points, surface, m, face.height(surface, m), code[e], code_under(face, prism, end[e], 10 * slack), swap);
+    add(points, surface, m, face.height(surface, m), code[e], code_under(face, prism, end[e], 10 * slack),
+        swap);
   }
 }
 
@@ -116,7 +119,8 @@ double barrel_radius(const ConvexCore& core) {
 
 /// The points at the ends of a's barrel, along its own normal there to the barrel of b.
 void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
-                      const ContactOutline& line_b, const Vec3& n, bool swap, std::vector<ContactPoint>& points) {
+                      const ContactOutline& line_b, const Vec3& n, bool swap,
+                      std::vector<ContactPoint>& points) {
   const Vec3 u = a.axes.col(2), v = b.axes.col(2);
   const Vec3 m = (n - n.dot(u) * u).normalized();
   if (!(m.dot(n) >= same_side_cosine)) return;
@@ -180,8 +184,8 @@ void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3
   out.insert(out.end(), points.begin(), points.end());
 }
 
-void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
-                                  std::vector<ContactPoint>& out) {
+void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward,
+                                  double tolerance, std::vector<ContactPoint>& out) {
   const Vec3 n = -outward;
   double lowest = std::numeric_limits<double>::infinity();
   const auto take = [&](const Vec3& x, std::uint32_t code) {
@@ -191,7 +195,8 @@ void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const
   };
   if (a.kind == ConvexCore::Kind::ellipsoid) return take(a.support(n), 0);
   if (a.kind == ConvexCore::Kind::polyhedron) {
-    for (std::size_t v = 0; v < a.mesh->vertices.size(); ++v) take(a.to_world(a.mesh->vertices[v]), vertex_code(v));
+    for (std::size_t v = 0; v < a.mesh->vertices.size(); ++v)
+      take(a.to_world(a.mesh->vertices[v]), vertex_code(v));
     return;
   }
   thread_local ContactOutline end;

@@ -4,6 +4,7 @@
 
 #include "adapters/analytic/deepest.hpp"
 #include "adapters/analytic/deepest_direction.hpp"
+#include "adapters/common/contact_outline.hpp"
 #include "adapters/common/convex_manifold.hpp"
 #include "adapters/common/manifold.hpp"
 
@@ -44,8 +45,8 @@ double support_gap(const Query& q, const Vec3& n) {
   return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
 }
 
-bool EngineBackend::supports(const ConvexShape& a, const ConvexShape&) const {
-  return !std::holds_alternative<HalfSpace>(a);
+bool EngineBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
+  return !std::holds_alternative<HalfSpace>(a) && has_codes(a) && has_codes(b);
 }
 
 void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, const ConvexShape& shape_b,

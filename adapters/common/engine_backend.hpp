@@ -13,8 +13,8 @@ inline constexpr double answer_tolerance = 1e-11;
 /// A normal this near (radian) to that of a face or of two crossed edges is taken to be it (not for spheres).
 inline constexpr double snap_angle = 1e-7;
 
-/// The same for a pair with a cylinder, an ellipsoid or a polyhedron: engines find the normal of curved shapes to
-/// 1e-4 or worse, the gap to 1e-5.
+/// The same for a pair with a cylinder, an ellipsoid or a polyhedron: engines find the normal of curved
+/// shapes to 1e-4 or worse, the gap to 1e-5.
 inline constexpr double curved_tolerance = 1e-5;
 
 /// A pair as asked; the cores are those of rounded_box (b's is of no use for a half-space).
@@ -39,9 +39,9 @@ double support_gap(const Query&, const Vec3& n);
 /// From the engine come normal and gap of the deepest point. They are checked: the gap must be that of the
 /// supporting planes, n . (support_B(-n) - support_A(n)), which for overlap no direction may exceed by more
 /// than rounding. "No contact" is checked too. What fails is counted and asked by the engine's next method,
-/// at last by closed forms. With a cylinder, an ellipsoid or a polyhedron the engine's normal is where climb() starts
-/// from; what that arrives at is proven (proven_direction) and taken, and the engine's answer has failed if it is
-/// not that. The other points of a flat contact are built along the engine's normal by
+/// at last by closed forms. With a cylinder, an ellipsoid or a polyhedron the engine's normal is where
+/// climb() starts from; what that arrives at is proven (proven_direction) and taken, and the engine's answer
+/// has failed if it is not that. The other points of a flat contact are built along the engine's normal by
 /// append_manifold, alike for every engine, because engines give between one and four.
 class EngineBackend : public rigid::CollisionBackend {
  public:

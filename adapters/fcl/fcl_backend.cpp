@@ -83,8 +83,8 @@ class FclShape {
   }
 
  private:
-  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Cylinderd,
-               fcl::Ellipsoidd, fcl::Convexd, fcl::Halfspaced>
+  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Cylinderd, fcl::Ellipsoidd,
+               fcl::Convexd, fcl::Halfspaced>
       shape_;
 };
 
@@ -139,11 +139,13 @@ class FclBackend : public EngineBackend {
   /// themselves is wrong (libccd's MPR on two capsules: 61 of 100). For cores that overlap, collide: two
   /// boxes by separating axes (a face is preferred to crossed edges up to 5 % less deep: the check of the
   /// answer finds that out), a capsule's axis through a box by MPR (not always the least deep). 1: collide on
-  /// the shapes themselves. With a cylinder, an ellipsoid or a polyhedron: the distance, or, of cores that touch or
-  /// overlap, that of cores moved apart along the normal that collide (MPR) gave, 1: along the line of centres.
+  /// the shapes themselves. With a cylinder, an ellipsoid or a polyhedron: the distance, or, of cores that
+  /// touch or overlap, that of cores moved apart along the normal that collide (MPR) gave, 1: along the line
+  /// of centres.
   std::optional<Answer> ask(int method, const Query& q) override {
     if (is<rigid::HalfSpace>(q.b)) return plane(q);
-    if (!is_swept_box(q.a) || !is_swept_box(q.b)) return method == 0 ? near_or_deep(q) : moved_apart(q, centres(q));
+    if (!is_swept_box(q.a) || !is_swept_box(q.b))
+      return method == 0 ? near_or_deep(q) : moved_apart(q, centres(q));
     if (method == 1) return within(q, overlap(q));
     const bool boxes = is<rigid::Box>(q.a) && is<rigid::Box>(q.b);
     if (boxes)

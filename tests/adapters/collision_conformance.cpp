@@ -130,16 +130,18 @@ Tally tally(rigid::CollisionBackend& backend, bool closed_form) {
     const auto before = backend.counters().fallbacks;
     collide(backend, s.pair);
     const auto fallbacks = backend.counters().fallbacks - before;
-    if (s.band[0] == 'd') ++t.deep, t.deep_fallbacks += fallbacks > 0;
-    else ++t.shallow, t.shallow_fallbacks += fallbacks > 0;
+    if (s.band[0] == 'd')
+      ++t.deep, t.deep_fallbacks += fallbacks > 0;
+    else
+      ++t.shallow, t.shallow_fallbacks += fallbacks > 0;
   }
   return t;
 }
 
 /// Without this "bullet" could be "analytic" under another name. Bodies that overlap by more than a third of
-/// their size are counted apart: both engines' tests of two boxes prefer a face to crossed edges that are 5 % less
-/// deep, and are found out; Bullet's EPA and FCL's MPR often arrive at another than the least depth of curved
-/// shapes.
+/// their size are counted apart: both engines' tests of two boxes prefer a face to crossed edges that are 5 %
+/// less deep, and are found out; Bullet's EPA and FCL's MPR often arrive at another than the least depth of
+/// curved shapes.
 TEST_P(Conformance, TheEngineAnswersByItselfNearlyAlways) {
   const Tally boxes = tally(*backend, true), others = tally(*backend, false);
   EXPECT_EQ(backend->counters().queries, random_scenes().size());

@@ -10,12 +10,12 @@ namespace silt::tests {
 
 namespace {
 
-/// Of a pair of kinds in each band. Those whose reference is a search cost milliseconds each: SILT_SCENES=200 in the
-/// environment asks for more of them.
+/// Of a pair of kinds in each band. Those whose reference is a search cost milliseconds each: SILT_SCENES=200
+/// in the environment asks for more of them.
 int scenes_of(Kind a, Kind b) {
   if (has_closed_form(a, b)) return 40;
   const char* wanted = std::getenv("SILT_SCENES");
-  return wanted ? std::atoi(wanted) : 6;
+  return wanted ? std::atoi(wanted) : 4;
 }
 
 void add_scenes(Kind a, Kind b, std::mt19937_64& random, std::vector<Scene>& scenes) {

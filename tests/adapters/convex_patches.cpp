@@ -27,7 +27,8 @@ rigid::Polyhedron prism(int corners, double radius) {
   std::vector<Vec3> points;
   for (int k = 0; k < corners; ++k)
     for (const double z : {-1.0, 1.0})
-      points.emplace_back(radius * std::cos(2 * pi * k / corners), radius * std::sin(2 * pi * k / corners), z);
+      points.emplace_back(radius * std::cos(2 * pi * k / corners), radius * std::sin(2 * pi * k / corners),
+                          z);
   return hull_of(points);
 }
 
@@ -59,7 +60,8 @@ void expect_stands(const Points& points, double gap, double inset) {
 TEST_P(ConvexPatches, ACylinderStandsOnEverythingFlat) {
   for (const double gap : {0.0, 0.2, -0.2}) {
     expect_stands(at({drum, floor_, at_height(3 + gap), {}}), gap, 1.8);
-    for (const auto& below : std::vector<ConvexShape>{rigid::Box{{4, 4, 2}}, drum, prism(6, 4), prism(5, 3)}) {
+    for (const auto& below :
+         std::vector<ConvexShape>{rigid::Box{{4, 4, 2}}, drum, prism(6, 4), prism(5, 3)}) {
       const bool tall = std::holds_alternative<rigid::Cylinder>(below);
       const bool box = std::holds_alternative<rigid::Box>(below);
       const double top = tall ? 3 : box ? 2 : 1;
@@ -108,10 +110,13 @@ TEST_P(ConvexPatches, ATiltedCylindersLowestRimPointIsThere) {
 
 TEST_P(ConvexPatches, ALyingCylinderTouchesAlongItsLine) {
   const Quat lying = turned(90, Vec3::UnitX());
-  for (const auto& [shape, top] : {std::pair<ConvexShape, double>(floor_, 0), {rigid::Box{{9, 9, 1}}, 1},
-                                   {prism(6, 8), 1}, {rigid::Cylinder{9, 1}, 1}}) {
+  for (const auto& [shape, top] : {std::pair<ConvexShape, double>(floor_, 0),
+                                   {rigid::Box{{9, 9, 1}}, 1},
+                                   {prism(6, 8), 1},
+                                   {rigid::Cylinder{9, 1}, 1}}) {
     const Points points = at({drum, shape, at_height(top + 2.1, lying), {}});
-    ASSERT_EQ(points.size(), 2u) << rigid::shape_name(rigid::Shape(std::visit([](auto s) { return rigid::Shape(s); }, shape)));
+    ASSERT_EQ(points.size(), 2u) << rigid::shape_name(
+        rigid::Shape(std::visit([](auto s) { return rigid::Shape(s); }, shape)));
     for (const auto& p : points) {
       EXPECT_NEAR(p.gap, 0.1, 1e-12);
       EXPECT_NEAR(std::abs(p.on_a.y()), 3, 1e-12);
@@ -132,7 +137,8 @@ TEST_P(ConvexPatches, ParallelCylindersTouchAlongTheirCommonLength) {
       EXPECT_NEAR(y[1], 3, 1e-9);
       for (const auto& p : points) EXPECT_NEAR(p.gap, gap, 1e-12);
     }
-    const Points crossed = at({drum, drum, at_height(4 + gap, lying), at_height(0, turned(90, Vec3::UnitY()))});
+    const Points crossed =
+        at({drum, drum, at_height(4 + gap, lying), at_height(0, turned(90, Vec3::UnitY()))});
     ASSERT_EQ(crossed.size(), 1u);
     EXPECT_NEAR(crossed[0].gap, gap, 1e-12);
     EXPECT_LE(crossed[0].on_a.head<2>().norm(), 1e-9);
@@ -162,9 +168,11 @@ TEST_P(ConvexPatches, ABoxAsAPolyhedronIsTheBox) {
       const Points points = at(p);
       ASSERT_EQ(points.size(), expected.size()) << degrees << " " << gap;
       for (const auto& e : expected)
-        EXPECT_TRUE(std::any_of(points.begin(), points.end(), [&](const auto& c) {
-          return (c.on_a - e.on_a).norm() < 1e-9 && (c.on_b - e.on_b).norm() < 1e-9;
-        })) << degrees << " " << gap;
+        EXPECT_TRUE(std::any_of(points.begin(), points.end(),
+                                [&](const auto& c) {
+                                  return (c.on_a - e.on_a).norm() < 1e-9 && (c.on_b - e.on_b).norm() < 1e-9;
+                                }))
+            << degrees << " " << gap;
     }
 }
 
@@ -173,10 +181,16 @@ TEST_P(ConvexPatches, EdgeOnEdge) {
   const double s = std::sqrt(0.5);
   const Quat tip = turned(45, Vec3::UnitY());
   for (const double gap : {0.1, -0.01}) {
-    const Pair rim{drum, rigid::Box{{4, 4, 4}}, {Vec3(0, 0, 4 * 2 * s + 5 * s + gap), tip}, at_height(0, turned(45, Vec3::UnitX()))};
+    const Pair rim{drum,
+                   rigid::Box{{4, 4, 4}},
+                   {Vec3(0, 0, 4 * 2 * s + 5 * s + gap), tip},
+                   at_height(0, turned(45, Vec3::UnitX()))};
     EXPECT_NEAR(deepest(at(rim)).gap, reference_gap(rim).gap, 1e-12);
     EXPECT_NEAR(deepest(mirrored(rim)).gap, reference_gap(rim).gap, 1e-12);
-    const Pair edges{prism(4, 2), prism(4, 2), {Vec3(0, 0, 2 * (1 + 2 * s * s) * s * 2 + gap), turned(45, Vec3::UnitX()) * turned(45, Vec3::UnitZ())},
+    const Pair edges{prism(4, 2),
+                     prism(4, 2),
+                     {Vec3(0, 0, 2 * (1 + 2 * s * s) * s * 2 + gap),
+                      turned(45, Vec3::UnitX()) * turned(45, Vec3::UnitZ())},
                      {Vec3::Zero(), turned(45, Vec3::UnitY()) * turned(45, Vec3::UnitZ())}};
     const Points points = at(edges, 5);
     EXPECT_NEAR(deepest(points).gap, reference_gap(edges).gap, 1e-12);
@@ -281,7 +295,8 @@ TEST_P(ConvexPatches, FeaturesStayUnderSmallMotions) {
 TEST_P(ConvexPatches, TheDeepestPointSurvivesReduction) {
   std::mt19937_64 random(4);
   for (int i = 0; i < 50; ++i) {
-    const Pair p{drum, rigid::Cylinder{3, 2}, at_height(5, turned(0.5, random_direction(random))), at_height(0, turned(7.0 * i, Vec3::UnitZ()))};
+    const Pair p{drum, rigid::Cylinder{3, 2}, at_height(5, turned(0.5, random_direction(random))),
+                 at_height(0, turned(7.0 * i, Vec3::UnitZ()))};
     Points points = at(p, 2);
     const double gap = deepest(points).gap;
     rigid::reduce_manifold(points);

@@ -146,7 +146,8 @@ double smallest_size(const ConvexShape& a, const ConvexShape& b) {
     if (const auto* box = std::get_if<rigid::Box>(&shape)) return box->half_edges.minCoeff();
     if (const auto* c = std::get_if<rigid::Cylinder>(&shape)) return std::min(c->radius, c->half_length);
     if (const auto* e = std::get_if<rigid::Ellipsoid>(&shape)) return e->half_axes.minCoeff();
-    if (std::holds_alternative<rigid::Polyhedron>(shape)) return -rigid::signed_distance(rigid::Shape(std::get<rigid::Polyhedron>(shape)), Vec3::Zero());
+    if (std::holds_alternative<rigid::Polyhedron>(shape))
+      return -rigid::signed_distance(rigid::Shape(std::get<rigid::Polyhedron>(shape)), Vec3::Zero());
     return std::holds_alternative<rigid::HalfSpace>(shape) ? infinity : radius_of(shape);
   };
   return std::min(size(a), size(b));

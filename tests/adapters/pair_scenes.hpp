@@ -25,8 +25,8 @@ inline constexpr Kind bodies[] = {Kind::sphere,   Kind::box,       Kind::capsule
 inline constexpr Kind all_kinds[] = {Kind::sphere,    Kind::box,        Kind::capsule,   Kind::cylinder,
                                      Kind::ellipsoid, Kind::polyhedron, Kind::half_space};
 std::string kind_name(Kind);
-/// Whether both are a point, a segment or a box swept by a sphere, or the second is a half-space: the reference is a
-/// brute-force search of the Minkowski difference, and the backends have closed forms.
+/// Whether both are a point, a segment or a box swept by a sphere, or the second is a half-space: the
+/// reference is a brute-force search of the Minkowski difference, and the backends have closed forms.
 inline bool has_closed_form(Kind a, Kind b) {
   const auto swept_box = [](Kind k) { return k == Kind::sphere || k == Kind::box || k == Kind::capsule; };
   return swept_box(a) && (swept_box(b) || b == Kind::half_space);
@@ -43,7 +43,8 @@ Pair random_pair(Kind a, Kind b, double gap, std::mt19937_64&);
 /// The least size of the two: what overlaps are given relative to.
 double smallest_size(const ConvexShape&, const ConvexShape&);
 
-/// The polyhedron whose corners are the points that are corners of their convex hull; coplanar ones share a face.
+/// The polyhedron whose corners are the points that are corners of their convex hull; coplanar ones share a
+/// face.
 rigid::Polyhedron hull_of(const std::vector<Vec3>& points);
 
 struct ReferenceGap {

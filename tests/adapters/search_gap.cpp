@@ -22,10 +22,12 @@ Straight straight_parts(const ConvexShape& shape, const Pose& pose) {
   if (std::holds_alternative<rigid::Box>(shape))
     for (int k = 0; k < 3; ++k) s.edges.push_back(axes.col(k)), s.faces.push_back(axes.col(k));
   if (std::holds_alternative<rigid::Capsule>(shape)) s.edges.push_back(axes.col(2));
-  if (std::holds_alternative<rigid::Cylinder>(shape)) s.edges.push_back(axes.col(2)), s.faces.push_back(axes.col(2));
+  if (std::holds_alternative<rigid::Cylinder>(shape))
+    s.edges.push_back(axes.col(2)), s.faces.push_back(axes.col(2));
   if (const auto* q = std::get_if<rigid::Polyhedron>(&shape)) {
     for (const auto& e : q->mesh->edges)
-      s.edges.push_back(axes * (q->mesh->vertices[e.corners[1]] - q->mesh->vertices[e.corners[0]]).normalized());
+      s.edges.push_back(axes *
+                        (q->mesh->vertices[e.corners[1]] - q->mesh->vertices[e.corners[0]]).normalized());
     for (const auto& f : q->mesh->faces) s.faces.push_back(axes * f.normal);
   }
   return s;
@@ -55,7 +57,8 @@ class Gap {
     for (int i = 0; i < samples; ++i) gap[i] = at(direction(2 * pi * i / samples));
     std::vector<std::pair<double, int>> peaks;
     for (int i = 0; i < samples; ++i)
-      if (gap[i] >= gap[(i + samples - 1) % samples] && gap[i] >= gap[(i + 1) % samples]) peaks.push_back({-gap[i], i});
+      if (gap[i] >= gap[(i + samples - 1) % samples] && gap[i] >= gap[(i + 1) % samples])
+        peaks.push_back({-gap[i], i});
     std::sort(peaks.begin(), peaks.end());
     for (std::size_t k = 0; k < std::min<std::size_t>(3, peaks.size()); ++k) {
       double low = 2 * pi * (peaks[k].second - 1) / samples, high = 2 * pi * (peaks[k].second + 1) / samples;
@@ -64,8 +67,10 @@ class Gap {
       double x = high - golden * (high - low), y = low + golden * (high - low);
       double f = at(direction(x)), g = at(direction(y));
       for (int i = 0; i < 70; ++i) {
-        if (f > g) high = y, y = x, g = f, x = high - golden * (high - low), f = at(direction(x));
-        else low = x, x = y, f = g, y = low + golden * (high - low), g = at(direction(y));
+        if (f > g)
+          high = y, y = x, g = f, x = high - golden * (high - low), f = at(direction(x));
+        else
+          low = x, x = y, f = g, y = low + golden * (high - low), g = at(direction(y));
       }
       take(direction((low + high) / 2));
     }
@@ -75,16 +80,20 @@ class Gap {
     constexpr int samples = 1500, refined = 5;
     std::vector<std::pair<double, Vec3>> grid;
     for (int i = 0; i < samples; ++i) {  // a spiral of equal areas
-      const double z = 1 - (2 * i + 1.0) / samples, r = std::sqrt(1 - z * z), t = i * pi * (3 - std::sqrt(5.0));
+      const double z = 1 - (2 * i + 1.0) / samples, r = std::sqrt(1 - z * z),
+                   t = i * pi * (3 - std::sqrt(5.0));
       const Vec3 n(r * std::cos(t), r * std::sin(t), z);
       grid.push_back({-at(n), n});
     }
     grid.push_back({-at(d_.normalized()), d_.normalized()});
-    std::stable_sort(grid.begin(), grid.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+    std::stable_sort(grid.begin(), grid.end(),
+                     [](const auto& x, const auto& y) { return x.first < y.first; });
     std::vector<Vec3> starts;
     for (const auto& [gap, n] : grid) {
       if (starts.size() == refined) break;
-      if (std::all_of(starts.begin(), starts.end(), [&, &n = n](const Vec3& s) { return (s - n).norm() > 0.15; })) starts.push_back(n);
+      if (std::all_of(starts.begin(), starts.end(),
+                      [&, &n = n](const Vec3& s) { return (s - n).norm() > 0.15; }))
+        starts.push_back(n);
     }
     for (const Vec3& n : starts) uphill(n);
   }

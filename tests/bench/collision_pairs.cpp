@@ -1,9 +1,16 @@
 // Nanoseconds a pair of shapes costs, and how often the answer was another method's: every backend,
 // overlapping (1 % of the size) and apart (0.1 cells). Prints; gates nothing.
+// --table N prints instead the table of adapters/README.md: N random pairs in each of the bands of the
+// conformance suite, with the worst gap against the reference.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
 #include "adapters/automatic/collision_factory.hpp"
-#include "tests/adapters/pair_scenes.hpp"
+#include "tests/adapters/collision_scenes.hpp"
 
 namespace silt::tests {
 namespace {
@@ -27,23 +34,81 @@ void collide_pairs(benchmark::State& state, std::string backend_name, Kind a, Ki
   state.counters["fallbacks_percent"] = 100 * double(backend->counters().fallbacks) / queries;
 }
 
+template <class Use>
+void for_each_pair(Use use) {
+  for (const Kind a : bodies)
+    for (const Kind b : all_kinds)
+      if (a <= b) use(a, b);
+}
+
 void register_all() {
-  constexpr std::pair<Kind, Kind> pairs[] = {
-      {Kind::sphere, Kind::sphere},     {Kind::sphere, Kind::box},     {Kind::sphere, Kind::capsule},
-      {Kind::box, Kind::box},           {Kind::capsule, Kind::box},    {Kind::capsule, Kind::capsule},
-      {Kind::sphere, Kind::half_space}, {Kind::box, Kind::half_space}, {Kind::capsule, Kind::half_space}};
-  for (const auto& [a, b] : pairs)
+  for_each_pair([](Kind a, Kind b) {
     for (const auto& [what, gap] : {std::pair("overlap", -0.1), std::pair("gap", 0.1)})
       for (const auto backend : adapters::backend_names()) {
         const std::string name = kind_name(a) + "." + kind_name(b) + "." + what + "." + std::string(backend);
         benchmark::RegisterBenchmark(name.c_str(), collide_pairs, std::string(backend), a, b, gap);
       }
+  });
+}
+
+/// What a backend did on the scenes of one pair of kinds.
+struct Row {
+  double ns_shallow = 0, ns_deep = 0, worst = 0;
+  int fallbacks = 0, asked = 0;
+};
+
+double nanoseconds(rigid::CollisionBackend& backend, const Pair& pair) {
+  constexpr int times = 20;
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < times; ++i) benchmark::DoNotOptimize(collide(backend, pair));
+  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / times;
+}
+
+Row measure(std::string_view name, Kind a, Kind b) {
+  auto backend = adapters::make_backend(name), timed = adapters::make_backend(name);
+  Row row;
+  int shallow = 0;
+  for (const Scene& s : random_scenes()) {
+    if (s.a != a || s.b != b) continue;
+    const auto before = backend->counters().fallbacks;
+    row.worst = std::max(row.worst, std::abs(deepest(collide(*backend, s.pair)).gap - s.reference.gap));
+    row.fallbacks += backend->counters().fallbacks > before;
+    ++row.asked;
+    const bool deep = s.band[0] == 'd';
+    shallow += !deep;
+    (deep ? row.ns_deep : row.ns_shallow) += nanoseconds(*timed, s.pair);
+  }
+  row.ns_shallow /= shallow;
+  row.ns_deep /= row.asked - shallow;
+  return row;
+}
+
+void print_table() {
+  std::printf(
+      "| pair | N | auto: ns, deep, error | analytic: ns | bullet: ns, deep, fallbacks, error | fcl: ns, "
+      "deep, "
+      "fallbacks, error |\n|---|---|---|---|---|---|\n");
+  for_each_pair([](Kind a, Kind b) {
+    const Row best = measure("auto", a, b), analytic = measure("analytic", a, b);
+    std::printf("| %s–%s | %d | %.0f, %.0f, %.0e (%d) | %.0f |", kind_name(a).c_str(), kind_name(b).c_str(),
+                best.asked, best.ns_shallow, best.ns_deep, best.worst, best.fallbacks, analytic.ns_shallow);
+    for (const char* engine : {"bullet", "fcl"}) {
+      const Row r = measure(engine, a, b);
+      std::printf(" %.0f, %.0f, %d, %.0e |", r.ns_shallow, r.ns_deep, r.fallbacks, r.worst);
+    }
+    std::printf("\n");
+  });
 }
 
 }  // namespace
 }  // namespace silt::tests
 
 int main(int argc, char** argv) {
+  if (argc == 3 && !std::strcmp(argv[1], "--table")) {
+    setenv("SILT_SCENES", argv[2], 1);
+    silt::tests::print_table();
+    return 0;
+  }
   benchmark::Initialize(&argc, argv);
   silt::tests::register_all();
   benchmark::RunSpecifiedBenchmarks();

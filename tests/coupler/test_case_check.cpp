@@ -2,6 +2,9 @@
 // alone.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "coupler/overlap.hpp"
 #include "tests/coupler/case_text.hpp"
 
@@ -92,6 +95,36 @@ TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Cas
   for (const char* part :
        {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
     EXPECT_TRUE(contains(text, part)) << part << " is not in\n" << text;
+}
+
+/// A regular prism.
+rigid::Polyhedron prism(int corners) {
+  std::vector<Vec3> vertices;
+  std::vector<std::vector<int>> faces(2);
+  for (int k = 0; k < corners; ++k) {
+    const double angle = 2 * std::numbers::pi * k / corners;
+    for (const double z : {-4.0, 4.0}) vertices.emplace_back(4 * std::cos(angle), 4 * std::sin(angle), z);
+    faces[0].push_back(2 * (corners - 1 - k));
+    faces[1].push_back(2 * k + 1);
+    const int next = (k + 1) % corners;
+    faces.push_back({2 * k, 2 * next, 2 * next + 1, 2 * k + 1});
+  }
+  return {rigid::make_polyhedron_mesh(vertices, faces)};
+}
+
+TEST(CaseCheck, AShapeThatTheBackendCannotAnswerForIsRefused) {
+  Case scene = CaseText{}.read();
+  scene.shapes[0] = prism(8);
+  EXPECT_EQ(listed(check_case(scene)), "");
+  scene.shapes[0] = prism(11000);  // more vertices, edges and faces than 16 bits count
+  const std::string text = listed(check_case(scene));
+  EXPECT_TRUE(
+      contains(text,
+               "contacts.backend is \"auto\"; it cannot answer contacts of shape 'ball' (polyhedron) with a "
+               "wall: use another backend, or a simpler shape (polyhedra of at most some 10000 vertices)"))
+      << text;
+  scene.bodies[0].motion = rigid::Motion::fixed;  // meets nothing
+  EXPECT_FALSE(contains(listed(check_case(scene)), "cannot answer")) << text;
 }
 
 // Legal scenes must never be refused: the depth found is never above the true one.
