@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "coupler/build_info.hpp"
 #include "coupler/checkpoint.hpp"
 #include "coupler/report.hpp"
 #include "coupler/simulation.hpp"

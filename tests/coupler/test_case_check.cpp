@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
+#include "coupler/body_check.hpp"
 #include "coupler/overlap.hpp"
 #include "tests/coupler/case_text.hpp"
+#include "tests/rigid/solids.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -153,6 +156,60 @@ TEST(Overlap, SeesPeriodicImages) {
   const auto at = [](double x, double y) { return rigid::Pose{{x, y, 0}, rigid::Quat::Identity()}; };
   EXPECT_NEAR(overlap_depth(ball, at(1, 5), ball, at(18, 5), extent), 1, 1e-12);
   EXPECT_LT(overlap_depth(ball, at(5, 1), ball, at(5, 18), extent), 0);
+}
+
+/// The widest gap that a plane leaves between two shapes, out of many planes; negative if none parts them.
+double widest_gap(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
+                  const rigid::Pose& pose_b) {
+  const auto furthest = [](const rigid::ConvexShape& s, const rigid::Pose& pose, const rigid::Vec3& n) {
+    return n.dot(pose.to_world(rigid::support(s, pose.orientation.conjugate() * n)));
+  };
+  std::mt19937_64 generator(4);
+  std::normal_distribution<> normal;
+  double gap = -1e9;
+  for (int i = 0; i < 2000; ++i) {
+    const rigid::Vec3 n = rigid::Vec3(normal(generator), normal(generator), normal(generator)).normalized();
+    gap = std::max(gap, -furthest(b, pose_b, -n) - furthest(a, pose_a, n));
+  }
+  return gap;
+}
+
+TEST(Overlap, IsNeverOverstatedAndDeepOnesAreFound) {
+  const std::vector<rigid::ConvexShape> shapes = {
+      rigid::Cylinder{3, 4},     rigid::Cylinder{5, 1}, rigid::Ellipsoid{{5, 3, 2}},
+      rigid::testing::frustum(), rigid::Box{{2, 3, 4}}, rigid::testing::octahedron({4, 3, 5}),
+      rigid::Capsule{1, 4}};
+  std::mt19937_64 generator(9);
+  std::uniform_real_distribution<> uniform(-1, 1);
+  const auto any = [&] { return uniform(generator); };
+  int apart = 0, deep = 0;
+  for (const auto& a : shapes)
+    for (const auto& b : shapes)
+      for (int i = 0; i < 20; ++i) {
+        const rigid::Pose pose_a{rigid::Vec3::Zero(), rigid::Quat(any(), any(), any(), any()).normalized()};
+        const rigid::Pose pose_b{6 * rigid::Vec3(any(), any(), any()),
+                                 rigid::Quat(any(), any(), any(), any()).normalized()};
+        const auto whole = [](const auto& s) -> rigid::Shape { return s; };
+        const double depth = overlap_depth(std::visit(whole, a), pose_a, std::visit(whole, b), pose_b);
+        const double gap = widest_gap(a, pose_a, b, pose_b);
+        EXPECT_LE(depth, -gap + 1e-9) << a.index() << " and " << b.index();
+        apart += gap > 0, deep += gap < -1.5;
+        if (gap < -1.5) {
+          EXPECT_GT(depth, 0) << a.index() << " and " << b.index();
+        }
+      }
+  EXPECT_GT(apart, 50);
+  EXPECT_GT(deep, 50);
+}
+
+TEST(BodyCheck, LeastWidths) {
+  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 2}), 4);
+  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 5}), 6);
+  EXPECT_EQ(resolved_diameter(rigid::Ellipsoid{{3, 5, 4}}), 6);
+  EXPECT_DOUBLE_EQ(resolved_diameter(rigid::testing::cuboid({0, 0, 0}, {4, 2, 3})), 2);
+  // a regular tetrahedron is narrowest between two opposite edges: a / sqrt 2
+  EXPECT_DOUBLE_EQ(
+      resolved_diameter(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
 }
 
 }  // namespace

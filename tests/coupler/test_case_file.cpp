@@ -128,13 +128,43 @@ parts = [
   { type = "polyhedron", vertices = [[0, 0, 0], [6e-3, 0, 0], [0, 6e-3, 0], [0, 0, 6e-3]] },
 ]
 )";
-  const auto& parts = std::get<rigid::Compound>(c.read().shapes[0]).parts;
+  const Case scene = c.read();
+  const auto& parts = std::get<rigid::Compound>(scene.shapes[0]).parts;
   EXPECT_NEAR(std::get<rigid::Cylinder>(parts[0].shape).radius, 3, 1e-12);
   EXPECT_NEAR(std::get<rigid::Cylinder>(parts[0].shape).half_length, 4, 1e-12);
   EXPECT_NEAR((std::get<rigid::Ellipsoid>(parts[1].shape).half_axes - Vec3(3, 4, 5)).norm(), 0, 1e-12);
   const auto& mesh = *std::get<rigid::Polyhedron>(parts[2].shape).mesh;
   EXPECT_EQ(mesh.faces.size(), 4u);
   EXPECT_NEAR((mesh.vertices[3] - Vec3(0, 0, 6)).norm(), 0, 1e-12);
+}
+
+TEST(CaseFile, BodiesFromStlFilesBesideTheCase) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "silt_stl_case";
+  std::filesystem::create_directories(folder / "rocks");
+  CaseText c = si_case();
+  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rocks/a.stl\"\nscale = 1e-3\n";
+  std::ofstream(folder / "case.toml") << c.text();
+  const auto write = [&](const char* last_corner) {
+    std::ofstream file(folder / "rocks/a.stl");
+    file << "solid a\n";
+    for (const char* corners : {"0 0 0 vertex 0 6 0 vertex 6 0 0", "0 0 0 vertex 6 0 0 vertex 0 0 6",
+                                "6 0 0 vertex 0 6 0 vertex 0 0 6"})
+      file << "facet normal 0 0 0 outer loop vertex " << corners << " endloop endfacet\n";
+    file << "facet normal 0 0 0 outer loop vertex 0 6 0 vertex 0 0 0 vertex " << last_corner
+         << " endloop endfacet\nendsolid a\n";
+  };
+  write("0 0 6");
+  const Case scene = read_case(folder);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 36, 1e-9) << "millimetres, in cells of one";
+  ASSERT_EQ(scene.files.size(), 1u);
+  EXPECT_TRUE(scene.files[0].starts_with("rocks/a.stl: ")) << scene.files[0];
+  write("0 0 5");
+  EXPECT_EQ(
+      error_of([&] { read_case(folder); }),
+      (folder / "case.toml").string() +
+          ":14:1: shapes[0].file: 'rocks/a.stl': the surface is not closed: 4 open edges, the first from "
+          "[0, 0, 0] to [0, 0, 5]; close its holes");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(CaseFile, MaterialsContactsCouplingAndOutput) {
