@@ -89,20 +89,19 @@ struct OutputSpec {
   int keep_checkpoints = 2;
 };
 
-/// A figure the run puts into report.json under "quantities", for reference.toml to compare. Types:
-///   max-speed              largest speed any body of the kind has had
-///   drag-coefficient       force along the axis on the kind's fixed bodies / (6 pi mu a U), U: mean over the
-///   whole domain profile-error          largest deviation from the analytic profile ("channel", "duct") over
-///   its largest value taylor-green-velocity  relative L2 error of the velocity;  taylor-green-decay:
-///   relative error of the decay rate mean-height            mean coordinate of the kind's centres along the
-///   axis, at the end drift                  largest distance of a body of the kind from where it started, at
-///   the end max-height-after       largest coordinate of the kind's centres along the axis from a time on
+/// A figure the run puts into report.json under "quantities", for reference.toml to compare. The types and
+/// the keys each takes are in quantity_types.
 struct QuantitySpec {
   std::string name, type;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  std::string profile;  // of profile-error: "channel", "duct"
-  double time = 0;      // of max-height-after, in steps
+  std::string profile;  // "channel", "duct"
+  double time = 0;      // from when on, in steps
+  double height = 0;    // along the axis
+  rigid::Vec3 centre = rigid::Vec3::Zero();
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
+
+  bool is_about(int body_kind) const { return kind < 0 || body_kind == kind; }
 };
 
 struct Case {

@@ -9,6 +9,7 @@
 #include "coupler/body_check.hpp"
 #include "coupler/derived_table.hpp"
 #include "coupler/fill.hpp"
+#include "coupler/quantity_types.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -189,14 +190,44 @@ void check_run(const Case& scene, Findings& findings) {
                    "output.fields asks for fields of the fluid, but the case has no [fluid]; remove it");
   if (!scene.has_bodies() && scene.output.bodies.every > 0)
     findings.warning("output.bodies", "output.bodies asks for bodies, but the case has none");
+}
+
+void check_sampled_box(const Case& scene, Findings& findings, const QuantitySpec& quantity,
+                       const std::string& key) {
+  for (int d = 0; d < 3; ++d)
+    if (quantity.lower[d] < 0 || quantity.upper[d] > scene.cells[d])
+      return findings.error(
+          key, fmt::format("{} reaches from {} to {} along {}; it must lie in the domain, 0 to {}", key,
+                           shown(quantity.lower[d] * scene.units.cell_size),
+                           shown(quantity.upper[d] * scene.units.cell_size), "xyz"[d],
+                           shown(scene.cells[d] * scene.units.cell_size)));
+}
+
+// What a quantity needs and the scene has not.
+std::string lacking(const Case& scene, const QuantityType& type) {
+  using Q = QuantityType;
+  if (type.asks_for(Q::fluid) && !scene.fluid) return "the case has no [fluid]";
+  if (type.asks_for(Q::bodies) && !scene.has_bodies()) return "the case has no bodies";
+  if (type.asks_for(Q::gravity) && scene.gravity.norm() == 0) return "the case has no [gravity]";
+  const bool driven = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                  [](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+  if (type.asks_for(Q::undriven) && driven)
+    return "the case has a body of prescribed motion, which drives the others";
+  return "";
+}
+
+void check_quantities(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.quantities.size(); ++i) {
     const QuantitySpec& quantity = scene.quantities[i];
-    const std::string key = fmt::format("quantities[{}].type", i);
-    const bool of_fluid = quantity.type == "profile-error" || quantity.type.starts_with("taylor-green");
-    if ((of_fluid || quantity.type == "drag-coefficient") && !scene.fluid)
-      findings.error(key, fmt::format("{} is \"{}\", but the case has no [fluid]", key, quantity.type));
-    if (!of_fluid && !scene.has_bodies())
-      findings.error(key, fmt::format("{} is \"{}\", but the case has no bodies", key, quantity.type));
+    const QuantityType& type = quantity_type(quantity.type);
+    const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(scene, type);
+    if (!lack.empty())
+      findings.error(entry + ".type", fmt::format("{}.type is \"{}\", but {}", entry, quantity.type, lack));
+    if (type.takes(QuantityType::time) && quantity.time >= static_cast<double>(scene.steps))
+      findings.warning(
+          entry + ".time",
+          fmt::format("{}.time is not before the end of the run: the quantity will have no value", entry));
+    if (type.takes(QuantityType::box)) check_sampled_box(scene, findings, quantity, entry + ".box");
   }
 }
 
@@ -208,6 +239,7 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   check_fluid(scene, findings);
   check_materials(scene, findings);
   check_run(scene, findings);
+  check_quantities(scene, findings);
   check_body_speeds(scene, findings);
   if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; }))
     check_bodies(scene, findings);

@@ -32,4 +32,7 @@ void read_quantities(TableReader& root, Case&);  // [[quantities]]
 int index_of(TableReader&, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what);
 
+/// The corners of `box`; the whole domain without it.
+void read_box(TableReader&, const Case&, rigid::Vec3& lower, rigid::Vec3& upper);
+
 }  // namespace silt::coupler

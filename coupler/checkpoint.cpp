@@ -48,8 +48,8 @@ struct Read {
   void operator()(const char* name, double& x) const { x = reader.number(name); }
 };
 
-std::string history_name(const QuantitySpec& q) {
-  return "quantity." + q.name;
+std::string history_name(const QuantitySpec& q, int k) {
+  return fmt::format("quantity.{}#{}", q.name, k);
 }
 
 // ---- populations ----
@@ -189,7 +189,8 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   visit_counters(counters, Write{writer});
   visit_balance(simulation.initial_balance(), Write{writer});
   writer.set("fluid_speed", simulation.fluid_speed());
-  for (std::size_t i = 0; i < history.size(); ++i) writer.set(history_name(scene.quantities[i]), history[i]);
+  for (std::size_t i = 0; i < history.size(); ++i)
+    for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
   if (flow) {
     writer.set("anchor_mass", flow->anchor().mass);
     writer.set("anchor_fluid_cells", flow->anchor().fluid_cells);
@@ -240,11 +241,13 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   return state;
 }
 
-std::vector<double> read_history(const CheckpointReader& reader, const Case& scene) {
-  std::vector<double> history;
-  for (const QuantitySpec& q : scene.quantities)
-    history.push_back(reader.has(history_name(q)) ? reader.number(history_name(q))
-                                                  : -std::numeric_limits<double>::infinity());
+std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const Case& scene) {
+  std::vector<QuantityHistory> history;
+  for (const QuantitySpec& q : scene.quantities) {
+    QuantityHistory& h = history.emplace_back(QuantityHistory{not_yet, not_yet});
+    for (int k = 0; k < 2; ++k)
+      if (reader.has(history_name(q, k))) h[k] = reader.number(history_name(q, k));
+  }
   return history;
 }
 

@@ -23,6 +23,6 @@ Case case_to_resume(const adapters::CheckpointReader&, const std::filesystem::pa
 SavedState read_state(const adapters::CheckpointReader&, const Case&);
 
 /// What Quantities had gathered; give it to set_history.
-std::vector<double> read_history(const adapters::CheckpointReader&, const Case&);
+std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
 
 }  // namespace silt::coupler

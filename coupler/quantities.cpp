@@ -1,207 +1,119 @@
 #include "coupler/quantities.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <map>
+#include <string_view>
 
 #include "coupler/analytic_flow.hpp"
-#include "coupler/fill.hpp"
-#include "coupler/for_each_cell.hpp"
+#include "coupler/flow_quantities.hpp"
+#include "coupler/quantity_types.hpp"
 #include "coupler/reduce.hpp"
 
 namespace silt::coupler {
 
 namespace {
 
-using rigid::FixedSum;
-using rigid::from_fixed;
-using rigid::to_fixed;
-using rigid::Vec3;
+using Spec = QuantitySpec;
+using History = QuantityHistory;
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-constexpr double lowest = -std::numeric_limits<double>::infinity();
 
-bool is_largest_value(const QuantitySpec& q) {
-  return q.type == "max-speed" || q.type == "max-height-after";
+using Observe = void (*)(const Simulation&, const Spec&, History&);
+using Value = double (*)(const Simulation&, const Spec&, const History&);
+
+double seen(const Simulation&, const Spec&, const History& h) {
+  return h[0] == not_yet ? nothing : h[0];
 }
 
-bool is_of(const rigid::BodySet& bodies, std::size_t row, const QuantitySpec& q) {
-  return q.kind < 0 || bodies.kind[row] == q.kind;
+double mean_seen(const Simulation&, const Spec&, const History& h) {
+  return h[0] == not_yet ? nothing : h[0] / h[1];
 }
 
-Dimension dimension_of(const std::string& type) {
-  if (type == "max-speed") return dimension::velocity;
-  if (type == "mean-height" || type == "drift" || type == "max-height-after") return dimension::length;
-  return dimension::none;
+template <double (*function)(const Simulation&, const Spec&)>
+double at_end(const Simulation& simulation, const Spec& q, const History&) {
+  return function(simulation, q);
 }
 
-double mean_height(const Simulation& simulation, const QuantitySpec& q) {
-  const rigid::BodySet& bodies = simulation.bodies();
-  FixedSum sums[2] = {};
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (is_of(bodies, row, q)) sums[0] += to_fixed(bodies.position[row][q.axis]), sums[1] += to_fixed(1);
-  sum_over_ranks(simulation.scene().comm, sums);
-  return sums[1] ? from_fixed(sums[0]) / from_fixed(sums[1]) : nothing;
+template <double (*function)(const Simulation&)>
+double of_flow(const Simulation& simulation, const Spec&, const History&) {
+  return function(simulation);
 }
 
-double drift(const Simulation& simulation, const QuantitySpec& q) {
-  const Case& scene = simulation.setup();
-  const rigid::BodySet& bodies = simulation.bodies();
-  const Vec3 period = extent_of(scene).size;
-  const auto start = body_records(scene, centred_shapes(scene));
-  double furthest = lowest;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!is_of(bodies, row, q) || bodies.id[row] > start.size()) continue;
-    Vec3 way = bodies.position[row] - Eigen::Map<const Vec3>{start[bodies.id[row] - 1].position};
-    for (int d = 0; d < 3; ++d) way[d] += bodies.image[row][d] * period[d];
-    furthest = std::max(furthest, way.norm());
-  }
-  furthest = max_over_ranks(simulation.scene().comm, furthest);
-  return furthest == lowest ? nothing : furthest;
+double growth(const Simulation&, const Spec&, const History& h) {
+  return energy_growth(h);
 }
 
-/// Mean velocity along an axis over all cells of the domain, solid ones counting as zero.
-double superficial_velocity(const Simulation& simulation, int axis) {
-  const Flow& flow = *simulation.scene().flow;
-  FixedSum sum = 0;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
-    if (flow.is_fluid(b, cell)) sum += to_fixed(flow.velocity(flow.moments(b, cell))[axis]);
-  });
-  sum_over_ranks(simulation.scene().comm, std::span(&sum, 1));
-  const auto& n = simulation.setup().cells;
-  return from_fixed(sum) / (double(n[0]) * n[1] * n[2]);
+double penetration(const Simulation& simulation, const Spec&, const History&) {
+  return simulation.counters().penetration;
 }
 
-/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
-/// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
-double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
-  const Case& scene = simulation.setup();
-  const rigid::BodySet& bodies = simulation.bodies();
-  const auto shapes = centred_shapes(scene);
-  const auto loads = simulation.last_loads();
-  FixedSum sums[3] = {};  // force, radius, count
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!is_of(bodies, row, q) || bodies.motion[row] != rigid::Motion::fixed) continue;
-    const double volume = shapes[bodies.shape[row]].volume;
-    sums[0] += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
-    sums[1] += to_fixed(std::cbrt(volume * 0.75 / std::numbers::pi));
-    sums[2] += to_fixed(1);
-  }
-  sum_over_ranks(simulation.scene().comm, sums);
-  const double speed = superficial_velocity(simulation, q.axis), viscosity = scene.fluid->kinematic_viscosity;
-  if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return nothing;
-  const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count,
-               radius = from_fixed(sums[1]) / count;
-  return force / (6 * std::numbers::pi * viscosity * radius * speed);
-}
-
-double profile_error(const Simulation& simulation, const QuantitySpec& q) {
-  const Flow& flow = *simulation.scene().flow;
-  const WallProfile exact(simulation.setup(), q.profile);
-  double error = 0;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
-    if (!flow.is_fluid(b, cell)) return;
-    auto u = flow.velocity(flow.moments(b, cell));
-    u[exact.flow_axis()] -= exact({x.x + 0.5, x.y + 0.5, x.z + 0.5});
-    const double e = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    if (!(e <= error)) error = e;  // a NaN stays
-  });
-  return max_over_ranks(simulation.scene().comm, error) / exact.largest();
-}
-
-struct VortexSums {
-  double error2 = 0, exact2 = 0;           // of |u - exact|^2, |exact|^2
-  double projection = 0, projection0 = 0;  // of u . exact(0), |exact(0)|^2
+struct Computation {
+  Observe observe;  // null: does not look at the run
+  Value value;
 };
 
-VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
-  const Flow& flow = *simulation.scene().flow;
-  const double t = static_cast<double>(simulation.steps_done());
-  FixedSum sums[4] = {};
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
-    if (!flow.is_fluid(b, cell)) return;
-    const auto u = flow.velocity(flow.moments(b, cell));
-    const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
-    double terms[4] = {};
-    for (int d = 0; d < 3; ++d) {
-      terms[0] += (u[d] - now[d]) * (u[d] - now[d]), terms[1] += now[d] * now[d];
-      terms[2] += u[d] * begin[d], terms[3] += begin[d] * begin[d];
-    }
-    for (int k = 0; k < 4; ++k) sums[k] += to_fixed(terms[k]);
-  });
-  sum_over_ranks(simulation.scene().comm, sums);
-  return {from_fixed(sums[0]), from_fixed(sums[1]), from_fixed(sums[2]), from_fixed(sums[3])};
-}
-
-double vortex_velocity_error(const Simulation& simulation) {
-  const VortexSums sums = vortex_sums(simulation, TaylorGreen(simulation.setup()));
-  return std::sqrt(sums.error2 / sums.exact2);
-}
-
-double vortex_decay_error(const Simulation& simulation) {
-  if (simulation.steps_done() == 0) return nothing;
-  const TaylorGreen exact(simulation.setup());
-  const VortexSums sums = vortex_sums(simulation, exact);
-  const double rate =
-      -std::log(sums.projection / sums.projection0) / static_cast<double>(simulation.steps_done());
-  return rate / exact.decay_rate() - 1;
-}
+/// By the name of the type: a row for each of quantity_types().
+const std::map<std::string_view, Computation> computations = {
+    {"max-speed", {observe_speed, seen}},
+    {"drag-coefficient", {nullptr, at_end<drag_coefficient>}},
+    {"profile-error", {nullptr, at_end<profile_error>}},
+    {"taylor-green-velocity", {nullptr, of_flow<vortex_velocity_error>}},
+    {"taylor-green-decay", {nullptr, of_flow<vortex_decay_error>}},
+    {"mean-height", {nullptr, at_end<mean_height>}},
+    {"drift", {nullptr, at_end<drift>}},
+    {"max-height-after", {observe_height, seen}},
+    {"displacement", {nullptr, at_end<displacement>}},
+    {"mean-velocity", {nullptr, at_end<mean_velocity>}},
+    {"mean-angular-velocity", {nullptr, at_end<mean_angular_velocity>}},
+    {"max-penetration", {nullptr, penetration}},
+    {"momentum-change", {nullptr, at_end<momentum_change>}},
+    {"angular-momentum-change", {nullptr, at_end<angular_momentum_change>}},
+    {"energy-change", {nullptr, at_end<energy_change>}},
+    {"energy-growth", {observe_energy, growth}},
+    {"last-reversal", {observe_reversal, seen}},
+    {"discharge-rate", {observe_discharge, discharge_rate}},
+    {"bed-angle", {observe_bed, mean_seen}},
+    {"packing-fraction", {nullptr, at_end<packing_fraction>}},
+};
 
 }  // namespace
 
-Quantities::Quantities(const Case& scene) : setup_(scene), largest_(scene.quantities.size(), lowest) {
-  for (const QuantitySpec& q : setup_.quantities) {
-    observes_ = observes_ || is_largest_value(q);
+Quantities::Quantities(const Case& scene)
+    : setup_(scene), history_(scene.quantities.size(), {not_yet, not_yet}) {
+  for (const QuantitySpec& q : setup_.quantities)
     if (q.type == "profile-error") WallProfile(setup_, q.profile);
-  }
 }
 
 void Quantities::observe(const Simulation& simulation) {
-  if (!observes_) return;
-  const rigid::BodySet& bodies = simulation.bodies();
   for (std::size_t i = 0; i < setup_.quantities.size(); ++i) {
     const QuantitySpec& q = setup_.quantities[i];
-    if (!is_largest_value(q)) continue;
-    const bool speed = q.type == "max-speed";
-    if (!speed && static_cast<double>(simulation.steps_done()) < q.time) continue;
-    for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (is_of(bodies, row, q))
-        largest_[i] =
-            std::max(largest_[i], speed ? bodies.velocity[row].norm() : bodies.position[row][q.axis]);
+    if (const Observe look = computations.at(q.type).observe) look(simulation, q, history_[i]);
   }
 }
 
-double Quantities::lattice_value(const Simulation& simulation, const QuantitySpec& q, double largest) const {
-  if (is_largest_value(q)) return largest == lowest ? nothing : largest;
-  if (q.type == "mean-height") return mean_height(simulation, q);
-  if (q.type == "drift") return drift(simulation, q);
-  if (q.type == "drag-coefficient") return drag_coefficient(simulation, q);
-  if (q.type == "profile-error") return profile_error(simulation, q);
-  if (q.type == "taylor-green-velocity") return vortex_velocity_error(simulation);
-  if (q.type == "taylor-green-decay") return vortex_decay_error(simulation);
-  return nothing;
-}
-
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
-  const auto largest = history(simulation.scene().comm);
+  const auto history = this->history(simulation.scene().comm);
   std::vector<std::pair<std::string, double>> values;
   for (std::size_t i = 0; i < setup_.quantities.size(); ++i) {
     const QuantitySpec& q = setup_.quantities[i];
-    const double value = lattice_value(simulation, q, largest[i]);
-    values.emplace_back(q.name, setup_.units.physical(value, dimension_of(q.type)));
+    const double value = computations.at(q.type).value(simulation, q, history[i]);
+    values.emplace_back(q.name, setup_.units.physical(value, quantity_type(q.type).dimension));
   }
   return values;
 }
 
-std::vector<double> Quantities::history(MPI_Comm comm) const {
-  std::vector<double> largest = largest_;
-  max_over_ranks(comm, largest);
-  return largest;
+std::vector<QuantityHistory> Quantities::history(MPI_Comm comm) const {
+  std::vector<double> flat;
+  for (const QuantityHistory& h : history_) flat.insert(flat.end(), h.begin(), h.end());
+  max_over_ranks(comm, flat);
+  std::vector<QuantityHistory> all(history_.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = {flat[2 * i], flat[2 * i + 1]};
+  return all;
 }
 
-void Quantities::set_history(const std::vector<double>& largest) {
-  if (largest.size() == largest_.size()) largest_ = largest;
+void Quantities::set_history(const std::vector<QuantityHistory>& history) {
+  if (history.size() == history_.size()) history_ = history;
 }
 
 }  // namespace silt::coupler

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "coupler/simulation.hpp"
+#include "coupler/body_quantities.hpp"
 
 namespace silt::coupler {
 
@@ -13,21 +13,19 @@ class Quantities {
   /// Throws CaseError for a quantity this scene cannot have (a profile without its walls).
   explicit Quantities(const Case&);
 
-  /// Local; at the start and after every step. Does nothing unless a quantity looks at the whole run.
+  /// Collective; at the start and after every step. Does nothing unless a quantity looks at the whole run.
   void observe(const Simulation&);
   /// Collective; the same on every rank and any number of ranks. In the order of the case. NaN where there is
   /// nothing to speak of (no such body, no step yet).
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
 
-  /// What observe has gathered, one number a quantity: for checkpoints. Collective.
-  std::vector<double> history(MPI_Comm) const;
-  void set_history(const std::vector<double>&);
+  /// What observe has gathered: for checkpoints. Collective.
+  std::vector<QuantityHistory> history(MPI_Comm) const;
+  void set_history(const std::vector<QuantityHistory>&);
 
  private:
-  double lattice_value(const Simulation&, const QuantitySpec&, double largest) const;
   const Case setup_;
-  std::vector<double> largest_;  // so far, on this rank, of those that are a largest value
-  bool observes_ = false;
+  std::vector<QuantityHistory> history_;  // on this rank
 };
 
 }  // namespace silt::coupler

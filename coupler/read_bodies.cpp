@@ -170,6 +170,22 @@ void read_bodies(TableReader& root, Case& scene) {
   }
 }
 
+void read_box(TableReader& table, const Case& scene, Vec3& lower, Vec3& upper) {
+  for (int d = 0; d < 3; ++d) lower[d] = 0, upper[d] = scene.cells[d];
+  const Node* box = table.find("box");
+  if (!box) return;
+  if (box->kind != Node::Kind::array || box->children.size() != 2) {
+    table.refuse("box", "two corners, [[x, y, z], [x, y, z]]");
+    return;
+  }
+  const auto low = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
+  const auto high = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
+  if (!low || !high) return;
+  lower = *low / scene.units.cell_size, upper = *high / scene.units.cell_size;
+  if ((upper - lower).minCoeff() <= 0)
+    table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
+}
+
 void read_fills(TableReader& root, Case& scene) {
   for (TableReader& table : root.tables("fill")) {
     FillSpec fill;
@@ -183,19 +199,7 @@ void read_fills(TableReader& root, Case& scene) {
     fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
     fill.random_orientation =
         table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
-    for (int d = 0; d < 3; ++d) fill.upper[d] = scene.cells[d];
-    if (const Node* box = table.find("box")) {
-      if (box->kind == Node::Kind::array && box->children.size() == 2) {
-        const auto lower = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
-        const auto upper = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
-        if (lower && upper)
-          fill.lower = *lower / scene.units.cell_size, fill.upper = *upper / scene.units.cell_size;
-        if (lower && upper && (fill.upper - fill.lower).minCoeff() <= 0)
-          table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
-      } else {
-        table.refuse("box", "two corners, [[x, y, z], [x, y, z]]");
-      }
-    }
+    read_box(table, scene, fill.lower, fill.upper);
     scene.fills.push_back(fill);
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coupler/case_sections.hpp"
+#include "coupler/quantity_types.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -35,17 +36,45 @@ void read_field_names(TableReader& fields, OutputSpec& output) {
       output.quantities.push_back(name.string);
 }
 
-const std::vector<std::string> quantity_types = {
-    "max-speed",          "drag-coefficient", "profile-error", "taylor-green-velocity",
-    "taylor-green-decay", "mean-height",      "drift",         "max-height-after"};
-
-bool is_about_bodies(const std::string& type) {
-  return type == "max-speed" || type == "drag-coefficient" || type == "mean-height" || type == "drift" ||
-         type == "max-height-after";
+std::vector<std::string> type_names() {
+  std::vector<std::string> names;
+  for (const QuantityType& type : quantity_types()) names.emplace_back(type.name);
+  return names;
 }
 
-bool has_axis(const std::string& type) {
-  return type == "drag-coefficient" || type == "mean-height" || type == "max-height-after";
+double read_length(TableReader& table, const char* key, const char* what) {
+  if (!table.has(key)) table.missing(key, what);
+  return table.quantity(key, dimension::length, range::any).value_or(0);
+}
+
+void read_profile(TableReader& table, QuantitySpec& quantity) {
+  if (!table.has("profile")) table.missing("profile", "channel or duct");
+  quantity.profile = table.choice("profile", {"channel", "duct"}).value_or("channel");
+}
+
+void read_time(TableReader& table, QuantitySpec& quantity) {
+  if (!table.has("time")) table.missing("time", "from when on");
+  quantity.time = table.quantity("time", dimension::time, range::at_least(0)).value_or(0);
+}
+
+void read_centre(TableReader& table, QuantitySpec& quantity) {
+  if (!table.has("centre")) table.missing("centre", "a point of the container's axis, [x, y, z]");
+  quantity.centre = table.vector("centre", dimension::length).value_or(quantity.centre);
+}
+
+// The keys that the type takes; any other is unknown.
+void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
+                        const Case& scene) {
+  using Q = QuantityType;
+  if (type.takes(Q::body))
+    if (const auto body = table.string("body"))
+      quantity.kind = index_of(table, "body", *body, scene.kind_names, "name of [[bodies]] or [[fill]]");
+  if (type.takes(Q::axis)) quantity.axis = table.choice("axis", {"x", "y", "z"}).value_or("z")[0] - 'x';
+  if (type.takes(Q::profile)) read_profile(table, quantity);
+  if (type.takes(Q::time)) read_time(table, quantity);
+  if (type.takes(Q::height)) quantity.height = read_length(table, "height", "what bodies are to fall below");
+  if (type.takes(Q::centre)) read_centre(table, quantity);
+  if (type.takes(Q::box)) read_box(table, scene, quantity.lower, quantity.upper);
 }
 
 }  // namespace
@@ -88,31 +117,17 @@ void read_quantities(TableReader& root, Case& scene) {
   for (TableReader& table : root.tables("quantities")) {
     QuantitySpec quantity;
     if (!table.has("name")) table.missing("name", "what report.json calls the quantity");
-    if (!table.has("type")) table.missing("type", "one of " + joined(quantity_types));
+    if (!table.has("type")) table.missing("type", "one of " + joined(type_names()));
     quantity.name = table.string("name").value_or("");
     if (!quantity.name.empty() && std::count(names.begin(), names.end(), quantity.name))
       table.fail("name",
                  fmt::format("{}: there already is a quantity '{}'", table.path("name"), quantity.name));
     names.push_back(quantity.name);
-    const auto type = table.choice("type", quantity_types);
+    const auto type = table.choice("type", type_names());
     if (!type) table.judge_no_keys();
     if (!type) continue;
     quantity.type = *type;
-    if (is_about_bodies(*type))
-      if (const auto body = table.string("body"))
-        quantity.kind = index_of(table, "body", *body, scene.kind_names, "name of [[bodies]] or [[fill]]");
-    if (has_axis(*type)) {
-      const std::string axis = table.choice("axis", {"x", "y", "z"}).value_or("z");
-      quantity.axis = axis[0] - 'x';
-    }
-    if (*type == "profile-error") {
-      if (!table.has("profile")) table.missing("profile", "channel or duct");
-      quantity.profile = table.choice("profile", {"channel", "duct"}).value_or("channel");
-    }
-    if (*type == "max-height-after") {
-      if (!table.has("time")) table.missing("time", "from when on");
-      quantity.time = table.quantity("time", dimension::time, range::at_least(0)).value_or(0);
-    }
+    read_quantity_keys(table, quantity_type(*type), quantity, scene);
     scene.quantities.push_back(quantity);
   }
 }

@@ -28,6 +28,11 @@ def placed(part, position, orientation):
     return position + body @ part["position"], body @ rotation(part["orientation"])
 
 
+def corners_of(lower, upper):
+    """The eight corners of a box."""
+    return np.array([[(lower, upper)[i >> d & 1][d] for d in range(3)] for i in range(8)])
+
+
 def reach(part):
     """Radius about the body's origin that the part stays within."""
     size = np.linalg.norm(part["vertices"], axis=1).max() if part["type"] == "polyhedron" else part["size"].sum()

@@ -1,0 +1,110 @@
+#include "coupler/flow_quantities.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "coupler/analytic_flow.hpp"
+#include "coupler/for_each_cell.hpp"
+#include "coupler/reduce.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::FixedSum;
+using rigid::from_fixed;
+using rigid::to_fixed;
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// Mean velocity along an axis over all cells of the domain, solid ones counting as zero.
+double superficial_velocity(const Simulation& simulation, int axis) {
+  const Flow& flow = *simulation.scene().flow;
+  FixedSum sum = 0;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
+    if (flow.is_fluid(b, cell)) sum += to_fixed(flow.velocity(flow.moments(b, cell))[axis]);
+  });
+  sum_over_ranks(simulation.scene().comm, std::span(&sum, 1));
+  const auto& n = simulation.setup().cells;
+  return from_fixed(sum) / (double(n[0]) * n[1] * n[2]);
+}
+
+struct VortexSums {
+  double error2 = 0, exact2 = 0;           // of |u - exact|^2, |exact|^2
+  double projection = 0, projection0 = 0;  // of u . exact(0), |exact(0)|^2
+};
+
+VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
+  const Flow& flow = *simulation.scene().flow;
+  const double t = static_cast<double>(simulation.steps_done());
+  FixedSum sums[4] = {};
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
+    if (!flow.is_fluid(b, cell)) return;
+    const auto u = flow.velocity(flow.moments(b, cell));
+    const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
+    double terms[4] = {};
+    for (int d = 0; d < 3; ++d) {
+      terms[0] += (u[d] - now[d]) * (u[d] - now[d]), terms[1] += now[d] * now[d];
+      terms[2] += u[d] * begin[d], terms[3] += begin[d] * begin[d];
+    }
+    for (int k = 0; k < 4; ++k) sums[k] += to_fixed(terms[k]);
+  });
+  sum_over_ranks(simulation.scene().comm, sums);
+  return {from_fixed(sums[0]), from_fixed(sums[1]), from_fixed(sums[2]), from_fixed(sums[3])};
+}
+
+}  // namespace
+
+/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
+/// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
+double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
+  const Case& scene = simulation.setup();
+  const rigid::BodySet& bodies = simulation.bodies();
+  const auto shapes = centred_shapes(scene);
+  const auto loads = simulation.last_loads();
+  FixedSum sums[3] = {};  // force, radius, count
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
+    const double volume = shapes[bodies.shape[row]].volume;
+    sums[0] += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
+    sums[1] += to_fixed(std::cbrt(volume * 0.75 / std::numbers::pi));
+    sums[2] += to_fixed(1);
+  }
+  sum_over_ranks(simulation.scene().comm, sums);
+  const double speed = superficial_velocity(simulation, q.axis), viscosity = scene.fluid->kinematic_viscosity;
+  if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return nothing;
+  const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count,
+               radius = from_fixed(sums[1]) / count;
+  return force / (6 * std::numbers::pi * viscosity * radius * speed);
+}
+
+double profile_error(const Simulation& simulation, const QuantitySpec& q) {
+  const Flow& flow = *simulation.scene().flow;
+  const WallProfile exact(simulation.setup(), q.profile);
+  double error = 0;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
+    if (!flow.is_fluid(b, cell)) return;
+    auto u = flow.velocity(flow.moments(b, cell));
+    u[exact.flow_axis()] -= exact({x.x + 0.5, x.y + 0.5, x.z + 0.5});
+    const double e = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    if (!(e <= error)) error = e;  // a NaN stays
+  });
+  return max_over_ranks(simulation.scene().comm, error) / exact.largest();
+}
+
+double vortex_velocity_error(const Simulation& simulation) {
+  const VortexSums sums = vortex_sums(simulation, TaylorGreen(simulation.setup()));
+  return std::sqrt(sums.error2 / sums.exact2);
+}
+
+double vortex_decay_error(const Simulation& simulation) {
+  if (simulation.steps_done() == 0) return nothing;
+  const TaylorGreen exact(simulation.setup());
+  const VortexSums sums = vortex_sums(simulation, exact);
+  const double rate =
+      -std::log(sums.projection / sums.projection0) / static_cast<double>(simulation.steps_done());
+  return rate / exact.decay_rate() - 1;
+}
+
+}  // namespace silt::coupler

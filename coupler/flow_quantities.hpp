@@ -1,0 +1,16 @@
+#pragma once
+// The figures of [[quantities]] that look at the fluid. Each is collective and the same on every rank and any
+// number of ranks; lattice units; NaN where there is nothing to speak of.
+#include "coupler/simulation.hpp"
+
+namespace silt::coupler {
+
+/// F / (6 pi mu a U) of the fixed bodies of a kind, along the axis.
+double drag_coefficient(const Simulation&, const QuantitySpec&);
+/// Largest deviation from the analytic profile, over its largest value.
+double profile_error(const Simulation&, const QuantitySpec&);
+/// Of the decaying Taylor-Green vortex: relative L2 error of the velocity; relative error of the decay rate.
+double vortex_velocity_error(const Simulation&);
+double vortex_decay_error(const Simulation&);
+
+}  // namespace silt::coupler
