@@ -85,8 +85,10 @@ struct Twist {
 
 /// Tangential impulses brought back into the cone.
 inline Vector into_cone(const Vector& q, Lanes limit) {
-  const Lanes square = dot(q, q), one = square * 0 + 1;
-  return q * (square > limit * limit ? limit / square_root(square) : one);
+  const Lanes square = dot(q, q);
+  const Mask outside = square > limit * limit;
+  if (!any(outside)) return q;  // roots and quotients are what a round waits for
+  return choose(outside, q * (limit / square_root(square)), q);
 }
 
 }  // namespace

@@ -68,7 +68,9 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
 }
 
-void SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contact>& contacts) {
+/// Returns the number of contacts whose lower body is owned.
+std::size_t SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contact>& contacts) {
+  std::size_t owned_contacts = 0;
   pairs_.clear();
   for (const std::size_t row : involved_) bodies_[row].involved = false;
   bodies_.resize(bodies.size() + 1);
@@ -79,6 +81,7 @@ void SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contac
     for (last = first + 1; last < contacts.size() && contacts[last].pair() == c.pair();) ++last;
     if (first == 0 || c.a != contacts[first - 1].a) row_a = bodies.row_of(c.a);
     const std::size_t row_b = bodies.row_of(c.b);
+    if (row_a < bodies.owned) owned_contacts += last - first;
     involve(bodies, row_a);
     involve(bodies, row_b);
     if (!bodies_[row_a].moves && !bodies_[row_b].moves) continue;  // its owners' business
@@ -87,55 +90,47 @@ void SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contac
     pairs_.push_back({first, last, row_a, row_b});
     pairs_.back().reduced_mass = 1 / (bodies_[row_a].inverse_mass + bodies_[row_b].inverse_mass);
   }
+  return owned_contacts;
 }
 
+/// Targets, and velocities with the impulses of the step before.
 void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                          const StepVelocities& velocities) {
   const auto before = [&](std::size_t row, const Vec3& r) -> Vec3 {
     return velocities.before_v[row] + velocities.before_w[row].cross(r);
   };
-  impulses_.assign(contacts.size(), {});
+  impulses_.resize(contacts.size());
   targets_.resize(contacts.size());
-  for (const Pair& p : pairs_)
-    for (std::size_t k = p.first; k < p.last; ++k) {
-      const Contact& c = contacts[k];
-      targets_[k] = target_velocity(c, dt, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
-    }
   state_.resize(bodies.size() + 1);
   sums_.resize(bodies.size() + 1);
   state_.back() = {};
-  for (const std::size_t row : involved_)
+  for (const std::size_t row : involved_) {
     store(state_[row], velocities.v[row], velocities.w[row], bodies.is_free(row) ? bodies_[row].pairs : 0);
-  if (settings_.warm_start) warm_start(bodies, contacts);
-}
-
-void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>& contacts) {
-  for (const std::size_t row : involved_) sums_[row] = {};
-  std::size_t row_a = bodies.size(), behind = 0;  // stored at row_a for partners that have been
+    sums_[row] = {};
+  }
+  Recall recall(bodies);
   for (const Pair& p : pairs_) {
-    const bool at_a = bodies_[p.row_a].moves;
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
-    const std::span impulses(impulses_.data() + p.first, of_pair.size());
-    if (p.row_a != row_a) row_a = p.row_a, behind = 0;
-    if (at_a)
-      behind += recall_impulses(std::span(bodies.stored_impulses[p.row_a]).subspan(behind), of_pair[0].b,
-                                of_pair, impulses);
-    else
-      recall_impulses(bodies.stored_impulses[p.row_b], of_pair[0].a, of_pair, impulses);
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
-      const Vec3 impulse = impulses_[k].along(c.normal);
-      add(sums_[p.row_a], c.r_a, -impulse);
-      add(sums_[p.row_b], c.r_b, impulse);
+      targets_[k] = target_velocity(c, dt, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
+      impulses_[k] = {};
     }
+    if (settings_.warm_start) warm_start(p, of_pair, recall);
   }
-  for (const std::size_t row : involved_) {
-    const Body& b = bodies_[row];
-    if (!b.moves) continue;
-    const BodySum& sum = sums_[row];
-    BodyState& s = state_[row];
-    store(s, velocity(s) + b.inverse_mass * Eigen::Map<const Vec3>(sum.impulse),
-          angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), s.number);
+  for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
+}
+
+void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, Recall& recall) {
+  const std::span impulses(impulses_.data() + p.first, contacts.size());
+  if (bodies_[p.row_a].moves)
+    recall.of_lower(p.row_a, contacts, impulses);
+  else
+    recall.of_higher(p.row_b, contacts, impulses);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const Vec3 impulse = impulses[k].along(contacts[k].normal);
+    add(sums_[p.row_a], contacts[k].r_a, -impulse);
+    add(sums_[p.row_b], contacts[k].r_b, impulse);
   }
 }
 
@@ -169,16 +164,13 @@ void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
   lanes_.prepare();
 }
 
-/// Moves the bodies this rank owns; whether a body changed takes the place of its number of pairs.
-void SffdResolver::apply_sums(std::vector<BodyState>& state) {
-  for (const std::size_t row : involved_) {
-    const Body& b = bodies_[row];
-    if (!b.moves) continue;
-    const BodySum& sum = sums_[row];
-    BodyState& s = state[row];
-    store(s, velocity(s) + b.inverse_mass * Eigen::Map<const Vec3>(sum.impulse),
-          angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), sum.changed);
-  }
+/// Moves a body this rank owns.
+void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const {
+  const Body& b = bodies_[row];
+  if (!b.moves) return;
+  const BodySum& sum = sums_[row];
+  store(s, velocity(s) + b.inverse_mass * Eigen::Map<const Vec3>(sum.impulse),
+        angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), number);
 }
 
 /// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
@@ -187,22 +179,10 @@ int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::ve
   for (int i = 1;; ++i) {
     for (const std::size_t row : involved_) sums_[row] = {};
     residual = exchange.maximum(lanes_.sweep(state, sums_, tolerance, i, push));
-    apply_sums(state);
+    for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
     if (residual <= tolerance || i >= settings_.max_sweeps) return i;
     exchange.share(bodies, as_doubles(state), width);
   }
-}
-
-/// The deepest overlap that a correction is worth, of the pairs solved here; 0: none.
-double SffdResolver::correctable_overlap(const std::vector<Contact>& contacts) const {
-  double deepest = 0;
-  for (const Pair& p : pairs_)
-    for (std::size_t k = p.first; k < p.last; ++k) {
-      const Contact& c = contacts[k];
-      if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
-        deepest = std::max(deepest, -c.gap);
-    }
-  return deepest;
 }
 
 /// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact
@@ -221,38 +201,33 @@ void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
   }
 }
 
-void SffdResolver::read_impulses(const std::vector<Contact>& contacts, ResolverStatistics& statistics) {
-  for (const Pair& p : pairs_) {
-    lanes_.read_impulses(p.place, {impulses_.data() + p.first, p.last - p.first});
-    for (std::size_t k = p.first; k < p.last; ++k) {
-      const ContactImpulse& i = impulses_[k];
-      if (i.normal > 0)
-        statistics.cone_excess =
-            std::max(statistics.cone_excess, i.tangential.norm() / i.normal - contacts[k].friction);
-    }
-  }
-}
-
-void SffdResolver::remember(BodySet& bodies, const std::vector<Contact>& contacts) const {
+/// Reads the impulses, for the next step and for the statistics. Returns the deepest overlap that a
+/// correction is worth, of the pairs solved here; 0: none.
+double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
+                            ResolverStatistics& statistics) {
   for (std::size_t row = 0; row < bodies.owned; ++row) bodies.stored_impulses[row].clear();
-  if (!settings_.warm_start) return;
-  // in key order, so each body's list comes out sorted by partner, image, feature
-  for (const Pair& p : pairs_) {
+  double correctable = 0;
+  for (const Pair& p : pairs_) {  // in key order, so each body's list comes out sorted
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     const std::span impulses(impulses_.data() + p.first, of_pair.size());
+    lanes_.read_impulses(p.place, impulses);
+    for (std::size_t k = 0; k < impulses.size(); ++k) {
+      const Contact& c = of_pair[k];
+      const ContactImpulse& i = impulses[k];
+      statistics.penetration = std::max(statistics.penetration, -c.gap);
+      if (i.normal > 0)
+        statistics.cone_excess =
+            std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
+      if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
+        correctable = std::max(correctable, -c.gap);
+    }
+    if (!settings_.warm_start) continue;
     if (bodies_[p.row_a].moves)
       remember_impulses(of_pair, impulses, of_pair[0].b, bodies.stored_impulses[p.row_a]);
     if (bodies_[p.row_b].moves)
       remember_impulses(of_pair, impulses, of_pair[0].a, bodies.stored_impulses[p.row_b]);
   }
-}
-
-void SffdResolver::count(const BodySet& bodies, const std::vector<Contact>& contacts,
-                         ResolverStatistics& statistics) const {
-  for (const Contact& c : contacts) statistics.penetration = std::max(statistics.penetration, -c.gap);
-  for (std::size_t k = 0; k < contacts.size(); ++k)
-    if (bodies.copies + bodies.visitors == 0 || bodies.row_of(contacts[k].a) < bodies.owned)
-      ++statistics.contacts;
+  return correctable;
 }
 
 /// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
@@ -278,26 +253,23 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   ResolverStatistics statistics;
   velocities.push_v.clear();
   velocities.push_w.clear();
-  pairs_.clear();
+  statistics.contacts = collect_pairs(bodies, contacts);
   if (exchange.maximum(contacts.empty() ? 0.0 : 1.0) == 0) {
-    remember(bodies, contacts);
+    finish(bodies, contacts, statistics);
     return statistics;
   }
-  collect_pairs(bodies, contacts);
   start(bodies, contacts, dt, velocities);
   exchange.share(bodies, as_doubles(state_), width);
   lay_out(contacts);
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
-  read_impulses(contacts, statistics);
-  remember(bodies, contacts);
-  count(bodies, contacts, statistics);
+  const double correctable = finish(bodies, contacts, statistics);
   for (const std::size_t row : involved_) {
     if (!bodies_[row].moves) continue;
     velocities.v[row] = velocity(state_[row]);
     velocities.w[row] = angular_velocity(state_[row]);
   }
-  if (settings_.correction > 0 && exchange.maximum(correctable_overlap(contacts)) > 0)
+  if (settings_.correction > 0 && exchange.maximum(correctable) > 0)
     correct_positions(bodies, contacts, dt, velocities, exchange);
   return statistics;
 }

@@ -35,20 +35,17 @@ class SffdResolver : public ContactResolver {
     PairLanes::Place place{};
   };
 
-  void collect_pairs(const BodySet&, const std::vector<Contact>&);
+  std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
-  void warm_start(const BodySet&, const std::vector<Contact>&);
+  void warm_start(const Pair&, std::span<const Contact> of_pair, Recall&);
+  void take_sum(BodyState&, std::size_t row, double number) const;
   void lay_out(const std::vector<Contact>&);
   double least_scale(const Pair&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
                     double& residual);
-  void apply_sums(std::vector<BodyState>& state);
-  double correctable_overlap(const std::vector<Contact>&) const;
   void aim_push(const std::vector<Contact>&, double dt);
-  void read_impulses(const std::vector<Contact>&, ResolverStatistics&);
-  void remember(BodySet&, const std::vector<Contact>&) const;
-  void count(const BodySet&, const std::vector<Contact>&, ResolverStatistics&) const;
+  double finish(BodySet&, const std::vector<Contact>&, ResolverStatistics&);
   void correct_positions(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&, BodyExchange&);
 
   ResolverSettings settings_;

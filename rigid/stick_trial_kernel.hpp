@@ -95,10 +95,14 @@ struct StickTrial {
   const BlockGroup& g;
   BlockContact* contacts;
   PairMotion motion;
+  // of the contacts; set by start
   Mask on[most_stick_contacts];
   Lanes normal[most_stick_contacts];
   Vector tangential[most_stick_contacts];
   Lanes factor[21];
+
+  StickTrial(const BlockGroup& group, BlockContact* of_group, const PairMotion& now)
+      : g(group), contacts(of_group), motion(now) {}
 
   /// e_k: what the velocity at a contact is to lose; zero where it does not press.
   Vector excess(std::uint32_t k, const PairMotion& m) const {
@@ -170,7 +174,7 @@ template <bool frictionless>
 void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask& active,
                   Lanes& scale) {
   if (g.count > most_stick_contacts) return;
-  StickTrial<frictionless> trial{g, contacts, motion, {}, {}, {}, {}};
+  StickTrial<frictionless> trial(g, contacts, motion);
   trial.start();
   const Lanes before = trial.largest_excess();
   for (int i = 0; i < stick_passes; ++i) trial.pass();

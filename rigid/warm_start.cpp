@@ -16,27 +16,39 @@ const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Conta
   return other_image;
 }
 
-}  // namespace
-
-std::size_t recall_impulses(std::span<const StoredImpulse> stored, BodyId partner,
-                            std::span<const Contact> contacts, std::span<ContactImpulse> impulses) {
+/// Returns where the partner's begin in `stored`.
+std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact> contacts,
+                   std::span<ContactImpulse> impulses) {
   auto first = stored.begin();  // a body has few partners
   while (first != stored.end() && first->partner < partner) ++first;
   auto last = first;
   while (last != stored.end() && last->partner == partner) ++last;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
-    ContactImpulse& p = impulses[k];
-    p = {};
     const StoredImpulse* s = find({first, last}, c);
     const double normal = s ? c.normal.dot(s->impulse) : 0;
     if (normal <= 0) continue;
+    ContactImpulse& p = impulses[k];
     p.normal = normal;
     p.tangential = s->impulse - normal * c.normal;
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;
   }
   return static_cast<std::size_t>(first - stored.begin());
+}
+
+}  // namespace
+
+void Recall::of_lower(std::size_t row_a, std::span<const Contact> contacts,
+                      std::span<ContactImpulse> impulses) {
+  if (row_a != row_) row_ = row_a, behind_ = 0;
+  behind_ +=
+      recall(std::span(bodies_.stored_impulses[row_a]).subspan(behind_), contacts[0].b, contacts, impulses);
+}
+
+void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
+                       std::span<ContactImpulse> impulses) const {
+  recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,

@@ -15,13 +15,20 @@ struct ContactImpulse {
   Vec3 along(const Vec3& n) const { return normal * n + tangential; }
 };
 
-/// Sets the impulses of a pair's contacts (in the order of the contacts, sorted by key) to those that
-/// `stored` holds, laid on the new normal and inside the cone. `partner`: the other body. A contact not found
-/// starts at zero. Where the pair's image changed (a body crossed a periodic side) the same feature of
-/// another image will do. Returns where the partner's begin in `stored`: a higher partner can be looked for
-/// from there.
-std::size_t recall_impulses(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact>,
-                            std::span<ContactImpulse>);
+/// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the
+/// new normal and inside the cone. A contact not found keeps its impulse. Where the pair's image changed (a
+/// body crossed a periodic side) the same feature of another image will do.
+class Recall {
+ public:
+  explicit Recall(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
+  /// From the pair's lower body. Call in the order of the keys.
+  void of_lower(std::size_t row_a, std::span<const Contact>, std::span<ContactImpulse>);
+  void of_higher(std::size_t row_b, std::span<const Contact>, std::span<ContactImpulse>) const;
+
+ private:
+  const BodySet& bodies_;
+  std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
+};
 
 /// Appends the pair's impulses to what one of its bodies remembers.
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
