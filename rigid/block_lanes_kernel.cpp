@@ -5,7 +5,7 @@
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
+constexpr int most_rounds = 400;         // of Gauss-Seidel within a pair that is solved once
 constexpr int few_rounds = 8;            // ... that later sweeps and steps go on with
 constexpr int few_sweeps = 16;           // with so few rounds: who asks for more sweeps wants the law
 constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
@@ -18,6 +18,7 @@ struct Rounds {
   Mask active;
   Lanes change{}, scale{};  // squared, largest of the round
   Lanes moved{};            // at most: a contact's impulse, in all rounds
+  Mask cut_short{};         // by the number of rounds
 
   /// FFD.md 5.3: first the normal impulse, then the tangential one.
   void solve(const BlockGroup& g, BlockContact& c) {
@@ -52,17 +53,61 @@ struct Rounds {
       moved += square_root(change);
       const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
-      if (round + 1 >= rounds) active = active & final;
+      if (round + 1 < rounds) continue;
+      cut_short = cut_short | (active & ~final);
+      active = active & final;
     }
   }
 };
 
-void finish(BlockGroup& g, const Rounds& rounds, Mask solved) {
+/// Carries the impulses on along their last change.
+class CarryOn {
+ public:
+  CarryOn(const BlockGroup& g, const BlockContact* contacts) : used_(g.count <= most) {
+    for (std::uint32_t k = 0; used_ && k < g.count; ++k) {
+      old_n_[k] = contacts[k].normal_impulse;
+      old_t_[k] = load(contacts[k].tangential_impulse);
+    }
+  }
+  void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask on) const {
+    if (!used_) return;
+    Lanes led_wrong{};
+    for (std::uint32_t k = 0; k < g.count; ++k) {
+      const BlockContact& c = contacts[k];
+      const Vector found_t = load(c.tangential_impulse);
+      led_wrong += (old_n_[k] - c.normal_impulse) * (c.normal_impulse - c.last_normal) +
+                   dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
+    }
+    const Lanes beta = momentum(g.age, led_wrong, on & goes_on(g.bodies));
+    g.carried = on ? beta : g.carried;
+    for (std::uint32_t k = 0; k < g.count; ++k) {
+      BlockContact& c = contacts[k];
+      const Vector found_t = load(c.tangential_impulse), last_t = load(c.last_tangential);
+      const Lanes found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
+      const Vector on_t = (found_t - last_t) * beta;
+      c.last_normal = on ? found_n : c.last_normal;
+      store(c.last_tangential, choose(on, found_t, last_t));
+      c.normal_impulse = found_n + on_n;
+      store(c.tangential_impulse, found_t + on_t);
+      motion.push(g, load(c.r), load(c.normal) * on_n + on_t);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t most = 16;  // contacts of a pair; more are not carried on
+  bool used_;
+  Lanes old_n_[most];
+  Vector old_t_[most];
+};
+
+/// A pair whose rounds were cut short has not come to rest, however little it moved.
+void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
   const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
   const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
-  const Lanes relative = change > 0 ? square_root(change / scale) : Lanes{};
+  const Lanes moved = change > 0 ? square_root(change / scale) : Lanes{};
+  const Lanes relative = rounds.cut_short ? larger(moved, Lanes{} + 2 * tolerance) : moved;
   g.relative_change = solved ? relative : Lanes{} - 1;
 }
 
@@ -73,22 +118,25 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
 }
 
 double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts, const BodyState* state,
-                    int number, bool push) {
+                    const Sweep& sweep) {
   double residual = 0;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
-    const Mask solved = to_solve(g.bodies, state, number == 1);
+    const Mask solved = to_solve(g.bodies, g.carried, state, sweep);
     g.relative_change = Lanes{} - 1;
     if (!any(solved)) continue;
+    const CarryOn carry_on(g, contacts);
     Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
-    if (push)
+    if (sweep.push)
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
-    rounds.run(g, contacts, push ? converged_push : converged,
-               number <= few_sweeps ? few_rounds : most_rounds);
-    finish(g, rounds, solved);
+    rounds.run(g, contacts, sweep.push ? converged_push : converged,
+               sweep.number <= few_sweeps ? few_rounds : most_rounds);
+    g.carried = solved ? Lanes{} : g.carried;
+    if (!sweep.plain) carry_on(g, contacts, rounds.motion, solved);
+    finish(g, rounds, solved, sweep.tolerance);
     for (int l = 0; l < lane_count; ++l)
       if (g.bodies.again[l] && g.relative_change[l] > residual) residual = g.relative_change[l];
   }

@@ -39,8 +39,11 @@ struct LaneBodies {
 struct alignas(64) CentralGroup {
   Lanes normal[3];
   Lanes normal_impulse, tangential_impulse[3];
-  Lanes target;    // least normal velocity after the step
-  Lanes friction;  // coefficient
+  Lanes last_normal, last_tangential[3];  // what the last sweep found, before it was carried on
+  Lanes age;                              // sweeps since the impulses were last carried too far
+  Lanes carried;                          // by what part of their last change they were carried on
+  Lanes target;                           // least normal velocity after the step
+  Lanes friction;                         // coefficient
   Lanes inverse_k_n, inverse_k_t;
   Lanes arm_a, arm_b;  // the contact lies at arm * normal from each centre
   Lanes least_scale;   // impulses below are rounding
@@ -58,6 +61,7 @@ struct alignas(64) BlockGroup {
       inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
   Lanes softness;            // of the trial in which all stick
   Lanes impulse[3], angular[3];  // of the last sweep, on b about a's centre
+  Lanes age, carried;            // as in CentralGroup
   Lanes relative_change;         // of the last sweep; negative: not solved
   LaneBodies bodies;
   std::uint32_t first, count;  // of its contacts
@@ -68,20 +72,26 @@ struct alignas(64) BlockContact {
   Lanes normal[3];
   Lanes k_normal[3];  // velocity there by a unit normal impulse
   Lanes normal_impulse, tangential_impulse[3];
+  Lanes last_normal, last_tangential[3];
   Lanes target, friction, inverse_k_n, inverse_k_t;
 };
 
 // prepare_blocks: once a step, after the groups are filled.
-// One sweep over the groups, counted from 1. The first solves every pair, later ones those of which a body
-// changed. push: position
-// correction, solved less exactly. Returns the largest relative change of a pair that is not final.
-#define SILT_CONTACT_KERNELS(isa)                                                                       \
-  namespace silt::rigid::isa {                                                                          \
-  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, double tolerance, \
-                       bool first);                                                                     \
-  void prepare_blocks(BlockGroup*, std::size_t groups);                                                 \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, int number,     \
-                      bool push);                                                                       \
+
+/// One sweep over the groups.
+struct Sweep {
+  int number;        // from 1; the first solves every pair, later ones those of which a body changed
+  bool plain;        // not accelerated: impulses stay as found
+  bool push;         // position correction: solved less exactly
+  double tolerance;  // a relative change above it marks both bodies as changed
+};
+
+// The sweeps return the largest relative change of a pair that is not final.
+#define SILT_CONTACT_KERNELS(isa)                                                                      \
+  namespace silt::rigid::isa {                                                                         \
+  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);   \
+  void prepare_blocks(BlockGroup*, std::size_t groups);                                                \
+  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, const Sweep&); \
   }
 
 }  // namespace silt::rigid

@@ -60,12 +60,15 @@ inline Vector times(const Lanes* m, const Vector& a) {
           m[4] * a.x + m[5] * a.y + m[2] * a.z};
 }
 
-/// Lanes to be solved: all in the first sweep, then those of which a body changed.
-inline Mask to_solve(const LaneBodies& bodies, const BodyState* state, bool first) {
+/// Lanes to be solved: all in the first sweep, then those of which a body changed, or that a plain sweep has
+/// to bring back.
+inline Mask to_solve(const LaneBodies& bodies, Lanes carried, const BodyState* state, const Sweep& sweep) {
   Mask on;
+  const bool first = sweep.number == 1;
   for (int l = 0; l < lane_count; ++l) {
     const bool woken = bodies.again[l] && (state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0);
-    on[l] = first || woken ? -1 : 0;
+    const bool back = sweep.plain && carried[l] != 0;
+    on[l] = first || woken || back ? -1 : 0;
   }
   return on;
 }
@@ -82,6 +85,21 @@ struct Twist {
     }
   }
 };
+
+/// How far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since the
+/// last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts anew (O'Donoghue, Candes, Found.
+/// Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
+inline Lanes momentum(Lanes& age, Lanes led_wrong, Mask on) {
+  const Mask restart = led_wrong > 0;
+  const Lanes one = age * 0 + 1, k = restart ? one : age;
+  age = on ? k + 1 : age;
+  return on ? (k - 1) / (k + 2) : Lanes{};
+}
+inline Mask goes_on(const LaneBodies& bodies) {
+  Mask on;
+  for (int l = 0; l < lane_count; ++l) on[l] = bodies.again[l] ? -1 : 0;
+  return on;
+}
 
 /// Tangential impulses brought back into the cone.
 inline Vector into_cone(const Vector& q, Lanes limit) {

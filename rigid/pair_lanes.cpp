@@ -81,8 +81,11 @@ PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
   const double turn_a = p.share_a * p.a.inverse_inertia(0, 0), turn_b = p.share_b * p.b.inverse_inertia(0, 0);
   const double k_t = k_n + arm_a * arm_a * turn_a + arm_b * arm_b * turn_b;
   set(g.normal, l, c.normal);
-  g.normal_impulse[l] = p.impulses[0].normal;
+  g.normal_impulse[l] = g.last_normal[l] = p.impulses[0].normal;
   set(g.tangential_impulse, l, p.impulses[0].tangential);
+  set(g.last_tangential, l, p.impulses[0].tangential);
+  g.age[l] = 1;
+  g.carried[l] = 0;
   g.target[l] = p.targets[0], g.friction[l] = c.friction;
   g.inverse_k_n[l] = 1 / k_n, g.inverse_k_t[l] = 1 / k_t;
   g.arm_a[l] = arm_a, g.arm_b[l] = arm_b;
@@ -127,6 +130,8 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
     add_block_contact(block_contacts_[g.first + k], l, p, k);
   }
+  g.age[l] = 1;
+  g.carried[l] = 0;
   g.softness[l] = soft / block_contacts_[g.first].inverse_k_n[l];
   g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
   block_order_.push_back({open.group, static_cast<std::uint8_t>(l), false});
@@ -140,8 +145,9 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
   set(lanes.r, l, c.r_a);
   set(lanes.normal, l, c.normal);
   set(lanes.k_normal, l, k_normal);
-  lanes.normal_impulse[l] = p.impulses[k].normal;
+  lanes.normal_impulse[l] = lanes.last_normal[l] = p.impulses[k].normal;
   set(lanes.tangential_impulse, l, p.impulses[k].tangential);
+  set(lanes.last_tangential, l, p.impulses[k].tangential);
   lanes.target[l] = p.targets[k], lanes.friction[l] = c.friction;
   lanes.inverse_k_n[l] = 1 / c.normal.dot(k_normal);
   lanes.inverse_k_t[l] = 1 / tangential_eigenvalue(response, c.normal, k_normal);
@@ -158,13 +164,11 @@ void PairLanes::prepare() {
   }
 }
 
-double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, double tolerance,
-                        int number, bool push) {
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const Sweep& sweep) {
   const auto run = [&](auto central, auto blocks) {
-    const double residual =
-        central(central_.data(), central_.size(), state.data(), sums.data(), tolerance, number == 1);
-    return std::max(
-        residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), number, push));
+    const double residual = central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
+    return std::max(residual,
+                    blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), sweep));
   };
   double residual = 0;
   switch (chosen_isa()) {
@@ -177,7 +181,7 @@ double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sum
     default:
       residual = run(portable::sweep_central, portable::sweep_blocks);
   }
-  sum_blocks(sums, tolerance);
+  sum_blocks(sums, sweep.tolerance);
   return residual;
 }
 
@@ -210,14 +214,18 @@ void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) co
 void PairLanes::aim(const Place& at, std::span<const double> targets, double least_scale) {
   const auto set_target = [&](auto& lanes, double target) {
     lanes.target[at.lane] = target;
-    lanes.friction[at.lane] = lanes.normal_impulse[at.lane] = 0;
-    for (int d = 0; d < 3; ++d) lanes.tangential_impulse[d][at.lane] = 0;
+    lanes.friction[at.lane] = lanes.normal_impulse[at.lane] = lanes.last_normal[at.lane] = 0;
+    for (int d = 0; d < 3; ++d) lanes.tangential_impulse[d][at.lane] = lanes.last_tangential[d][at.lane] = 0;
   };
   if (at.central) {
     central_[at.group].least_scale[at.lane] = least_scale;
+    central_[at.group].age[at.lane] = 1;
+    central_[at.group].carried[at.lane] = 0;
     return set_target(central_[at.group], targets[0]);
   }
   blocks_[at.group].least_scale[at.lane] = least_scale;
+  blocks_[at.group].age[at.lane] = 1;
+  blocks_[at.group].carried[at.lane] = 0;
   for (std::size_t k = 0; k < targets.size(); ++k)
     set_target(block_contacts_[blocks_[at.group].first + k], targets[k]);
 }

@@ -9,8 +9,9 @@ namespace {
 
 constexpr int width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
 constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
-constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
-constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
+constexpr int accelerated_sweeps = 64;       // what is not at rest by then does better without
+constexpr double push_tolerance = 1e-3;  // of the position correction's impulses, relative
+constexpr double push_rounding = 1e-7;   // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
 
 Vec3 velocity(const BodyState& s) {
@@ -176,11 +177,14 @@ void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const 
 /// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
 int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
                                 double tolerance, bool push, double& residual) {
+  bool settled = false;
   for (int i = 1;; ++i) {
+    const bool plain = settled || i >= std::min(settings_.max_sweeps, accelerated_sweeps);
     for (const std::size_t row : involved_) sums_[row] = {};
-    residual = exchange.maximum(lanes_.sweep(state, sums_, tolerance, i, push));
+    residual = exchange.maximum(lanes_.sweep(state, sums_, {i, plain, push, tolerance}));
     for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
-    if (residual <= tolerance || i >= settings_.max_sweeps) return i;
+    if (i >= settings_.max_sweeps || (residual <= tolerance && (plain || i == 1))) return i;
+    settled = residual <= tolerance;
     exchange.share(bodies, as_doubles(state), width);
   }
 }
