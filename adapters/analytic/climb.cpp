@@ -114,7 +114,7 @@ Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle
     const bool settled = (next.normal - peak.normal).squaredNorm() < 1e-28;
     const bool rose = next.core_gap > peak.core_gap + handicap;
     peak = next;
-    if (settled || (round > 0 && !rose)) break;
+    if (settled || (round > 0 && !rose) || (a.smooth() && b.smooth())) break;
   }
   return peak;
 }

@@ -46,6 +46,23 @@ void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
     take(climb(a, b, *apart, wide_angle));
 }
 
+/// Whether proven to be the largest separation; see proven_direction().
+bool is_best(const ConvexCore& a, const ConvexCore& b, const Approach& found) {
+  const double slack = proven * length_scale(a, b), gap = found.peak.core_gap + slack;
+  const Vec3& n = found.peak.normal;
+  if (!(found.where.miss <= slack)) return false;
+  return gap >= 0 || a.touching_ball(found.where.on_a, n) + b.touching_ball(found.where.on_b, -n) >= -gap;
+}
+
+/// Of two ellipsoids d apart: normal to the plane on which both have the same value of their quadratic forms
+/// if these were one, (A + B)^-1 d.
+Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
+  const auto form = [](const ConvexCore& c) -> Mat3 {
+    return c.axes * c.half.cwiseAbs2().asDiagonal() * c.axes.transpose();
+  };
+  return ((form(a) + form(b)).inverse() * between_centres(a, b)).normalized();
+}
+
 }  // namespace
 
 Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
@@ -57,6 +74,11 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
   const Vec3 n = between_centres(a, b);
   if (core_separation(a, b, n) > reach) return {};
+  if (a.smooth() && b.smooth()) {
+    const Peak peak = climb(a, b, between_ellipsoids(a, b), search_resolution);
+    if (peak.core_gap > reach) return {};
+    if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;
+  }
   const auto apart = gjk_direction(a, b, Vec3::Zero(), n);
   return proven_direction(a, b, apart ? *apart : walk_uphill(a, b, n), reach);
 }
@@ -67,8 +89,7 @@ std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& 
   Approach found = meet(a, b, climb(a, b, n, search_resolution));
   if (found.peak.core_gap > reach) return {};
   if (found.where.miss > slack) improve(a, b, found);
-  const double rolling = a.rolling_radius() - a.radius + b.rolling_radius() - b.radius;
-  if (found.where.miss <= slack && found.peak.core_gap > -rolling) return found;
+  if (is_best(a, b, found)) return found;
   const auto best = search_directions(a, b, found.peak, reach);
   if (!best) return {};
   if (best->normal != found.peak.normal) found = meet(a, b, *best);

@@ -13,15 +13,18 @@ struct Approach {
   CommonPoint where;
 };
 
-/// Nothing where the cores are found to be more than `reach` (lattice units) apart. GJK for cores that are,
-/// and walk_uphill() for those that overlap, both from the direction between the centres, lead to where
-/// proven_direction() starts.
+/// Nothing where the cores are found to be more than `reach` (lattice units) apart. Between ellipsoids, and
+/// from one to a point, Newton's method is tried at once from where the plane between two ellipsoids of like
+/// inertia would be; else, and where its answer has no proof, GJK for cores that are apart, and walk_uphill()
+/// for those that overlap, both from the direction between the centres, lead to where proven_direction()
+/// starts.
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach);
 
 /// The same from unit n. climb() from there; where both cores have a point on the normal that it found, the
-/// direction is one of nearest approach, and the only one if the shapes less the spheres they can be swept by
-/// (rolling_radius) are apart: then the separation is a concave function of the direction. Else
-/// search_directions() tells.
+/// direction is one of nearest approach. It is the only one if the cores are apart: then the separation is a
+/// concave function of the direction. It is the best one if they overlap by no more than the radii of two
+/// balls inside them that touch their boundaries at these points: to part the balls takes as much already.
+/// Else search_directions() tells.
 std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n,
                                          double reach);
 

@@ -138,6 +138,13 @@ void touching_cylinder(const ConvexCore& core, const Vec3& n, const Vec3& d, dou
   set_point(lowest.x, lowest.code, out);
 }
 
+void facing_cylinder(const ConvexCore& core, const Vec3& n, const Vec3& d, ContactOutline& out) {
+  if (const int side = facing_end(core, n)) return end_outline(core, side, out);
+  if (std::abs(d.z()) <= std::numbers::sqrt2 / 2) return line_outline(core, n, out);
+  const Corner lowest = lowest_rim_point(core, d.z() < 0 ? -1 : 1, n);
+  set_point(lowest.x, lowest.code, out);
+}
+
 }  // namespace
 
 bool has_codes(const rigid::ConvexShape& shape) {
@@ -145,6 +152,11 @@ bool has_codes(const rigid::ConvexShape& shape) {
   if (!polyhedron) return true;
   const auto& mesh = *polyhedron->mesh;
   return 1 + mesh.vertices.size() + mesh.edges.size() + mesh.faces.size() <= 1 << 16;
+}
+
+int facing_end(const ConvexCore& cylinder, const Vec3& n) {
+  const Vec3 d = cylinder.direction_B(n);
+  return std::hypot(d.x(), d.y()) > flat_end_sine ? 0 : d.z() < 0 ? -1 : 1;
 }
 
 Corner lowest_rim_point(const ConvexCore& cylinder, int side, const Vec3& n) {
@@ -190,8 +202,7 @@ void facing_outline(const ConvexCore& core, const Vec3& n, ContactOutline& out) 
     case ConvexCore::Kind::box:
       return facing_box(core, d, out);
     case ConvexCore::Kind::cylinder:
-      if (std::abs(d.z()) > std::numbers::sqrt2 / 2) return end_outline(core, d.z() < 0 ? -1 : 1, out);
-      return line_outline(core, n, out);
+      return facing_cylinder(core, n, d, out);
     case ConvexCore::Kind::ellipsoid:
       return set_point(core.support(n), 0, out);
     default:

@@ -36,9 +36,15 @@ inline constexpr int rim_points = 8;
 /// The points of the core that are furthest along unit n, up to `slack` (lattice units).
 void touching_outline(const ConvexCore&, const Vec3& n, double slack, ContactOutline& out);
 /// The face or the line of the core that looks along unit n, at whatever angle: the face of a polytope most
-/// nearly normal to n; a cylinder's end (within 45 degrees) or the line of its side; a capsule's axis; the
-/// supporting point of an ellipsoid or a sphere's centre.
+/// nearly normal to n; a cylinder's end (facing_end), its side's line (within 45 degrees), or its rim's
+/// furthest point; a capsule's axis; the supporting point of an ellipsoid or a sphere's centre.
 void facing_outline(const ConvexCore&, const Vec3& n, ContactOutline& out);
+/// Side (-1 or 1) of the cylinder's end that lies flat against a plane normal to unit n, to within
+/// flat_end_sine; 0: neither does, and only the furthest point of a rim can meet the plane: of points fixed
+/// on the rim, those beside it would roll into the plane and be stopped while they are still above it.
+int facing_end(const ConvexCore& cylinder, const Vec3& n);
+/// Sine of the tilt up to which a cylinder's end is a face.
+inline constexpr double flat_end_sine = 0.1;
 /// Point of the rim of a cylinder's end (side -1 or 1) that is furthest along n, with its code.
 ContactOutline::Corner lowest_rim_point(const ConvexCore& cylinder, int side, const Vec3& n);
 /// The rim points of a cylinder's end.

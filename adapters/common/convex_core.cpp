@@ -1,6 +1,7 @@
 #include "adapters/common/convex_core.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace silt::adapters {
@@ -29,6 +30,18 @@ Mat3 ellipsoid_curvature(const Vec3& half_axes, const Vec3& direction_B) {
   Mat3 k = -an * an.transpose() / (q * q);
   k.diagonal() += squares;
   return k / q;
+}
+
+/// Half the square of an angle below which two directions are one.
+constexpr double same_plane = 1e-18;
+
+/// Radius of the ball that touches the plane normal to n at x from below and stays inside an infinite
+/// cylinder about z: |(x - r n) across z| = radius - r.
+double ball_in_barrel(double radius, const Vec3& x, const Vec3& n) {
+  const double room = radius - x.head<2>().dot(n.head<2>());
+  if (room <= 1e-14 * radius) return radius;  // x is on the side, n its normal
+  const double inside = std::max(0.0, radius * radius - x.head<2>().squaredNorm());
+  return inside / (room + std::sqrt(std::max(0.0, room * room - n.z() * n.z() * inside)));
 }
 
 }  // namespace
@@ -82,10 +95,25 @@ void ConvexCore::kinks(const Vec3& n, double angle, Kinks& out) const {
     if (face.normal.dot(d) >= cosine) out.faces.push_back(axes * face.normal);
 }
 
-double ConvexCore::rolling_radius() const {
-  if (kind != Kind::ellipsoid) return radius;
-  const double least = half.minCoeff();
-  return least * least / half.maxCoeff();  // the least radius of curvature, at the sharp end
+double ConvexCore::touching_ball(const Vec3& x, const Vec3& n) const {
+  const Vec3 d = direction_B(n), x_B = direction_B(x - centre);
+  double radius = std::numeric_limits<double>::infinity();
+  const auto under_plane = [&](const Vec3& outward, double below) {
+    const double turned = (outward - d).squaredNorm() / 2;  // 1 - cosine
+    if (turned > same_plane) radius = std::min(radius, std::max(below, 0.0) / turned);
+  };
+  if (kind == Kind::ellipsoid) {
+    const double least = half.minCoeff();
+    return least * least / half.cwiseProduct(d).norm();
+  }
+  if (kind == Kind::polyhedron) {
+    for (const auto& face : mesh->faces) under_plane(face.normal, face.offset - face.normal.dot(x_B));
+    return radius;
+  }
+  if (half.minCoeff() <= 0) return 0;
+  for (int k = kind == Kind::box ? 0 : 2; k < 3; ++k)
+    for (const double sign : {-1.0, 1.0}) under_plane(sign * Vec3::Unit(k), half[k] - sign * x_B[k]);
+  return kind == Kind::box ? radius : std::min(radius, ball_in_barrel(half.x(), x_B, d));
 }
 
 ConvexCore convex_core(const rigid::ConvexShape& shape, const rigid::Pose& pose) {

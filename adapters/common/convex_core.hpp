@@ -30,6 +30,8 @@ struct ConvexCore {
   Vec3 direction_B(const Vec3& n) const { return axes.transpose() * n; }
   bool is_point() const { return kind == Kind::box && half.isZero(0); }
   bool is_segment() const { return kind == Kind::box && half.x() == 0 && half.z() > 0; }
+  /// Without edges and faces.
+  bool smooth() const { return kind == Kind::ellipsoid || is_point(); }
   /// The point of the core furthest along n.
   Vec3 support(const Vec3& n) const;
   /// Derivative of the supporting point by the unit direction n, the supporting feature kept: zero for
@@ -39,8 +41,11 @@ struct ConvexCore {
   /// The edges of the feature that supports n which are within `angle` (radian) of normal to n, and the faces
   /// whose normals are within `angle` of n.
   void kinks(const Vec3& n, double angle, Kinks& out) const;
-  /// The shape is a smaller convex one swept by a sphere of this radius.
-  double rolling_radius() const;
+  /// Radius of a ball inside the core that touches its boundary at x, where unit n is an outward normal; 0 at
+  /// edges and corners. The largest there is, but of an ellipsoid (least half axis)^2 / (width along n): with
+  /// |m| the norm sqrt(m.Am) and a the least half axis, |m||n| - m.An is half the square of a vector's norm,
+  /// which is at least a^2 (1 - m.n).
+  double touching_ball(const Vec3& x, const Vec3& n) const;
 };
 
 /// Not for a half-space. The core refers to the shape's mesh.

@@ -199,17 +199,17 @@ void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const
       take(a.to_world(a.mesh->vertices[v]), vertex_code(v));
     return;
   }
+  const int end_side = facing_end(a, n);
   thread_local ContactOutline end;
-  std::array<double, 2> lowest_fixed;
-  for (int e = 0; e < 2; ++e) {
-    lowest = std::numeric_limits<double>::infinity();
-    end_outline(a, e ? 1 : -1, end);
+  if (end_side) {
+    end_outline(a, end_side, end);
     for (const auto& c : end.corners) take(c.x, c.code);
-    lowest_fixed[e] = lowest;
   }
-  for (int e = 0; e < 2; ++e) {
-    const auto c = lowest_rim_point(a, e ? 1 : -1, n);
-    if (outward.dot(c.x - origin) < lowest_fixed[e] - same_depth * a.half.norm()) take(c.x, c.code);
+  const double lowest_fixed = lowest;
+  for (const int side : {-1, 1}) {
+    if (side == -end_side) continue;
+    const auto c = lowest_rim_point(a, side, n);
+    if (outward.dot(c.x - origin) < lowest_fixed - same_depth * a.half.norm()) take(c.x, c.code);
   }
 }
 

@@ -14,9 +14,9 @@ void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3
                             const CommonPoint& deepest, double tolerance,
                             std::vector<rigid::ContactPoint>& out);
 
-/// Appends the vertices of a polyhedron, the rim points and the lowest rim points of a cylinder, the lowest
-/// point of an ellipsoid that are within `tolerance` of the plane through `origin` with unit `outward`
-/// normal.
+/// Appends the vertices of a polyhedron, the rim points of a cylinder's end that lies flat, else the lowest
+/// of each of its rims, the lowest point of an ellipsoid, that are within `tolerance` of the plane through
+/// `origin` with unit `outward` normal.
 void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward,
                                   double tolerance, std::vector<rigid::ContactPoint>& out);
 

@@ -109,20 +109,32 @@ TEST_P(ConvexPatches, ATiltedCylindersLowestRimPointIsThere) {
 }
 
 TEST_P(ConvexPatches, ALyingCylinderTouchesAlongItsLine) {
-  const Quat lying = turned(90, Vec3::UnitX());
-  for (const auto& [shape, top] : {std::pair<ConvexShape, double>(floor_, 0),
-                                   {rigid::Box{{9, 9, 1}}, 1},
-                                   {prism(6, 8), 1},
-                                   {rigid::Cylinder{9, 1}, 1}}) {
-    const Points points = at({drum, shape, at_height(top + 2.1, lying), {}});
-    ASSERT_EQ(points.size(), 2u) << rigid::shape_name(
-        rigid::Shape(std::visit([](auto s) { return rigid::Shape(s); }, shape)));
-    for (const auto& p : points) {
-      EXPECT_NEAR(p.gap, 0.1, 1e-12);
-      EXPECT_NEAR(std::abs(p.on_a.y()), 3, 1e-12);
-      EXPECT_NEAR(p.on_a.x(), 0, 1e-9);
+  for (const double rolled : {0.0, 10.0, 22.5, 40.0})  // the rim points of its frame come down on either side
+    for (const auto& [shape, top] : {std::pair<ConvexShape, double>(floor_, 0),
+                                     {rigid::Box{{9, 9, 1}}, 1},
+                                     {prism(6, 8), 1},
+                                     {rigid::Cylinder{9, 1}, 1}}) {
+      const Quat lying = turned(90, Vec3::UnitX()) * turned(rolled, Vec3::UnitZ());
+      const Points points = at({drum, shape, at_height(top + 2.1, lying), {}});
+      ASSERT_EQ(points.size(), 2u) << rigid::shape_name(
+          rigid::Shape(std::visit([](auto s) { return rigid::Shape(s); }, shape)));
+      for (const auto& p : points) {
+        EXPECT_NEAR(p.gap, 0.1, 1e-12);
+        EXPECT_NEAR(std::abs(p.on_a.y()), 3, 1e-12);
+        EXPECT_NEAR(p.on_a.x(), 0, 1e-9);
+      }
     }
-  }
+}
+
+TEST_P(ConvexPatches, ACylinderThatRollsOnItsRimHasOnePoint) {
+  for (const double degrees : {8.0, 20.0, 44.0, 46.0, 70.0})
+    for (const double rolled : {0.0, 10.0, 22.5, 40.0}) {
+      const Quat tilt = turned(degrees, Vec3::UnitX()) * turned(rolled, Vec3::UnitZ());
+      const double lowest = 3 * std::cos(degrees * pi / 180) + 2 * std::sin(degrees * pi / 180);
+      for (const auto& [shape, top] :
+           {std::pair<ConvexShape, double>(floor_, 0), {rigid::Box{{9, 9, 1}}, 1}, {prism(6, 8), 1}})
+        EXPECT_EQ(at({drum, shape, at_height(top + lowest + 0.01, tilt), {}}, 0.4).size(), 1u) << degrees;
+    }
 }
 
 TEST_P(ConvexPatches, ParallelCylindersTouchAlongTheirCommonLength) {
