@@ -5,7 +5,7 @@
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-constexpr int most_rounds = 400;         // of Gauss-Seidel within a pair that is solved once
+constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
 constexpr int few_rounds = 8;            // ... that later sweeps and steps go on with
 constexpr int few_sweeps = 16;           // with so few rounds: who asks for more sweeps wants the law
 constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
@@ -54,8 +54,12 @@ struct Rounds {
       const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
       if (round + 1 < rounds) continue;
-      cut_short = cut_short | (active & ~final);
-      active = active & final;
+      if (round + 1 < most_rounds) {
+        cut_short = cut_short | (active & ~final);
+        active = active & final;
+      } else {
+        cut_short = cut_short | active;
+      }
     }
   }
 };
@@ -100,13 +104,14 @@ class CarryOn {
   Vector old_t_[most];
 };
 
-/// A pair whose rounds were cut short has not come to rest, however little it moved.
+/// A pair whose rounds were cut short has not come to rest, however little it moved, and is not final.
 void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
   const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
   const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
   const Lanes moved = change > 0 ? square_root(change / scale) : Lanes{};
+  for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l] != 0;
   const Lanes relative = rounds.cut_short ? larger(moved, Lanes{} + 2 * tolerance) : moved;
   g.relative_change = solved ? relative : Lanes{} - 1;
 }
