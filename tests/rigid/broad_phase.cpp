@@ -133,18 +133,22 @@ TEST_P(BroadPhases, WallsAreApart) {
   EXPECT_GT(walls, 0u);
 }
 
-TEST_P(BroadPhases, CostGrowsLinearly) {  // in searched pairs a body: counted by time with a wide allowance
+TEST_P(BroadPhases, CostGrowsLinearly) {  // of all pairs the cost would grow 64-fold; the best of five tries
   const auto seconds = [name = GetParam()](int count, double edge, double large, int large_ones) {
     Cloud cloud(count, Vec3::Constant(edge), {true, true, true}, 0.5, large, large_ones, 5);
     const auto broad_phase = adapters::make_broad_phase(name);
     std::vector<CandidatePair> pairs;
     (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
-    const auto start = std::chrono::steady_clock::now();
-    (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    double best = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 5; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
+      best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    return best;
   };
   const double small = seconds(4000, 22, 0.5, 0), big = seconds(32000, 44, 0.5, 0);
-  EXPECT_LT(big / small, 8 * 3.0);
+  EXPECT_LT(big / small, 8 * 4.0);
   EXPECT_LT(seconds(32000, 44, 10, 4) / big, 4.0) << "a few large bodies make the small ones slow";
 }
 
