@@ -40,6 +40,9 @@ void DetectContacts::learn_shapes(const World& world) {
       known.radii.push_back(bounding_radius(Compound{{{part.shape, Pose{}}}}));
     known.sphere = is_sphere(world.shapes[s]);
     known.half_space = std::holds_alternative<HalfSpace>(world.shapes[s]);
+    const Pose& pose = known.parts[0].pose;
+    known.plain =
+        known.parts.size() == 1 && pose.position.isZero(0) && pose.orientation.isApprox(Quat::Identity(), 0);
     shapes_.push_back(std::move(known));
   }
 }
@@ -48,10 +51,13 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   const std::size_t count = bodies.first_wall();
   reach_.resize(count);
   turn_.resize(count);
+  boxes_.resize(count);
   const double fall = dt * dt * world.gravity.norm();
   for (std::size_t row = 0; row < count; ++row) {
     const double radius = world.bounding_radii[bodies.shape[row]];
     turn_[row] = shapes_[bodies.shape[row]].sphere ? 0.0 : dt * radius * bodies.angular_velocity[row].norm();
+    if (!shapes_[bodies.shape[row]].sphere)
+      boxes_[row] = bounding_box(world.shapes[bodies.shape[row]], {Vec3::Zero(), bodies.orientation[row]});
     const double travel =
         dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_factor[row]);
     reach_[row] = {radius, std::min(margin_safety * travel + least_margin * radius, world.contact_margin)};
@@ -88,13 +94,21 @@ bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose&
          ((box_b.lower - box_a.upper).array() > margin).any();
 }
 
+/// By their speeds relative to each other; the broad phase knew only each body's own.
+bool DetectContacts::bodies_apart(const BodySet& bodies, const CandidatePair& p, const Vec3& from_a_to_b,
+                                  double margin) const {
+  const double range = reach_[p.row_a].radius + reach_[p.row_b].radius + margin;
+  if (from_a_to_b.squaredNorm() > range * range) return true;
+  if (shapes_[bodies.shape[p.row_a]].sphere || shapes_[bodies.shape[p.row_b]].sphere) return false;
+  const BoundingBox &a = boxes_[p.row_a], &b = boxes_[p.row_b];
+  return ((from_a_to_b + b.lower - a.upper).array() > margin).any() ||
+         ((a.lower - b.upper - from_a_to_b).array() > margin).any();
+}
+
 void DetectContacts::collide_pair(const World& world, const BodySet& bodies, const BodyExchange& exchange,
-                                  CollisionBackend& backend, const CandidatePair& p, double margin,
-                                  std::vector<Contact>& contacts) {
+                                  CollisionBackend& backend, const CandidatePair& p, const Vec3& from_a_to_b,
+                                  double margin, std::vector<Contact>& contacts) {
   const ShapeParts &a = shapes_[bodies.shape[p.row_a]], &b = shapes_[bodies.shape[p.row_b]];
-  // relative to a: small numbers, and the same ones on every rank
-  const Vec3 from_a_to_b =
-      bodies.position[p.row_b] + exchange.extent().shift(p.image) - bodies.position[p.row_a];
   const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
       pose_b{from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.parts.size() == 1 && b.parts.size() == 1;
@@ -105,8 +119,8 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
     for (std::size_t j = 0; j < b.parts.size(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
       points_.clear();
-      backend.collide(a.parts[i].shape, pose_a * a.parts[i].pose, b.parts[j].shape, pose_b * b.parts[j].pose,
-                      margin, points_);
+      backend.collide(a.parts[i].shape, a.plain ? pose_a : pose_a * a.parts[i].pose, b.parts[j].shape,
+                      b.plain ? pose_b : pose_b * b.parts[j].pose, margin, points_);
       reduce_manifold(points_);
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
@@ -131,13 +145,11 @@ std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies
   (*broad_phase_)(bodies, exchange.extent(), reach_, wall_normals_, pairs_);
   for (const CandidatePair& p : pairs_) {
     const double margin = pair_margin(world, bodies, p, dt);
-    if (!is_wall(bodies.id[p.row_b])) {  // the broad phase knew only each body's own speed
-      const double range = reach_[p.row_a].radius + reach_[p.row_b].radius + margin;
-      const Vec3 apart =
-          bodies.position[p.row_b] + exchange.extent().shift(p.image) - bodies.position[p.row_a];
-      if (apart.squaredNorm() > range * range) continue;
-    }
-    collide_pair(world, bodies, exchange, backend, p, margin, contacts);
+    // relative to a: small numbers, and the same ones on every rank
+    const Vec3 from_a_to_b =
+        bodies.position[p.row_b] + exchange.extent().shift(p.image) - bodies.position[p.row_a];
+    if (!is_wall(bodies.id[p.row_b]) && bodies_apart(bodies, p, from_a_to_b, margin)) continue;
+    collide_pair(world, bodies, exchange, backend, p, from_a_to_b, margin, contacts);
   }
   return pairs_.size();
 }

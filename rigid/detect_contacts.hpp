@@ -27,19 +27,23 @@ class DetectContacts {
     std::vector<Part> parts;
     std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
     bool sphere, half_space;
+    bool plain;  // one part, whose pose is the body's
   };
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
+  bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
   void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&,
-                    const CandidatePair&, double margin, std::vector<Contact>& contacts);
+                    const CandidatePair&, const Vec3& from_a_to_b, double margin,
+                    std::vector<Contact>& contacts);
   bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
                    const Pose& pose_b, double margin) const;
 
   std::vector<ShapeParts> shapes_;
   std::unique_ptr<BroadPhase> broad_phase_;
   std::vector<Reach> reach_;
-  std::vector<double> turn_;  // how far rotation moves a body's surface in the step
+  std::vector<BoundingBox> boxes_;  // about the bodies' positions, axis-aligned; of spheres not set
+  std::vector<double> turn_;        // how far rotation moves a body's surface in the step
   std::vector<Vec3> wall_normals_;
   std::vector<CandidatePair> pairs_;
   std::vector<ContactPoint> points_;

@@ -60,16 +60,17 @@ struct AxisTable {
 
   double of_face_a(int i) const { return std::abs(d_a[i]) - a.half[i] - extent.row(i).dot(b.half); }
   double of_face_b(int j) const { return std::abs(d_b[j]) - b.half[j] - extent.col(j).dot(a.half); }
-  /// Minus infinity for axes that are no edges, or parallel.
-  double of_edges(int i, int j) const {
+  /// Minus infinity for axes that are no edges, or parallel, or that cannot beat `best`.
+  double of_edges(int i, int j, double best) const {
     if (a.half[i] <= 0 || b.half[j] <= 0) return -infinity;
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-    const double sine = std::sqrt(cosine(i1, j) * cosine(i1, j) + cosine(i2, j) * cosine(i2, j));
-    if (sine < parallel_sine) return -infinity;
     const double centres = std::abs(d_a[i2] * cosine(i1, j) - d_a[i1] * cosine(i2, j));
     const double reach_a = a.half[i1] * extent(i2, j) + a.half[i2] * extent(i1, j);
     const double reach_b = b.half[j1] * extent(i, j2) + b.half[j2] * extent(i, j1);
-    return (centres - reach_a - reach_b) / sine;
+    const double gap_by_sine = centres - reach_a - reach_b;
+    if (gap_by_sine <= std::min(best, 0.0)) return -infinity;
+    const double sine = std::sqrt(cosine(i1, j) * cosine(i1, j) + cosine(i2, j) * cosine(i2, j));
+    return sine < parallel_sine ? -infinity : gap_by_sine / sine;
   }
 };
 
@@ -119,6 +120,22 @@ Separation closest_features(const RoundedBox& a, const RoundedBox& b) {
   return best;
 }
 
+/// Whether the vertex of `core` nearest to `other` along n, from `other` to `core` a face's normal, is over
+/// that face: then no distance is smaller than theirs.
+bool vertex_over_face(const RoundedBox& core, const RoundedBox& other, const Vec3& n) {
+  const Vec3 along = core.axes.transpose() * n;
+  const Vec3 nearest(along.x() > 0 ? -1 : 1, along.y() > 0 ? -1 : 1, along.z() > 0 ? -1 : 1);
+  return (other.outside(core.vertex(nearest)).array() != 0).count() == 1;
+}
+
+/// Whether the axis, along which the cores are apart, is known to be that of their distance.
+bool is_distance(const RoundedBox& a, const RoundedBox& b, const Vec3& axis) {
+  const auto face_of = [&](const RoundedBox& core) {
+    return core.extent() == 3 && (core.axes.transpose() * axis).cwiseAbs().maxCoeff() > 1 - 1e-15;
+  };
+  return (face_of(a) && vertex_over_face(b, a, axis)) || (face_of(b) && vertex_over_face(a, b, -axis));
+}
+
 /// Cores that touch and have no inside: spheres at one point, segments that cross or lie in one line.
 Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
   if (const auto n = crossed_edges(a, 2, b, 2)) return {*n, 0};
@@ -147,7 +164,7 @@ Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b, double
   int edge_a = -1, edge_b = -1;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (const double gap = table.of_edges(i, j) - edge_handicap; gap > best)
+      if (const double gap = table.of_edges(i, j, best) - edge_handicap; gap > best)
         best = gap, edge_a = i, edge_b = j;
   if (edge_a >= 0) axis = *crossed_edges(a, edge_a, b, edge_b);
   return found();
@@ -181,6 +198,7 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
   if (axis.core_gap > reach) return {};
   const bool with_box = extent_a == 3 || extent_b == 3;
   if (with_box && axis.core_gap <= 0) return axis;
+  if (axis.core_gap > rounding * scale && is_distance(a, b, axis.normal)) return axis;
   const Separation closest = closest_features(a, b);
   if (closest.core_gap <= rounding * scale) return with_box ? axis : touching_cores(a, b);
   // the better supported normal is the right one: where faces are parallel, with no vertex over either

@@ -24,13 +24,11 @@ Face face_towards(const RoundedBox& box, const Vec3& direction) {
   constexpr std::array<std::int8_t, 4> si{-1, 1, 1, -1}, sj{-1, -1, 1, 1};
   Face face;
   face.normal = up * box.axes.col(k);
+  const Vec3 middle = box.centre + box.half[k] * face.normal;
+  const Vec3 along_i = box.half[i] * box.axes.col(i), along_j = box.half[j] * box.axes.col(j);
   face.feature.sign[k] = up;
   for (int c = 0; c < 4; ++c) {
-    Vec3 corner;
-    corner[k] = up;
-    corner[i] = si[c];
-    corner[j] = sj[c];
-    face.corner[c] = box.vertex(corner);
+    face.corner[c] = middle + si[c] * along_i + sj[c] * along_j;
     // the edge to the next corner keeps the sign the two have in common
     face.edge_feature[c] = face.feature;
     if (si[c] == si[(c + 1) % 4]) face.edge_feature[c].sign[i] = si[c];
@@ -41,12 +39,13 @@ Face face_towards(const RoundedBox& box, const Vec3& direction) {
 
 Prism prism_over(const Face& face, const Vec3& n) {
   Prism prism;
-  for (int k = 0; k < 4; ++k) {
-    const Vec3 across = (face.corner[(k + 1) % 4] - face.corner[k]).cross(n).normalized();
-    const Vec3 inwards = face.corner[(k + 2) % 4] - face.corner[k];
+  for (int k = 0; k < 2; ++k) {  // opposite edges are parallel
+    const Vec3 across = (face.corner[k + 1] - face.corner[k]).cross(n).normalized();
+    const Vec3 inwards = face.corner[k + 2] - face.corner[k];
     prism.outward[k] = across.dot(inwards) > 0 ? Vec3(-across) : across;
-    prism.bound[k] = prism.outward[k].dot(face.corner[k]);
+    prism.outward[k + 2] = -prism.outward[k];
   }
+  for (int k = 0; k < 4; ++k) prism.bound[k] = prism.outward[k].dot(face.corner[k]);
   return prism;
 }
 
