@@ -1,5 +1,6 @@
 #include "adapters/analytic/deepest_direction.hpp"
 
+#include "adapters/analytic/depth_proof.hpp"
 #include "adapters/analytic/gjk.hpp"
 #include "adapters/analytic/search_directions.hpp"
 
@@ -49,9 +50,8 @@ void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
 /// Whether proven to be the largest separation; see proven_direction().
 bool is_best(const ConvexCore& a, const ConvexCore& b, const Approach& found) {
   const double slack = proven * length_scale(a, b), gap = found.peak.core_gap + slack;
-  const Vec3& n = found.peak.normal;
   if (!(found.where.miss <= slack)) return false;
-  return gap >= 0 || a.touching_ball(found.where.on_a, n) + b.touching_ball(found.where.on_b, -n) >= -gap;
+  return gap >= 0 || is_least_depth(a, b, found.peak.normal, -gap, found.where);
 }
 
 /// Of two ellipsoids d apart: normal to the plane on which both have the same value of their quadratic forms
@@ -74,8 +74,10 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
   const Vec3 n = between_centres(a, b);
   if (core_separation(a, b, n) > reach) return {};
-  if (a.smooth() && b.smooth()) {
-    const Peak peak = climb(a, b, between_ellipsoids(a, b), search_resolution);
+  using Kind = ConvexCore::Kind;
+  const bool with_ellipsoid = a.kind == Kind::ellipsoid || b.kind == Kind::ellipsoid;
+  if (with_ellipsoid && a.kind != Kind::polyhedron && b.kind != Kind::polyhedron) {
+    const Peak peak = climb(a, b, between_ellipsoids(a, b), wide_angle);
     if (peak.core_gap > reach) return {};
     if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;
   }
