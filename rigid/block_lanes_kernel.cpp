@@ -73,21 +73,23 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
 }
 
 double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts, const BodyState* state,
-                    int number, bool push) {
+                    const SweepOrder& order) {
   double residual = 0;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
-    const Mask solved = to_solve(g.bodies, state, number == 1);
+    const Mask solved = to_solve(g.bodies, state, order.number == 1);
+    const Lanes momentum = momentum_of(g.bodies, g.relative_change, order);
     g.relative_change = Lanes{} - 1;
     if (!any(solved)) continue;
+    for (std::uint32_t c = 0; c < g.count; ++c) carry_on(contacts[c], momentum);
     Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
-    if (push)
+    if (order.push)
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
-    rounds.run(g, contacts, push ? converged_push : converged,
-               number <= few_sweeps ? few_rounds : most_rounds);
+    rounds.run(g, contacts, order.push ? converged_push : converged,
+               order.number <= few_sweeps ? few_rounds : most_rounds);
     finish(g, rounds, solved);
     for (int l = 0; l < lane_count; ++l)
       if (g.bodies.again[l] && g.relative_change[l] > residual) residual = g.relative_change[l];

@@ -44,14 +44,18 @@ void add_to_bodies(const CentralGroup& g, const CentralChange& change, Mask on, 
 }  // namespace
 
 double sweep_central(CentralGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
-                     double tolerance, bool first) {
+                     const SweepOrder& order) {
   Lanes residual{};
   for (std::size_t k = 0; k < count; ++k) {
     CentralGroup& g = groups[k];
-    const Mask on = to_solve(g.bodies, state, first);
+    const Mask on = to_solve(g.bodies, state, order.number == 1);
+    const Lanes momentum = momentum_of(g.bodies, g.relative_change, order);
+    g.relative_change = Lanes{} - 1;
     if (!any(on)) continue;
+    carry_on(g, momentum);
     const CentralChange change = solve(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), on);
-    add_to_bodies(g, change, on, tolerance, sums);
+    add_to_bodies(g, change, on, order.tolerance, sums);
+    g.relative_change = on ? change.relative : g.relative_change;
     for (int l = 0; l < lane_count; ++l)
       if (g.bodies.again[l] && change.relative[l] > residual[l]) residual[l] = change.relative[l];
   }

@@ -42,8 +42,10 @@ struct alignas(64) CentralGroup {
   Lanes target;    // least normal velocity after the step
   Lanes friction;  // coefficient
   Lanes inverse_k_n, inverse_k_t;
-  Lanes arm_a, arm_b;  // the contact lies at arm * normal from each centre
-  Lanes least_scale;   // impulses below are rounding
+  Lanes arm_a, arm_b;       // the contact lies at arm * normal from each centre
+  Lanes least_scale;        // impulses below are rounding
+  Lanes before[4];          // impulses after the last sweep but one: normal, tangential
+  Lanes relative_change{};  // of the last sweep; negative: not solved
   LaneBodies bodies;
 };
 
@@ -58,7 +60,7 @@ struct alignas(64) BlockGroup {
       inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
   Lanes softness;            // of the trial in which all stick
   Lanes impulse[3], angular[3];  // of the last sweep, on b about a's centre
-  Lanes relative_change;         // of the last sweep; negative: not solved
+  Lanes relative_change{};       // of the last sweep; negative: not solved
   LaneBodies bodies;
   std::uint32_t first, count;  // of its contacts
 };
@@ -69,19 +71,25 @@ struct alignas(64) BlockContact {
   Lanes k_normal[3];  // velocity there by a unit normal impulse
   Lanes normal_impulse, tangential_impulse[3];
   Lanes target, friction, inverse_k_n, inverse_k_t;
+  Lanes before[4];  // as above
+};
+
+/// What a sweep is told. Before it solves a pair it carries its impulses on by `momentum` times what the last
+/// sweep changed; the velocities it is given are carried on alike.
+struct SweepOrder {
+  int number;        // counted from 1: the first solves every pair, later ones those of which a body changed
+  double tolerance;  // a smaller relative change is none
+  double momentum;   // 0 in the first sweep
+  bool push;         // position correction, solved less exactly
 };
 
 // prepare_blocks: once a step, after the groups are filled.
-// One sweep over the groups, counted from 1. The first solves every pair, later ones those of which a body
-// changed. push: position
-// correction, solved less exactly. Returns the largest relative change of a pair that is not final.
-#define SILT_CONTACT_KERNELS(isa)                                                                       \
-  namespace silt::rigid::isa {                                                                          \
-  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, double tolerance, \
-                       bool first);                                                                     \
-  void prepare_blocks(BlockGroup*, std::size_t groups);                                                 \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, int number,     \
-                      bool push);                                                                       \
+// One sweep over the groups. Returns the largest relative change of a pair that is not final.
+#define SILT_CONTACT_KERNELS(isa)                                                                           \
+  namespace silt::rigid::isa {                                                                              \
+  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const SweepOrder&);   \
+  void prepare_blocks(BlockGroup*, std::size_t groups);                                                     \
+  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, const SweepOrder&); \
   }
 
 }  // namespace silt::rigid

@@ -70,6 +70,26 @@ inline Mask to_solve(const LaneBodies& bodies, const BodyState* state, bool firs
   return on;
 }
 
+/// Pairs whose impulses are carried on: those that changed, and will be solved.
+inline Lanes momentum_of(const LaneBodies& bodies, Lanes relative_change, const SweepOrder& order) {
+  Lanes share;
+  for (int l = 0; l < lane_count; ++l)
+    share[l] = bodies.again[l] && relative_change[l] > order.tolerance ? order.momentum : 0;
+  return share;
+}
+
+/// Impulses carried on by a share of what the last sweep changed.
+template <typename Contact>
+inline void carry_on(Contact& c, Lanes share) {
+  const auto move = [&](Lanes& impulse, Lanes& before) {
+    const Lanes now = impulse;
+    impulse += share * (now - before);
+    before = now;
+  };
+  move(c.normal_impulse, c.before[0]);
+  for (int d = 0; d < 3; ++d) move(c.tangential_impulse[d], c.before[1 + d]);
+}
+
 /// Velocity and angular velocity of eight bodies.
 struct Twist {
   Vector v, w;

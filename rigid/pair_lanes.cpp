@@ -158,13 +158,11 @@ void PairLanes::prepare() {
   }
 }
 
-double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, double tolerance,
-                        int number, bool push) {
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const SweepOrder& order) {
   const auto run = [&](auto central, auto blocks) {
-    const double residual =
-        central(central_.data(), central_.size(), state.data(), sums.data(), tolerance, number == 1);
-    return std::max(
-        residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), number, push));
+    const double residual = central(central_.data(), central_.size(), state.data(), sums.data(), order);
+    return std::max(residual,
+                    blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), order));
   };
   double residual = 0;
   switch (chosen_isa()) {
@@ -177,7 +175,7 @@ double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sum
     default:
       residual = run(portable::sweep_central, portable::sweep_blocks);
   }
-  sum_blocks(sums, tolerance);
+  sum_blocks(sums, order.tolerance);
   return residual;
 }
 

@@ -45,10 +45,10 @@ class PairLanes {
   Place add(const PairToSolve&);
   /// After the last pair, before the first sweep.
   void prepare();
-  /// One sweep (counted from 1) of all pairs from the same velocities. Adds to the bodies' sums in an order
+  /// One sweep of all pairs from the same velocities. Adds to the bodies' sums in an order
   /// that only the keys decide, and marks a body as changed where a relative change exceeds the tolerance.
   /// Returns the largest relative change of a pair that is not final.
-  double sweep(std::span<const BodyState>, std::span<BodySum>, double tolerance, int number, bool push);
+  double sweep(std::span<const BodyState>, std::span<BodySum>, const SweepOrder&);
 
   void read_impulses(const Place&, std::span<ContactImpulse>) const;
   /// Starts over for the position correction: zero impulses, no friction, the target of each contact of the

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace silt::rigid {
 
@@ -12,6 +13,7 @@ constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small 
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
+constexpr double hair = 1e-4;                // gap a pressed contact may keep, relative to its lever arms
 
 Vec3 velocity(const BodyState& s) {
   return {s.v[0], s.v[1], s.v[2]};
@@ -46,10 +48,32 @@ double lever_arms(const Contact& c) {
   return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
 }
 
+/// Of a contact that pressed in the last step: one that has come apart by a hair is held, not let fall. Else
+/// the weight shifts to the contacts that are left and back again, and stacks rock and creep.
+double target_of_pressed(const Contact& c, double dt, double target) {
+  return c.gap > 0 ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt) : target;
+}
+
 void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
   const Vec3 angular = r.cross(impulse);
   for (int d = 0; d < 3; ++d) sum.impulse[d] += impulse[d], sum.angular[d] += angular[d];
 }
+
+/// Nesterov's sequence of shares, from the start again whenever a sweep changed more than the one before.
+struct Momentum {
+  double share = 0;
+
+  void next(double residual) {
+    if (residual > residual_) length_ = 1;
+    residual_ = residual;
+    const double longer = 0.5 * (1 + std::sqrt(1 + 4 * length_ * length_));
+    share = (length_ - 1) / longer;
+    length_ = longer;
+  }
+
+ private:
+  double length_ = 1, residual_ = std::numeric_limits<double>::infinity();
+};
 
 }  // namespace
 
@@ -106,10 +130,10 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
   state_.back() = {};
   for (const std::size_t row : involved_)
     store(state_[row], velocities.v[row], velocities.w[row], bodies.is_free(row) ? bodies_[row].pairs : 0);
-  if (settings_.warm_start) warm_start(bodies, contacts);
+  if (settings_.warm_start) warm_start(bodies, contacts, dt);
 }
 
-void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>& contacts) {
+void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>& contacts, double dt) {
   for (const std::size_t row : involved_) sums_[row] = {};
   std::size_t row_a = bodies.size(), behind = 0;  // stored at row_a for partners that have been
   for (const Pair& p : pairs_) {
@@ -125,6 +149,7 @@ void SffdResolver::warm_start(const BodySet& bodies, const std::vector<Contact>&
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
       const Vec3 impulse = impulses_[k].along(c.normal);
+      if (impulses_[k].normal > 0) targets_[k] = target_of_pressed(c, dt, targets_[k]);
       add(sums_[p.row_a], c.r_a, -impulse);
       add(sums_[p.row_b], c.r_b, impulse);
     }
@@ -181,14 +206,32 @@ void SffdResolver::apply_sums(std::vector<BodyState>& state) {
   }
 }
 
+/// Velocities carried on by a share of what the last sweep changed, as the pairs' impulses will be.
+void SffdResolver::carry_on(std::vector<BodyState>& state, double momentum) {
+  for (const std::size_t row : involved_) {
+    if (!bodies_[row].moves) continue;
+    BodyState &s = state[row], &before = before_[row];
+    const BodyState now = s;
+    for (int d = 0; d < 3 && now.number != 0; ++d) {
+      s.v[d] += momentum * (now.v[d] - before.v[d]);
+      s.w[d] += momentum * (now.w[d] - before.w[d]);
+    }
+    before = now;
+  }
+}
+
 /// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
 int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
                                 double tolerance, bool push, double& residual) {
+  before_ = state;
+  Momentum momentum;
   for (int i = 1;; ++i) {
     for (const std::size_t row : involved_) sums_[row] = {};
-    residual = exchange.maximum(lanes_.sweep(state, sums_, tolerance, i, push));
+    residual = exchange.maximum(lanes_.sweep(state, sums_, {i, tolerance, momentum.share, push}));
     apply_sums(state);
     if (residual <= tolerance || i >= settings_.max_sweeps) return i;
+    momentum.next(residual);
+    carry_on(state, momentum.share);
     exchange.share(bodies, as_doubles(state), width);
   }
 }

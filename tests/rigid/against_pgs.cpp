@@ -56,9 +56,10 @@ class Both : public ContactResolver {
     if (residual > converged_) return;
     ++lawful;
     contacts += static_cast<int>(c.size());
-    double scale = 0;
+    double scale = 0;  // the kick's, if the contacts do less
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      scale = std::max({scale, (other.v[row] - kicked.v[row]).norm(), (other.w[row] - kicked.w[row]).norm()});
+      scale = std::max({scale, (kicked.v[row] - kicked.before_v[row]).norm(),
+                        (other.v[row] - kicked.v[row]).norm(), (other.w[row] - kicked.w[row]).norm()});
     const bool both = pgs_.residual <= converged_;
     compared += both;
     for (std::size_t row = 0; row < bodies.owned && both; ++row) {
