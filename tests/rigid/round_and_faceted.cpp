@@ -230,7 +230,7 @@ TEST_F(FacetedBodies, StackOfTurnedPrismsComesToRest) {  // twelve corners a con
   for (int i = 0; i < 5; ++i) settled[i] = s.x(i);
   s.run(2000);
   for (int i = 0; i < 5; ++i) {
-    EXPECT_LT((settled[i] - start[i]).norm(), 5e-4) << i << ": while the corners share out the weight";
+    EXPECT_LT((settled[i] - start[i]).norm(), 2e-4) << i << ": while the corners share out the weight";
     EXPECT_LT((s.x(i) - settled[i]).norm(), 1e-8) << i;
     EXPECT_LT(s.v(i).norm() + s.w(i).norm(), 1e-8) << i;
   }
