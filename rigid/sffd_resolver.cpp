@@ -10,9 +10,10 @@ namespace {
 constexpr int width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
 constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
 constexpr int accelerated_sweeps = 64;       // what is not at rest by then does better without
-constexpr double push_tolerance = 1e-3;  // of the position correction's impulses, relative
-constexpr double push_rounding = 1e-7;   // displacement of a step, relative to the contact's lever arms
+constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
+constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
+constexpr double hair = 1e-4;                // gap a pressed contact may keep, relative to its lever arms
 
 Vec3 velocity(const BodyState& s) {
   return {s.v[0], s.v[1], s.v[2]};
@@ -45,6 +46,12 @@ double target_velocity(const Contact& c, double dt, const Vec3& before) {
 
 double lever_arms(const Contact& c) {
   return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
+}
+
+/// Of a contact that pressed in the last step: one that has come apart by a hair is held, not let fall. Else
+/// the weight shifts to the contacts that are left and back again, and stacks rock and creep.
+double target_of_pressed(const Contact& c, double dt, double target) {
+  return c.gap > 0 ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt) : target;
 }
 
 void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
@@ -117,12 +124,12 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
       targets_[k] = target_velocity(c, dt, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
       impulses_[k] = {};
     }
-    if (settings_.warm_start) warm_start(p, of_pair, recall);
+    if (settings_.warm_start) warm_start(p, of_pair, dt, recall);
   }
   for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
 }
 
-void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, Recall& recall) {
+void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, double dt, Recall& recall) {
   const std::span impulses(impulses_.data() + p.first, contacts.size());
   if (bodies_[p.row_a].moves)
     recall.of_lower(p.row_a, contacts, impulses);
@@ -130,6 +137,8 @@ void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, 
     recall.of_higher(p.row_b, contacts, impulses);
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Vec3 impulse = impulses[k].along(contacts[k].normal);
+    double& target = targets_[p.first + k];
+    if (impulses[k].normal > 0) target = target_of_pressed(contacts[k], dt, target);
     add(sums_[p.row_a], contacts[k].r_a, -impulse);
     add(sums_[p.row_b], contacts[k].r_b, impulse);
   }

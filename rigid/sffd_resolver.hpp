@@ -8,7 +8,8 @@
 // their numbers of pairs; then each body takes the sum of its impulse changes with its true mass (Jacobi with
 // mass splitting: it descends for any number of pairs). A pair is solved wherever one of its free bodies is
 // owned, redundantly and bitwise equally; each owner moves its own bodies. Nothing depends on rows, only on
-// keys.
+// keys. Between two sweeps a pair's impulses are carried on along their last change (Nesterov's
+// acceleration).
 #include "rigid/contact_resolver.hpp"
 #include "rigid/pair_lanes.hpp"
 
@@ -38,7 +39,7 @@ class SffdResolver : public ContactResolver {
   std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
-  void warm_start(const Pair&, std::span<const Contact> of_pair, Recall&);
+  void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
   void take_sum(BodyState&, std::size_t row, double number) const;
   void lay_out(const std::vector<Contact>&);
   double least_scale(const Pair&) const;

@@ -39,6 +39,8 @@ class PgsResolver : public ContactResolver {
     for (const Contact& c : contacts) {
       solved.push_back(prepared(bodies, c));
       solved.back().target = target(solved.back(), dt, velocities);
+      if (pressed(bodies, c))
+        solved.back().target = std::max(solved.back().target, closing_of_pressed(c, dt));
       statistics.penetration = std::max(statistics.penetration, -c.gap);
     }
     statistics.contacts = contacts.size();
@@ -84,6 +86,19 @@ class PgsResolver : public ContactResolver {
     const bool overlaps = c.gap <= 0, reached = c.gap + dt * approach < 0;
     if (approach >= 0 || !(overlaps || reached)) return closing;
     return std::max(closing, -c.restitution * approach);
+  }
+
+  /// In the last step: what sffd remembers for its warm start is part of its contact law.
+  static bool pressed(const BodySet& bodies, const Contact& c) {
+    for (const StoredImpulse& i : bodies.stored_impulses[bodies.row_of(c.a)])
+      if (i.partner == c.b && i.feature == c.feature && i.image == c.image)
+        return c.normal.dot(i.impulse) > 0;
+    return false;
+  }
+  /// Of the gap, 1e-4 of the lever arms may stay.
+  static double closing_of_pressed(const Contact& c, double dt) {
+    const double arms = c.r_a.norm() + (is_wall(c.b) ? 0.0 : c.r_b.norm());
+    return -std::max(0.0, c.gap - 1e-4 * arms) / dt;
   }
 
   static void push(const Solved& s, const Vec3& impulse, std::vector<Vec3>& v, std::vector<Vec3>& w) {

@@ -358,6 +358,46 @@ TEST_P(Sffd, StackOfTenEqualBoxesStands) {
   EXPECT_LT(s.v(9).norm(), 1e-6);
 }
 
+TEST_P(Sffd, CrookedStackComesToRest) {  // each box a twentieth of an edge beside the one below
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  const int box = s.shape(Box{{0.1, 0.1, 0.1}});
+  const double offsets[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+  std::array<Vec3, 5> start, settled;
+  for (int i = 0; i < 5; ++i) {
+    start[i] = {10 + 0.01 * offsets[i][0], 10 + 0.01 * offsets[i][1], 0.1 + 0.2 * i};
+    s.add(box, start[i], Vec3::Zero(), Vec3::Zero(), 8);
+  }
+  s.floor();
+  s.start();
+  s.run(2000);
+  for (int i = 0; i < 5; ++i) settled[i] = s.x(i);
+  s.run(3000);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LT((settled[i] - start[i]).norm(), 5e-5) << i << ": while the corners share out the weight";
+    EXPECT_LT((s.x(i) - settled[i]).norm(), 1e-8) << i;
+    EXPECT_LT(s.v(i).norm() + s.w(i).norm(), 1e-8) << i;
+  }
+}
+
+TEST_P(Sffd,
+       PressedContactsHoverByAHairAtMost) {  // a ball that rolls over another one lifts off at each step
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  const double r = 0.1;
+  const int ball = s.shape(Sphere{r});
+  s.add(ball, {10, 10, r}, Vec3::Zero(), Vec3::Zero(), 1e9);
+  s.add(ball, {10.02, 10, r + std::sqrt(4 * r * r - 4e-4)});
+  s.floor();
+  s.start();
+  const auto gap = [&] { return (s.x(1) - s.x(0)).norm() - 2 * r; };
+  for (int i = 0; i < 50; ++i) {
+    s.run(1, 5e-3);
+    EXPECT_LT(gap(), 1.2e-4 * 2 * r) << i;  // half a step after the contact was looked at
+  }
+  EXPECT_GT((s.x(1) - s.x(0))[0], 0.04) << "it rolled";
+}
+
 TEST_P(Sffd, OverlapIsTakenBackWithoutSpeed) {
   Scene s(0, 0);
   const int ball = s.shape(Sphere{0.5});

@@ -227,6 +227,28 @@ TEST_F(FacetedBodies, ToppleAtTheRightAngle) {
   }
 }
 
+TEST_F(FacetedBodies, StackOfTurnedPrismsComesToRest) {  // twelve corners a contact, of which eight are kept
+  Scene s(0, 0.5);
+  s.world.gravity = slope(0);
+  const int prism = s.shape(hexagonal_prism(0.5, 0.25));
+  std::array<Vec3, 5> start, settled;
+  for (int i = 0; i < 5; ++i) {
+    start[i] = {10, 10, 0.25 + 0.5 * i};
+    s.add_with_id(i, prism, start[i], Vec3::Zero(), Vec3::Zero(), 1,
+                  Quat(Eigen::AngleAxisd(0.2 * i, Vec3::UnitZ())));
+  }
+  s.floor();
+  s.start();
+  s.run(2000);
+  for (int i = 0; i < 5; ++i) settled[i] = s.x(i);
+  s.run(2000);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LT((settled[i] - start[i]).norm(), 2e-4) << i << ": while the corners share out the weight";
+    EXPECT_LT((s.x(i) - settled[i]).norm(), 1e-8) << i;
+    EXPECT_LT(s.v(i).norm() + s.w(i).norm(), 1e-8) << i;
+  }
+}
+
 TEST_F(FacetedBodies, StackOfHexagonalPrisms) {
   Scene s(0, 0.5);
   s.world.gravity = slope(0);
