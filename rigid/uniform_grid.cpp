@@ -98,44 +98,72 @@ void UniformGrid::sort_by_cell(const Surroundings& around, const Level& of, cons
   }
 }
 
-/// Pairs of a body of `from` and one of `in`, whose grid this is. Within a level only the offsets of one half
-/// are looked at, and in a body's own cell those after it.
+/// The cells x + first_offset to x + 1 along x, in runs that no periodic side cuts. Returns their number.
+int UniformGrid::Level::runs(std::int32_t x, int first_offset, std::array<Run, 3>& out) const {
+  int count = 0;
+  for (int offset = first_offset; offset <= 1; ++offset) {
+    std::int8_t image;
+    const std::int32_t cell = stepped(0, x + offset, image);
+    if (count > 0 && out[count - 1].image == image)
+      out[count - 1].last = cell;
+    else
+      out[count++] = {cell, cell, image};
+  }
+  return count;
+}
+
+/// Into the grid along a periodic axis; `image` is that of the bodies there.
+std::int32_t UniformGrid::Level::stepped(int axis, std::int32_t cell, std::int8_t& image) const {
+  const std::int32_t n = cells[axis];
+  image = n == 0 || (cell >= 0 && cell < n) ? 0 : cell < 0 ? -1 : 1;
+  return cell - image * n;
+}
+
+/// Pairs of a body of `from` and one of `in`, whose grid this is. Cells along x follow one another, so a row
+/// of three is looked through at once. Within a level only one half of the rows is looked at, and of a body's
+/// own what comes after it.
 void UniformGrid::search(const Surroundings& around, const Level& level, const std::vector<Entry>& from,
                          const std::vector<Entry>& in, bool same_level, std::vector<CandidatePair>& found) {
-  const auto periodic_step = [&](int d, std::int32_t cell, std::int8_t& image) {
-    const std::int32_t n = level.cells[d];
-    image = n == 0 || (cell >= 0 && cell < n) ? 0 : cell < 0 ? -1 : 1;
-    return image == 0 ? cell : cell - image * n;
-  };
-  std::array<std::array<std::uint32_t, 8>, 27> cursors{};
-  Cell c;
+  constexpr int own_row = 4, images = 27;
+  std::array<std::array<std::uint32_t, images>, 9> cursors{};  // by row and periodic image
+  std::array<Run, 3> whole, own_half;
+  int whole_count = 0, own_count = 0;
+  Cell c{};
   std::int64_t last_key = -1;
   for (std::size_t k = 0; k < from.size(); ++k) {
     const Entry& own = from[k];
-    if (own.key != last_key) c = level.cell_of(own.position);
+    if (own.key != last_key) {
+      c = level.cell_of(own.position);
+      whole_count = level.runs(c[0], -1, whole);
+      own_count = level.runs(c[0], 0, own_half);
+    }
     last_key = own.key;
-    for (int offset = same_level ? 13 : 0; offset < 27; ++offset) {
+    for (int row = same_level ? own_row : 0; row < 9; ++row) {
+      const bool half = same_level && row == own_row;
       Image image;
-      const Cell there{periodic_step(0, c[0] + offset % 3 - 1, image.x),
-                       periodic_step(1, c[1] + offset / 3 % 3 - 1, image.y),
-                       periodic_step(2, c[2] + offset / 9 - 1, image.z)};
-      const std::int64_t key = level.key_of(there);
-      const int crossed = (image.x != 0) + 2 * (image.y != 0) + 4 * (image.z != 0);
-      std::uint32_t& cursor = cursors[offset][crossed];
-      while (cursor < in.size() && in[cursor].key < key) ++cursor;
-      const bool own_cell = same_level && offset == 13;
-      for (std::size_t e = own_cell ? k + 1 : cursor; e < in.size() && in[e].key == key; ++e) {
-        const Entry& other = in[e];
-        if (other.id == own.id || (!own.free && !other.free)) continue;
-        const double range = own.reach + other.reach;
-        const bool first = own.id < other.id;
-        const CandidatePair pair = first ? CandidatePair{own.row, other.row, image}
-                                         : CandidatePair{other.row, own.row, opposite(image)};
-        const Vec3 &a = first ? own.position : other.position, &b = first ? other.position : own.position;
-        if (around.near(a, b, pair.image, range)) found.push_back(pair);
+      const std::int32_t y = level.stepped(1, c[1] + row % 3 - 1, image.y),
+                         z = level.stepped(2, c[2] + row / 3 - 1, image.z);
+      for (int r = 0; r < (half ? own_count : whole_count); ++r) {
+        const Run& run = half ? own_half[r] : whole[r];
+        image.x = run.image;
+        const std::int64_t first = level.key_of({run.first, y, z}), last = first + run.last - run.first;
+        std::uint32_t& cursor = cursors[row][(image.x + 1) + 3 * (image.y + 1) + 9 * (image.z + 1)];
+        while (cursor < in.size() && in[cursor].key < first) ++cursor;
+        for (std::size_t e = half && r == 0 ? k + 1 : cursor; e < in.size() && in[e].key <= last; ++e)
+          add_if_near(around, own, in[e], image, found);
       }
     }
   }
+}
+
+void UniformGrid::add_if_near(const Surroundings& around, const Entry& own, const Entry& other, Image image,
+                              std::vector<CandidatePair>& found) {
+  if (other.id == own.id || (!own.free && !other.free)) return;
+  const bool first = own.id < other.id;
+  const CandidatePair pair =
+      first ? CandidatePair{own.row, other.row, image} : CandidatePair{other.row, own.row, opposite(image)};
+  const Vec3 &a = first ? own.position : other.position, &b = first ? other.position : own.position;
+  if (around.near(a, b, pair.image, own.reach + other.reach)) found.push_back(pair);
 }
 
 void UniformGrid::find_pairs(const Surroundings& around, std::vector<CandidatePair>& found) {
