@@ -3,8 +3,10 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "coupler/body_exchange.hpp"
 #include "coupler/build_links.hpp"
@@ -42,19 +44,19 @@ class FlowOf final : public Flow {
     counts_.covered = counts_.uncovered = 0;
     const bool changed =
         std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
-    if (!changed) return;
-    const ChangedCells cells = changed_cells(map_.blocks());
-    for (const auto& c : cells.covered) hand_over(c, bodies, +1);
-    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
-    for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
-    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
-    rebuild_links(bodies);
+    if (changed) remap(bodies);
+    forces_.begin(map_.blocks(), links_, bodies);
   }
-
-  void stream_collide() override {
+  void stream_collide(const Vec3& gravity) override {
     if (anchored_) set_anchor_density();
-    fluid_.stream_collide();
+    if (world_.shapes.empty()) return fluid_.stream_collide();
+    fluid_.stream_collide([&](int b, int z, lbm::Parity parity) {
+      const auto begin = std::chrono::steady_clock::now();
+      forces_.after_plane(fluid_.blocks()[b], parity, map_.blocks()[b], links_[b], z, gravity);
+      link_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    });
   }
+  double take_link_seconds() override { return std::exchange(link_seconds_, 0.0); }
 
   void communicate() override { fluid_.exchange(); }
 
@@ -120,19 +122,40 @@ class FlowOf final : public Flow {
     anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
+  /// Visits cells whose populations are asked for a few cells ahead.
+  template <class Visit>
+  void for_fetched(const std::vector<CoveredCell>& cells, Visit&& visit) const {
+    constexpr std::size_t ahead = 8;
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+      if (n + ahead < cells.size()) fluid_.prefetch(cells[n + ahead].block, cells[n + ahead].cell);
+      visit(cells[n]);
+    }
+  }
+
+  /// Cells that changed sides, and links.
+  void remap(const rigid::BodySet& bodies) {
+    const ChangedCells cells = changed_cells(map_.blocks());
+    for_fetched(cells.covered, [&](const CoveredCell& c) { hand_over(c, bodies, +1); });
+    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
+    for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
+    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
+    rebuild_links(bodies);
+  }
+
   void rebuild_links(const rigid::BodySet& bodies) {
     counts_.links = 0;
     for (std::size_t b = 0; b < links_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
-        build_links(map, fluid_.blocks()[b], world_, bodies, coupling_.wall_scheme, block.links);
-        if (coupling_.time == TimeCoupling::implicit_) {
-          block.stiffness.assign(map.masks.size(), {});
-          lbm::sum_stiffness(block.links, block.stiffness.data());
-        }
+        build_links(map, world_, bodies, coupling_.wall_scheme, block.links);
+        order_groups(block);
+        block.stiffness.assign(map.masks.size(), {});
+        if (coupling_.time == TimeCoupling::implicit_)
+          for (const lbm::LinkGroup& group : block.links.groups)
+            lbm::sum_stiffness(block.links, group, block.stiffness[group.surface]);
       }
-      counts_.links += block.links.size();
+      counts_.links += block.links.count;
     }
   }
 
@@ -172,6 +195,7 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   FluidForces<T> forces_;
   MappingCounts counts_;
+  double link_seconds_ = 0;
   bool anchored_, restarted_ = false;
   AnchorState anchor_;
   std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it

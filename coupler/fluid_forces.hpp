@@ -26,7 +26,19 @@ struct BlockLinks {
   std::vector<lbm::SurfaceMotion> motions;
   std::vector<lbm::LinkSums> sums;
   std::vector<lbm::StiffnessSums> stiffness;  // implicit coupling only; renewed with the links
+  struct Waiting {
+    std::uint32_t group;
+    bool completes;  // with it all links of its surface are applied, and no other block has any
+  };
+  std::vector<Waiting> inner;              // groups in the order of the planes they wait for
+  std::vector<std::uint32_t> first_group;  // of a surface; the last one's end
+  std::vector<std::uint8_t> finished;      // surfaces whose bodies have been solved for in this step
+  std::size_t applied = 0;                 // of `inner`, in this step
 };
+
+/// Fills inner and first_group; call when links were built.
+template <class T>
+void order_groups(BlockLinks<T>&);
 
 /// Force (3), torque (3), stiffness (21) of a row, in quanta of lbm::link_quantum and lbm::stiffness_quantum.
 inline constexpr int force_width = 6, implicit_width = 27;
@@ -39,13 +51,24 @@ class FluidForces {
   /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation:
   /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
   void hand_over(rigid::BodyId, const rigid::Vec3& momentum, const rigid::Vec3& arm);
+  // ---- a step ----
+  /// Before the fluid's passes: the velocities with which surfaces return. The bodies stay where they are in
+  /// memory until the step's last call.
+  void begin(std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&);
+  /// The dense pass is done with plane z of a block: what its links wait for is applied, and bodies all of
+  /// whose links have been are solved for, while their populations are in cache.
+  void after_plane(lbm::Block<T>&, lbm::Parity, const BlockMap&, BlockLinks<T>&, int z,
+                   const rigid::Vec3& gravity);
+  /// All other links and bodies, after the halo exchange.
   /// Collective. Returns the density that fluid cells of this rank gained through links, in mass quanta.
   std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                           rigid::BodySet&, const rigid::Vec3& gravity);
 
  private:
-  std::int64_t apply(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
-                     const rigid::BodySet&);
+  void apply(lbm::Block<T>&, lbm::Parity, BlockLinks<T>&, const lbm::LinkGroup&) const;
+  std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
+  void finish_body(lbm::Block<T>&, lbm::Parity, const BodyMask&, BlockLinks<T>&, int surface,
+                   const rigid::Vec3& gravity);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void add_explicit(rigid::BodySet&) const;
   std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
@@ -53,7 +76,8 @@ class FluidForces {
 
   CouplingSpec spec_;
   const BodyExchange& exchange_;
-  std::vector<std::int64_t> rows_;  // width a row
+  rigid::BodySet* bodies_ = nullptr;  // of the step under way
+  std::vector<std::int64_t> rows_;    // width a row
   int width_;
   struct HandedOver {
     rigid::BodyId id;
