@@ -15,7 +15,7 @@ import dataclasses
 import json
 import pathlib
 
-import h5py
+from body_series import BodySeries
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Outcome:
     def quantity(self, name):
         return self.report["quantities"][name]
 
-    def bodies(self, name):
-        """/bodies/NAME as an array, the time axis first (position, velocity, force, ...); "time" for /time."""
-        with h5py.File(self.folder / "bodies.h5") as file:
-            return file["time"][:] if name == "time" else file["bodies"][name][:]
+    @property
+    def bodies(self):
+        """The series of bodies.h5: outcome.bodies.time, .array("position"), .of_body(0, "velocity"), ..."""
+        return BodySeries(self.folder / "bodies.h5")
