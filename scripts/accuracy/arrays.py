@@ -27,6 +27,7 @@ GOALS = [
     Goal("accuracy.array.0.064.order", 9, low=1.9),
     Goal("accuracy.array.single_share", 10),  # of the discretisation error
 ]
+SHORT_GOALS = [goal for goal in GOALS if goal.figure in ("accuracy.array.0.064.d6.mean_error", "accuracy.array.0.064.d8.mean_error")]
 
 
 def methods(fraction, D):
