@@ -11,7 +11,7 @@ already fulfils what the box asks for:
 
 The error falls exponentially with the number of points as long as the point forces enclose the singularities of the flow
 continued into the body: sphere_points and spheroid_points say where these are. Lengths in any unit, viscosity 1. Found
-against independent results by tests/scripts/test_stokes_periodic.py.
+against independent results by tests/accuracy/stokes_periodic.py.
 
     box = PeriodicBox((4, 4, 4))
     sphere = sphere_points(centre, radius)
@@ -49,11 +49,12 @@ class Surface:
 class PeriodicBox:
     """Flow of point forces, repeated with the box; 1 / viscosity, zero mean velocity over the box."""
 
-    def __init__(self, lengths):
+    def __init__(self, lengths, split=None):
+        """split: 1 / length, Ewald's parameter; its default makes waves and images cost alike."""
         self.lengths = np.array(lengths, float)
         self.volume = self.lengths.prod()
         reach = math.sqrt(-math.log(DIGITS)) + 0.3
-        self.split = 4.2 / self.volume**(1 / 3)  # 1 / length: waves and images then cost alike
+        self.split = split or 4.2 / self.volume**(1 / 3)
         self.cut = reach / self.split
         largest = 2 * reach * self.split
         numbers = [np.arange(-int(largest * l / (2 * np.pi)), int(largest * l / (2 * np.pi)) + 1) for l in self.lengths]
