@@ -93,7 +93,7 @@ def a_run(phi, diameter, seed):
     a = cells / edge(phi)
     factor = sum(between(phi)) / 2
     drive = NUMBER * 6 * math.pi * scene.VISCOSITY * a * factor * scene.speed(2 * a) / cells**3
-    steps = max(600, round(8 * cells**2 / (4 * math.pi**2 * scene.VISCOSITY) / 10) * 10)
+    steps = max(600, round(8 * cells**2 / (4 * math.pi**2 * scene.VISCOSITY)))
     positions = ", ".join(scene.vector(a * x) for x in array(phi, seed))
     text = scene.case(f"Random array, solid fraction {phi:g}, {2 * a:.3g} cells across", (cells,) * 3,
                       f'type = "sphere"\ndiameter = {2 * a!r}',
@@ -110,9 +110,7 @@ def runs(level):
 
 
 def measure(run, outcome):
-    force = outcome.bodies.array("force").sum(1)
-    scene.settled(force, max(abs(force[-1])))
-    return {"K": outcome.quantity("drag_x")}
+    return {"K": scene.drag(run, outcome)}
 
 
 def figures(measured):

@@ -30,7 +30,7 @@ def exact(setup, fineness):
 def a_run(setup, diameter, number, offset):
     a, edge = diameter / 2, EDGE * diameter / 2
     turn = scene.speed(diameter) / a * AXES[setup]
-    steps = round(12 * edge**2 / (4 * math.pi**2 * scene.VISCOSITY) / 10) * 10
+    steps = round(20 * edge**2 / (4 * math.pi**2 * scene.VISCOSITY))
     text = scene.case(f"Rotating sphere, {setup} axis, {diameter} cells across", (edge,) * 3,
                       f'type = "sphere"\ndiameter = {diameter}',
                       [scene.body("body", edge // 2 + np.array(offset), "prescribed", angular_velocity=turn)], steps)

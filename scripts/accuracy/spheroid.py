@@ -67,7 +67,7 @@ def a_run(setup, diameter, number, offset, factor):
         f"Spheroid, {setup}, {diameter} cells across", (edge,) * 3,
         f'type = "ellipsoid"\ndiameters = {scene.vector((equatorial, equatorial, polar))}',
         [scene.body("body", edge // 2 + np.array(offset), axis_angle=f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}")],
-        round(9 * slowest / 10) * 10,
+        round(9 * slowest),
         fluid=f"body_force = {scene.vector(U / slowest * direction)}\n"
               f'initial = {{ type = "uniform", velocity = {scene.vector(U * direction)} }}', quantities="xyz")
     return Run(f"{setup}.d{diameter}.place{number}", text, {"setup": setup, "place": number, "D": diameter})
@@ -85,9 +85,7 @@ def runs(level):
 def measure(run, outcome):
     setup = run.settings["setup"]
     _, _, direction = parts(setup)
-    force = outcome.bodies.array("force")[:, 0]
-    scene.settled(force, max(abs(force[-1])))
-    along = sum(d * d / outcome.quantity(f"drag_{axis}") for d, axis in zip(direction, "xyz") if abs(d) > 1e-6)
+    along = sum(d * d / scene.drag(run, outcome, axis) for d, axis in zip(direction, "xyz") if abs(d) > 1e-6)
     return {"K": 1 / along, "error": scene.percent(1 / along, scene.references("spheroid")[setup]["K"])}
 
 

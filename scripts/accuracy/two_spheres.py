@@ -56,7 +56,7 @@ def a_run(setup, diameter, number, offset, factor):
     drive = 12 * math.pi * scene.VISCOSITY * a * factor * U / math.prod(cells)
     slowest = math.prod(cells) / (12 * math.pi * scene.VISCOSITY * a * factor)  # steps in which the mean velocity settles
     text = scene.case(f"Two spheres, {setup}, {diameter} cells across", cells, f'type = "sphere"\ndiameter = {diameter}',
-                      [scene.body("body", place) for place in places], round(9 * slowest / 10) * 10,
+                      [scene.body("body", place) for place in places], round(9 * slowest),
                       fluid=f'body_force = {scene.vector(drive * line)}\n'
                             f'initial = {{ type = "uniform", velocity = {scene.vector(U * line)} }}', quantities="x")
     return Run(f"{setup}.d{diameter}.place{number}", text, {"setup": setup, "place": number, "D": diameter})
@@ -73,10 +73,8 @@ def runs(level):
 
 
 def measure(run, outcome):
-    series = outcome.bodies.array("force").sum(1)
-    scene.settled(series, max(abs(series[-1])))
-    factor = scene.references("two_spheres")[run.settings["setup"]]["K"]
-    return {"K": outcome.quantity("drag_x"), "error": scene.percent(outcome.quantity("drag_x"), factor)}
+    factor = scene.drag(run, outcome)
+    return {"K": factor, "error": scene.percent(factor, scene.references("two_spheres")[run.settings["setup"]]["K"])}
 
 
 def figures(measured):
