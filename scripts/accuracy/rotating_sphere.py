@@ -45,8 +45,10 @@ def runs(level):
 def measure(run, outcome):
     setup, diameter = run.settings["setup"], run.settings["D"]
     unit = 8 * math.pi * scene.VISCOSITY * (diameter / 2)**2 * scene.speed(diameter)
-    torque = -scene.settled(outcome.bodies.array("torque")[:, 0], unit) @ AXES[setup] / unit
-    return {"torque": torque, "error": scene.percent(torque, scene.references("rotating_sphere")[setup]["torque"])}
+    series = outcome.bodies.array("torque")[:, 0]
+    torque = -scene.settled(series, unit) @ AXES[setup] / unit
+    return {"torque": torque, "error": scene.percent(torque, scene.references("rotating_sphere")[setup]["torque"]),
+            "alternating": scene.alternating(series, unit)}
 
 
 def figures(measured):

@@ -86,14 +86,13 @@ def measure(run, outcome):
     force, torque = scales(motion, h)
     if motion == "shear":
         force, torque = force / HEIGHT, torque / HEIGHT       # S = U / (HEIGHT a)
-    bodies = outcome.bodies
-    found_force = scene.settled(bodies.array("force")[:, 0], force * mu * a * U)[0] / (force * mu * a * U)
-    found_torque = scene.settled(bodies.array("torque")[:, 0], torque * mu * a**2 * U)[1] / (torque * mu * a**2 * U)
-    exact_ = scene.references("sphere_at_wall")[run.settings["setup"]]
-    found = {"force": found_force, "torque": found_torque}
-    found["force_error"] = 100 * (found_force - exact_["force"]) / (1 if motion == "rotation" else exact_["force"])
-    found["torque_error"] = 100 * (found_torque - exact_["torque"]) / (1 if motion == "translation" else exact_["torque"])
-    return found
+    forces = outcome.bodies.array("force")[:, 0] / (force * mu * a * U)
+    torques = outcome.bodies.array("torque")[:, 0] / (torque * mu * a**2 * U)
+    found = {"force": scene.settled(forces, 1)[0], "torque": scene.settled(torques, 1)[1]}
+    box = scene.references("sphere_at_wall")[run.settings["setup"]]
+    return {**found, "force_error": 100 * (found["force"] - box["force"]) / (1 if motion == "rotation" else box["force"]),
+            "torque_error": 100 * (found["torque"] - box["torque"]) / (1 if motion == "translation" else abs(box["torque"])),
+            "alternating": max(scene.alternating(forces, 1), scene.alternating(torques, 1))}
 
 
 def figures(measured):

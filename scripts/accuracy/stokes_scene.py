@@ -78,6 +78,11 @@ def settled(series, scale):
     return smooth[-1]
 
 
+def alternating(series, scale):
+    """What the end of a series has that changes its sign every step, in percent of the scale."""
+    return 100 * max(abs(series[-1] - 2 * series[-2] + series[-3])) / 4 / scale
+
+
 def drag(run, outcome, axis="x"):
     """The drag coefficient of fixed bodies along an axis, with the steady force in place of that of the last step."""
     scene = tomllib.loads(run.case)
@@ -101,7 +106,7 @@ def mean_and_spread(errors):
 
 def summary(problem, measured, fine):
     """Figures of a problem whose runs are named SETUP.dD.placeN and have errors: of each setup and D the mean over the places
-    and the spread, and the largest of the means at the fine D."""
+    and the spread, the largest of the means at the fine D, and the largest alternating part."""
     groups = {}
     for key, found in measured.items():
         groups.setdefault(key.rsplit(".", 1)[0], {})[key] = found
@@ -111,6 +116,8 @@ def summary(problem, measured, fine):
             mean, spread = mean_and_spread([found[name] for found in members.values()])
             figures[f"accuracy.{problem}.{group}.{name}"] = Found(mean, tuple(members))
             figures[f"accuracy.{problem}.{group}.{name.removesuffix('error')}spread"] = Found(spread, tuple(members))
+    if found := [values["alternating"] for values in measured.values() if "alternating" in values]:
+        figures[f"accuracy.{problem}.alternating"] = Found(max(found), ())
     finest = [f.value for name, f in figures.items() if f".d{fine}." in name and name.endswith("error")]
     if finest:
         figures[f"accuracy.{problem}.error"] = Found(max(finest, key=abs), ())
