@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes reference/stokes_boxes.csv: the Stokes flow in the boxes of the problems, at two finenesses.
 
-A problem has SETUPS (names) and exact(setup, fineness) -> {quantity: value}; the finer one has about twice the points.
+A problem has SETUPS (names) and exact(setup, fineness) -> {quantity: value}; the finer one has more points.
 """
 import csv
 import importlib
@@ -9,10 +9,10 @@ import sys
 
 from stokes_scene import REFERENCE
 
-PROBLEMS = ("two_spheres", "sphere_at_wall", "rotating_sphere", "spheroid")
+PROBLEMS = ("two_spheres", "sphere_at_wall", "rotating_sphere", "spheroid", "random_array")
 HEAD = """# Stokes flow around bodies in the boxes that the problems of this folder simulate, computed by stokes_periodic.py
 # (scripts/accuracy/stokes_boxes.py). Quantities, lengths and setups as in the module named "problem". change: of the value
-# from half as many point forces, relative: a bound of its error.
+# from fewer point forces, relative: a bound of its error.
 """
 
 
@@ -26,11 +26,17 @@ def rows(problem):
 
 
 def main(wanted):
+    for problem in wanted:
+        write(problem, list(rows(problem)))
+
+
+def write(problem, found):
+    """Puts the rows of a problem into the table in place of its old ones."""
     kept = []
     if REFERENCE.exists():
         with open(REFERENCE) as stream:
-            kept = [row for row in list(csv.reader(line for line in stream if line[0] != "#"))[1:] if row[0] not in wanted]
-    table = sorted(kept + [row for problem in wanted for row in rows(problem)], key=lambda row: PROBLEMS.index(row[0]))
+            kept = [row for row in list(csv.reader(line for line in stream if line[0] != "#"))[1:] if row[0] != problem]
+    table = sorted(kept + found, key=lambda row: PROBLEMS.index(row[0]))
     with open(REFERENCE, "w") as stream:
         stream.write(HEAD)
         csv.writer(stream, lineterminator="\n").writerows([["problem", "setup", "quantity", "value", "change"], *table])

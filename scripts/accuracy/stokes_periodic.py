@@ -270,6 +270,13 @@ class Flow:
         return np.cross(self.sources[body] - centre, self.strengths[body]).sum(0)
 
 
+def least_squares(matrix, wanted):
+    """By the triangle of both side by side: several times faster than numpy's singular values."""
+    n = matrix.shape[1]
+    triangle = np.linalg.qr(np.hstack([matrix, wanted]), mode="r")
+    return np.linalg.solve(triangle[:n, :n], triangle[:n, n:])
+
+
 def solve(box, bodies, velocities, mirrors=None):
     """The flows in the box, one for each of the velocities (functions of the points) that the bodies' surfaces have. With
     mirrors the bodies are those of one part, and what is mirrored belongs to them too."""
@@ -282,7 +289,7 @@ def solve(box, bodies, velocities, mirrors=None):
         matrix += sign * box.velocities(matched, mirrors.image(points, flip)) * flip
     matrix = matrix.reshape(3 * len(matched), -1)
     wanted = np.stack([v(matched).ravel() for v in velocities], -1)
-    strengths = np.linalg.lstsq(matrix, wanted, rcond=1e-13)[0]
+    strengths = least_squares(matrix, wanted)
     errors = np.abs(matrix @ strengths - wanted).max(0) / np.abs(wanted).max(0)
     ends = np.cumsum([len(s) for s in sources])[:-1]
     return [mirrors.whole(sources, np.split(f.reshape(-1, 3), ends), error) for f, error in zip(strengths.T, errors)]
