@@ -5,7 +5,7 @@ and II: a nylon sphere of 15 mm released from rest in a tank of 100 x 100 x 160 
 31.9 (E4). The largest velocity is good to about 1 %. The sphere is set off the axis by a part of a cell, so that no
 symmetry of the lattice helps; an error is the worst over the offsets, and .on_cells, for information, that of a sphere
 that falls along the centres of cells. E1 is also compared with our own finest run: what
-is left there when the lattice is resolved is between model and experiment (README.md).
+is left there when the lattice is resolved is between model and experiment (tencate.md).
 """
 from problem import Found, Goal, Run
 
