@@ -98,7 +98,7 @@ def array(phi, seed, number=NUMBER):
 def exact(setup, fineness):
     """K of the eight spheres, flow along x."""
     phi = float(setup.removeprefix("few.phi"))
-    spheres = [sphere_points(x, 1, 110 + 50 * fineness, 0.7) for x in array(phi, 0, FEW)]
+    spheres = [sphere_points(x, 1, 50 + 40 * fineness, 0.65) for x in array(phi, 0, FEW)]
     flow, = solve(PeriodicBox((edge(phi, FEW),) * 3), spheres, [uniform((1, 0, 0))])
     return {"K": sum(flow.force(i)[0] for i in range(FEW)) / (FEW * 6 * math.pi)}
 
