@@ -18,7 +18,7 @@ from stokes_periodic import PeriodicBox, solve, sphere_points, uniform
 
 NUMBER, FEW = 32, 8
 FRACTIONS = (0.1, 0.2, 0.3, 0.4)
-REALISATIONS = 6
+REALISATIONS = {8: 6, 10: 24, 16: 6}    # K of one realisation scatters by 4 to 11 %: 1 to 2 % of their mean at the fine D
 FINE = 10
 LEAST_GAP = 1e-3             # between surfaces, radii: so that rounding makes no overlap
 SWEEPS = 300                 # of a Monte Carlo run; the spheres forget where they began within a tenth of it
@@ -53,9 +53,7 @@ def between(phi):
 SETUPS = ["few.phi0.2", "few.phi0.4"]
 GOALS = [Goal(f"accuracy.random_array.{setup}.d{FINE}.error", 3.0) for setup in SETUPS] + [
     Goal(f"accuracy.random_array.phi{phi:g}.d{FINE}.K", between(phi)[1], low=between(phi)[0]) for phi in FRACTIONS]
-SHORT_SETUPS = ["few.phi0.2", "few.phi0.4"]
-GOALS = [Goal(f"accuracy.random_array.{setup}.d{FINE}.error", 3.0) for setup in SETUPS] + [
-    Goal("accuracy.random_array.phi0.3.d8.K", 1.1 * between(0.3)[1], low=0.9 * between(0.3)[0])]  # two realisations
+SHORT_GOALS = [Goal("accuracy.random_array.few.phi0.2.d8.error", 3.0 * (10 / 8)**2)]  # second order
 
 
 def edge(phi, number=NUMBER):
@@ -119,7 +117,7 @@ def a_run(key, phi, diameter, number, seed, offset, settings):
 
 def many(phi, diameter):
     return [a_run(f"phi{phi:g}.d{diameter}.array{seed}", phi, diameter, NUMBER, seed, np.zeros(3), {"phi": phi, "array": seed})
-            for seed in range(REALISATIONS)]
+            for seed in range(REALISATIONS[diameter])]
 
 
 def few(setup, diameter):
