@@ -5,7 +5,7 @@ the mean pressure gradient's share, U the superficial velocity; mean over realis
 between the least and the largest of the published laws at Re = 0, which differ by 7 to 16 % (02_random_array_drag.toml): Hill, Koch and
 Ladd (2001), van der Hoef, Beetstra and Kuipers (2005), Tenneti, Garg and Subramaniam (2011).
 The tight test is "few": an array of eight spheres, at several places on the lattice, against the Stokes flow in that very box
-(stokes_boxes.csv): errors are of K.
+(stokes_boxes.csv, known to better than 1 %): errors are of K.
 """
 import functools
 import math
@@ -18,9 +18,10 @@ from stokes_periodic import PeriodicBox, solve, sphere_points, uniform
 
 NUMBER, FEW = 32, 8
 FRACTIONS = (0.1, 0.2, 0.3, 0.4)
-REALISATIONS = 6
+REALISATIONS = {8: 6, 10: 24, 16: 6}    # K of one realisation scatters by 4 to 11 %: 1 to 2 % of their mean at the fine D
 FINE = 10
 LEAST_GAP = 1e-3             # between surfaces, radii: so that rounding makes no overlap
+FEW_GAP = 0.3                # the same of the eight, whose reference would need many points in narrow gaps
 SWEEPS = 300                 # of a Monte Carlo run; the spheres forget where they began within a tenth of it
 
 
@@ -50,12 +51,10 @@ def between(phi):
     return min(found), max(found)
 
 
-SETUPS = ["few.phi0.2", "few.phi0.4"]
+SETUPS = ["few.phi0.2"]
 GOALS = [Goal(f"accuracy.random_array.{setup}.d{FINE}.error", 3.0) for setup in SETUPS] + [
     Goal(f"accuracy.random_array.phi{phi:g}.d{FINE}.K", between(phi)[1], low=between(phi)[0]) for phi in FRACTIONS]
-SHORT_SETUPS = ["few.phi0.2", "few.phi0.4"]
-GOALS = [Goal(f"accuracy.random_array.{setup}.d{FINE}.error", 3.0) for setup in SETUPS] + [
-    Goal("accuracy.random_array.phi0.3.d8.K", 1.1 * between(0.3)[1], low=0.9 * between(0.3)[0])]  # two realisations
+SHORT_GOALS = [Goal("accuracy.random_array.few.phi0.2.d8.error", 3.0 * (10 / 8)**2)]  # second order
 
 
 def edge(phi, number=NUMBER):
@@ -83,7 +82,8 @@ def spread_out(x, length, least):
 @functools.cache
 def array(phi, seed, number=NUMBER):
     """Centres in radii: hard spheres in equilibrium, by Metropolis' moves of single spheres."""
-    generator, length, least = np.random.default_rng(seed), edge(phi, number), 2 + LEAST_GAP
+    generator, length = np.random.default_rng(seed), edge(phi, number)
+    least = 2 + (FEW_GAP if number == FEW else LEAST_GAP)
     x = spread_out(generator.random((number, 3)) * length, length, least)
     step = min(1.0, 0.5 * (length / number**(1 / 3) - 2) + 0.1)
     for _ in range(SWEEPS):
@@ -98,7 +98,7 @@ def array(phi, seed, number=NUMBER):
 def exact(setup, fineness):
     """K of the eight spheres, flow along x."""
     phi = float(setup.removeprefix("few.phi"))
-    spheres = [sphere_points(x, 1, 110 + 50 * fineness, 0.7) for x in array(phi, 0, FEW)]
+    spheres = [sphere_points(x, 1, 30 + 30 * fineness, 0.65) for x in array(phi, 0, FEW)]
     flow, = solve(PeriodicBox((edge(phi, FEW),) * 3), spheres, [uniform((1, 0, 0))])
     return {"K": sum(flow.force(i)[0] for i in range(FEW)) / (FEW * 6 * math.pi)}
 
@@ -119,7 +119,7 @@ def a_run(key, phi, diameter, number, seed, offset, settings):
 
 def many(phi, diameter):
     return [a_run(f"phi{phi:g}.d{diameter}.array{seed}", phi, diameter, NUMBER, seed, np.zeros(3), {"phi": phi, "array": seed})
-            for seed in range(REALISATIONS)]
+            for seed in range(REALISATIONS[diameter])]
 
 
 def few(setup, diameter):

@@ -65,7 +65,7 @@ def a_run(setup, diameter, number, offset):
     place = (cells[0] // 2 + offset[0], cells[1] // 2 + offset[1], h * a)
     turns = motion == "rotation"
     sphere = scene.body("body", place, **({"motion": "prescribed", "angular_velocity": (0, U / a, 0)} if turns else {}))
-    steps = round(10 * cells[2]**2 / (math.pi**2 * scene.VISCOSITY))
+    steps = round((15 if motion == "shear" else 10) * cells[2]**2 / (math.pi**2 * scene.VISCOSITY))
     start = f'initial = {{ type = "uniform", velocity = {scene.vector((U, 0, 0))} }}' if motion == "translation" else ""
     text = scene.case(f"Sphere at a wall, {setup}, {diameter} cells across", cells, f'type = "sphere"\ndiameter = {diameter}',
                       [sphere], steps, boundary=f'{{ x = "periodic", y = "periodic", z = [{lower}, {upper}] }}', fluid=start)
