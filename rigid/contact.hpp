@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "rigid/film.hpp"
 #include "rigid/types.hpp"
 
 namespace silt::rigid {
@@ -32,6 +33,7 @@ struct Contact {
   Vec3 r_a, r_b;  // the common contact point (midway between the surfaces; at a wall: the
                   // point on a) from each centre of mass
   double restitution, friction;
+  Film film = {};  // of a narrow gap
 
   auto pair() const { return std::tuple(a, b, image); }
   /// The order in which contacts are resolved and summed, on any number of ranks.

@@ -16,8 +16,8 @@ struct ContactImpulse {
 };
 
 /// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the
-/// new normal and inside the cone. A contact not found keeps its impulse. Where the pair's image changed (a
-/// body crossed a periodic side) the same feature of another image will do.
+/// new normal and (without a film) inside the cone. A contact not found keeps its impulse. Where the pair's
+/// image changed (a body crossed a periodic side) the same feature of another image will do.
 class Recall {
  public:
   explicit Recall(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
