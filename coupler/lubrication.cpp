@@ -41,9 +41,10 @@ double column(const rigid::FilmGap& gap, Vec3 from, int axis) {
   const double slope = gap.normal[axis], height = gap.normal.dot(from);
   const double ends[2] = {(-widest - height) / slope, (widest - height) / slope};
   const double shift = gap.middle[axis] - 0.5;  // a cell's centre is a whole number from it
-  const double last = std::floor(std::max(ends[0], ends[1]) + shift) - shift;
+  const double last = std::floor(std::max(ends[0], ends[1]) + shift);
   double sum = 0;
-  for (double x = std::ceil(std::min(ends[0], ends[1]) + shift) - shift; x <= last; x += 1) {
+  for (double cell = std::ceil(std::min(ends[0], ends[1]) + shift); cell <= last; cell += 1) {
+    const double x = cell - shift;
     from[axis] = x;
     const double z = height + slope * x;
     const double below = 0.5 * (gap.width + from.dot(gap.bend_a * from));

@@ -24,10 +24,13 @@ struct Image {
   auto operator<=>(const Image&) const = default;
 };
 
+/// Set in the feature of a contact with a film.
+inline constexpr std::uint64_t film_feature = std::uint64_t{1} << 63;
+
 struct Contact {
   BodyId a, b;            // a < b
   Image image;            // of b, relative to the canonical position of a
-  std::uint64_t feature;  // part of a, part of b, feature of the parts
+  std::uint64_t feature;  // film_feature; part of a, part of b, feature of the parts
   Vec3 normal;            // unit, from a to b
   double gap;
   Vec3 r_a, r_b;  // the common contact point (midway between the surfaces; at a wall: the

@@ -134,6 +134,7 @@ void DetectContacts::put_film(const FilmLaw& law, const BodySet& bodies, const C
   const FilmGap gap{point.gap, dt * opening, *of_a, *of_b, middle, n};
   const double sum = gap.curvature_sum();
   if (gap.curvature_product() >= least_roundness * sum * sum) c.film = law(gap);
+  if (c.film) c.feature |= film_feature;
 }
 
 void DetectContacts::collide_pair(const World& world, const BodySet& bodies, const BodyExchange& exchange,

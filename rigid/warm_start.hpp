@@ -30,6 +30,9 @@ class Recall {
   std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
 };
 
+/// What the films around a body gave it in the step before; W.
+Vec3 impulse_of_films(const BodySet&, std::size_t row);
+
 /// Appends the pair's impulses to what one of its bodies remembers.
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);
