@@ -77,8 +77,8 @@ double cells_in_gap(const rigid::FilmGap& gap) {
 }
 
 ResolvedFlow resolved_flow(WallScheme scheme) {
-  if (scheme == WallScheme::cli) return {0.782, 0.688, 2.396, 0.5, 0.5};
-  return {0.782, 0.688, 2.396, 0.5, 0.5};
+  if (scheme == WallScheme::cli) return {0.820, 0.600, 2.104, 0.407, 0.272};
+  return {1.063, 0.286, 1.491, 0.401, 0.264};
 }
 
 Lubrication::Lubrication(double viscosity, const ResolvedFlow& resolved, double least_gap)
