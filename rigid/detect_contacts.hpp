@@ -1,6 +1,7 @@
 #pragma once
 // Lines 7 to 12 of Algorithm 1: which bodies touch, or may touch before the step is over, and where.
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rigid/body_exchange.hpp"
@@ -27,12 +28,16 @@ class DetectContacts {
     std::vector<Part> parts;
     std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
     bool sphere, half_space;
-    bool plain;  // one part, whose pose is the body's
+    std::optional<Tube> tube;  // then there are no parts
+    bool plain;                // one part, whose pose is the body's
   };
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
   bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
+  Vec3 way_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
+  void collide_parts(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b,
+                     std::size_t j, const Pose& pose_b, double margin, CollisionBackend&);
   void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&,
                     const CandidatePair&, const Vec3& from_a_to_b, double margin,
                     std::vector<Contact>& contacts);
@@ -44,7 +49,7 @@ class DetectContacts {
   std::vector<Reach> reach_;
   std::vector<BoundingBox> boxes_;  // about the bodies' positions, axis-aligned; of spheres not set
   std::vector<double> turn_;        // how far rotation moves a body's surface in the step
-  std::vector<Vec3> wall_normals_;
+  std::vector<WallSurface> walls_;
   std::vector<CandidatePair> pairs_;
   std::vector<ContactPoint> points_;
 };
