@@ -33,6 +33,7 @@ class FlowOf final : public Flow {
         fluid_(domain, collision(*scene.fluid), comm),
         map_(fluid_.domain(), world_, boxes(fluid_)),
         links_(fluid_.blocks().size()),
+        pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange),
         anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
 
@@ -60,7 +61,7 @@ class FlowOf final : public Flow {
 
   void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
     stepped_ = true;
-    push_bodies(bodies);
+    if (pushes_bodies_) push_bodies(bodies);
     mass_gained_ += forces_(fluid_, map_.blocks(), links_, bodies, gravity);
     if (!anchored_) return;
     std::int64_t mine[2] = {mass_gained_, cells_gained_}, all[2];
@@ -138,7 +139,6 @@ class FlowOf final : public Flow {
   void push_bodies(rigid::BodySet& bodies) const {
     const auto& f = fluid_.spec().force;
     const Vec3 force(f[0], f[1], f[2]);
-    if (force.isZero(0)) return;
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (bodies.is_free(row))
         bodies.add_force(row, bodies.mass[row] * (1 - bodies.weight_factor[row]) * force);
@@ -195,6 +195,7 @@ class FlowOf final : public Flow {
   lbm::Fluid<T> fluid_;
   MapBodies map_;
   std::vector<BlockLinks<T>> links_;
+  bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;
   bool anchored_, restarted_ = false, stepped_ = false;

@@ -9,6 +9,7 @@
 namespace silt::coupler {
 
 struct QuantityType {
+  // time: from when on; instant: when, by default at the end
   enum Key : unsigned {
     body = 1,
     axis = 2,
@@ -18,7 +19,8 @@ struct QuantityType {
     centre = 32,
     box = 64,
     side = 128,
-    wall = 256
+    wall = 256,
+    instant = 512
   };
   enum Need : unsigned { fluid = 1, bodies = 2, gravity = 4, undriven = 8 };  // undriven: no prescribed body
 

@@ -55,6 +55,19 @@ TEST(Tube, BallSettlesOnTheLowestLine) {
   EXPECT_LT(simulation.counters().penetration, 0.02);
 }
 
+/// As a pressure gradient, the body force takes a free ball of the fluid's density along with the fluid.
+TEST(BodyForce, OnBodiesMovesBallAndFluidAlike) {
+  CaseText c;
+  c.domain = "[domain]\nsize = [24, 24, 24]\nblocks = [12, 12, 24]\nboundary = \"periodic\"\n";
+  c.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\nbody_force_on_bodies = true\n";
+  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nposition = [12.2, 11.9, 12]\n";
+  Simulation simulation(c.read(), MPI_COMM_WORLD);
+  simulation.run(500);
+  const auto& bodies = simulation.bodies();
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    EXPECT_NEAR(bodies.velocity[row][0], 500 * 1e-5, 2e-2 * 500 * 1e-5);
+}
+
 double value_of(const CaseText& text, const std::vector<std::string>& overrides = {}) {
   const Case scene = text.read(overrides);
   Simulation simulation(scene, MPI_COMM_WORLD);
