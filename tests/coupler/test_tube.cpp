@@ -74,23 +74,20 @@ TEST(Tube, PoiseuilleIsOfSecondOrder) {
       << errors[0] << ' ' << errors[1] << ' ' << errors[2] << ' ' << errors[3];
 }
 
-/// The fluid in a tube that turns and slides comes to move with it as if it were rigid. The pressure that
-/// turns it round the axis makes the lattice's density deviate by (omega R)^2.
+/// The fluid in a tube that turns and slides comes to move with it as if it were rigid: without shear the
+/// links are exact, wherever they cut. Then nothing acts on the wall.
 TEST(Tube, FluidMovesRigidlyWithTheTube) {
-  std::vector<double> errors;
   for (const double radius : radii) {
     const std::string motion = fmt::format("angular_velocity = {}\nvelocity = 0.01", 0.02 / radius);
     Simulation simulation(pipe(radius, motion, 0, 1).read(), MPI_COMM_SELF);
     simulation.run(long_enough(radius));
-    errors.push_back(error_of(simulation));
-    const Load load = simulation.scene().flow->wall_load(0);
+    const Load one = simulation.scene().flow->wall_load(0);
+    EXPECT_LT(error_of(simulation), 1e-3) << radius;
+    const Load next = simulation.scene().flow->wall_load(0);
     const double scale = 4 * pi * 0.1 * 0.02 * radius * 4;  // of the torque while it spins up
-    EXPECT_LT(std::abs(load.torque[0]), 2e-3 * scale);
-    EXPECT_LT(std::abs(load.force[0]), 1e-6);
+    EXPECT_LT(0.5 * std::abs(one.torque[0] + next.torque[0]), 2e-3 * scale) << radius;
+    EXPECT_LT(std::abs(one.force[0]), 1e-6) << radius;
   }
-  EXPECT_LT(errors.back(), 1e-3);
-  EXPECT_GT(order({std::begin(radii), std::end(radii)}, errors), 1.9)
-      << errors[0] << ' ' << errors[1] << ' ' << errors[2] << ' ' << errors[3];
 }
 
 /// The torque that spins the fluid up is what its angular momentum gains.
