@@ -33,6 +33,34 @@ std::array<double, 3> TaylorGreen::strain_rate(double x, double y, double t) con
   return {xx, -xx, 0.5 * a * (-ky + kx * kx / ky) * cc};
 }
 
+std::unique_ptr<ExactProfile> exact_profile(const Case& scene, const std::string& name) {
+  if (name == "pipe") return std::make_unique<PipeProfile>(scene);
+  return std::make_unique<WallProfile>(scene, name);
+}
+
+PipeProfile::PipeProfile(const Case& scene) : viscosity_(scene.fluid->kinematic_viscosity) {
+  const rigid::Vec3& force = scene.fluid->body_force;
+  if (scene.walls.size() == 1) tube_ = scene.walls[0].tube;
+  const bool along = force.cross(tube_.axis).norm() <= 1e-12 * force.norm();
+  int axis = 0;
+  tube_.axis.cwiseAbs().maxCoeff(&axis);
+  if (scene.walls.size() != 1 || !along || !scene.periodic(axis))
+    throw CaseError(scene.place("quantities"),
+                    "the profile \"pipe\" needs one tube in [[walls]], along a periodic axis, and a "
+                    "fluid.body_force (if any) along it");
+  acceleration_ = force.dot(tube_.axis);
+}
+
+rigid::Vec3 PipeProfile::velocity(const rigid::Vec3& x) const {
+  const rigid::Vec3 from = x - tube_.point, arm = from - tube_.axis.dot(from) * tube_.axis;
+  const double flow = acceleration_ * (tube_.radius * tube_.radius - arm.squaredNorm()) / (4 * viscosity_);
+  return (flow + tube_.velocity) * tube_.axis + tube_.angular_velocity * tube_.axis.cross(arm);
+}
+
+double PipeProfile::largest() const {
+  return std::abs(velocity(tube_.point).dot(tube_.axis)) + std::abs(tube_.angular_velocity) * tube_.radius;
+}
+
 WallProfile::WallProfile(const Case& scene, const std::string& profile)
     : is_duct_(profile == "duct"), viscosity_(scene.fluid->kinematic_viscosity) {
   const rigid::Vec3& force = scene.fluid->body_force;

@@ -163,6 +163,11 @@ std::uint64_t points_inside(const SampledBox& box, const rigid::Shape& shape, co
 
 }  // namespace
 
+double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
+                        const std::function<double(std::size_t)>& value) {
+  return mean_over(simulation, q, value);
+}
+
 // ---- at the end ----
 
 double mean_height(const Simulation& simulation, const QuantitySpec& q) {

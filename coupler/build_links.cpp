@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "rigid/ray_interval.hpp"
 
@@ -26,6 +27,25 @@ double sphere_distance(const Vec3& r, Int3 c, double radius) {
   return (-b - std::sqrt(std::max(discriminant, 0.0))) / a;
 }
 
+/// Distance of the inside of a tube along one link direction, in units of it.
+class TubeDistance {
+ public:
+  TubeDistance(double radius, const rigid::Mat3& to_tube) : radius_(radius), across_(to_tube.topRows<2>()) {}
+  void point(const Vec3& c) { direction_ = across_ * c, a_ = direction_.squaredNorm(); }
+  /// The larger root of |o + q d| = radius, seen along the axis, without cancellation; r is in the hollow.
+  double operator()(const Vec3& r) const {
+    const Eigen::Vector2d o = across_ * r;
+    const double rho = o.norm(), b = o.dot(direction_), c = (rho - radius_) * (rho + radius_);
+    const double s = std::sqrt(std::max(b * b - a_ * c, 0.0));
+    return b > 0 ? -c / (b + s) : (s - b) / a_;
+  }
+
+ private:
+  double radius_, a_ = 0;
+  Eigen::Matrix<double, 2, 3> across_;
+  Eigen::Vector2d direction_ = Eigen::Vector2d::Zero();
+};
+
 /// Distance of a body's surface along one link direction, prepared once a body and direction.
 class SurfaceDistance {
  public:
@@ -33,6 +53,7 @@ class SurfaceDistance {
       : ball_(std::get_if<rigid::Sphere>(&shape)) {
     if (ball_) return;
     const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
+    if (const auto* tube = std::get_if<rigid::Tube>(&shape)) tube_.emplace(tube->radius, to_body);
     for (const auto& part : rigid::convex_parts(shape)) {
       const rigid::Mat3 to_part = part.pose.orientation.toRotationMatrix().transpose();
       parts_.push_back({part.shape, rigid::reach({part.shape, rigid::Pose{}}), to_part * to_body,
@@ -41,10 +62,12 @@ class SurfaceDistance {
   }
   void point(int i) {
     c_ = lbm::c[i];
+    if (tube_) tube_->point(Vec3(c_.x, c_.y, c_.z));
     for (auto& p : parts_) p.direction = p.rotation * Vec3(c_.x, c_.y, c_.z);
   }
   double operator()(const Vec3& r) const {
     if (ball_) return std::clamp(sphere_distance(r, c_, ball_->radius), 0.0, 1.0);
+    if (tube_) return std::clamp((*tube_)(r), 0.0, 1.0);
     double q = 1;
     for (const auto& p : parts_) {
       const Vec3 origin = p.rotation * r - p.centre;
@@ -64,6 +87,7 @@ class SurfaceDistance {
     Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
   };
   const rigid::Sphere* ball_;
+  std::optional<TubeDistance> tube_;
   std::vector<PreparedPart> parts_;
   Int3 c_;
 };

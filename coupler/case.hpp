@@ -13,6 +13,7 @@
 #include "coupler/case_error.hpp"
 #include "coupler/units.hpp"
 #include "rigid/rigid_step.hpp"
+#include "rigid/walls.hpp"
 
 namespace silt::coupler {
 
@@ -40,6 +41,7 @@ struct FluidSpec {
       1. / 6;  // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
+  bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
   // initial velocity: "rest", "uniform", "taylor-green", "taylor-green-3d"; amplitude and (for the vortices)
   // one wave a period
   std::string initial = "rest";
@@ -74,6 +76,12 @@ struct BodySpec {  // one body
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
 };
 
+/// A curved wall of the domain, for fluid and bodies alike.
+struct CurvedWall {
+  std::string name;
+  rigid::TubeSpec tube;
+};
+
 struct FillSpec {
   int shape = 0, material = 0, kind = 0, count = 0;
   double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
@@ -98,9 +106,11 @@ struct QuantitySpec {
   std::string name, type;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  std::string profile;  // "channel", "duct"
+  std::string profile;  // "channel", "duct", "pipe"
   double time = 0;      // from when on (of an instant: when; without one the end), in steps
   double height = 0;    // along the axis
+  int side = 0;         // a Side of the domain
+  int wall = 0;         // index into Case::walls
   rigid::Vec3 centre = rigid::Vec3::Zero();
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
 
@@ -138,6 +148,7 @@ struct Case {
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FillSpec> fills;
+  std::vector<CurvedWall> walls;  // besides the sides of the domain
   // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
   // one name make one kind, and have one shape
   std::vector<std::string> kind_names;
@@ -152,6 +163,8 @@ struct Case {
   Place place(std::string path) const;
   bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
   bool has_lubrication() const { return fluid && coupling.lubrication && contacts.resolver == "sffd"; }
+  /// Something besides the sides of the domain bounds the fluid.
+  bool has_surfaces() const { return has_bodies() || !walls.empty(); }
 };
 
 }  // namespace silt::coupler

@@ -1,5 +1,6 @@
 #include "coupler/fluid_forces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -119,6 +120,9 @@ void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const Bloc
     if (const std::size_t row = bodies.row_of(h.id); row < bodies.size())
       for (int d = 0; d < 6; ++d) rows_[row * width_ + d] += h.force[d];
   handed_over_.clear();
+  wall_loads_.resize(bodies.walls);
+  for (std::size_t w = 0; w < bodies.walls; ++w)
+    std::copy_n(rows_.data() + (bodies.first_wall() + w) * width_, force_width, wall_loads_[w].begin());
   exchange_.sum_to_owners(bodies, rows_, width_);
 }
 

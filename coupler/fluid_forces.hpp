@@ -14,6 +14,7 @@
 // the drag over the mass. A sudden blow is not counted.
 //
 // History: none besides the state of bodies (their stored impulses with it) and populations.
+#include <array>
 #include <span>
 
 #include "coupler/body_exchange.hpp"
@@ -49,6 +50,10 @@ class FluidForces {
   std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                           rigid::BodySet&, const rigid::Vec3& gravity);
 
+  /// Force and torque of the last step on a wall (0: the first of the walls' rows), torque about its
+  /// position, from this rank's blocks; in quanta of lbm::link_quantum.
+  std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
+
  private:
   std::int64_t apply(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                      const rigid::BodySet&);
@@ -61,6 +66,7 @@ class FluidForces {
   const BodyExchange& exchange_;
   std::vector<std::int64_t> rows_;  // width a row
   int width_, substeps_;
+  std::vector<std::array<std::int64_t, 6>> wall_loads_;
   struct HandedOver {
     rigid::BodyId id;
     std::int64_t force[6];

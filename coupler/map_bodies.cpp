@@ -30,6 +30,7 @@ bool same(const rigid::Pose& a, const rigid::Pose& b) {
 /// Sets the bits of the cells first..last (global less shift) that lie in the block's row, ghosts included.
 void set_interval(const lbm::CellBox& box, int shift_x, double first, double last, std::uint64_t* row) {
   const int offset = box.lower.x - shift_x - 1;  // bit = cell - offset
+  if (!(first - offset <= box.size.x + 1.0 && last - offset >= 0)) return;
   const int from = int(std::max(first - offset, 0.0)), to = int(std::min(last - offset, box.size.x + 1.0));
   for (int bit = from; bit <= to; ++bit) row[bit >> 6] |= std::uint64_t{1} << (bit & 63);
 }
@@ -66,47 +67,74 @@ void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
 }
 
-/// Every image of every body whose bounding box meets the block or its ghost layer, without bits.
+/// Every image of every body, and every wall, that may meet the block or its ghost layer, without bits.
 void MapBodies::find_masks(const BlockMap& block, const rigid::BodySet& bodies,
                            std::vector<BodyMask>& found) const {
   found.clear();
-  for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
-    const rigid::Pose& pose = bodies.mapping_pose[row];
-    const rigid::BoundingBox box = rigid::bounding_box(world_.shapes[bodies.shape[row]], pose);
-    int low[3], high[3];  // cells the box may cover, then the images that reach the block
-    Int3 first, last;
-    for (int d = 0; d < 3; ++d) {
-      low[d] = int(std::floor(box.lower[d] - 0.5)), high[d] = int(std::ceil(box.upper[d] - 0.5));
-      const int n = domain_.cells()[d], from = block.box.lower[d] - 1,
-                to = block.box.lower[d] + block.box.size[d];
-      const auto floor_div = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
-      first[d] = domain_.periodic(d) ? -floor_div(high[d] - from, n) : 0;
-      last[d] = domain_.periodic(d) ? floor_div(to - low[d], n) : 0;
-      if (!domain_.periodic(d) && (high[d] < from || low[d] > to)) last[d] = -1;
-    }
-    for (int kz = first.z; kz <= last.z; ++kz)
-      for (int ky = first.y; ky <= last.y; ++ky)
-        for (int kx = first.x; kx <= last.x; ++kx) {
-          BodyMask mask;
-          mask.id = bodies.id[row], mask.row = row, mask.pose = pose;
-          mask.shift = {kx * domain_.cells().x, ky * domain_.cells().y, kz * domain_.cells().z};
-          const auto rows = [&](int d, int shift, int& r0, int& r1) {
-            r0 = std::max(low[d] + shift - block.box.lower[d], -1);
-            r1 = std::min(high[d] + shift - block.box.lower[d], block.box.size[d]) + 1;
-          };
-          rows(1, mask.shift.y, mask.y0, mask.y1), rows(2, mask.shift.z, mask.z0, mask.z1);
-          if (mask.y0 < mask.y1 && mask.z0 < mask.z1) found.push_back(std::move(mask));
-        }
+  for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row, found);
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
+    if (!std::holds_alternative<rigid::Tube>(world_.shapes[bodies.shape[row]])) continue;
+    BodyMask mask;  // no images: it is alike on both sides of a periodic border, or solid there
+    mask.id = bodies.id[row], mask.row = row, mask.pose = bodies.mapping_pose[row];
+    mask.y0 = mask.z0 = -1, mask.y1 = block.box.size.y + 1, mask.z1 = block.box.size.z + 1;
+    found.push_back(std::move(mask));
   }
   std::sort(found.begin(), found.end(), [](const BodyMask& a, const BodyMask& b) {
     return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
   });
 }
 
+/// The images of a body whose bounding box meets the block or its ghost layer.
+void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row,
+                           std::vector<BodyMask>& found) const {
+  const rigid::Pose& pose = bodies.mapping_pose[row];
+  const rigid::BoundingBox box = rigid::bounding_box(world_.shapes[bodies.shape[row]], pose);
+  int low[3], high[3];  // cells the box may cover, then the images that reach the block
+  Int3 first, last;
+  for (int d = 0; d < 3; ++d) {
+    low[d] = int(std::floor(box.lower[d] - 0.5)), high[d] = int(std::ceil(box.upper[d] - 0.5));
+    const int n = domain_.cells()[d], from = block.box.lower[d] - 1,
+              to = block.box.lower[d] + block.box.size[d];
+    const auto floor_div = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
+    first[d] = domain_.periodic(d) ? -floor_div(high[d] - from, n) : 0;
+    last[d] = domain_.periodic(d) ? floor_div(to - low[d], n) : 0;
+    if (!domain_.periodic(d) && (high[d] < from || low[d] > to)) last[d] = -1;
+  }
+  for (int kz = first.z; kz <= last.z; ++kz)
+    for (int ky = first.y; ky <= last.y; ++ky)
+      for (int kx = first.x; kx <= last.x; ++kx) {
+        BodyMask mask;
+        mask.id = bodies.id[row], mask.row = row, mask.pose = pose;
+        mask.shift = {kx * domain_.cells().x, ky * domain_.cells().y, kz * domain_.cells().z};
+        const auto rows = [&](int d, int shift, int& r0, int& r1) {
+          r0 = std::max(low[d] + shift - block.box.lower[d], -1);
+          r1 = std::min(high[d] + shift - block.box.lower[d], block.box.size[d]) + 1;
+        };
+        rows(1, mask.shift.y, mask.y0, mask.y1), rows(2, mask.shift.z, mask.z0, mask.z1);
+        if (mask.y0 < mask.y1 && mask.z0 < mask.z1) found.push_back(std::move(mask));
+      }
+}
+
+/// The cells outside the hollow of a tube.
+void MapBodies::mark_around(const BlockMap& block, const rigid::Tube& tube, BodyMask& mask) const {
+  const rigid::Mat3 to_tube = mask.pose.orientation.toRotationMatrix().transpose();
+  const double centre = mask.pose.position[0] - 0.5;
+  constexpr double beyond = 1e9;  // all cells of a row
+  for (int z = mask.z0; z < mask.z1; ++z)
+    for (int y = mask.y0; y < mask.y1; ++y) {
+      const Vec3 r = mask.arm(block.box.lower + Int3{0, y, z});
+      std::uint64_t* const row = mask.inside.data() + mask.row_index(y, z);
+      const auto hollow = rigid::hollow_interval(tube, to_tube * Vec3(0, r[1], r[2]), to_tube.col(0));
+      set_interval(block.box, 0, -beyond, hollow ? std::floor(centre + hollow->enter) : beyond, row);
+      if (hollow) set_interval(block.box, 0, std::ceil(centre + hollow->leave), beyond, row);
+    }
+}
+
 /// Row by row: where the line of cell centres is inside, in closed form, relative to the body's centre.
 void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) const {
   mask.words = block.solid.words();
   mask.inside.assign(std::size_t(mask.words) * (mask.y1 - mask.y0) * (mask.z1 - mask.z0), 0);
+  if (const auto* tube = std::get_if<rigid::Tube>(&shape)) return mark_around(block, *tube, mask);
   const auto& parts = parts_[&shape - world_.shapes.data()];
   const rigid::Mat3 to_body = mask.pose.orientation.toRotationMatrix().transpose();
   const Vec3 direction_B = to_body.col(0);

@@ -9,6 +9,7 @@
 #include "coupler/flow_quantities.hpp"
 #include "coupler/quantity_types.hpp"
 #include "coupler/reduce.hpp"
+#include "coupler/wall_quantities.hpp"
 
 namespace silt::coupler {
 
@@ -90,6 +91,11 @@ const std::map<std::string_view, Computation> computations = {
     {"discharge-rate", {observe_discharge, discharge_rate}},
     {"bed-angle", {observe_bed, mean_seen}},
     {"rebound-ratio", {observe_rebound, rebound_ratio}},
+    {"axis-distance", {nullptr, at_end<axis_distance>}},
+    {"wall-stress", {observe_wall_stress, mean_seen}},
+    {"wall-force", {observe_wall_force, mean_seen}},
+    {"wall-torque", {observe_wall_torque, mean_seen}},
+    {"relative-viscosity", {observe_relative_viscosity, mean_seen}},
     {"packing-fraction", {nullptr, at_end<packing_fraction>}},
 };
 
@@ -98,7 +104,7 @@ const std::map<std::string_view, Computation> computations = {
 Quantities::Quantities(const Case& scene)
     : setup_(scene), history_(scene.quantities.size(), {not_yet, not_yet}) {
   for (const QuantitySpec& q : setup_.quantities)
-    if (q.type == "profile-error") WallProfile(setup_, q.profile);
+    if (q.type == "profile-error") exact_profile(setup_, q.profile);
 }
 
 void Quantities::observe(const Simulation& simulation) {

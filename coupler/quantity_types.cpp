@@ -35,6 +35,11 @@ constexpr QuantityType types[] = {
     {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies},
     {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity},
     {"rebound-ratio", dimension::none, Q::body | Q::axis | Q::height, Q::bodies},
+    {"axis-distance", dimension::length, Q::body | Q::wall, Q::bodies},
+    {"wall-stress", dimension::pressure, Q::side | Q::axis | Q::time, Q::fluid},
+    {"wall-force", dimension::force, Q::wall | Q::axis | Q::time, 0},
+    {"wall-torque", dimension::torque, Q::wall | Q::time, 0},
+    {"relative-viscosity", dimension::none, Q::axis | Q::time, Q::fluid},
     {"packing-fraction", dimension::none, Q::body | Q::box, Q::bodies},
 };
 

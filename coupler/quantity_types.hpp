@@ -18,7 +18,9 @@ struct QuantityType {
     height = 16,
     centre = 32,
     box = 64,
-    instant = 128
+    side = 128,
+    wall = 256,
+    instant = 512
   };
   enum Need : unsigned { fluid = 1, bodies = 2, gravity = 4, undriven = 8 };  // undriven: no prescribed body
 

@@ -61,11 +61,6 @@ int read_shape_name(TableReader& table, const Case& scene) {
   return name ? std::max(0, index_of(table, "shape", *name, scene.shape_names, "shape")) : 0;
 }
 
-int read_material_name(TableReader& table, const Case& scene) {
-  const auto name = table.string("material");
-  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
-}
-
 // Entries of one name make one kind, of one shape; without a name it is the shape's.
 int read_kind(TableReader& table, int shape, Case& scene) {
   const std::string fallback =
@@ -111,6 +106,11 @@ std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
 }
 
 }  // namespace
+
+int read_material_name(TableReader& table, const Case& scene) {
+  const auto name = table.string("material");
+  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
+}
 
 void read_contacts(TableReader& root, Case& scene) {
   rigid::Material standard;

@@ -283,6 +283,7 @@ void read_fluid(TableReader& root, Case& scene) {
     if (fluid.choice("precision", {"single", "double"}).value_or("single") == "double")
       spec.precision = Precision::double_;
     spec.body_force = fluid.vector("body_force", dimension::acceleration).value_or(spec.body_force);
+    spec.body_force_on_bodies = fluid.boolean("body_force_on_bodies").value_or(spec.body_force_on_bodies);
     read_initial(fluid, spec);
   }
   TableReader gravity = root.table("gravity");

@@ -49,8 +49,8 @@ double read_length(TableReader& table, const char* key, const char* what) {
 }
 
 void read_profile(TableReader& table, QuantitySpec& quantity) {
-  if (!table.has("profile")) table.missing("profile", "channel or duct");
-  quantity.profile = table.choice("profile", {"channel", "duct"}).value_or("channel");
+  if (!table.has("profile")) table.missing("profile", "channel, duct or pipe");
+  quantity.profile = table.choice("profile", {"channel", "duct", "pipe"}).value_or("channel");
 }
 
 void read_time(TableReader& table, QuantitySpec& quantity) {
@@ -69,6 +69,24 @@ void read_centre(TableReader& table, QuantitySpec& quantity) {
   quantity.centre = table.vector("centre", dimension::length).value_or(quantity.centre);
 }
 
+void read_side(TableReader& table, QuantitySpec& quantity) {
+  const std::vector<std::string> sides = {"x-low", "x-high", "y-low", "y-high", "z-low", "z-high"};
+  if (!table.has("side")) table.missing("side", "of the domain, \"z-low\" for one");
+  const auto name = table.choice("side", sides);
+  if (name) quantity.side = static_cast<int>(std::find(sides.begin(), sides.end(), *name) - sides.begin());
+}
+
+void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {
+  std::vector<std::string> names;
+  for (const CurvedWall& wall : scene.walls) names.push_back(wall.name);
+  const auto name = table.string("wall");
+  if (name)
+    quantity.wall = std::max(0, index_of(table, "wall", *name, names, "wall"));
+  else if (names.size() != 1 && !table.has("wall"))
+    table.missing("wall", names.empty() ? "the name of one of [[walls]], of which there is none"
+                                        : "the name of one of [[walls]]: " + joined(names));
+}
+
 // The keys that the type takes; any other is unknown.
 void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
                         const Case& scene) {
@@ -82,6 +100,8 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   if (type.takes(Q::instant)) quantity.time = read_instant(table);
   if (type.takes(Q::height)) quantity.height = read_length(table, "height", "what bodies are to fall below");
   if (type.takes(Q::centre)) read_centre(table, quantity);
+  if (type.takes(Q::side)) read_side(table, quantity);
+  if (type.takes(Q::wall)) read_wall(table, quantity, scene);
   if (type.takes(Q::box)) read_box(table, scene, quantity.lower, quantity.upper);
 }
 

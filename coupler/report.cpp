@@ -28,7 +28,7 @@ bool has_stage(const Scene& scene, Stage stage) {
   switch (stage) {
     case Stage::object_mapping:
     case Stage::force_evaluation:
-      return scene.flow && scene.body_count > 0;
+      return scene.flow && scene.has_surfaces();
     case Stage::lbm_communication:
     case Stage::stream_collide:
       return scene.flow != nullptr;
@@ -54,7 +54,7 @@ Json skipped_passes(const Scene& scene) {
     if (absent) skipped.push_back(name);
   };
   skip(scene.ranks == 1, "messages between ranks");
-  skip(scene.flow && scene.body_count > 0 && !scene.anything_moves, "remapping");
+  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
   skip(scene.rigid_step && setup.gravity.isZero(0), "gravity");
   skip(scene.flow && setup.fluid->body_force.isZero(0), "body force");
   const auto none = [&](double rigid::Material::*coefficient) {
@@ -73,6 +73,7 @@ Json skipped_passes(const Scene& scene) {
 /// Momentum is a constant only where nothing outside the box acts.
 bool keeps_momentum(const Scene& scene) {
   const Case& c = scene.setup;
+  if (!c.walls.empty()) return false;
   if (!c.gravity.isZero(0) || (c.fluid && !c.fluid->body_force.isZero(0))) return false;
   for (int d = 0; d < 3; ++d)
     if (!c.periodic(d)) return false;

@@ -104,6 +104,7 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
   anything_moves = std::any_of(records.begin(), records.end(),
                                [](const rigid::BodyRecord& r) { return r.motion != rigid::Motion::fixed; });
   if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
+  for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
   exchange = std::make_unique<BodyExchange>(comm, domain, world, rim_of(setup));
   exchange->distribute(bodies);
   if (anything_moves) {
@@ -138,7 +139,7 @@ SceneParts Scene::parts() {
   parts.rigid_step = rigid_step.get();
   parts.substeps = setup.contacts.substeps;
   parts.gravity = setup.gravity;
-  parts.bodies = body_count > 0;
+  parts.surfaces = has_surfaces();
   return parts;
 }
 

@@ -46,7 +46,7 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
 
 SceneParts Simulation::observed_parts() {
   SceneParts parts = scene_.parts();
-  if (parts.flow && parts.bodies)
+  if (parts.flow && parts.surfaces)
     parts.forces_seen = [this](const rigid::BodySet& bodies) { see_forces(bodies); };
   return parts;
 }
@@ -80,7 +80,7 @@ void Simulation::see_forces(const rigid::BodySet& bodies) {
 }
 
 void Simulation::count(const rigid::RigidStepReport& report) {
-  if (scene_.flow && scene_.body_count > 0) {
+  if (scene_.flow && scene_.has_surfaces()) {
     const MappingCounts mapping = scene_.flow->mapping();
     counters_.covered += mapping.covered;
     counters_.uncovered += mapping.uncovered;
@@ -194,7 +194,7 @@ Balance Simulation::balance() const {
 }
 
 std::uint64_t Simulation::links() const {
-  std::uint64_t n = scene_.flow && scene_.body_count > 0 ? scene_.flow->mapping().links : 0;
+  std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->mapping().links : 0;
   sum_over_ranks(scene_.comm, std::span(&n, 1));
   return n;
 }

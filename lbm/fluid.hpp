@@ -33,7 +33,9 @@ class Fluid {
 
   /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
   void set_anchor(double density_per_cell);
-  /// Every cell collides; parity flips. Then exchange().
+  /// A block without a fluid cell need not collide; what its slots hold means nothing then.
+  void set_idle(int b, bool idle) { idle_[b] = idle; }
+  /// Every cell of the blocks that are not idle collides; parity flips. Then exchange().
   void stream_collide();
   /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
   void exchange() { halo_.exchange(blocks_, parity_); }
@@ -43,6 +45,10 @@ class Fluid {
   }
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
+  }
+  /// What left a cell along i in the last pass (until the next one).
+  T leaving(int b, Int3 local_cell, int i) const {
+    return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
   /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
@@ -57,6 +63,7 @@ class Fluid {
   CollisionRates<T> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
+  std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   Halo<T> halo_;
 };

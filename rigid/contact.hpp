@@ -27,6 +27,17 @@ struct Image {
 /// Set in the feature of a contact with a film.
 inline constexpr std::uint64_t film_feature = std::uint64_t{1} << 63;
 
+/// Of a contact between two bodies: which of their parts, and the feature of those.
+inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std::uint32_t feature) {
+  return std::uint64_t{part_a} << 48 | std::uint64_t{part_b} << 32 | feature;
+}
+inline std::size_t part_a_of(std::uint64_t packed) {
+  return packed >> 48;
+}
+inline std::uint32_t feature_of(std::uint64_t packed) {
+  return static_cast<std::uint32_t>(packed);
+}
+
 struct Contact {
   BodyId a, b;            // a < b
   Image image;            // of b, relative to the canonical position of a
@@ -34,7 +45,7 @@ struct Contact {
   Vec3 normal;            // unit, from a to b
   double gap;
   Vec3 r_a, r_b;  // the common contact point (midway between the surfaces; at a wall: the
-                  // point on a) from each centre of mass
+                  // point on a) from each centre of mass; of a tube from its axis abreast of a
   double restitution, friction;
   Film film = {};  // of a narrow gap
 

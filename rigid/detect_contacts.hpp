@@ -1,6 +1,7 @@
 #pragma once
 // Lines 7 to 12 of Algorithm 1: which bodies touch, or may touch before the step is over, and where.
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rigid/body_exchange.hpp"
@@ -35,8 +36,9 @@ class DetectContacts {
     std::vector<Part> parts;
     std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
     bool sphere, half_space;
-    bool plain;   // one part, whose pose is the body's
-    bool smooth;  // some part of it: films may form there
+    std::optional<Tube> tube;  // then there are no parts
+    bool plain;                // one part, whose pose is the body's
+    bool smooth;               // some part of it: films may form there
   };
   struct PosedPart {
     const ConvexShape& shape;
@@ -46,6 +48,9 @@ class DetectContacts {
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
   bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
+  Vec3 way_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
+  void collide_parts(const PosedPart& a, const ShapeParts& b, std::size_t j, const Pose& pose_b,
+                     double margin, CollisionBackend&);
   void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&,
                     const CandidatePair&, const Vec3& from_a_to_b, double margin, double dt,
                     std::vector<Contact>& contacts);
@@ -60,7 +65,7 @@ class DetectContacts {
   std::vector<Reach> reach_;
   std::vector<BoundingBox> boxes_;  // about the bodies' positions, axis-aligned; of spheres not set
   std::vector<double> turn_;        // how far rotation moves a body's surface in the step
-  std::vector<Vec3> wall_normals_;
+  std::vector<WallSurface> walls_;
   std::vector<CandidatePair> pairs_;
   std::vector<ContactPoint> points_;
   FilmCounts film_counts_;
