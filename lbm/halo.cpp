@@ -141,7 +141,7 @@ struct Halo<T>::Builder {
   int rank;
   std::map<std::pair<int, int>, Copy> copies;
   std::map<std::tuple<int, int, int, int>, Wall> walls;
-  std::map<std::tuple<int, int>, Outlet> outlets;
+  std::map<std::tuple<int, int, bool>, Outlet> outlets;
   std::map<int, Peer> peers;
 
   std::uint32_t slot(int local_block, Int3 cell, int i) const {
@@ -179,10 +179,9 @@ struct Halo<T>::Builder {
       wall.block = here, wall.addend = T(wall_addend(side, j));
       add_to(wall.runs, slot(here, g, j), slot(here, inner, opposite(j)));
     } else {
-      Outlet& outlet = outlets[{here, j}];
-      outlet.block = here, outlet.direction = j, outlet.density_deviation = side.density_deviation;
-      outlet.ghost.push_back(slot(here, g, j)), outlet.home.push_back(slot(here, inner, opposite(j)));
-      outlet.cell.push_back(std::uint32_t(layout[here]->cell(inner) + layout[here]->slot(0)));
+      Outlet& outlet = outlets[{here, home.axis, home.upper}];
+      outlet.block = here, outlet.density_deviation = side.density_deviation;
+      outlet.links.push_back({slot(here, inner, 0), slot(here, g, j), slot(here, inner, opposite(j)), j});
     }
   }
 
@@ -201,7 +200,11 @@ struct Halo<T>::Builder {
     for (int b : around) for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
     for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
-    for (auto& [key, x] : outlets) halo.outlets_.push_back(std::move(x));
+    for (auto& [key, x] : outlets) {
+      std::stable_sort(x.links.begin(), x.links.end(),
+                       [](const OutletLink& a, const OutletLink& b) { return a.cell < b.cell; });
+      halo.outlets_.push_back(std::move(x));
+    }
     for (auto& [r, peer] : peers) {
       peer.rank = r;
       peer.ghost_buffer.resize(slots_in(peer.ghosts)), peer.home_buffer.resize(slots_in(peer.homes));
@@ -269,18 +272,23 @@ template <class T>
 void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
   const bool fill = parity == Parity::crossed;
   T* const p = block.data();
-  const Int3 cj = c[o.direction];
-  for (std::size_t n = 0; n < o.cell.size(); ++n) {
-    double u[3] = {0.5 * force_[0], 0.5 * force_[1], 0.5 * force_[2]};
-    const std::ptrdiff_t cell = std::ptrdiff_t(o.cell[n]) - block.slot(0);
-    for (int i = 1; i < directions; ++i) {
-      const double g = p[block.leaving(i, parity) + cell];
-      for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g;
+  double u[3] = {}, rest = 0;
+  for (std::size_t n = 0; n < o.links.size(); ++n) {
+    const OutletLink& link = o.links[n];
+    if (n == 0 || link.cell != o.links[n - 1].cell) {
+      const std::ptrdiff_t cell = std::ptrdiff_t(link.cell) - block.slot(0);
+      for (int d = 0; d < 3; ++d) u[d] = 0.5 * force_[d];
+      for (int i = 1; i < directions; ++i) {
+        const double g = p[block.leaving(i, parity) + cell];
+        for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g;
+      }
+      rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }
+    const Int3 cj = c[link.direction];
     const double cu = cj.x * u[0] + cj.y * u[1] + cj.z * u[2];
-    const double even = o.density_deviation + 4.5 * cu * cu - 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    const auto from = fill ? o.home[n] : o.ghost[n], to = fill ? o.ghost[n] : o.home[n];
-    p[to] = T(2 * w(o.direction) * even - p[from]);
+    const double even = o.density_deviation + 4.5 * cu * cu - rest;
+    const auto from = fill ? link.home : link.ghost, to = fill ? link.ghost : link.home;
+    p[to] = T(2 * w(link.direction) * even - p[from]);
   }
 }
 

@@ -44,10 +44,14 @@ class Halo {
     T addend;
     std::vector<Run> runs;
   };
+  struct OutletLink {
+    std::uint32_t cell, ghost, home;  // cell: Block::slot(0) of it
+    int direction;
+  };
   struct Outlet {
-    int block, direction;
+    int block;
     double density_deviation;
-    std::vector<std::uint32_t> ghost, home, cell;
+    std::vector<OutletLink> links;  // by cell
   };
   struct Place {  // slots slot, slot + 1, ...
     int block;
