@@ -126,6 +126,7 @@ class FlowOf final : public Flow {
       const BlockMap& map = map_.blocks()[b];
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
+        fluid_.set_idle(int(b), !map.any_fluid());
         build_links(map, fluid_.blocks()[b], world_, bodies, coupling_.wall_scheme, block.links);
         if (coupling_.time == TimeCoupling::implicit_) {
           block.stiffness.assign(map.masks.size(), {});

@@ -33,7 +33,10 @@ class Fluid {
 
   /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
   void set_anchor(double density_per_cell);
-  /// Every cell collides; parity flips. Then exchange().
+  /// A block without a fluid cell may be left out of the passes: what solid cells hold never reaches the
+  /// fluid.
+  void set_idle(int b, bool idle) { idle_[b] = idle; }
+  /// Every cell of every block that is not idle collides; parity flips. Then exchange().
   void stream_collide();
   /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
   void exchange() { halo_.exchange(blocks_, parity_); }
@@ -57,6 +60,7 @@ class Fluid {
   CollisionRates<T> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
+  std::vector<bool> idle_;
   Parity parity_ = Parity::settled;
   Halo<T> halo_;
 };
