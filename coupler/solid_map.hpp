@@ -87,7 +87,6 @@ struct BlockMap {
           if (~solid.at(y, z)[k] & solid.interior(k)) return true;
     return false;
   }
-  bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
 };
 
 }  // namespace silt::coupler
