@@ -32,7 +32,7 @@ inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std:
   return std::uint64_t{part_a} << 48 | std::uint64_t{part_b} << 32 | feature;
 }
 inline std::size_t part_a_of(std::uint64_t packed) {
-  return packed >> 48;
+  return (packed & ~film_feature) >> 48;
 }
 inline std::uint32_t feature_of(std::uint64_t packed) {
   return static_cast<std::uint32_t>(packed);
