@@ -33,6 +33,8 @@ void observe_energy(const Simulation&, const QuantitySpec&, QuantityHistory& at_
 double energy_growth(const QuantityHistory&);
 void observe_discharge(const Simulation&, const QuantitySpec&, QuantityHistory& mass_and_step);
 double discharge_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
+void observe_rebound(const Simulation&, const QuantitySpec&, QuantityHistory& against_and_along);
+double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory&);
 void observe_bed(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
 
 }  // namespace silt::coupler

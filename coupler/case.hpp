@@ -52,7 +52,9 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool pressure_anchor = true;
-  double remap_tolerance = 1e-3;  // cells a surface may move before its cells and wall distances are renewed
+  double remap_tolerance = 1e-3;   // cells a surface may move before its cells and wall distances are renewed
+  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
+  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };
 
 struct ContactSpec {
@@ -149,6 +151,7 @@ struct Case {
   /// Where a key stands; if it is not in the file, where the table that would hold it does.
   Place place(std::string path) const;
   bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
+  bool has_lubrication() const { return fluid && coupling.lubrication && contacts.resolver == "sffd"; }
 };
 
 }  // namespace silt::coupler

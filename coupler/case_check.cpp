@@ -161,6 +161,14 @@ void check_materials(const Case& scene, Findings& findings) {
                                                   shown(scene.contacts.margin)));
 }
 
+void check_lubrication(const Case& scene, Findings& findings) {
+  if (scene.places.count("coupling.lubrication") && scene.coupling.lubrication && !scene.has_lubrication())
+    findings.error("coupling.lubrication",
+                   fmt::format("coupling.lubrication is true, but contacts.resolver is '{}', which knows no "
+                               "viscous films; set contacts.resolver = \"sffd\", or remove the key",
+                               scene.contacts.resolver));
+}
+
 // A body that moves further in a sub-step than contacts reach ahead may pass through another.
 void check_margin(const Case& scene, Findings& findings, const std::string& key, double speed) {
   const double step = speed / scene.contacts.substeps;
@@ -265,6 +273,7 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   check_domain(scene, findings);
   check_fluid(scene, findings);
   check_materials(scene, findings);
+  check_lubrication(scene, findings);
   check_run(scene, findings);
   check_quantities(scene, findings);
   check_body_speeds(scene, findings);

@@ -24,6 +24,7 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit("contacts", c.contacts), visit("mixed_owner_contacts", c.mixed_owner_contacts);
   visit("sweeps", c.sweeps), visit("infeasible", c.infeasible);
   visit("queries", c.queries), visit("fallbacks", c.fallbacks);
+  visit("films", c.films), visit("narrow_without_film", c.narrow_without_film);
   visit("body_speed", c.body_speed), visit("penetration", c.penetration), visit("residual", c.residual);
 }
 

@@ -168,6 +168,7 @@ void add_bodies(const Case& scene, Table& table) {
   table.line("collision backend", scene.contacts.backend);
   table.line("broad phase", scene.contacts.broad_phase);
   table.line("contact resolver", scene.contacts.resolver);
+  if (scene.fluid) table.line("lubrication", scene.has_lubrication() ? "on" : "off");
 }
 
 void add_run(const Case& scene, Table& table) {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "rigid/warm_start.hpp"
+
 namespace silt::coupler {
 
 using rigid::Vec3;
@@ -57,10 +59,11 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
 }  // namespace
 
 template <class T>
-FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange)
+FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange, int substeps)
     : spec_(spec),
       exchange_(exchange),
-      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width) {}
+      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width),
+      substeps_(substeps) {}
 
 template <class T>
 void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {
@@ -140,6 +143,7 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
       Vec6 external;
       external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
           bodies.torque[row].value();
+      external.head<3>() += substeps_ * rigid::impulse_of_films(bodies, row);
       const Vec6 d = (m + h).ldlt().solve(f + external);
       applied = m * d - external;
       Eigen::Map<Vec6>(delta.data() + row * 6) = d;

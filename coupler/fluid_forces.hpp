@@ -8,7 +8,12 @@
 // and prescribed bodies: delta = 0. The force handed to the rigid step is M delta - F_ext: with the external
 // force it makes exactly the kick delta.
 //
-// History: none besides the state of bodies and populations.
+// Films in narrow gaps (lubrication) act after that, on the true mass. The external force of the implicit
+// solve counts what they gave in the step before: else the links would return as if a body that a film holds
+// were moving, by the velocity that the film is about to take away again, and the film would seem stiffer by
+// the drag over the mass. A sudden blow is not counted.
+//
+// History: none besides the state of bodies (their stored impulses with it) and populations.
 #include <span>
 
 #include "coupler/body_exchange.hpp"
@@ -34,7 +39,8 @@ inline constexpr int force_width = 6, implicit_width = 27;
 template <class T>
 class FluidForces {
  public:
-  FluidForces(const CouplingSpec&, const BodyExchange&);
+  /// substeps: of the bodies' step, for the impulses they remember.
+  FluidForces(const CouplingSpec&, const BodyExchange&, int substeps);
 
   /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation:
   /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
@@ -54,7 +60,7 @@ class FluidForces {
   CouplingSpec spec_;
   const BodyExchange& exchange_;
   std::vector<std::int64_t> rows_;  // width a row
-  int width_;
+  int width_, substeps_;
   struct HandedOver {
     rigid::BodyId id;
     std::int64_t force[6];

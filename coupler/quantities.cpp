@@ -89,6 +89,7 @@ const std::map<std::string_view, Computation> computations = {
     {"last-reversal", {observe_reversal, seen}},
     {"discharge-rate", {observe_discharge, discharge_rate}},
     {"bed-angle", {observe_bed, mean_seen}},
+    {"rebound-ratio", {observe_rebound, rebound_ratio}},
     {"packing-fraction", {nullptr, at_end<packing_fraction>}},
 };
 

@@ -34,6 +34,7 @@ constexpr QuantityType types[] = {
     {"last-reversal", dimension::time, Q::body, Q::bodies},
     {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies},
     {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity},
+    {"rebound-ratio", dimension::none, Q::body | Q::axis | Q::height, Q::bodies},
     {"packing-fraction", dimension::none, Q::body | Q::box, Q::bodies},
 };
 

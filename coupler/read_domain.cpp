@@ -217,6 +217,13 @@ void read_coupling(TableReader& root, Case& scene) {
     c.force = *name == "exact" ? ForceForm::exact : ForceForm::galilean;
   c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
   c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
+  c.lubrication = table.boolean("lubrication").value_or(c.lubrication);
+  c.lubrication_min_gap =
+      table.quantity("lubrication_min_gap", dimension::length, range::above(0)).value_or(0);
+  if (table.has("lubrication_min_gap") && !c.lubrication)
+    table.fail("lubrication_min_gap",
+               fmt::format("{} is given, but {} is false; remove one of them",
+                           table.path("lubrication_min_gap"), table.path("lubrication")));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/fill.hpp"
+#include "coupler/lubrication.hpp"
 #include "rigid/walls.hpp"
 
 namespace silt::coupler {
@@ -40,6 +41,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
+  world.films = make_lubrication(scene);
   return world;
 }
 

@@ -87,6 +87,8 @@ void Simulation::count(const rigid::RigidStepReport& report) {
   }
   last_contacts_ = report.resolver.contacts;
   counters_.contacts += report.resolver.contacts;
+  counters_.films += report.films.with;
+  counters_.narrow_without_film += report.films.without;
   counters_.mixed_owner_contacts += report.mixed_owner_contacts;
   if (scene_.rank == 0) counters_.sweeps += report.resolver.sweeps;  // the same on every rank
   counters_.infeasible += report.resolver.infeasible;
@@ -105,13 +107,14 @@ RunCounters Simulation::counters() const {
     c.queries += scene_.backend->counters().queries;
     c.fallbacks += scene_.backend->counters().fallbacks;
   }
-  std::uint64_t sums[] = {c.covered, c.uncovered,  c.migrations, c.contacts, c.mixed_owner_contacts,
-                          c.sweeps,  c.infeasible, c.queries,    c.fallbacks};
+  std::uint64_t sums[] = {
+      c.covered,    c.uncovered, c.migrations, c.contacts, c.mixed_owner_contacts, c.sweeps,
+      c.infeasible, c.queries,   c.fallbacks,  c.films,    c.narrow_without_film};
   sum_over_ranks(scene_.comm, sums);
   double most[] = {c.body_speed, c.penetration, c.residual};
   max_over_ranks(scene_.comm, most);
-  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5],
-          sums[6], sums[7], sums[8], most[0], most[1], most[2]};
+  return {sums[0], sums[1], sums[2], sums[3],  sums[4], sums[5], sums[6],
+          sums[7], sums[8], sums[9], sums[10], most[0], most[1], most[2]};
 }
 
 // ---- what a program may do ----

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "rigid/film.hpp"
 #include "rigid/types.hpp"
 
 namespace silt::rigid {
@@ -23,15 +24,19 @@ struct Image {
   auto operator<=>(const Image&) const = default;
 };
 
+/// Set in the feature of a contact with a film.
+inline constexpr std::uint64_t film_feature = std::uint64_t{1} << 63;
+
 struct Contact {
   BodyId a, b;            // a < b
   Image image;            // of b, relative to the canonical position of a
-  std::uint64_t feature;  // part of a, part of b, feature of the parts
+  std::uint64_t feature;  // film_feature; part of a, part of b, feature of the parts
   Vec3 normal;            // unit, from a to b
   double gap;
   Vec3 r_a, r_b;  // the common contact point (midway between the surfaces; at a wall: the
                   // point on a) from each centre of mass
   double restitution, friction;
+  Film film = {};  // of a narrow gap
 
   auto pair() const { return std::tuple(a, b, image); }
   /// The order in which contacts are resolved and summed, on any number of ranks.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/curvature.hpp"
 #include "rigid/reduce_manifold.hpp"
 
 namespace silt::rigid {
@@ -13,6 +14,9 @@ namespace {
 constexpr double margin_safety = 1.5;
 /// Keeps resting contacts in sight, relative to the bounding radius.
 constexpr double least_margin = 1e-6;
+/// Of a gap's lesser curvature to the greater: below, it is a line contact, which the film's laws do not
+/// know.
+constexpr double least_roundness = 0.02;
 
 /// Canonical and inside the domain also where a contact point lies behind a wall.
 Vec3 into_domain(const Extent& extent, Vec3 x) {
@@ -38,6 +42,8 @@ void DetectContacts::learn_shapes(const World& world) {
     known.parts = convex_parts(world.shapes[s]);
     for (const Part& part : known.parts)
       known.radii.push_back(bounding_radius(Compound{{{part.shape, Pose{}}}}));
+    known.smooth = std::any_of(known.parts.begin(), known.parts.end(),
+                               [](const Part& part) { return is_smooth(part.shape); });
     known.sphere = is_sphere(world.shapes[s]);
     known.half_space = std::holds_alternative<HalfSpace>(world.shapes[s]);
     const Pose& pose = known.parts[0].pose;
@@ -60,7 +66,9 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
       boxes_[row] = bounding_box(world.shapes[bodies.shape[row]], {Vec3::Zero(), bodies.orientation[row]});
     const double travel =
         dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_factor[row]);
-    reach_[row] = {radius, std::min(margin_safety * travel + least_margin * radius, world.contact_margin)};
+    double margin = std::min(margin_safety * travel + least_margin * radius, world.contact_margin);
+    if (world.films && shapes_[bodies.shape[row]].smooth) margin = std::max(margin, world.films->reach());
+    reach_[row] = {radius, margin};
   }
   wall_normals_.clear();
   for (std::size_t row = count; row < bodies.size(); ++row)
@@ -77,7 +85,10 @@ double DetectContacts::pair_margin(const World& world, const BodySet& bodies, co
       dt * dt * world.gravity.norm() *
       (std::abs(bodies.weight_factor[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_factor[p.row_b])));
   const double least = least_margin * (reach_[p.row_a].radius + (wall ? 0.0 : reach_[p.row_b].radius));
-  return std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin);
+  const double margin = std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin);
+  const auto smooth = [&](std::size_t row) { return shapes_[bodies.shape[row]].smooth; };
+  if (!world.films || !smooth(p.row_a) || !smooth(p.row_b)) return margin;
+  return std::max(margin, world.films->reach());
 }
 
 bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b,
@@ -105,22 +116,45 @@ bool DetectContacts::bodies_apart(const BodySet& bodies, const CandidatePair& p,
          ((a.lower - b.upper - from_a_to_b).array() > margin).any();
 }
 
+/// Where both surfaces are smooth and bend away from each other.
+void DetectContacts::put_film(const FilmLaw& law, const BodySet& bodies, const CandidatePair& p,
+                              const PosedPart& a, const PosedPart& b, const ContactPoint& point, double dt,
+                              Contact& c) const {
+  const Vec3& n = point.normal;
+  const auto bend = [](const PosedPart& part, const Vec3& x, const Vec3& outward) -> std::optional<Mat3> {
+    const Mat3 r = part.pose.orientation.toRotationMatrix();
+    const auto k = curvature(part.shape, part.pose.to_body(x), r.transpose() * outward);
+    if (!k) return std::nullopt;
+    return r * *k * r.transpose();
+  };
+  const auto of_a = bend(a, point.on_a, n), of_b = bend(b, point.on_b, -n);
+  if (!of_a || !of_b) return;
+  const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
+  const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
+  const FilmGap gap{point.gap, dt * opening, *of_a, *of_b, middle, n};
+  const double sum = gap.curvature_sum();
+  if (gap.curvature_product() >= least_roundness * sum * sum) c.film = law(gap);
+  if (c.film) c.feature |= film_feature;
+}
+
 void DetectContacts::collide_pair(const World& world, const BodySet& bodies, const BodyExchange& exchange,
                                   CollisionBackend& backend, const CandidatePair& p, const Vec3& from_a_to_b,
-                                  double margin, std::vector<Contact>& contacts) {
+                                  double margin, double dt, std::vector<Contact>& contacts) {
   const ShapeParts &a = shapes_[bodies.shape[p.row_a]], &b = shapes_[bodies.shape[p.row_b]];
   const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
       pose_b{from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.parts.size() == 1 && b.parts.size() == 1;
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
+  const FilmLaw* const films = a.smooth && b.smooth ? world.films.get() : nullptr;
   const std::size_t first = contacts.size();
   std::size_t deepest = first;
   for (std::size_t i = 0; i < a.parts.size(); ++i)
     for (std::size_t j = 0; j < b.parts.size(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
       points_.clear();
-      backend.collide(a.parts[i].shape, a.plain ? pose_a : pose_a * a.parts[i].pose, b.parts[j].shape,
-                      b.plain ? pose_b : pose_b * b.parts[j].pose, margin, points_);
+      const Pose part_a = a.plain ? pose_a : pose_a * a.parts[i].pose;
+      const Pose part_b = b.plain ? pose_b : pose_b * b.parts[j].pose;
+      backend.collide(a.parts[i].shape, part_a, b.parts[j].shape, part_b, margin, points_);
       reduce_manifold(points_);
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
@@ -128,18 +162,28 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
         contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image,
                             packed_feature(i, j, point.feature), point.normal, point.gap, common,
                             common - from_a_to_b, material.restitution, material.friction});
+        if (films && points_.size() == 1 && point.gap < films->reach())
+          put_film(*films, bodies, p, {a.parts[i].shape, part_a}, {b.parts[j].shape, part_b}, point, dt,
+                   contacts.back());
         if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }
     }
   if (contacts.size() == first) return;
   const Vec3 reference = into_domain(exchange.extent(), bodies.position[p.row_a] + contacts[deepest].r_a);
   if (!exchange.owns_contact_at(reference)) contacts.resize(first);
+  if (world.films) count_films(*world.films, std::span(contacts).subspan(first));
+}
+
+void DetectContacts::count_films(const FilmLaw& law, std::span<const Contact> contacts) {
+  for (const Contact& c : contacts)
+    if (c.gap < law.reach()) ++(c.film ? film_counts_.with : film_counts_.without);
 }
 
 std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies,
                                        const BodyExchange& exchange, CollisionBackend& backend, double dt,
                                        std::vector<Contact>& contacts) {
   contacts.clear();
+  film_counts_ = {};
   learn_shapes(world);
   set_reach(world, bodies, dt);
   (*broad_phase_)(bodies, exchange.extent(), reach_, wall_normals_, pairs_);
@@ -149,7 +193,7 @@ std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies
     const Vec3 from_a_to_b =
         bodies.position[p.row_b] + exchange.extent().shift(p.image) - bodies.position[p.row_a];
     if (!is_wall(bodies.id[p.row_b]) && bodies_apart(bodies, p, from_a_to_b, margin)) continue;
-    collide_pair(world, bodies, exchange, backend, p, from_a_to_b, margin, contacts);
+    collide_pair(world, bodies, exchange, backend, p, from_a_to_b, margin, dt, contacts);
   }
   return pairs_.size();
 }

@@ -66,8 +66,8 @@ def runs(level):
 
 
 def first(time, holds):
-    """The first time at which something holds, without end if never."""
-    return time[np.argmax(holds)] if holds.any() else np.inf
+    """The first time at which something holds; the end of the run if never."""
+    return time[np.argmax(holds)] if holds.any() else TIME
 
 
 def measure(run, outcome):

@@ -102,7 +102,7 @@ class Session:
                 raise
 
     def conclude(self, modules):
-        """Figures, tables, plots of what is there; the rows of the summary."""
+        """Figures, tables, plots of what is there; the rows of the summary, and what they cost."""
         rows, runs = [], []
         for module in modules:
             its_runs = self.runs(module)
@@ -118,7 +118,7 @@ class Session:
             except Exception as error:
                 self.fault(module.__name__, f"no plot: {error!r}")
         self.write(rows, runs)
-        return rows
+        return rows, sum(entry["core_seconds"] for _, _, entry in runs)
 
     def write(self, rows, runs):
         self.out.mkdir(parents=True, exist_ok=True)
@@ -152,9 +152,10 @@ def list_problems(session, modules):
               f"{' '.join(run.key for run in runs)}")
 
 
-def conclusion(session, rows):
+def conclusion(session, rows, core_seconds):
     missed = [row for row in rows if row.met is False]
-    print(f"\n{tables.markdown(rows)}\n\n{sum(row.met is True for row in rows)} goals met, {len(missed)} missed"
+    print(f"\n{tables.markdown(rows)}\n\n{core_seconds:.0f} core-seconds of steps in all; "
+          f"{sum(row.met is True for row in rows)} goals met, {len(missed)} missed"
           + (f"; failed: {', '.join(session.faults)}" if session.faults else "") + f"; see {session.out}")
     return 1 if session.faults or (session.arguments.short and missed) else 0
 
@@ -171,10 +172,10 @@ def main(argv):
     session.copy_program()
     every = [(module, run) for module in modules for run in session.runs(module)]
     session.run_all([(m, r) for m, r in every if arguments.rerun or not session.kept(m, r)])
-    rows = session.conclude(modules)
+    rows, core_seconds = session.conclude(modules)
     if not session.faults:
         shutil.rmtree(session.out / "scratch")
-    return conclusion(session, rows)
+    return conclusion(session, rows, core_seconds)
 
 
 if __name__ == "__main__":
