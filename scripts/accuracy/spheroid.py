@@ -67,7 +67,7 @@ def a_run(setup, diameter, number, offset, factor):
         f"Spheroid, {setup}, {diameter} cells across", (edge,) * 3,
         f'type = "ellipsoid"\ndiameters = {scene.vector((equatorial, equatorial, polar))}',
         [scene.body("body", edge // 2 + np.array(offset), axis_angle=f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}")],
-        round(9 * slowest),
+        round(13 * slowest),
         fluid=f"body_force = {scene.vector(U / slowest * direction)}\n"
               f'initial = {{ type = "uniform", velocity = {scene.vector(U * direction)} }}', quantities="xyz")
     return Run(f"{setup}.d{diameter}.place{number}", text, {"setup": setup, "place": number, "D": diameter})
