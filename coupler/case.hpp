@@ -41,7 +41,8 @@ struct FluidSpec {
       1. / 6;  // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
-  // initial velocity: "rest", "uniform", "taylor-green"; amplitude and (for taylor-green) one wave a period
+  // initial velocity: "rest", "uniform", "taylor-green", "taylor-green-3d"; amplitude and (for the vortices)
+  // one wave a period
   std::string initial = "rest";
   rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
 };
@@ -97,12 +98,19 @@ struct QuantitySpec {
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
   std::string profile;  // "channel", "duct"
-  double time = 0;      // from when on, in steps
+  double time = 0;      // from when on (of an instant: when; without one the end), in steps
   double height = 0;    // along the axis
   rigid::Vec3 centre = rigid::Vec3::Zero();
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
 
   bool is_about(int body_kind) const { return kind < 0 || body_kind == kind; }
+};
+
+/// The run ends before its last step when a quantity has come so close to where it goes (see SteadyWatch).
+struct SteadySpec {
+  std::string quantity;  // name of a QuantitySpec
+  double change = 0;     // relative
+  std::int64_t every = 0;
 };
 
 struct Case {
@@ -135,6 +143,7 @@ struct Case {
   std::vector<int> kind_shapes;
 
   std::int64_t steps = 0;
+  std::optional<SteadySpec> steady;
   OutputSpec output;
   std::vector<QuantitySpec> quantities;
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"

@@ -110,6 +110,11 @@ void check_fluid(const Case& scene, Findings& findings) {
   if (!(scene.fluid->magic > 0))
     findings.error("fluid.magic",
                    fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));
+  if (scene.fluid->initial == "taylor-green-3d" &&
+      (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
+    findings.error("fluid.initial.type",
+                   "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
+                   "domain.size the same along x, y and z");
   if (scene.fluid->initial != "rest")
     check_speed(scene, findings, "fluid.initial.velocity", scene.fluid->initial_velocity);
   bool inlet = false, outlet = false;
@@ -180,9 +185,27 @@ void check_body_speeds(const Case& scene, Findings& findings) {
   }
 }
 
+void check_steady(const Case& scene, Findings& findings) {
+  constexpr int looks_needed = 4;
+  if (!scene.steady) return;
+  std::vector<std::string> names;
+  for (const QuantitySpec& quantity : scene.quantities) names.push_back(quantity.name);
+  const std::string& name = scene.steady->quantity;
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    findings.error("run.steady.quantity",
+                   fmt::format("run.steady.quantity: there is no quantity '{}' in [[quantities]]{}", name,
+                               names.empty() ? "" : suggestion(name, names)));
+  if (scene.steady->every > scene.steps / looks_needed)
+    findings.warning("run.steady.every",
+                     fmt::format("run.steady.every is {}, of {} steps in all: there will be less than the {} "
+                                 "looks it takes to see that something is steady",
+                                 scene.steady->every, scene.steps, looks_needed));
+}
+
 void check_run(const Case& scene, Findings& findings) {
   if (scene.steps < 1)
     findings.error("run.steps", fmt::format("the run has {} steps; it must have at least 1", scene.steps));
+  check_steady(scene, findings);
   if (!scene.fluid && !scene.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
   if (!scene.fluid && scene.output.fields.every > 0)
@@ -223,7 +246,11 @@ void check_quantities(const Case& scene, Findings& findings) {
     const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(scene, type);
     if (!lack.empty())
       findings.error(entry + ".type", fmt::format("{}.type is \"{}\", but {}", entry, quantity.type, lack));
-    if (type.takes(QuantityType::time) && quantity.time >= static_cast<double>(scene.steps))
+    const bool never = type.takes(QuantityType::time)
+                           ? quantity.time >= static_cast<double>(scene.steps)
+                           : type.takes(QuantityType::instant) && std::isfinite(quantity.time) &&
+                                 quantity.time > static_cast<double>(scene.steps);
+    if (never)
       findings.warning(
           entry + ".time",
           fmt::format("{}.time is not before the end of the run: the quantity will have no value", entry));

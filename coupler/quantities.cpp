@@ -48,6 +48,18 @@ double penetration(const Simulation& simulation, const Spec&, const History&) {
   return simulation.counters().penetration;
 }
 
+/// Looks once: at the first step within half a step of the time or after it.
+template <double (*function)(const Simulation&)>
+void observe_instant(const Simulation& simulation, const Spec& q, History& h) {
+  if (h[0] == not_yet && static_cast<double>(simulation.steps_done()) >= q.time - 0.5)
+    h[0] = function(simulation);
+}
+
+template <double (*function)(const Simulation&)>
+double at_instant(const Simulation& simulation, const Spec& q, const History& h) {
+  return std::isfinite(q.time) ? seen(simulation, q, h) : function(simulation);
+}
+
 struct Computation {
   Observe observe;  // null: does not look at the run
   Value value;
@@ -57,9 +69,12 @@ struct Computation {
 const std::map<std::string_view, Computation> computations = {
     {"max-speed", {observe_speed, seen}},
     {"drag-coefficient", {nullptr, at_end<drag_coefficient>}},
+    {"superficial-velocity", {nullptr, at_end<superficial_velocity>}},
     {"profile-error", {nullptr, at_end<profile_error>}},
     {"taylor-green-velocity", {nullptr, of_flow<vortex_velocity_error>}},
     {"taylor-green-decay", {nullptr, of_flow<vortex_decay_error>}},
+    {"kinetic-energy", {observe_instant<kinetic_energy>, at_instant<kinetic_energy>}},
+    {"dissipation", {observe_instant<dissipation>, at_instant<dissipation>}},
     {"mean-height", {nullptr, at_end<mean_height>}},
     {"drift", {nullptr, at_end<drift>}},
     {"max-height-after", {observe_height, seen}},
@@ -95,12 +110,21 @@ void Quantities::observe(const Simulation& simulation) {
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
   const auto history = this->history(simulation.scene().comm);
   std::vector<std::pair<std::string, double>> values;
-  for (std::size_t i = 0; i < setup_.quantities.size(); ++i) {
-    const QuantitySpec& q = setup_.quantities[i];
-    const double value = computations.at(q.type).value(simulation, q, history[i]);
-    values.emplace_back(q.name, setup_.units.physical(value, quantity_type(q.type).dimension));
-  }
+  for (std::size_t i = 0; i < setup_.quantities.size(); ++i)
+    values.emplace_back(setup_.quantities[i].name, value_of(setup_.quantities[i], simulation, history[i]));
   return values;
+}
+
+double Quantities::evaluate(const Simulation& simulation, const std::string& name) const {
+  std::size_t i = 0;
+  while (setup_.quantities.at(i).name != name) ++i;
+  return value_of(setup_.quantities[i], simulation, history(simulation.scene().comm)[i]);
+}
+
+double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
+                            const QuantityHistory& history) const {
+  const double value = computations.at(q.type).value(simulation, q, history);
+  return setup_.units.physical(value, quantity_type(q.type).dimension);
 }
 
 std::vector<QuantityHistory> Quantities::history(MPI_Comm comm) const {

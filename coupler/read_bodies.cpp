@@ -131,6 +131,13 @@ void read_contacts(TableReader& root, Case& scene) {
                  fmt::format("{} is {}, but contacts.resolver is '{}', which has no impact phase; "
                              "set contacts.resolver = \"sffd\", or remove the key",
                              table.path("impact_sweeps"), settings.impact_sweeps, c.resolver));
+    settings.half_force = table.boolean("half_force").value_or(settings.half_force);
+    if (table.has("half_force") && c.resolver != "ffd")
+      table.fail(
+          "half_force",
+          fmt::format("{} is for the classic resolver, but contacts.resolver is '{}', where all of a "
+                      "force acts before the contacts; set contacts.resolver = \"ffd\", or remove the key",
+                      table.path("half_force"), c.resolver));
     settings.correction = table.number("correction", unit_interval).value_or(settings.correction);
     c.substeps = static_cast<int>(table.integer("substeps", 1, 100000).value_or(c.substeps));
     c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);

@@ -194,8 +194,9 @@ void read_blocks(TableReader& domain, Case& scene) {
 void read_initial(TableReader& fluid, FluidSpec& spec) {
   TableReader initial = fluid.table("initial");
   if (!initial.present()) return;
-  if (!initial.has("type")) initial.missing("type", "one of rest, uniform, taylor-green");
-  spec.initial = initial.choice("type", {"rest", "uniform", "taylor-green"}).value_or("rest");
+  if (!initial.has("type")) initial.missing("type", "one of rest, uniform, taylor-green, taylor-green-3d");
+  spec.initial =
+      initial.choice("type", {"rest", "uniform", "taylor-green", "taylor-green-3d"}).value_or("rest");
   if (spec.initial == "rest") return;
   if (!initial.has("velocity")) initial.missing("velocity", "of the fluid at the start, [x, y, z]");
   spec.initial_velocity = initial.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
