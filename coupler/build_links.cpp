@@ -112,7 +112,7 @@ struct LinkWriter {
       end_run(begin, surface, i, scheme);
       const auto end = std::uint32_t(links.size());
       append(narrow);
-      end_run(end, surface, i, WallScheme::bounce_back);
+      end_run(end, surface, i, WallScheme::narrow);
     }
   }
 

@@ -33,7 +33,7 @@ class FlowOf final : public Flow {
         fluid_(domain, collision(*scene.fluid), comm),
         map_(fluid_.domain(), world_, boxes(fluid_)),
         links_(fluid_.blocks().size()),
-        forces_(coupling_, exchange),
+        forces_(coupling_, scene.contacts.substeps, exchange),
         anchored_(scene.coupling.pressure_anchor && scene.has_bodies() && !has_outlet(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {

@@ -1,5 +1,6 @@
 #include "coupler/fluid_forces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -39,6 +40,17 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   return m;
 }
 
+/// What contacts will hold of a load: last step's, as far as they oppose it. A body that rests stays where it
+/// is, so its surface must not return as if it were falling; one that was struck is not struck again.
+Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
+  Vec3 contacts = Vec3::Zero();  // impulses of a sub-step
+  for (const auto& s : bodies.stored_impulses[row])
+    contacts += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+  const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
+  if (!(opposing > 0)) return Vec3::Zero();
+  return std::min(opposing / square, double(substeps)) * contacts;
+}
+
 void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
   for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
 }
@@ -57,9 +69,10 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
 }  // namespace
 
 template <class T>
-FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange)
+FluidForces<T>::FluidForces(const CouplingSpec& spec, int substeps, const BodyExchange& exchange)
     : spec_(spec),
       exchange_(exchange),
+      substeps_(substeps),
       width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width) {}
 
 template <class T>
@@ -140,8 +153,10 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
       Vec6 external;
       external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
           bodies.torque[row].value();
-      const Vec6 d = (m + h).ldlt().solve(f + external);
-      applied = m * d - external;
+      Vec6 load = f + external;
+      load.template head<3>() += held_by_contacts(bodies, row, substeps_, load.template head<3>());
+      const Vec6 d = (m + h).ldlt().solve(load);
+      applied = f - h * d;
       Eigen::Map<Vec6>(delta.data() + row * 6) = d;
     }
     bodies.add_force(row, applied.template head<3>()), bodies.add_torque(row, applied.template tail<3>());

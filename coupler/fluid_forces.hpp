@@ -5,10 +5,12 @@
 // `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are
 // linear in the wall velocity, so the owner solves (M + H) delta = F + F_ext for the change of velocity of
 // this step, H = sum k J J^T, and the links return as if the surface had moved with v + delta already. Fixed
-// and prescribed bodies: delta = 0. The force handed to the rigid step is M delta - F_ext: with the external
-// force it makes exactly the kick delta.
+// and prescribed bodies: delta = 0. The force handed to the rigid step is F - H delta, what the links then
+// give: with the external force it makes the kick delta. Contacts act after it. Where they held a body in the
+// step before, F_ext includes what they will hold again, for the links only: else the surface of a body at
+// rest would return as if it fell, step after step, and pump the fluid beneath it.
 //
-// History: none besides the state of bodies and populations.
+// History: the bodies' stored contact impulses, besides the state of bodies and populations.
 #include <span>
 
 #include "coupler/body_exchange.hpp"
@@ -34,7 +36,7 @@ inline constexpr int force_width = 6, implicit_width = 27;
 template <class T>
 class FluidForces {
  public:
-  FluidForces(const CouplingSpec&, const BodyExchange&);
+  FluidForces(const CouplingSpec&, int substeps, const BodyExchange&);
 
   /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation:
   /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
@@ -53,6 +55,7 @@ class FluidForces {
 
   CouplingSpec spec_;
   const BodyExchange& exchange_;
+  int substeps_;                    // of the rigid step: stored impulses are those of one
   std::vector<std::int64_t> rows_;  // width a row
   int width_;
   struct HandedOver {

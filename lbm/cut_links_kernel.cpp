@@ -69,6 +69,8 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, cli>{});
     case bouzidi:
       return f(std::integral_constant<WallScheme, bouzidi>{});
+    case narrow:
+      return f(std::integral_constant<WallScheme, narrow>{});
   }
 }
 
@@ -91,16 +93,19 @@ void apply_links(Block<T>& block, Parity parity, const CutLinks<T>& links, const
     const std::int32_t* const cell = links.cell.data() + l0;
     T o[chunk], f[chunk], b[chunk], r[chunk];
     for (int l = 0; l < n; ++l) o[l] = out[cell[l]];
-    if constexpr (reads_behind(scheme)) {
+    if constexpr (reads_behind(scheme))
       for (int l = 0; l < n; ++l) f[l] = behind[cell[l]];
+    if constexpr (reads_against(scheme))
       for (int l = 0; l < n; ++l) b[l] = against[cell[l]];
-    }
     const Levers<scheme, T> lever(links, l0, n, g);
     for (int l = 0; l < n; ++l) {
       const auto s = coefficients<scheme>(links.q[l0 + l], g.weight6);
       const T cu = cv + (lever.ax[l] * u.o[0] + lever.ay[l] * u.o[1] + lever.az[l] * u.o[2]);
       r[l] = s.a * o[l] - s.k * cu;
-      if constexpr (reads_behind(scheme)) r[l] += s.b * f[l] + s.c * b[l];
+      if constexpr (reads_behind(scheme))
+        r[l] += s.b * f[l] + s.c * b[l];
+      else if constexpr (reads_against(scheme))
+        r[l] += s.c * b[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < n; ++l) back[cell[l]] = r[l];
