@@ -96,8 +96,14 @@ template <class T>
 struct LinkWriter {
   const BlockMap& map;
   const lbm::Block<T>& block;
-  bool cli;
+  WallScheme scheme;
   lbm::CutLinks<T>& links;
+  lbm::CutLinks<T> narrow;  // of the direction at work
+
+  static void push(lbm::CutLinks<T>& to, std::ptrdiff_t cell, double q, const Vec3& r) {
+    to.cell.push_back(std::int32_t(cell)), to.q.push_back(T(q));
+    to.rx.push_back(T(r[0])), to.ry.push_back(T(r[1])), to.rz.push_back(T(r[2]));
+  }
 
   void row(const BodyMask& mask, const SurfaceDistance& distance, int i, int y, int z) {
     const Int3 c = lbm::c[i];
@@ -110,10 +116,9 @@ struct LinkWriter {
       const std::uint64_t blocked = moved(back, mask.words, k, -c.x);
       for_bits(cut, k, [&](int x) {
         const Vec3 r = mask.arm(map.box.lower + Int3{x, y, z});
-        const bool narrow = blocked >> ((x + 1) & 63) & 1;
-        links.cell.push_back(std::int32_t(block.cell(x, y, z)));
-        links.q.push_back(cli && !narrow ? T(distance(r)) : T(0.5));
-        links.rx.push_back(T(r[0])), links.ry.push_back(T(r[1])), links.rz.push_back(T(r[2]));
+        const double q = scheme == WallScheme::bounce_back ? 0.5 : distance(r);
+        const bool no_fluid_behind = blocked >> ((x + 1) & 63) & 1;
+        push(no_fluid_behind && lbm::reads_behind(scheme, q) ? narrow : links, block.cell(x, y, z), q, r);
       });
     }
   }
@@ -124,12 +129,24 @@ struct LinkWriter {
       const Int3 c = lbm::c[i];
       distance.point(i);
       const auto begin = std::uint32_t(links.size());
+      narrow.clear();
       for (int z = std::max(mask.z0 - c.z, 0); z < std::min(mask.z1 - c.z, size.z); ++z)
         for (int y = std::max(mask.y0 - c.y, 0); y < std::min(mask.y1 - c.y, size.y); ++y)
           row(mask, distance, i, y, z);
-      if (const auto end = std::uint32_t(links.size()); end > begin)
-        links.runs.push_back({begin, end, surface, i});
+      end_run(begin, surface, i, scheme);
+      const auto end = std::uint32_t(links.size());
+      append(narrow);
+      end_run(end, surface, i, WallScheme::narrow);
     }
+  }
+
+  void end_run(std::uint32_t begin, int surface, int i, WallScheme s) {
+    if (const auto end = std::uint32_t(links.size()); end > begin)
+      links.runs.push_back({begin, end, surface, std::uint8_t(i), s});
+  }
+  void append(const lbm::CutLinks<T>& more) {
+    for (std::size_t l = 0; l < more.size(); ++l)
+      push(links, more.cell[l], more.q[l], {more.rx[l], more.ry[l], more.rz[l]});
   }
 };
 
@@ -139,7 +156,7 @@ template <class T>
 void build_links(const BlockMap& map, const lbm::Block<T>& block, const rigid::World& world,
                  const rigid::BodySet& bodies, WallScheme scheme, lbm::CutLinks<T>& links) {
   links.clear();
-  LinkWriter<T> writer{map, block, scheme == WallScheme::cli, links};
+  LinkWriter<T> writer{map, block, scheme, links, {}};
   for (int k = 0; k < int(map.masks.size()); ++k) {
     const BodyMask& mask = map.masks[k];
     if (!mask.any) continue;

@@ -9,8 +9,8 @@
 
 namespace silt::coupler {
 
-/// Rebuilds all links of the block; run.surface is the index of the body's mask. `cli`: with wall distances,
-/// 1/2 where the cell behind is not fluid (a narrow gap) or, for the bounce-back scheme, everywhere.
+/// Rebuilds all links of the block; run.surface is the index of the body's mask. Links whose formula would
+/// read the cell behind where that is not fluid (a narrow gap) go into runs of `narrow`.
 template <class T>
 void build_links(const BlockMap&, const lbm::Block<T>&, const rigid::World&, const rigid::BodySet&,
                  WallScheme, lbm::CutLinks<T>&);

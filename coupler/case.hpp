@@ -12,6 +12,7 @@
 
 #include "coupler/case_error.hpp"
 #include "coupler/units.hpp"
+#include "lbm/wall_scheme.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/walls.hpp"
 
@@ -30,7 +31,7 @@ struct BoundarySpec {
 
 enum class Precision { single_, double_ };
 enum class TimeCoupling { explicit_, implicit_ };
-enum class WallScheme { bounce_back, cli };
+using lbm::WallScheme;
 enum class Refill { equilibrium, grad };
 enum class ForceForm { galilean, exact };
 

@@ -42,6 +42,19 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   return m;
 }
 
+/// What contacts without a film will hold of a load: last step's, as far as they oppose it. A body that rests
+/// stays where it is, so its surface must not return as if it were falling; one that was struck is not struck
+/// again.
+Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
+  Vec3 contacts = Vec3::Zero();  // impulses of a sub-step
+  for (const auto& s : bodies.stored_impulses[row])
+    if (!(s.feature & rigid::film_feature))
+      contacts += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+  const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
+  if (!(opposing > 0)) return Vec3::Zero();
+  return std::min(opposing / square, double(substeps)) * contacts;
+}
+
 void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
   for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
 }
@@ -148,8 +161,10 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
       external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
           bodies.torque[row].value();
       external.head<3>() += substeps_ * rigid::impulse_of_films(bodies, row);
-      const Vec6 d = (m + h).ldlt().solve(f + external);
-      applied = m * d - external;
+      Vec6 load = f + external;
+      load.template head<3>() += held_by_contacts(bodies, row, substeps_, load.template head<3>());
+      const Vec6 d = (m + h).ldlt().solve(load);
+      applied = f - h * d;
       Eigen::Map<Vec6>(delta.data() + row * 6) = d;
     }
     bodies.add_force(row, applied.template head<3>()), bodies.add_torque(row, applied.template tail<3>());

@@ -1,6 +1,7 @@
 // [units], [domain], [fluid], [coupling], [gravity]
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "coupler/case_sections.hpp"
@@ -207,8 +208,9 @@ void read_coupling(TableReader& root, Case& scene) {
   if (!scene.fluid)
     root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
   CouplingSpec& c = scene.coupling;
-  if (const auto name = table.choice("wall_scheme", {"bounce-back", "cli"}))
-    c.wall_scheme = *name == "cli" ? WallScheme::cli : WallScheme::bounce_back;
+  const auto& schemes = lbm::wall_scheme_names;
+  if (const auto name = table.choice("wall_scheme", {schemes.begin(), schemes.end()}))
+    c.wall_scheme = WallScheme(std::find(schemes.begin(), schemes.end(), *name) - schemes.begin());
   if (const auto name = table.choice("time", {"explicit", "implicit"}))
     c.time = *name == "implicit" ? TimeCoupling::implicit_ : TimeCoupling::explicit_;
   if (const auto name = table.choice("refill", {"equilibrium", "grad"}))

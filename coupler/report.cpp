@@ -112,7 +112,7 @@ void add_scene(const Simulation& simulation, Json& report) {
     report["collision"] = c.fluid->bgk ? "bgk" : "trt";
     report["relaxation_time"] = c.fluid->relaxation_time;
     report["precision"] = c.fluid->precision == Precision::double_ ? "double" : "single";
-    report["wall_scheme"] = c.coupling.wall_scheme == WallScheme::cli ? "cli" : "bounce-back";
+    report["wall_scheme"] = std::string(lbm::wall_scheme_names[int(c.coupling.wall_scheme)]);
     report["time_coupling"] = c.coupling.time == TimeCoupling::implicit_ ? "implicit" : "explicit";
     report["refill"] = c.coupling.refill == Refill::grad ? "grad" : "equilibrium";
     report["lubrication"] = lubrication_of(scene);

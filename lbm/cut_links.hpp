@@ -5,23 +5,22 @@
 //
 // Runs after the halo exchange of the same pass: a link's solid cell, and the cell behind x, may be ghosts.
 //
-// Schemes, both from one formula (Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation):
-//   f_opp(x, t+1) = f*_i(x) + kappa [ f*_i(x - c_i) - f*_opp(x) ] - k c_i.u_w,
-//   kappa = (1 - 2q)/(1 + 2q),  k = 12 w_i/(1 + 2q).
-// q = 1/2 gives bounce-back (equation 5 of Goetz et al. with rho_w = 1); it also stands where x - c_i is not
-// fluid.
+// What comes back is the formula of lbm/wall_scheme.hpp. All links of a run are of one scheme: where x - c_i
+// is not fluid (a narrow gap) a link is put into a run of a scheme that does not read there.
 #include <cstdint>
 #include <vector>
 
 #include "lbm/block.hpp"
+#include "lbm/wall_scheme.hpp"
 
 namespace silt::lbm {
 
-/// Links of one direction on one surface: [begin, end) of the arrays of CutLinks.
+/// Links of one direction and scheme on one surface: [begin, end) of the arrays of CutLinks.
 struct LinkRun {
   std::uint32_t begin, end;
   std::int32_t surface;
-  std::int32_t direction;
+  std::uint8_t direction;
+  WallScheme scheme;
 };
 
 /// The links of one block. A structure of arrays: 4 + 4 sizeof(T) bytes a link.

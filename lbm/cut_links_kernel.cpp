@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "lbm/kernels.hpp"
 
@@ -36,14 +37,14 @@ struct Geometry {  // of a run's direction
   explicit Geometry(int i) : c{T(lbm::c[i].x), T(lbm::c[i].y), T(lbm::c[i].z)}, weight6(T(6 * w(i))) {}
 };
 
-/// k c.u and the lever arm r x c of the links [l0, l0 + n).
-template <class T>
+/// k and the lever arm r x c of the links [l0, l0 + n).
+template <WallScheme scheme, class T>
 struct Levers {
   T k[chunk], ax[chunk], ay[chunk], az[chunk];
   Levers(const CutLinks<T>& links, std::uint32_t l0, int n, const Geometry<T>& g) {
     for (int l = 0; l < n; ++l) {
       const T x = links.rx[l0 + l], y = links.ry[l0 + l], z = links.rz[l0 + l];
-      k[l] = (T(2) * g.weight6) / (T(1) + T(2) * links.q[l0 + l]);
+      k[l] = coefficients<scheme>(links.q[l0 + l], g.weight6).k;
       ax[l] = y * g.c[2] - z * g.c[1], ay[l] = z * g.c[0] - x * g.c[2], az[l] = x * g.c[1] - y * g.c[0];
     }
   }
@@ -57,11 +58,25 @@ struct Motion {
   }
 };
 
-}  // namespace
+/// Calls f with the scheme as a constant of the type.
+template <class F>
+void with_scheme(WallScheme scheme, F&& f) {
+  using enum WallScheme;
+  switch (scheme) {
+    case bounce_back:
+      return f(std::integral_constant<WallScheme, bounce_back>{});
+    case cli:
+      return f(std::integral_constant<WallScheme, cli>{});
+    case bouzidi:
+      return f(std::integral_constant<WallScheme, bouzidi>{});
+    case narrow:
+      return f(std::integral_constant<WallScheme, narrow>{});
+  }
+}
 
-template <class T>
-void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
-               const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+template <WallScheme scheme, class T>
+void apply_links(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
+                 const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
   const int i = run.direction, j = opposite(i);
   const Geometry<T> g(i);
   const Motion<T> u(motion);
@@ -76,18 +91,21 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
   for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
     const int n = int(std::min<std::uint32_t>(chunk, run.end - l0));
     const std::int32_t* const cell = links.cell.data() + l0;
-    T o[chunk], f[chunk], b[chunk];
+    T o[chunk], f[chunk], b[chunk], r[chunk];
     for (int l = 0; l < n; ++l) o[l] = out[cell[l]];
-    for (int l = 0; l < n; ++l) f[l] = behind[cell[l]];
-    for (int l = 0; l < n; ++l) b[l] = against[cell[l]];
-    const Levers<T> lever(links, l0, n, g);
-    T r[chunk];
+    if constexpr (reads_behind(scheme))
+      for (int l = 0; l < n; ++l) f[l] = behind[cell[l]];
+    if constexpr (reads_against(scheme))
+      for (int l = 0; l < n; ++l) b[l] = against[cell[l]];
+    const Levers<scheme, T> lever(links, l0, n, g);
     for (int l = 0; l < n; ++l) {
-      const T q = links.q[l0 + l];
-      const T kappa = (T(1) - T(2) * q) / (T(1) + T(2) * q);
+      const auto s = coefficients<scheme>(links.q[l0 + l], g.weight6);
       const T cu = cv + (lever.ax[l] * u.o[0] + lever.ay[l] * u.o[1] + lever.az[l] * u.o[2]);
-      const T reach = kappa * (f[l] - b[l]);
-      r[l] = (o[l] + (q != T(0.5) ? reach : T(0))) - lever.k[l] * cu;
+      r[l] = s.a * o[l] - s.k * cu;
+      if constexpr (reads_behind(scheme))
+        r[l] += s.b * f[l] + s.c * b[l];
+      else if constexpr (reads_against(scheme))
+        r[l] += s.c * b[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < n; ++l) back[cell[l]] = r[l];
@@ -118,9 +136,9 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
   if (bad) sums.invalid = true;
 }
 
-template <class T>
-void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
-                 const SurfaceMotion& increment, LinkSums& sums) {
+template <WallScheme scheme, class T>
+void correct_links(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
+                   const SurfaceMotion& increment, LinkSums& sums) {
   const Geometry<T> g(run.direction);
   const Motion<T> u(increment);
   const T cv = g.c[0] * u.v[0] + g.c[1] * u.v[1] + g.c[2] * u.v[2];
@@ -129,7 +147,7 @@ void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const
   for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
     const int n = int(std::min<std::uint32_t>(chunk, run.end - l0));
     const std::int32_t* const cell = links.cell.data() + l0;
-    const Levers<T> lever(links, l0, n, g);
+    const Levers<scheme, T> lever(links, l0, n, g);
     T before[chunk], after[chunk];
     double m[chunk];
     for (int l = 0; l < n; ++l) before[l] = back[cell[l]];
@@ -146,13 +164,13 @@ void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const
   if (mass.bad) sums.invalid = true;
 }
 
-template <class T>
-void stiffness_run(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& sums) {
+template <WallScheme scheme, class T>
+void links_stiffness(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& sums) {
   const Geometry<T> g(run.direction);
   FixedAdder k1, ka[3], kaa[6];
   for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
     const int n = int(std::min<std::uint32_t>(chunk, run.end - l0));
-    const Levers<T> lever(links, l0, n, g);
+    const Levers<scheme, T> lever(links, l0, n, g);
     double t[10][chunk];
     for (int l = 0; l < n; ++l) {
       const double k = lever.k[l], x = lever.ax[l], y = lever.ay[l], z = lever.az[l];
@@ -178,6 +196,27 @@ void stiffness_run(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& 
   for (const auto& s : ka) bad |= s.bad;
   for (const auto& s : kaa) bad |= s.bad;
   if (bad) sums.invalid = true;
+}
+
+}  // namespace
+
+template <class T>
+void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
+               const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  with_scheme(run.scheme,
+              [&](auto scheme) { apply_links<scheme()>(block, parity, links, run, motion, form, sums); });
+}
+
+template <class T>
+void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
+                 const SurfaceMotion& increment, LinkSums& sums) {
+  with_scheme(run.scheme,
+              [&](auto scheme) { correct_links<scheme()>(block, parity, links, run, increment, sums); });
+}
+
+template <class T>
+void stiffness_run(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& sums) {
+  with_scheme(run.scheme, [&](auto scheme) { links_stiffness<scheme()>(links, run, sums); });
 }
 
 #define SILT_INSTANTIATE(T)                                                                              \
