@@ -59,12 +59,13 @@ Vec3 impulse_of_films(const BodySet& bodies, std::size_t row) {
   return sum;
 }
 
+/// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
                        BodyId partner, std::vector<StoredImpulse>& stored) {
   for (std::size_t k = 0; k < contacts.size(); ++k)
     if (impulses[k].normal > 0 || contacts[k].film)
-      stored.push_back(
-          {partner, contacts[k].image, contacts[k].feature, impulses[k].along(contacts[k].normal)});
+      stored.push_back({partner, contacts[k].image, contacts[k].feature,
+                        impulses[k].along(contacts[k].normal) + Vec3::Zero()});
 }
 
 }  // namespace silt::rigid
