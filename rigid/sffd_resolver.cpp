@@ -234,7 +234,8 @@ double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contact
       if (i.normal > 0 && !c.film)
         statistics.cone_excess =
             std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
-      if (c.film && targets_[p.first + k] > 0) impulses[k] = {};  // a blow, which does not last
+      if (c.film && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
+        impulses[k] = {};  // mostly a blow, which does not last
       if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
         correctable = std::max(correctable, -c.gap);
     }
