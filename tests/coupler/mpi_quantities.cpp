@@ -208,7 +208,9 @@ CaseText watched_crowd() {
   c.domain =
       "[domain]\nsize = [32, 32, 32]\nboundary = { x = \"periodic\", y = \"periodic\", z = "
       "[\"no-slip\", \"no-slip\"] }\n";
-  c.rest = "[gravity]\nacceleration = [1e-3, 0, -3e-3]\n[contacts]\nrestitution = 0.5\nfriction = 0.3\n";
+  c.rest =
+      "[gravity]\nacceleration = [1e-3, 0, -3e-3]\n[contacts]\nrestitution = 0.5\nfriction = 0.3\n"
+      "[[walls]]\nname = \"pipe\"\ntype = \"tube\"\nradius = 15.9\naxis = \"x\"\npoint = [0, 16, 16]\n";
   c.shapes =
       "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2.2\n"
       "[[shapes]]\nname = \"brick\"\ntype = \"box\"\nedges = [2, 3, 4]\n";
@@ -224,6 +226,7 @@ CaseText watched_crowd() {
     if (type.takes(QuantityType::height)) c.run += "height = 9\n";
     if (type.takes(QuantityType::centre)) c.run += "centre = [16, 16, 16]\n";
     if (type.takes(QuantityType::axis)) c.run += "axis = \"x\"\n";
+    if (type.takes(QuantityType::wall)) c.run += "wall = \"pipe\"\n";
   }
   return c;
 }
