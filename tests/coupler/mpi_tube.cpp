@@ -58,7 +58,7 @@ TEST(Tube, BallSettlesOnTheLowestLine) {
 /// As a pressure gradient, the body force takes a free ball of the fluid's density along with the fluid.
 TEST(BodyForce, OnBodiesMovesBallAndFluidAlike) {
   CaseText c;
-  c.domain = "[domain]\nsize = [24, 24, 24]\nblocks = [12, 12, 24]\nboundary = \"periodic\"\n";
+  c.domain = "[domain]\nsize = [24, 24, 24]\nblocks = [12, 12, 12]\nboundary = \"periodic\"\n";
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\nbody_force_on_bodies = true\n";
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nposition = [12.2, 11.9, 12]\n";
   Simulation simulation(c.read(), MPI_COMM_WORLD);
@@ -79,7 +79,7 @@ double value_of(const CaseText& text, const std::vector<std::string>& overrides 
 CaseText couette(const std::string& quantity) {
   CaseText c;
   c.domain =
-      "[domain]\nsize = [8, 8, 16]\nblocks = [8, 4, 8]\nboundary = { x = \"periodic\", y = \"periodic\", z = "
+      "[domain]\nsize = [8, 8, 16]\nblocks = [4, 4, 8]\nboundary = { x = \"periodic\", y = \"periodic\", z = "
       "[\"no-slip\", { type = \"moving\", velocity = [0.03, 0.04, 0] }] }\n";
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n";
   c.shapes = c.bodies = "";
@@ -101,7 +101,7 @@ TEST(WallQuantities, StressOfPlaneCouetteFlow) {
 TEST(WallQuantities, StressOfABallOnTheFloor) {
   CaseText c = couette("type = \"wall-stress\"\nside = \"z-low\"\naxis = \"z\"");
   c.domain =
-      "[domain]\nsize = [16, 16, 16]\nblocks = [8, 8, 16]\nboundary = { x = \"periodic\", y = \"periodic\", "
+      "[domain]\nsize = [16, 16, 16]\nblocks = [8, 8, 8]\nboundary = { x = \"periodic\", y = \"periodic\", "
       "z "
       "= [\"no-slip\", \"no-slip\"] }\n";
   c.fluid = "[fluid]\nrelaxation_time = 1\n";
