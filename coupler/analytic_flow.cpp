@@ -33,6 +33,34 @@ std::array<double, 3> TaylorGreen::strain_rate(double x, double y, double t) con
   return {xx, -xx, 0.5 * a * (-ky + kx * kx / ky) * cc};
 }
 
+std::unique_ptr<ExactProfile> exact_profile(const Case& scene, const std::string& name) {
+  if (name == "pipe") return std::make_unique<PipeProfile>(scene);
+  return std::make_unique<WallProfile>(scene, name);
+}
+
+PipeProfile::PipeProfile(const Case& scene) : viscosity_(scene.fluid->kinematic_viscosity) {
+  const rigid::Vec3& force = scene.fluid->body_force;
+  if (scene.walls.size() == 1) tube_ = scene.walls[0].tube;
+  const bool along = force.cross(tube_.axis).norm() <= 1e-12 * force.norm();
+  int axis = 0;
+  tube_.axis.cwiseAbs().maxCoeff(&axis);
+  if (scene.walls.size() != 1 || !along || !scene.periodic(axis))
+    throw CaseError(scene.place("quantities"),
+                    "the profile \"pipe\" needs one tube in [[walls]], along a periodic axis, and a "
+                    "fluid.body_force (if any) along it");
+  acceleration_ = force.dot(tube_.axis);
+}
+
+rigid::Vec3 PipeProfile::velocity(const rigid::Vec3& x) const {
+  const rigid::Vec3 from = x - tube_.point, arm = from - tube_.axis.dot(from) * tube_.axis;
+  const double flow = acceleration_ * (tube_.radius * tube_.radius - arm.squaredNorm()) / (4 * viscosity_);
+  return (flow + tube_.velocity) * tube_.axis + tube_.angular_velocity * tube_.axis.cross(arm);
+}
+
+double PipeProfile::largest() const {
+  return std::abs(velocity(tube_.point).dot(tube_.axis)) + std::abs(tube_.angular_velocity) * tube_.radius;
+}
+
 WallProfile::WallProfile(const Case& scene, const std::string& profile)
     : is_duct_(profile == "duct"), viscosity_(scene.fluid->kinematic_viscosity) {
   const rigid::Vec3& force = scene.fluid->body_force;
@@ -81,18 +109,56 @@ double WallProfile::duct(double y, double z) const {
 
 namespace {
 
+/// The flow of a vortex at a point.
+struct Local {
+  double density_deviation;
+  std::array<double, 3> velocity;
+  double xx, yy, zz, xy, xz, yz;  // strain rate
+};
+
+Local at(const TaylorGreen& vortex, double x, double y, double) {
+  const auto [xx, yy, xy] = vortex.strain_rate(x, y, 0);
+  return {vortex.density_deviation(x, y, 0), vortex.velocity(x, y, 0), xx, yy, 0, xy, 0, 0};
+}
+
+/// Taylor, Green, Proc. R. Soc. A 158 (1937) 499, in a cube, at the start:
+///   u = A (sin kx cos ky cos kz, -cos kx sin ky cos kz, 0),  p = A^2/16 (cos 2kx + cos 2ky)(cos 2kz + 2).
+struct TaylorGreen3D {
+  double amplitude, k;
+  explicit TaylorGreen3D(const Case& scene)
+      : amplitude(scene.fluid->initial_velocity.norm()), k(2 * pi / scene.cells[0]) {}
+};
+
+Local at(const TaylorGreen3D& vortex, double x, double y, double z) {
+  const double a = vortex.amplitude, k = vortex.k;
+  const double sx = std::sin(k * x), cx = std::cos(k * x), sy = std::sin(k * y), cy = std::cos(k * y);
+  const double sz = std::sin(k * z), cz = std::cos(k * z), stretch = a * k * cx * cy * cz;
+  const double pressure =
+      a * a / 16 * (std::cos(2 * k * x) + std::cos(2 * k * y)) * (std::cos(2 * k * z) + 2);
+  return {3 * pressure,
+          {a * sx * cy * cz, -a * cx * sy * cz, 0},
+          stretch,
+          -stretch,
+          0,
+          0,
+          -0.5 * a * k * sx * cy * sz,
+          0.5 * a * k * cx * sy * sz};
+}
+
 /// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
-void set_taylor_green(const Case& scene, Flow& flow) {
-  const TaylorGreen exact(scene);
+template <class Vortex>
+void set_vortex(const Case& scene, Flow& flow) {
+  const Vortex vortex(scene);
   const double tau = scene.fluid->relaxation_time;
   for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
-    const double x = global.x + 0.5, y = global.y + 0.5;
-    flow.set_equilibrium(b, cell, exact.density_deviation(x, y, 0), exact.velocity(x, y, 0));
-    const auto [xx, yy, xy] = exact.strain_rate(x, y, 0);
+    const Local l = at(vortex, global.x + 0.5, global.y + 0.5, global.z + 0.5);
+    flow.set_equilibrium(b, cell, l.density_deviation, l.velocity);
     for (int i = 1; i < lbm::directions; ++i) {
       const lbm::Int3 v = lbm::c[i];
-      const double stress = v.x * v.x * xx + v.y * v.y * yy + 2 * v.x * v.y * xy - (xx + yy) / 3;
-      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) - 3 * tau * lbm::w(i) * stress);
+      const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
+                            2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
+                            (l.xx + l.yy + l.zz) / 3;
+      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) - 3 * tau * lbm::w(i) * strain);
     }
   });
 }
@@ -101,7 +167,8 @@ void set_taylor_green(const Case& scene, Flow& flow) {
 
 void set_initial_flow(const Case& scene, Flow& flow) {
   const FluidSpec& fluid = *scene.fluid;
-  if (fluid.initial == "taylor-green") return set_taylor_green(scene, flow);
+  if (fluid.initial == "taylor-green") return set_vortex<TaylorGreen>(scene, flow);
+  if (fluid.initial == "taylor-green-3d") return set_vortex<TaylorGreen3D>(scene, flow);
   if (fluid.initial != "uniform") return;
   const rigid::Vec3& u = fluid.initial_velocity;
   for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {

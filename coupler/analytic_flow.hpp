@@ -1,6 +1,7 @@
 #pragma once
 // Flows with closed forms, in lattice units: what a run may begin with, and what it is compared with.
 #include <array>
+#include <memory>
 
 #include "coupler/case.hpp"
 
@@ -20,15 +21,42 @@ struct TaylorGreen {
   std::array<double, 3> strain_rate(double x, double y, double t) const;
 };
 
-/// Steady flow along the body force between the walls of a case: "channel" (walls across one axis) or "duct"
-/// (across two). Walls half way between cells. Throws CaseError if the scene has other walls.
-class WallProfile {
+/// Steady flow between walls, of which the exact solution is known.
+class ExactProfile {
+ public:
+  virtual ~ExactProfile() = default;
+  /// At a point (cell centres are at +1/2).
+  virtual rigid::Vec3 velocity(const rigid::Vec3& x) const = 0;
+  virtual double largest() const = 0;  // speed: what errors are relative to
+};
+
+/// "channel", "duct" or "pipe", from the walls and the body force of a case. CaseError if it has others.
+std::unique_ptr<ExactProfile> exact_profile(const Case&, const std::string& name);
+
+/// Along the body force in a tube that slides and turns: a (R^2 - r^2) / (4 nu) along the axis and the rigid
+/// motion of the tube.
+class PipeProfile : public ExactProfile {
+ public:
+  explicit PipeProfile(const Case&);
+  rigid::Vec3 velocity(const rigid::Vec3& x) const override;
+  double largest() const override;
+
+ private:
+  rigid::TubeSpec tube_;
+  double acceleration_, viscosity_;
+};
+
+/// Along the body force between the sides of a case: "channel" (walls across one axis) or "duct" (across
+/// two). Walls half way between cells.
+class WallProfile : public ExactProfile {
  public:
   WallProfile(const Case&, const std::string& profile);
-  int flow_axis() const { return flow_axis_; }
-  /// Velocity along flow_axis at a point (cell centres are at +1/2).
+  rigid::Vec3 velocity(const rigid::Vec3& x) const override {
+    return (*this)({x[0], x[1], x[2]}) * rigid::Vec3::Unit(flow_axis_);
+  }
+  /// Velocity along the body force.
   double operator()(const std::array<double, 3>& x) const;
-  double largest() const;
+  double largest() const override;
 
  private:
   double duct(double y, double z) const;

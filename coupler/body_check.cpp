@@ -12,6 +12,7 @@
 #include "coupler/fill.hpp"
 #include "coupler/neighbour_grid.hpp"
 #include "coupler/overlap.hpp"
+#include "coupler/wall_check.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -121,7 +122,7 @@ bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
                          shown_length(scene, allowed_high)));
     return false;
   }
-  return true;
+  return check_in_walls(scene, findings, body, key, start_overlap);
 }
 
 void check_pairs(const Case& scene, Findings& findings) {
@@ -221,7 +222,8 @@ void check_fill_volumes(const Case& scene, Findings& findings) {
 void check_falling(const Case& scene, Findings& findings) {
   const bool something_fixed = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                            [](const BodySpec& b) { return b.motion != Motion::free; });
-  const bool walls = std::any_of(scene.boundary.begin(), scene.boundary.end(),
+  const bool walls = !scene.walls.empty() ||
+                     std::any_of(scene.boundary.begin(), scene.boundary.end(),
                                  [](const BoundarySpec& b) { return b.kind != BoundaryKind::periodic; });
   if (scene.gravity.norm() > 0 && !walls && !something_fixed)
     findings.warning("gravity.acceleration",

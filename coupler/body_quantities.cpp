@@ -163,6 +163,11 @@ std::uint64_t points_inside(const SampledBox& box, const rigid::Shape& shape, co
 
 }  // namespace
 
+double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
+                        const std::function<double(std::size_t)>& value) {
+  return mean_over(simulation, q, value);
+}
+
 // ---- at the end ----
 
 double mean_height(const Simulation& simulation, const QuantitySpec& q) {
@@ -245,6 +250,21 @@ void observe_height(const Simulation& simulation, const QuantitySpec& q, Quantit
   const BodySet& bodies = simulation.bodies();
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (q.is_about(bodies.kind[row])) largest[0] = std::max(largest[0], bodies.position[row][q.axis]);
+}
+
+void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
+                     QuantityHistory& against_and_along) {
+  const BodySet& bodies = simulation.bodies();
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row]) || bodies.position[row][q.axis] < q.height) continue;
+    const double v = bodies.velocity[row][q.axis];
+    against_and_along = {std::max(against_and_along[0], -v), std::max(against_and_along[1], v)};
+  }
+}
+
+double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory& against_and_along) {
+  const auto [against, along] = against_and_along;
+  return against > 0 ? std::max(along, 0.0) / against : nothing;
 }
 
 /// The spin about the axis of the middle moment of inertia, and (Euler's equation without a torque) its rate

@@ -3,6 +3,7 @@
 // any number of ranks (sums are in fixed point); lattice units; NaN where there is nothing to speak of. What
 // the start was like comes from the case, not from memory. Meanings: cases/README.md.
 #include <array>
+#include <functional>
 #include <limits>
 
 #include "coupler/simulation.hpp"
@@ -13,6 +14,10 @@ namespace silt::coupler {
 /// the ranks counts.
 using QuantityHistory = std::array<double, 2>;
 inline constexpr double not_yet = -std::numeric_limits<double>::infinity();
+
+/// Mean over the bodies a quantity is about: value(row) of each owned one.
+double mean_over_bodies(const Simulation&, const QuantitySpec&,
+                        const std::function<double(std::size_t)>& value);
 
 // ---- at the end ----
 double mean_height(const Simulation&, const QuantitySpec&);
@@ -33,6 +38,8 @@ void observe_energy(const Simulation&, const QuantitySpec&, QuantityHistory& at_
 double energy_growth(const QuantityHistory&);
 void observe_discharge(const Simulation&, const QuantitySpec&, QuantityHistory& mass_and_step);
 double discharge_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
+void observe_rebound(const Simulation&, const QuantitySpec&, QuantityHistory& against_and_along);
+double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory&);
 void observe_bed(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
 
 }  // namespace silt::coupler

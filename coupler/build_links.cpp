@@ -30,11 +30,31 @@ std::uint32_t filled_up(std::uint32_t n) {
   return (n + lbm::link_lanes - 1) & ~std::uint32_t(lbm::link_lanes - 1);
 }
 
+/// Distance of the inside of a tube along one link direction, in units of it.
+class TubeDistance {
+ public:
+  TubeDistance(double radius, const rigid::Mat3& to_tube) : radius_(radius), across_(to_tube.topRows<2>()) {}
+  void point(const Vec3& c) { direction_ = across_ * c, a_ = direction_.squaredNorm(); }
+  /// The larger root of |o + q d| = radius, seen along the axis, without cancellation; r is in the hollow.
+  double operator()(const Vec3& r) const {
+    const Eigen::Vector2d o = across_ * r;
+    const double rho = o.norm(), b = o.dot(direction_), c = (rho - radius_) * (rho + radius_);
+    const double s = std::sqrt(std::max(b * b - a_ * c, 0.0));
+    return b > 0 ? -c / (b + s) : (s - b) / a_;
+  }
+
+ private:
+  double radius_, a_ = 0;
+  Eigen::Matrix<double, 2, 3> across_;
+  Eigen::Vector2d direction_ = Eigen::Vector2d::Zero();
+};
+
 /// Distance of a body's surface along one link direction, prepared once a body and direction.
 class SurfaceDistance {
  public:
   SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose) {
     const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
+    if (const auto* tube = std::get_if<rigid::Tube>(&shape)) tube_.emplace(tube->radius, to_body);
     for (const auto& part : rigid::convex_parts(shape)) {
       const rigid::Mat3 to_part = part.pose.orientation.toRotationMatrix().transpose();
       parts_.push_back({part.shape, rigid::reach({part.shape, rigid::Pose{}}), to_part * to_body,
@@ -43,9 +63,11 @@ class SurfaceDistance {
   }
   void point(int i) {
     const Int3 c = lbm::c[i];
+    if (tube_) tube_->point(Vec3(c.x, c.y, c.z));
     for (auto& p : parts_) p.direction = p.rotation * Vec3(c.x, c.y, c.z);
   }
   double operator()(const Vec3& r) const {
+    if (tube_) return std::clamp((*tube_)(r), 0.0, 1.0);
     double q = 1;
     for (const auto& p : parts_) {
       const Vec3 origin = p.rotation * r - p.centre;
@@ -64,6 +86,7 @@ class SurfaceDistance {
     rigid::Mat3 rotation;    // world to part
     Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
   };
+  std::optional<TubeDistance> tube_;
   std::vector<PreparedPart> parts_;
 };
 
@@ -182,7 +205,7 @@ class LinkWriter {
         ++k;
     run(i, n, scheme_);
     copy({apart_.data(), apart}, 0);
-    run(i, apart, WallScheme::bounce_back);
+    run(i, apart, WallScheme::narrow);
   }
 
   void copy(List from, std::size_t at) {
@@ -215,7 +238,7 @@ class LinkWriter {
     T* const q = links_.q.data() + links_.used;
     const std::uint32_t end = filled_up(n);
     std::fill(place + n, place + end, place[n - 1]);
-    if (scheme == WallScheme::bounce_back) std::fill(q, q + end, T(0.5));
+    if (!lbm::reads_behind(scheme)) std::fill(q, q + end, T(0.5));
     std::fill(q + n, q + end, q[n - 1]);
     links_.runs.push_back({links_.used, n, std::uint8_t(i), scheme});
     links_.used += end, links_.count += n;

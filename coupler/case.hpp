@@ -14,6 +14,7 @@
 #include "coupler/units.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "rigid/rigid_step.hpp"
+#include "rigid/walls.hpp"
 
 namespace silt::coupler {
 
@@ -41,7 +42,9 @@ struct FluidSpec {
       1. / 6;  // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
-  // initial velocity: "rest", "uniform", "taylor-green"; amplitude and (for taylor-green) one wave a period
+  bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
+  // initial velocity: "rest", "uniform", "taylor-green", "taylor-green-3d"; amplitude and (for the vortices)
+  // one wave a period
   std::string initial = "rest";
   rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
 };
@@ -52,7 +55,9 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool pressure_anchor = true;
-  double remap_tolerance = 1e-3;  // cells a surface may move before its cells and wall distances are renewed
+  double remap_tolerance = 1e-3;   // cells a surface may move before its cells and wall distances are renewed
+  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
+  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };
 
 struct ContactSpec {
@@ -70,6 +75,12 @@ struct BodySpec {  // one body
   rigid::Motion motion = rigid::Motion::free;
   rigid::Pose pose;  // of the shape as the case gives it, not of its centre of mass
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+};
+
+/// A curved wall of the domain, for fluid and bodies alike.
+struct CurvedWall {
+  std::string name;
+  rigid::TubeSpec tube;
 };
 
 struct FillSpec {
@@ -96,13 +107,22 @@ struct QuantitySpec {
   std::string name, type;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  std::string profile;  // "channel", "duct"
-  double time = 0;      // from when on, in steps
+  std::string profile;  // "channel", "duct", "pipe"
+  double time = 0;      // from when on (of an instant: when; without one the end), in steps
   double height = 0;    // along the axis
+  int side = 0;         // a Side of the domain
+  int wall = 0;         // index into Case::walls
   rigid::Vec3 centre = rigid::Vec3::Zero();
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
 
   bool is_about(int body_kind) const { return kind < 0 || body_kind == kind; }
+};
+
+/// The run ends before its last step when a quantity has come so close to where it goes (see SteadyWatch).
+struct SteadySpec {
+  std::string quantity;  // name of a QuantitySpec
+  double change = 0;     // relative
+  std::int64_t every = 0;
 };
 
 struct Case {
@@ -129,18 +149,23 @@ struct Case {
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FillSpec> fills;
+  std::vector<CurvedWall> walls;  // besides the sides of the domain
   // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
   // one name make one kind, and have one shape
   std::vector<std::string> kind_names;
   std::vector<int> kind_shapes;
 
   std::int64_t steps = 0;
+  std::optional<SteadySpec> steady;
   OutputSpec output;
   std::vector<QuantitySpec> quantities;
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
   /// Where a key stands; if it is not in the file, where the table that would hold it does.
   Place place(std::string path) const;
   bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
+  bool has_lubrication() const { return fluid && coupling.lubrication && contacts.resolver == "sffd"; }
+  /// Something besides the sides of the domain bounds the fluid.
+  bool has_surfaces() const { return has_bodies() || !walls.empty(); }
 };
 
 }  // namespace silt::coupler

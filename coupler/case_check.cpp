@@ -10,12 +10,13 @@
 #include "coupler/derived_table.hpp"
 #include "coupler/fill.hpp"
 #include "coupler/quantity_types.hpp"
+#include "coupler/speed_check.hpp"
+#include "coupler/wall_check.hpp"
 
 namespace silt::coupler {
 namespace {
 
-// Limits of the method, in lattice units (NUMERICS 1: the error by compressibility grows with u^2).
-constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
+// Limits of the method, in lattice units.
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2;
 constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
 
@@ -47,25 +48,6 @@ void check_domain(const Case& scene, Findings& findings) {
                        fmt::format("domain.blocks[{}] is {} cells; the domain has only {} along {}", d, block,
                                    scene.cells[d], "xyz"[d]));
   }
-}
-
-std::string in_case_units(const Case& scene, double x, Dimension dimension, const char* si) {
-  return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si)
-                        : std::string();
-}
-
-void check_speed(const Case& scene, Findings& findings, const std::string& key, const rigid::Vec3& velocity) {
-  const double speed = velocity.norm();
-  const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed),
-                                        in_case_units(scene, speed, dimension::velocity, "m/s"));
-  const std::string remedy =
-      scene.units.si ? "shorten units.time_step (a smaller relaxation time with it) or the velocity"
-                     : "lower it";
-  if (!(speed <= impossible_velocity))
-    findings.error(key, fmt::format("{}; it must be at most {}: {}", found, impossible_velocity, remedy));
-  else if (speed > doubtful_velocity)
-    findings.warning(key, fmt::format("{}; above {} the fluid is noticeably compressible: {}", found,
-                                      doubtful_velocity, remedy));
 }
 
 void check_relaxation(const Case& scene, Findings& findings) {
@@ -110,14 +92,19 @@ void check_fluid(const Case& scene, Findings& findings) {
   if (!(scene.fluid->magic > 0))
     findings.error("fluid.magic",
                    fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));
+  if (scene.fluid->initial == "taylor-green-3d" &&
+      (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
+    findings.error("fluid.initial.type",
+                   "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
+                   "domain.size the same along x, y and z");
   if (scene.fluid->initial != "rest")
-    check_speed(scene, findings, "fluid.initial.velocity", scene.fluid->initial_velocity);
+    check_speed(scene, findings, "fluid.initial.velocity", scene.fluid->initial_velocity.norm());
   bool inlet = false, outlet = false;
   std::string inlet_key;
   for (int side = 0; side < 6; ++side) {
     const BoundarySpec& boundary = scene.boundary[side];
     if (boundary.kind == BoundaryKind::velocity_inlet || boundary.kind == BoundaryKind::moving)
-      check_speed(scene, findings, fmt::format("{}.velocity", side_keys[side]), boundary.velocity);
+      check_speed(scene, findings, fmt::format("{}.velocity", side_keys[side]), boundary.velocity.norm());
     if (boundary.kind == BoundaryKind::moving && std::abs(boundary.velocity[side / 2]) > 0)
       findings.error(
           fmt::format("{}.velocity", side_keys[side]),
@@ -156,6 +143,14 @@ void check_materials(const Case& scene, Findings& findings) {
                                                   shown(scene.contacts.margin)));
 }
 
+void check_lubrication(const Case& scene, Findings& findings) {
+  if (scene.places.count("coupling.lubrication") && scene.coupling.lubrication && !scene.has_lubrication())
+    findings.error("coupling.lubrication",
+                   fmt::format("coupling.lubrication is true, but contacts.resolver is '{}', which knows no "
+                               "viscous films; set contacts.resolver = \"sffd\", or remove the key",
+                               scene.contacts.resolver));
+}
+
 // A body that moves further in a sub-step than contacts reach ahead may pass through another.
 void check_margin(const Case& scene, Findings& findings, const std::string& key, double speed) {
   const double step = speed / scene.contacts.substeps;
@@ -175,14 +170,32 @@ void check_body_speeds(const Case& scene, Findings& findings) {
     const std::string entry = fmt::format("bodies[{}]", std::max(0, body.entry));
     check_margin(scene, findings, entry + ".velocity", body.velocity.norm());
     if (!scene.fluid) continue;
-    check_speed(scene, findings, entry + ".velocity", body.velocity);
-    if (rim > 0) check_speed(scene, findings, entry + ".angular_velocity", rigid::Vec3(rim, 0, 0));
+    check_speed(scene, findings, entry + ".velocity", body.velocity.norm());
+    if (rim > 0) check_speed(scene, findings, entry + ".angular_velocity", rim);
   }
+}
+
+void check_steady(const Case& scene, Findings& findings) {
+  constexpr int looks_needed = 4;
+  if (!scene.steady) return;
+  std::vector<std::string> names;
+  for (const QuantitySpec& quantity : scene.quantities) names.push_back(quantity.name);
+  const std::string& name = scene.steady->quantity;
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    findings.error("run.steady.quantity",
+                   fmt::format("run.steady.quantity: there is no quantity '{}' in [[quantities]]{}", name,
+                               names.empty() ? "" : suggestion(name, names)));
+  if (scene.steady->every > scene.steps / looks_needed)
+    findings.warning("run.steady.every",
+                     fmt::format("run.steady.every is {}, of {} steps in all: there will be less than the {} "
+                                 "looks it takes to see that something is steady",
+                                 scene.steady->every, scene.steps, looks_needed));
 }
 
 void check_run(const Case& scene, Findings& findings) {
   if (scene.steps < 1)
     findings.error("run.steps", fmt::format("the run has {} steps; it must have at least 1", scene.steps));
+  check_steady(scene, findings);
   if (!scene.fluid && !scene.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
   if (!scene.fluid && scene.output.fields.every > 0)
@@ -216,6 +229,25 @@ std::string lacking(const Case& scene, const QuantityType& type) {
   return "";
 }
 
+bool is_wall(const BoundarySpec& side) {
+  return side.kind == BoundaryKind::no_slip || side.kind == BoundaryKind::moving;
+}
+
+void check_side(const Case& scene, Findings& findings, const QuantitySpec& quantity, const std::string& key) {
+  if (is_wall(scene.boundary[quantity.side])) return;
+  findings.error(key, fmt::format("{} is {}, which is no wall; it must be a side that is no-slip or moving",
+                                  key, side_keys[quantity.side]));
+}
+
+void check_shear(const Case& scene, Findings& findings, const QuantitySpec& quantity,
+                 const std::string& key) {
+  const BoundarySpec &low = scene.boundary[2 * quantity.axis], &high = scene.boundary[2 * quantity.axis + 1];
+  if (is_wall(low) && is_wall(high) && low.velocity != high.velocity) return;
+  findings.error(key, fmt::format("{} is {}, across which nothing is sheared; both sides there must be walls "
+                                  "(no-slip or moving), of different velocities",
+                                  key, "xyz"[quantity.axis]));
+}
+
 void check_quantities(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.quantities.size(); ++i) {
     const QuantitySpec& quantity = scene.quantities[i];
@@ -223,10 +255,16 @@ void check_quantities(const Case& scene, Findings& findings) {
     const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(scene, type);
     if (!lack.empty())
       findings.error(entry + ".type", fmt::format("{}.type is \"{}\", but {}", entry, quantity.type, lack));
-    if (type.takes(QuantityType::time) && quantity.time >= static_cast<double>(scene.steps))
+    const bool never = type.takes(QuantityType::time)
+                           ? quantity.time >= static_cast<double>(scene.steps)
+                           : type.takes(QuantityType::instant) && std::isfinite(quantity.time) &&
+                                 quantity.time > static_cast<double>(scene.steps);
+    if (never)
       findings.warning(
           entry + ".time",
           fmt::format("{}.time is not before the end of the run: the quantity will have no value", entry));
+    if (type.takes(QuantityType::side)) check_side(scene, findings, quantity, entry + ".side");
+    if (quantity.type == "relative-viscosity") check_shear(scene, findings, quantity, entry + ".axis");
     if (type.takes(QuantityType::box)) check_sampled_box(scene, findings, quantity, entry + ".box");
   }
 }
@@ -238,9 +276,11 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   check_domain(scene, findings);
   check_fluid(scene, findings);
   check_materials(scene, findings);
+  check_lubrication(scene, findings);
   check_run(scene, findings);
   check_quantities(scene, findings);
   check_body_speeds(scene, findings);
+  check_walls(scene, findings);
   if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; }))
     check_bodies(scene, findings);
   if (!has_errors(findings.list) && !scene.fills.empty()) {

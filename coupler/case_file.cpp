@@ -81,6 +81,7 @@ Case read_case_text(const std::string& text, const std::string& file,
   read_domain(reader, scene);
   read_fluid(reader, scene);
   read_contacts(reader, scene);
+  read_walls(reader, scene);
   read_shapes(reader, scene);
   read_bodies(reader, scene);
   read_fills(reader, scene);

@@ -26,6 +26,8 @@ bool Range::holds(double x) const {
 }
 
 std::string Range::text() const {
+  if (std::isfinite(low) && std::isfinite(high) && !low_allowed && !high_allowed)
+    return fmt::format("above {} and below {}", shown(low), shown(high));
   if (std::isfinite(low) && std::isfinite(high))
     return fmt::format("between {} and {}", shown(low), shown(high));
   if (std::isfinite(low)) return fmt::format("{} {}", low_allowed ? "at least" : "above", shown(low));

@@ -17,6 +17,9 @@ void read_shapes(TableReader& root, Case&);  // [[shapes]]
 /// points.
 rigid::Quat read_orientation(TableReader&);
 
+// read_walls.cpp
+void read_walls(TableReader& root, Case&);  // [[walls]]; after the materials
+
 // read_bodies.cpp
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
 void read_bodies(TableReader& root, Case&);    // [[bodies]]
@@ -26,6 +29,11 @@ void read_fills(TableReader& root, Case&);     // [[fill]]
 void read_run(TableReader& root, Case&);         // [run]
 void read_output(TableReader& root, Case&);      // [output]
 void read_quantities(TableReader& root, Case&);  // [[quantities]]
+
+/// Index into Case::material_names, 0 ("default") without the key.
+int read_material_name(TableReader&, const Case&);
+/// From radius or diameter.
+double read_radius(TableReader&);
 
 /// Index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if it is not
 /// there.

@@ -24,6 +24,7 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit("contacts", c.contacts), visit("mixed_owner_contacts", c.mixed_owner_contacts);
   visit("sweeps", c.sweeps), visit("infeasible", c.infeasible);
   visit("queries", c.queries), visit("fallbacks", c.fallbacks);
+  visit("films", c.films), visit("narrow_without_film", c.narrow_without_film);
   visit("body_speed", c.body_speed), visit("penetration", c.penetration), visit("residual", c.residual);
 }
 
@@ -50,6 +51,24 @@ struct Read {
 
 std::string history_name(const QuantitySpec& q, int k) {
   return fmt::format("quantity.{}#{}", q.name, k);
+}
+
+// ---- the watch on what becomes steady ----
+
+void write_steady_watch(CheckpointWriter& writer, const SteadySpec& spec, const SteadyWatch::State& state) {
+  writer.set("steady.quantity", spec.quantity);
+  writer.set("steady.change", spec.change);
+  writer.set("steady.every", spec.every);
+  writer.set("steady.looks", state.looks);
+  writer.set("steady.value", state.value);
+  writer.set("steady.last_change", state.last_change);
+  writer.set("steady.within", state.within);
+}
+
+/// One that began with another rule has seen nothing.
+bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
+  return reader.has("steady.quantity") && reader.text("steady.quantity") == spec.quantity &&
+         reader.number("steady.change") == spec.change && reader.integer("steady.every") == spec.every;
 }
 
 // ---- populations ----
@@ -174,7 +193,8 @@ void require_same_files(const CheckpointReader& reader, const Case& now) {
 
 std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
                                        const std::filesystem::path& folder,
-                                       const adapters::Provenance& provenance) {
+                                       const adapters::Provenance& provenance,
+                                       const std::optional<SteadyWatch>& steady) {
   const Case& scene = simulation.setup();
   const Flow* flow = simulation.scene().flow.get();
   const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
@@ -191,6 +211,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   writer.set("fluid_speed", simulation.fluid_speed());
   for (std::size_t i = 0; i < history.size(); ++i)
     for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
+  if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
     writer.set("anchor_mass", flow->anchor().mass);
     writer.set("anchor_fluid_cells", flow->anchor().fluid_cells);
@@ -239,6 +260,15 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);
   };
   return state;
+}
+
+std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, const Case& scene) {
+  if (!scene.steady) return {};
+  SteadyWatch watch(scene.steady->change);
+  if (has_watch_of(reader, *scene.steady))
+    watch.set_state({reader.integer("steady.looks"), reader.number("steady.value"),
+                     reader.number("steady.last_change"), reader.integer("steady.within")});
+  return watch;
 }
 
 std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const Case& scene) {

@@ -1,17 +1,20 @@
 #pragma once
 // Leaving a run and coming back to it, to the bit, on any number of ranks.
 #include <filesystem>
+#include <optional>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "coupler/quantities.hpp"
 #include "coupler/simulation.hpp"
+#include "coupler/steady_watch.hpp"
 
 namespace silt::coupler {
 
 /// Collective. Writes FOLDER/checkpoint_STEP.h5 and keeps the case's number of them. Returns its path.
 /// std::runtime_error on every rank; earlier checkpoints are then untouched.
 std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
-                                       const std::filesystem::path& folder, const adapters::Provenance&);
+                                       const std::filesystem::path& folder, const adapters::Provenance&,
+                                       const std::optional<SteadyWatch>& = {});
 
 /// The case a checkpoint's run goes on with: what `directory` holds now, with the --set of the run that wrote
 /// the checkpoint and then those given. Only [run], [output] and [[quantities]] may differ from what it began
@@ -24,5 +27,8 @@ SavedState read_state(const adapters::CheckpointReader&, const Case&);
 
 /// What Quantities had gathered; give it to set_history.
 std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
+
+/// The watch a case asks for, as it was; fresh where the run watched something else. None without run.steady.
+std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 
 }  // namespace silt::coupler

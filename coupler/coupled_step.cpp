@@ -30,7 +30,7 @@ CoupledStep::CoupledStep(const SceneParts& scene) : scene_(scene) {}
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
   Laps laps(seconds_);
   if (scene_.flow) {
-    if (scene_.bodies) {
+    if (scene_.surfaces) {
       scene_.flow->map_bodies(bodies);  // Algorithm 2, line 1: object mapping
       laps.end(Stage::object_mapping);
     }
@@ -39,7 +39,7 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
     laps.move(Stage::stream_collide, Stage::force_evaluation, scene_.flow->take_link_seconds());
     scene_.flow->communicate();
     laps.end(Stage::lbm_communication);
-    if (scene_.bodies) {
+    if (scene_.surfaces) {
       scene_.flow->evaluate_forces(bodies, scene_.gravity);  // line 3: what surfaces return, forces on bodies
       if (scene_.forces_seen) scene_.forces_seen(bodies);
       laps.end(Stage::force_evaluation);

@@ -33,7 +33,7 @@ struct SceneParts {
   rigid::RigidStep* rigid_step = nullptr;  // null: no body moves
   int substeps = 1;
   rigid::Vec3 gravity = rigid::Vec3::Zero();
-  bool bodies = false;  // any, fixed ones included
+  bool surfaces = false;  // of bodies, fixed ones included, or of curved walls
   /// Called when the fluid's forces stand in the rows' accumulators and nothing has consumed them; may be
   /// empty.
   std::function<void(const rigid::BodySet&)> forces_seen;

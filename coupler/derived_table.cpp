@@ -74,6 +74,8 @@ void add_domain(const Case& scene, Table& table) {
     table.line(fmt::format("boundary {}", "xyz"[d]),
                scene.periodic(d) ? "periodic" : boundary_name(low) + ", " + boundary_name(high));
   }
+  for (const CurvedWall& wall : scene.walls)
+    table.quantity("tube '" + wall.name + "', radius", wall.tube.radius, dimension::length, "m", "cells");
   if (scene.block_cells) {
     const auto& b = *scene.block_cells;
     std::int64_t blocks = 1;
@@ -168,6 +170,7 @@ void add_bodies(const Case& scene, Table& table) {
   table.line("collision backend", scene.contacts.backend);
   table.line("broad phase", scene.contacts.broad_phase);
   table.line("contact resolver", scene.contacts.resolver);
+  if (scene.fluid) table.line("lubrication", scene.has_lubrication() ? "on" : "off");
 }
 
 void add_run(const Case& scene, Table& table) {
@@ -203,7 +206,7 @@ double fluid_memory(const Case& scene) {
   if (!scene.fluid) return 0;
   const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
   return cells * (populations * (scene.fluid->precision == Precision::double_ ? 8 : 4) +
-                  (scene.has_bodies() ? 1 : 0));
+                  (scene.has_surfaces() ? 1 : 0));
 }
 
 std::string derived_table(const Case& scene) {

@@ -21,23 +21,39 @@ enum class Item : std::uint64_t { contact, partner };
 struct PackedContact {
   BodyId a, b;
   std::uint64_t feature;
-  double normal[3], gap, r_a[3], r_b[3], restitution, friction;
+  double normal[3], gap, r_a[3], r_b[3], restitution, friction, film[3];
   std::int8_t image[8];
 };
 
 PackedContact packed(const Contact& c) {
-  PackedContact p{c.a, c.b, c.feature,     {},         c.gap,
-                  {},  {},  c.restitution, c.friction, {c.image.x, c.image.y, c.image.z}};
+  PackedContact p{c.a,
+                  c.b,
+                  c.feature,
+                  {},
+                  c.gap,
+                  {},
+                  {},
+                  c.restitution,
+                  c.friction,
+                  {c.film.normal, c.film.sliding, c.film.rolling},
+                  {c.image.x, c.image.y, c.image.z}};
   for (int d = 0; d < 3; ++d) p.normal[d] = c.normal[d], p.r_a[d] = c.r_a[d], p.r_b[d] = c.r_b[d];
   return p;
 }
 
 Contact unpacked(const PackedContact& p) {
   const auto vec = [](const double* v) { return rigid::Vec3(v[0], v[1], v[2]); };
-  return {p.a,        p.b,           {p.image[0], p.image[1], p.image[2]},
-          p.feature,  vec(p.normal), p.gap,
-          vec(p.r_a), vec(p.r_b),    p.restitution,
-          p.friction};
+  return {p.a,
+          p.b,
+          {p.image[0], p.image[1], p.image[2]},
+          p.feature,
+          vec(p.normal),
+          p.gap,
+          vec(p.r_a),
+          vec(p.r_b),
+          p.restitution,
+          p.friction,
+          {p.film[0], p.film[1], p.film[2]}};
 }
 
 }  // namespace

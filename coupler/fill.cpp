@@ -10,6 +10,7 @@
 
 #include "coupler/neighbour_grid.hpp"
 #include "coupler/overlap.hpp"
+#include "rigid/tube_contacts.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -43,6 +44,11 @@ struct Ball {  // a filled body's bounding sphere
   double radius;
 };
 
+struct PlacedTube {
+  rigid::Tube tube;
+  rigid::Pose pose;
+};
+
 struct ShapeFrame {
   Vec3 centre_of_mass = Vec3::Zero();
   double radius = 0;  // of the bounding sphere about it
@@ -57,6 +63,8 @@ class Filler {
  public:
   explicit Filler(const Case& scene)
       : scene_(scene), extent_(extent_of(scene)), frames_(frames_of(scene)), grid_(extent_, bucket_edge()) {
+    for (const CurvedWall& wall : scene.walls)
+      walls_.push_back({{wall.tube.radius}, rigid::pose_of(wall.tube)});
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       const BodySpec& body = scene.bodies[i];
       const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
@@ -148,7 +156,15 @@ class Filler {
     return {};
   }
 
+  bool clear_of_walls(const Vec3& centre, double distance) const {
+    return std::all_of(walls_.begin(), walls_.end(), [&](const PlacedTube& wall) {
+      return rigid::gap_in_tube(rigid::Sphere{distance}, {centre, Quat::Identity()}, wall.tube, wall.pose) >=
+             0;
+    });
+  }
+
   bool is_free(const Vec3& centre, double radius, double gap) const {
+    if (!clear_of_walls(centre, radius + gap)) return false;
     const int given = static_cast<int>(scene_.bodies.size());
     const Vec3 reach = Vec3::Constant(radius + gap);
     bool is_free = true;
@@ -196,7 +212,8 @@ class Filler {
   const Case& scene_;
   rigid::Extent extent_;
   std::vector<ShapeFrame> frames_;  // by shape
-  NeighbourGrid grid_;              // of the given bodies, then of the balls
+  std::vector<PlacedTube> walls_;
+  NeighbourGrid grid_;  // of the given bodies, then of the balls
   std::vector<Ball> balls_;
 };
 

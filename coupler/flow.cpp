@@ -35,8 +35,9 @@ class FlowOf final : public Flow {
         fluid_(domain, collision(*scene.fluid), comm),
         map_(fluid_.domain(), world_, boxes(fluid_)),
         links_(fluid_.blocks().size()),
-        forces_(coupling_, exchange),
-        anchored_(scene.coupling.pressure_anchor && scene.has_bodies() && !has_outlet(scene)) {}
+        pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
+        forces_(coupling_, exchange, scene.contacts.substeps),
+        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
@@ -45,6 +46,7 @@ class FlowOf final : public Flow {
     const bool changed =
         std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
     if (changed) remap(bodies);
+    if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
     forces_.begin(map_.blocks(), links_, bodies);
   }
   void stream_collide(const Vec3& gravity) override {
@@ -61,6 +63,7 @@ class FlowOf final : public Flow {
   void communicate() override { fluid_.exchange(); }
 
   void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
+    stepped_ = true;
     mass_gained_ += forces_(fluid_, map_.blocks(), links_, bodies, gravity);
     if (!anchored_) return;
     std::int64_t mine[2] = {mass_gained_, cells_gained_}, all[2];
@@ -96,6 +99,17 @@ class FlowOf final : public Flow {
 
   FlowTotals totals() const override;
   std::uint64_t hash() const override;
+  Vec3 side_force(int axis, bool upper) const override;
+  Load wall_load(std::size_t wall) const override {
+    if (!stepped_) return {};
+    auto sums = forces_.wall_load(wall);
+    MPI_Allreduce(MPI_IN_PLACE, sums.data(), 6, MPI_INT64_T, MPI_SUM, fluid_.comm());
+    Load load;
+    for (int d = 0; d < 3; ++d)
+      load.force[d] = double(sums[d]) * lbm::link_quantum,
+      load.torque[d] = double(sums[3 + d]) * lbm::link_quantum;
+    return load;
+  }
 
  private:
   static lbm::CollisionSpec collision(const FluidSpec& f) {
@@ -142,12 +156,23 @@ class FlowOf final : public Flow {
     rebuild_links(bodies);
   }
 
+  /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
+  /// displaces. (A fixed body is held against it.)
+  void push_bodies(rigid::BodySet& bodies) const {
+    const auto& f = fluid_.spec().force;
+    const Vec3 force(f[0], f[1], f[2]);
+    for (std::size_t row = 0; row < bodies.owned; ++row)
+      if (bodies.is_free(row))
+        bodies.add_force(row, bodies.mass[row] * (1 - bodies.weight_factor[row]) * force);
+  }
+
   void rebuild_links(const rigid::BodySet& bodies) {
     counts_.links = 0;
     for (std::size_t b = 0; b < links_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
+        fluid_.set_idle(int(b), !map.has_fluid());
         build_links(map, world_, bodies, coupling_.wall_scheme, block.links);
         order_groups(block);
         block.stiffness.assign(map.masks.size(), {});
@@ -193,10 +218,11 @@ class FlowOf final : public Flow {
   lbm::Fluid<T> fluid_;
   MapBodies map_;
   std::vector<BlockLinks<T>> links_;
+  bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;
   double link_seconds_ = 0;
-  bool anchored_, restarted_ = false;
+  bool anchored_, restarted_ = false, stepped_ = false;
   AnchorState anchor_;
   std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it
 };
@@ -232,6 +258,46 @@ FlowTotals FlowOf<T>::totals() const {
   t.finite = bad == std::numeric_limits<std::int64_t>::max();
   if (!t.finite) t.bad_cell = {int(bad % n.x), int(bad / n.x % n.y), int(bad / n.x / n.y)};
   return t;
+}
+
+/// The side that turns a population round which leaves the domain into a cell g: the first wall, in the order
+/// of the axes, as in the halo; none: -1.
+int bouncing_axis(const lbm::Domain& domain, Int3 g) {
+  for (int d = 0; d < 3; ++d) {
+    if (domain.periodic(d) || (g[d] >= 0 && g[d] < domain.cells()[d])) continue;
+    if (domain.side(d, g[d] >= 0).kind == lbm::SideKind::bounce) return d;
+  }
+  return -1;
+}
+
+/// Sum of c (f out + f back) over the links across the side.
+template <class T>
+Vec3 FlowOf<T>::side_force(int axis, bool upper) const {
+  const int last = domain().cells()[axis] - 1, outward = upper ? 1 : -1;
+  std::int64_t sums[3] = {};
+  for (int b = 0; b < blocks(); ++b) {
+    const lbm::CellBox& box = block(b);
+    const int at = (upper ? last : 0) - box.lower[axis];
+    if (at < 0 || at >= box.size[axis]) continue;
+    Int3 low{}, high = box.size;
+    low[axis] = at, high[axis] = at + 1;
+    for (int z = low.z; z < high.z; ++z)
+      for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; ++x) {
+          if (!is_fluid(b, {x, y, z})) continue;
+          for (int i = 1; i < lbm::directions; ++i) {
+            const Int3 c = lbm::c[i];
+            if (c[axis] != outward || bouncing_axis(domain(), box.lower + Int3{x, y, z} + c) != axis)
+              continue;
+            const double out = fluid_.leaving(b, {x, y, z}, i),
+                         back = fluid_.arriving(b, {x, y, z}, lbm::opposite(i));
+            const std::int64_t exchanged = std::llrint((out + back) / lbm::link_quantum);
+            for (int d = 0; d < 3; ++d) sums[d] += c[d] * exchanged;
+          }
+        }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, fluid_.comm());
+  return Vec3(double(sums[0]), double(sums[1]), double(sums[2])) * lbm::link_quantum;
 }
 
 template <class T>

@@ -37,6 +37,10 @@ struct AnchorState {
   std::int64_t gain = 0;  // of the last step, through links and changed cells: what the next one will bring
 };
 
+struct Load {
+  rigid::Vec3 force = rigid::Vec3::Zero(), torque = rigid::Vec3::Zero();
+};
+
 class Flow {
  public:
   virtual ~Flow() = default;
@@ -81,6 +85,12 @@ class Flow {
   virtual FlowTotals totals() const = 0;  // collective
   /// Wrapping sum over this rank's fluid cells of XXH3 of global cell index and its arriving populations.
   virtual std::uint64_t hash() const = 0;
+  /// Force of the fluid on a side of the domain in the last step, by momentum exchange: 0 where it is not a
+  /// wall. Collective, in fixed point.
+  virtual rigid::Vec3 side_force(int axis, bool upper) const = 0;
+  /// Force and torque of the fluid on a wall in the last step (`wall` counts the walls' rows), the torque
+  /// about its position. Collective, in fixed point. Zero before the first step.
+  virtual Load wall_load(std::size_t wall) const = 0;
   virtual AnchorState anchor() const = 0;
   virtual void set_anchor(const AnchorState&) = 0;
 };

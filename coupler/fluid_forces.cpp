@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "rigid/warm_start.hpp"
+
 namespace silt::coupler {
 
 using rigid::Vec3;
@@ -40,6 +42,19 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   return m;
 }
 
+/// What contacts without a film will hold of a load: last step's, as far as they oppose it. A body that rests
+/// stays where it is, so its surface must not return as if it were falling; one that was struck is not struck
+/// again.
+Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
+  Vec3 contacts = Vec3::Zero();  // impulses of a sub-step
+  for (const auto& s : bodies.stored_impulses[row])
+    if (!(s.feature & rigid::film_feature))
+      contacts += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+  const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
+  if (!(opposing > 0)) return Vec3::Zero();
+  return std::min(opposing / square, double(substeps)) * contacts;
+}
+
 void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
   for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
 }
@@ -52,15 +67,19 @@ void add_sums(std::int64_t* row, const BlockLinks<T>& links, int surface, bool s
     for (int e = 0; e < 21; ++e) row[force_width + e] += links.stiffness[surface].h[e];
 }
 
-/// Solves (M + H) delta = F + F_ext, gives the body the force that makes this change, and returns it.
+/// Solves (M + H) delta = F + F_ext, gives the body the force of the links at that change, and returns it.
 Vec6 take_velocity_change(rigid::BodySet& bodies, std::size_t row, const std::int64_t* sums,
-                          const Vec3& gravity) {
+                          const Vec3& gravity, int substeps) {
   const Mat6 m = mass_matrix(bodies, row), h = stiffness_of(sums);
+  const Vec6 f = force_of(sums);
   Vec6 external;
   external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
       bodies.torque[row].value();
-  const Vec6 delta = (m + h).llt().solve(force_of(sums) + external);
-  const Vec6 applied = m * delta - external;
+  external.head<3>() += substeps * rigid::impulse_of_films(bodies, row);
+  Vec6 load = f + external;
+  load.head<3>() += held_by_contacts(bodies, row, substeps, load.head<3>());
+  const Vec6 delta = (m + h).ldlt().solve(load);
+  const Vec6 applied = f - h * delta;
   bodies.add_force(row, applied.head<3>()), bodies.add_torque(row, applied.tail<3>());
   return delta;
 }
@@ -79,10 +98,11 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
 }  // namespace
 
 template <class T>
-FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange)
+FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange, int substeps)
     : spec_(spec),
       exchange_(exchange),
-      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width) {}
+      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width),
+      substeps_(substeps) {}
 
 template <class T>
 void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {
@@ -165,7 +185,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, lbm::Parity parity, const
   if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || links.sums[surface].invalid) return;
   std::int64_t* const row = rows_.data() + mask.row * width_;
   add_sums(row, links, surface);
-  const Vec6 d = take_velocity_change(*bodies_, mask.row, row, gravity);
+  const Vec6 d = take_velocity_change(*bodies_, mask.row, row, gravity, substeps_);
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
   for (std::uint32_t g = links.first_group[surface]; g < links.first_group[surface + 1]; ++g)
@@ -198,6 +218,9 @@ void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const Bloc
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
       if (!links[b].finished[k])
         add_sums(rows_.data() + maps[b].masks[k].row * width_, links[b], int(k), width_ == implicit_width);
+  wall_loads_.resize(bodies.walls);
+  for (std::size_t w = 0; w < bodies.walls; ++w)
+    std::copy_n(rows_.data() + (bodies.first_wall() + w) * width_, force_width, wall_loads_[w].begin());
   exchange_.sum_to_owners(bodies, rows_, width_);
 }
 
@@ -222,7 +245,7 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
     if (finished[row]) continue;
     const std::int64_t* const sums = rows_.data() + row * width_;
     if (bodies.is_free(row)) {
-      Eigen::Map<Vec6>(delta.data() + row * 6) = take_velocity_change(bodies, row, sums, gravity);
+      Eigen::Map<Vec6>(delta.data() + row * 6) = take_velocity_change(bodies, row, sums, gravity, substeps_);
     } else {
       const Vec6 f = force_of(sums);
       bodies.add_force(row, f.template head<3>()), bodies.add_torque(row, f.template tail<3>());

@@ -5,10 +5,18 @@
 // `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are
 // linear in the wall velocity, so the owner solves (M + H) delta = F + F_ext for the change of velocity of
 // this step, H = sum k J J^T, and the links return as if the surface had moved with v + delta already. Fixed
-// and prescribed bodies: delta = 0. The force handed to the rigid step is M delta - F_ext: with the external
-// force it makes exactly the kick delta.
+// and prescribed bodies: delta = 0. The force handed to the rigid step is F - H delta, what the links then
+// give: with the external force it makes the kick delta. Contacts act after it. Where they held a body in the
+// step before, F_ext includes what they will hold again, for the links only: else the surface of a body at
+// rest would return as if it fell, step after step, and pump the fluid beneath it.
 //
-// History: none besides the state of bodies and populations.
+// Films in narrow gaps (lubrication) act after that, on the true mass. The external force of the implicit
+// solve counts what they gave in the step before: else the links would return as if a body that a film holds
+// were moving, by the velocity that the film is about to take away again, and the film would seem stiffer by
+// the drag over the mass. A sudden blow is not counted.
+//
+// History: none besides the state of bodies (their stored impulses with it) and populations.
+#include <array>
 #include <span>
 
 #include "coupler/body_exchange.hpp"
@@ -46,7 +54,8 @@ inline constexpr int force_width = 6, implicit_width = 27;
 template <class T>
 class FluidForces {
  public:
-  FluidForces(const CouplingSpec&, const BodyExchange&);
+  /// substeps: of the bodies' step, for the impulses they remember.
+  FluidForces(const CouplingSpec&, const BodyExchange&, int substeps);
 
   /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation:
   /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
@@ -64,6 +73,10 @@ class FluidForces {
   std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                           rigid::BodySet&, const rigid::Vec3& gravity);
 
+  /// Force and torque of the last step on a wall (0: the first of the walls' rows), torque about its
+  /// position, from this rank's blocks; in quanta of lbm::link_quantum.
+  std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
+
  private:
   void apply(lbm::Block<T>&, lbm::Parity, BlockLinks<T>&, const lbm::LinkGroup&) const;
   std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
@@ -79,6 +92,8 @@ class FluidForces {
   rigid::BodySet* bodies_ = nullptr;  // of the step under way
   std::vector<std::int64_t> rows_;    // width a row
   int width_;
+  int substeps_;  // of the rigid step: stored impulses are those of one
+  std::vector<std::array<std::int64_t, 6>> wall_loads_;
   struct HandedOver {
     rigid::BodyId id;
     std::int64_t force[6];

@@ -92,10 +92,17 @@ void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
 }
 
-/// Every image of every body whose cells may lie in the block or its ghost layer, by (id, shift).
+/// Every image of every body whose cells may lie in the block or its ghost layer, and every wall, by (id,
+/// shift).
 void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies) {
   found_.clear();
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
+    if (!std::holds_alternative<rigid::Tube>(world_.shapes[bodies.shape[row]])) continue;
+    const Int3 n =
+        block.box.size;  // no images: it is alike on both sides of a periodic border, or solid there
+    found_.push_back({bodies.id[row], row, {}, BitFrame({-3, -3, -3}, n + Int3{6, 6, 6})});
+  }
   const auto before = [](const Image& a, const Image& b) {
     return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
   };
@@ -131,6 +138,23 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
       }
 }
 
+/// The cells outside the hollow of a tube.
+void MapBodies::mark_around(const BlockMap& block, const rigid::Tube& tube, BodyMask& mask) const {
+  const BitFrame& frame = mask.inside.frame();
+  const rigid::Mat3 to_tube = mask.pose.orientation.toRotationMatrix().transpose();
+  const double centre = mask.pose.position[0] - 0.5;
+  const int low = block.box.lower.x + frame.low.x;
+  constexpr double beyond = 1e9;  // all cells of a row
+  for (int z = frame.low.z + 2; z < frame.low.z + frame.size.z - 2; ++z)
+    for (int y = frame.low.y + 2; y < frame.low.y + frame.size.y - 2; ++y) {
+      const Vec3 r = mask.arm(block.box.lower + Int3{0, y, z});
+      const auto hollow = rigid::hollow_interval(tube, to_tube * Vec3(0, r[1], r[2]), to_tube.col(0));
+      const std::size_t row = frame.row(y, z);
+      set_interval(mask.inside, row, -beyond, hollow ? std::floor(centre + hollow->enter) - low : beyond);
+      if (hollow) set_interval(mask.inside, row, std::ceil(centre + hollow->leave) - low, beyond);
+    }
+}
+
 /// Row by row: where the line of cell centres is inside, in closed form, relative to the body's centre.
 void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) const {
   const BitFrame& frame = mask.inside.frame();
@@ -140,6 +164,7 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
     mark_ball(frame, {x[0], x[1], x[2], ball->radius, low}, mask.inside.words());
     return;
   }
+  if (const auto* tube = std::get_if<rigid::Tube>(&shape)) return mark_around(block, *tube, mask);
   const auto& parts = parts_[&shape - world_.shapes.data()];
   const rigid::Mat3 to_body = mask.pose.orientation.toRotationMatrix().transpose();
   const Vec3 direction_B = to_body.col(0);

@@ -1,7 +1,7 @@
 #pragma once
-// Object mapping: a cell is solid if its centre is inside a body (the paper, section IV). Where bodies
-// overlap, the lower id has the cell. Depends on nothing but the poses, so every rank that sees a cell agrees
-// on it.
+// Object mapping: a cell is solid if its centre is inside a body (the paper, section IV) or a curved wall.
+// Where bodies overlap, the lower id has the cell. Depends on nothing but the poses, so every rank that sees
+// a cell agrees on it.
 #include <span>
 
 #include "coupler/solid_map.hpp"
@@ -38,6 +38,7 @@ class MapBodies {
   void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&) const;
+  void mark_around(const BlockMap&, const rigid::Tube&, BodyMask&) const;
 
   const lbm::Domain& domain_;
   const rigid::World& world_;

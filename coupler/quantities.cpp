@@ -9,6 +9,7 @@
 #include "coupler/flow_quantities.hpp"
 #include "coupler/quantity_types.hpp"
 #include "coupler/reduce.hpp"
+#include "coupler/wall_quantities.hpp"
 
 namespace silt::coupler {
 
@@ -48,6 +49,18 @@ double penetration(const Simulation& simulation, const Spec&, const History&) {
   return simulation.counters().penetration;
 }
 
+/// Looks once: at the first step within half a step of the time or after it.
+template <double (*function)(const Simulation&)>
+void observe_instant(const Simulation& simulation, const Spec& q, History& h) {
+  if (h[0] == not_yet && static_cast<double>(simulation.steps_done()) >= q.time - 0.5)
+    h[0] = function(simulation);
+}
+
+template <double (*function)(const Simulation&)>
+double at_instant(const Simulation& simulation, const Spec& q, const History& h) {
+  return std::isfinite(q.time) ? seen(simulation, q, h) : function(simulation);
+}
+
 struct Computation {
   Observe observe;  // null: does not look at the run
   Value value;
@@ -57,9 +70,12 @@ struct Computation {
 const std::map<std::string_view, Computation> computations = {
     {"max-speed", {observe_speed, seen}},
     {"drag-coefficient", {nullptr, at_end<drag_coefficient>}},
+    {"superficial-velocity", {nullptr, at_end<superficial_velocity>}},
     {"profile-error", {nullptr, at_end<profile_error>}},
     {"taylor-green-velocity", {nullptr, of_flow<vortex_velocity_error>}},
     {"taylor-green-decay", {nullptr, of_flow<vortex_decay_error>}},
+    {"kinetic-energy", {observe_instant<kinetic_energy>, at_instant<kinetic_energy>}},
+    {"dissipation", {observe_instant<dissipation>, at_instant<dissipation>}},
     {"mean-height", {nullptr, at_end<mean_height>}},
     {"drift", {nullptr, at_end<drift>}},
     {"max-height-after", {observe_height, seen}},
@@ -74,6 +90,12 @@ const std::map<std::string_view, Computation> computations = {
     {"last-reversal", {observe_reversal, seen}},
     {"discharge-rate", {observe_discharge, discharge_rate}},
     {"bed-angle", {observe_bed, mean_seen}},
+    {"rebound-ratio", {observe_rebound, rebound_ratio}},
+    {"axis-distance", {nullptr, at_end<axis_distance>}},
+    {"wall-stress", {observe_wall_stress, mean_seen}},
+    {"wall-force", {observe_wall_force, mean_seen}},
+    {"wall-torque", {observe_wall_torque, mean_seen}},
+    {"relative-viscosity", {observe_relative_viscosity, mean_seen}},
     {"packing-fraction", {nullptr, at_end<packing_fraction>}},
 };
 
@@ -82,7 +104,7 @@ const std::map<std::string_view, Computation> computations = {
 Quantities::Quantities(const Case& scene)
     : setup_(scene), history_(scene.quantities.size(), {not_yet, not_yet}) {
   for (const QuantitySpec& q : setup_.quantities)
-    if (q.type == "profile-error") WallProfile(setup_, q.profile);
+    if (q.type == "profile-error") exact_profile(setup_, q.profile);
 }
 
 void Quantities::observe(const Simulation& simulation) {
@@ -95,12 +117,21 @@ void Quantities::observe(const Simulation& simulation) {
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
   const auto history = this->history(simulation.scene().comm);
   std::vector<std::pair<std::string, double>> values;
-  for (std::size_t i = 0; i < setup_.quantities.size(); ++i) {
-    const QuantitySpec& q = setup_.quantities[i];
-    const double value = computations.at(q.type).value(simulation, q, history[i]);
-    values.emplace_back(q.name, setup_.units.physical(value, quantity_type(q.type).dimension));
-  }
+  for (std::size_t i = 0; i < setup_.quantities.size(); ++i)
+    values.emplace_back(setup_.quantities[i].name, value_of(setup_.quantities[i], simulation, history[i]));
   return values;
+}
+
+double Quantities::evaluate(const Simulation& simulation, const std::string& name) const {
+  std::size_t i = 0;
+  while (setup_.quantities.at(i).name != name) ++i;
+  return value_of(setup_.quantities[i], simulation, history(simulation.scene().comm)[i]);
+}
+
+double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
+                            const QuantityHistory& history) const {
+  const double value = computations.at(q.type).value(simulation, q, history);
+  return setup_.units.physical(value, quantity_type(q.type).dimension);
 }
 
 std::vector<QuantityHistory> Quantities::history(MPI_Comm comm) const {

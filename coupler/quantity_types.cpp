@@ -9,14 +9,17 @@ namespace {
 
 using Q = QuantityType;
 
-constexpr Dimension mass_rate{0, -1, 1};
+constexpr Dimension mass_rate{0, -1, 1}, specific_energy{2, -2, 0}, specific_energy_rate{2, -3, 0};
 
 constexpr QuantityType types[] = {
     {"max-speed", dimension::velocity, Q::body, Q::bodies},
     {"drag-coefficient", dimension::none, Q::body | Q::axis, Q::fluid | Q::bodies},
+    {"superficial-velocity", dimension::velocity, Q::body | Q::axis, Q::fluid},
     {"profile-error", dimension::none, Q::profile, Q::fluid},
     {"taylor-green-velocity", dimension::none, 0, Q::fluid},
     {"taylor-green-decay", dimension::none, 0, Q::fluid},
+    {"kinetic-energy", specific_energy, Q::instant, Q::fluid},
+    {"dissipation", specific_energy_rate, Q::instant, Q::fluid},
     {"mean-height", dimension::length, Q::body | Q::axis, Q::bodies},
     {"drift", dimension::length, Q::body, Q::bodies},
     {"max-height-after", dimension::length, Q::body | Q::axis | Q::time, Q::bodies},
@@ -31,6 +34,12 @@ constexpr QuantityType types[] = {
     {"last-reversal", dimension::time, Q::body, Q::bodies},
     {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies},
     {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity},
+    {"rebound-ratio", dimension::none, Q::body | Q::axis | Q::height, Q::bodies},
+    {"axis-distance", dimension::length, Q::body | Q::wall, Q::bodies},
+    {"wall-stress", dimension::pressure, Q::side | Q::axis | Q::time, Q::fluid},
+    {"wall-force", dimension::force, Q::wall | Q::axis | Q::time, 0},
+    {"wall-torque", dimension::torque, Q::wall | Q::time, 0},
+    {"relative-viscosity", dimension::none, Q::axis | Q::time, Q::fluid},
     {"packing-fraction", dimension::none, Q::body | Q::box, Q::bodies},
 };
 

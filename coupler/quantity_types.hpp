@@ -9,7 +9,19 @@
 namespace silt::coupler {
 
 struct QuantityType {
-  enum Key : unsigned { body = 1, axis = 2, time = 4, profile = 8, height = 16, centre = 32, box = 64 };
+  // time: from when on; instant: when, by default at the end
+  enum Key : unsigned {
+    body = 1,
+    axis = 2,
+    time = 4,
+    profile = 8,
+    height = 16,
+    centre = 32,
+    box = 64,
+    side = 128,
+    wall = 256,
+    instant = 512
+  };
   enum Need : unsigned { fluid = 1, bodies = 2, gravity = 4, undriven = 8 };  // undriven: no prescribed body
 
   std::string_view name;

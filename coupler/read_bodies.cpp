@@ -61,11 +61,6 @@ int read_shape_name(TableReader& table, const Case& scene) {
   return name ? std::max(0, index_of(table, "shape", *name, scene.shape_names, "shape")) : 0;
 }
 
-int read_material_name(TableReader& table, const Case& scene) {
-  const auto name = table.string("material");
-  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
-}
-
 // Entries of one name make one kind, of one shape; without a name it is the shape's.
 int read_kind(TableReader& table, int shape, Case& scene) {
   const std::string fallback =
@@ -112,6 +107,11 @@ std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
 
 }  // namespace
 
+int read_material_name(TableReader& table, const Case& scene) {
+  const auto name = table.string("material");
+  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
+}
+
 void read_contacts(TableReader& root, Case& scene) {
   rigid::Material standard;
   TableReader table = root.table("contacts");
@@ -131,6 +131,13 @@ void read_contacts(TableReader& root, Case& scene) {
                  fmt::format("{} is {}, but contacts.resolver is '{}', which has no impact phase; "
                              "set contacts.resolver = \"sffd\", or remove the key",
                              table.path("impact_sweeps"), settings.impact_sweeps, c.resolver));
+    settings.half_force = table.boolean("half_force").value_or(settings.half_force);
+    if (table.has("half_force") && c.resolver != "ffd")
+      table.fail(
+          "half_force",
+          fmt::format("{} is for the classic resolver, but contacts.resolver is '{}', where all of a "
+                      "force acts before the contacts; set contacts.resolver = \"ffd\", or remove the key",
+                      table.path("half_force"), c.resolver));
     settings.correction = table.number("correction", unit_interval).value_or(settings.correction);
     c.substeps = static_cast<int>(table.integer("substeps", 1, 100000).value_or(c.substeps));
     c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);

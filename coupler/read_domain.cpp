@@ -194,8 +194,9 @@ void read_blocks(TableReader& domain, Case& scene) {
 void read_initial(TableReader& fluid, FluidSpec& spec) {
   TableReader initial = fluid.table("initial");
   if (!initial.present()) return;
-  if (!initial.has("type")) initial.missing("type", "one of rest, uniform, taylor-green");
-  spec.initial = initial.choice("type", {"rest", "uniform", "taylor-green"}).value_or("rest");
+  if (!initial.has("type")) initial.missing("type", "one of rest, uniform, taylor-green, taylor-green-3d");
+  spec.initial =
+      initial.choice("type", {"rest", "uniform", "taylor-green", "taylor-green-3d"}).value_or("rest");
   if (spec.initial == "rest") return;
   if (!initial.has("velocity")) initial.missing("velocity", "of the fluid at the start, [x, y, z]");
   spec.initial_velocity = initial.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
@@ -218,6 +219,13 @@ void read_coupling(TableReader& root, Case& scene) {
     c.force = *name == "exact" ? ForceForm::exact : ForceForm::galilean;
   c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
   c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
+  c.lubrication = table.boolean("lubrication").value_or(c.lubrication);
+  c.lubrication_min_gap =
+      table.quantity("lubrication_min_gap", dimension::length, range::above(0)).value_or(0);
+  if (table.has("lubrication_min_gap") && !c.lubrication)
+    table.fail("lubrication_min_gap",
+               fmt::format("{} is given, but {} is false; remove one of them",
+                           table.path("lubrication_min_gap"), table.path("lubrication")));
 }
 
 }  // namespace
@@ -277,6 +285,7 @@ void read_fluid(TableReader& root, Case& scene) {
     if (fluid.choice("precision", {"single", "double"}).value_or("single") == "double")
       spec.precision = Precision::double_;
     spec.body_force = fluid.vector("body_force", dimension::acceleration).value_or(spec.body_force);
+    spec.body_force_on_bodies = fluid.boolean("body_force_on_bodies").value_or(spec.body_force_on_bodies);
     read_initial(fluid, spec);
   }
   TableReader gravity = root.table("gravity");

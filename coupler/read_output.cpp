@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coupler/case_sections.hpp"
 #include "coupler/quantity_types.hpp"
@@ -48,8 +49,8 @@ double read_length(TableReader& table, const char* key, const char* what) {
 }
 
 void read_profile(TableReader& table, QuantitySpec& quantity) {
-  if (!table.has("profile")) table.missing("profile", "channel or duct");
-  quantity.profile = table.choice("profile", {"channel", "duct"}).value_or("channel");
+  if (!table.has("profile")) table.missing("profile", "channel, duct or pipe");
+  quantity.profile = table.choice("profile", {"channel", "duct", "pipe"}).value_or("channel");
 }
 
 void read_time(TableReader& table, QuantitySpec& quantity) {
@@ -57,9 +58,33 @@ void read_time(TableReader& table, QuantitySpec& quantity) {
   quantity.time = table.quantity("time", dimension::time, range::at_least(0)).value_or(0);
 }
 
+// The end of the run without it.
+double read_instant(TableReader& table) {
+  constexpr double the_end = std::numeric_limits<double>::infinity();
+  return table.quantity("time", dimension::time, range::at_least(0)).value_or(the_end);
+}
+
 void read_centre(TableReader& table, QuantitySpec& quantity) {
   if (!table.has("centre")) table.missing("centre", "a point of the container's axis, [x, y, z]");
   quantity.centre = table.vector("centre", dimension::length).value_or(quantity.centre);
+}
+
+void read_side(TableReader& table, QuantitySpec& quantity) {
+  const std::vector<std::string> sides = {"x-low", "x-high", "y-low", "y-high", "z-low", "z-high"};
+  if (!table.has("side")) table.missing("side", "of the domain, \"z-low\" for one");
+  const auto name = table.choice("side", sides);
+  if (name) quantity.side = static_cast<int>(std::find(sides.begin(), sides.end(), *name) - sides.begin());
+}
+
+void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {
+  std::vector<std::string> names;
+  for (const CurvedWall& wall : scene.walls) names.push_back(wall.name);
+  const auto name = table.string("wall");
+  if (name)
+    quantity.wall = std::max(0, index_of(table, "wall", *name, names, "wall"));
+  else if (names.size() != 1 && !table.has("wall"))
+    table.missing("wall", names.empty() ? "the name of one of [[walls]], of which there is none"
+                                        : "the name of one of [[walls]]: " + joined(names));
 }
 
 // The keys that the type takes; any other is unknown.
@@ -72,9 +97,24 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   if (type.takes(Q::axis)) quantity.axis = table.choice("axis", {"x", "y", "z"}).value_or("z")[0] - 'x';
   if (type.takes(Q::profile)) read_profile(table, quantity);
   if (type.takes(Q::time)) read_time(table, quantity);
+  if (type.takes(Q::instant)) quantity.time = read_instant(table);
   if (type.takes(Q::height)) quantity.height = read_length(table, "height", "what bodies are to fall below");
   if (type.takes(Q::centre)) read_centre(table, quantity);
+  if (type.takes(Q::side)) read_side(table, quantity);
+  if (type.takes(Q::wall)) read_wall(table, quantity, scene);
   if (type.takes(Q::box)) read_box(table, scene, quantity.lower, quantity.upper);
+}
+
+void read_steady(TableReader steady, Case& scene) {
+  if (!steady.present()) return;
+  SteadySpec& spec = scene.steady.emplace();
+  if (!steady.has("quantity")) steady.missing("quantity", "the name of one of [[quantities]]");
+  if (!steady.has("change"))
+    steady.missing("change", "how much of the quantity may still be missing at the end, as in 1e-4");
+  if (!steady.has("every")) steady.missing("every", "the number of steps between two looks");
+  spec.quantity = steady.string("quantity").value_or("");
+  spec.change = steady.number("change", {0, 1, false, false}).value_or(1);
+  spec.every = steady.integer("every", 1).value_or(1);
 }
 
 }  // namespace
@@ -95,6 +135,7 @@ void read_run(TableReader& root, Case& scene) {
     else
       scene.steps = std::max<std::int64_t>(1, std::llround(steps));
   }
+  read_steady(run.table("steady"), scene);
 }
 
 void read_output(TableReader& root, Case& scene) {

@@ -12,16 +12,17 @@
 #include "coupler/case_sections.hpp"
 
 namespace silt::coupler {
-namespace {
-
-using rigid::Quat;
-using rigid::Vec3;
 
 double read_radius(TableReader& table) {
   const std::string given = table.one_of({"radius", "diameter"}, true, "how large it is");
   const double x = given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2);
   return given == "diameter" ? x / 2 : x;
 }
+
+namespace {
+
+using rigid::Quat;
+using rigid::Vec3;
 
 double read_half_length(TableReader& table, const char* of_what) {
   if (!table.has("length")) table.missing("length", of_what);

@@ -6,6 +6,7 @@
 #include "coupler/build_info.hpp"
 #include "coupler/reduce.hpp"
 #include "coupler/state_hash.hpp"
+#include "rigid/curvature.hpp"
 
 namespace silt::coupler {
 
@@ -27,7 +28,7 @@ bool has_stage(const Scene& scene, Stage stage) {
   switch (stage) {
     case Stage::object_mapping:
     case Stage::force_evaluation:
-      return scene.flow && scene.body_count > 0;
+      return scene.flow && scene.has_surfaces();
     case Stage::lbm_communication:
     case Stage::stream_collide:
       return scene.flow != nullptr;
@@ -53,7 +54,7 @@ Json skipped_passes(const Scene& scene) {
     if (absent) skipped.push_back(name);
   };
   skip(scene.ranks == 1, "messages between ranks");
-  skip(scene.flow && scene.body_count > 0 && !scene.anything_moves, "remapping");
+  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
   skip(scene.rigid_step && setup.gravity.isZero(0), "gravity");
   skip(scene.flow && setup.fluid->body_force.isZero(0), "body force");
   const auto none = [&](double rigid::Material::*coefficient) {
@@ -62,6 +63,7 @@ Json skipped_passes(const Scene& scene) {
   };
   skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
   skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
+  skip(scene.flow && scene.rigid_step && !scene.world.films, "lubrication");
   skip(setup.output.fields.every == 0, "field output");
   skip(setup.output.bodies.every == 0, "body output");
   skip(setup.output.checkpoint.every == 0, "checkpoints");
@@ -71,11 +73,29 @@ Json skipped_passes(const Scene& scene) {
 /// Momentum is a constant only where nothing outside the box acts.
 bool keeps_momentum(const Scene& scene) {
   const Case& c = scene.setup;
+  if (!c.walls.empty()) return false;
   if (!c.gravity.isZero(0) || (c.fluid && !c.fluid->body_force.isZero(0))) return false;
   for (int d = 0; d < 3; ++d)
     if (!c.periodic(d)) return false;
   return std::all_of(c.bodies.begin(), c.bodies.end(),
                      [](const BodySpec& b) { return b.motion == rigid::Motion::free; });
+}
+
+/// Shapes that have flat faces or edges, and so no lubrication anywhere on them.
+Json unlubricated_shapes(const Case& scene) {
+  Json names = Json::array();
+  for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
+    const auto parts = rigid::convex_parts(scene.shapes[s]);
+    if (std::none_of(parts.begin(), parts.end(), [](const auto& p) { return rigid::is_smooth(p.shape); }))
+      names.push_back(scene.shape_names[s]);
+  }
+  return names;
+}
+
+Json lubrication_of(const Scene& scene) {
+  if (!scene.world.films) return Json();
+  return Json::object(
+      {{"reach_cells", scene.world.films->reach()}, {"shapes_without", unlubricated_shapes(scene.setup)}});
 }
 
 void add_scene(const Simulation& simulation, Json& report) {
@@ -95,6 +115,7 @@ void add_scene(const Simulation& simulation, Json& report) {
     report["wall_scheme"] = std::string(lbm::wall_scheme_names[int(c.coupling.wall_scheme)]);
     report["time_coupling"] = c.coupling.time == TimeCoupling::implicit_ ? "implicit" : "explicit";
     report["refill"] = c.coupling.refill == Refill::grad ? "grad" : "equilibrium";
+    report["lubrication"] = lubrication_of(scene);
     report["force"] = c.coupling.force == ForceForm::exact ? "exact" : "galilean";
   }
 }
@@ -138,6 +159,10 @@ void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& 
   report["migrations"] = c.migrations;
   report["covered"] = c.covered;
   report["uncovered"] = c.uncovered;
+  if (simulation.scene().world.films) {
+    report["lubricated_contacts"] = c.films;
+    report["unlubricated_contacts"] = c.narrow_without_film;
+  }
   report["links"] = simulation.links();
 }
 

@@ -10,7 +10,7 @@ namespace silt::coupler {
 
 /// How a run stands, beside what its simulation knows.
 struct RunStatus {
-  std::string exit_reason = "running";  // "completed", "interrupted", "guard", "error"
+  std::string exit_reason = "running";  // "completed", "steady", "interrupted", "guard", "error"
   std::string exit_text;                // for the last three: what happened
   std::int64_t first_step = 0;          // where this start began: above 0 after a resume
   double wall_seconds = 0;              // since this start

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
@@ -32,6 +33,7 @@ namespace {
 struct Prepared {
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<Quantities> quantities;
+  std::optional<SteadyWatch> steady;  // where the case asks for it
   std::vector<Diagnostic> warnings;
   std::string folder_note;
 };
@@ -43,10 +45,13 @@ class Run {
 
  private:
   const Case& setup() const { return simulation_.setup(); }
+  bool is_steady() const { return prepared_.steady && prepared_.steady->steady(); }
+  bool ended() const { return simulation_.steps_done() >= setup().steps || is_steady(); }
   bool due(const SeriesSpec& series) const;
   void greet();
   void start_outputs();
   void advance();
+  void watch();
   void write_outputs();
   void checkpoint();
   void write_report(const std::string& reason, const std::string& text, bool sound);
@@ -90,17 +95,18 @@ Exit Run::go() {
     });
     greet();
     start_outputs();
-    while (simulation_.steps_done() < setup().steps) {
+    while (!ended()) {
       advance();
+      watch();
       write_outputs();
       const std::string why = stop_request_.why(simulation_.steps_done());
-      if (why.empty() || simulation_.steps_done() == setup().steps) continue;
+      if (why.empty() || ended()) continue;
       checkpoint();
       return end(Exit::interrupted, "interrupted",
                  fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(),
                              resume_with_));
     }
-    return end(Exit::done, "completed", "");
+    return end(Exit::done, is_steady() ? "steady" : "completed", "");
   } catch (const GuardStop& stop) {  // every rank: a guard of the fluid
     return end(Exit::guard, "guard", stop.what() + last_checkpoint_text());
   } catch (const std::exception& error) {  // every rank: outputs fail together
@@ -130,9 +136,19 @@ void Run::advance() {
   progress_->step(simulation_.steps_done());
 }
 
+/// Collective: looks whether the flow has become steady, where the case asks for it and it is time to.
+void Run::watch() {
+  if (!prepared_.steady || simulation_.steps_done() % setup().steady->every != 0) return;
+  const std::string& name = setup().steady->quantity;
+  const double value = quantities_.evaluate(simulation_, name);
+  prepared_.steady->look(value);
+  if (is_steady())
+    progress_->log(
+        fmt::format("step {}: {} is {}, and steady", simulation_.steps_done(), name, shown(value)));
+}
+
 bool Run::due(const SeriesSpec& series) const {
-  const std::int64_t step = simulation_.steps_done();
-  return series.every > 0 && (step % series.every == 0 || step == setup().steps);
+  return series.every > 0 && (simulation_.steps_done() % series.every == 0 || ended());
 }
 
 void Run::start_outputs() {
@@ -152,16 +168,17 @@ void Run::write_outputs() {
   const bool save = due(output.checkpoint), report = due(output.report);
   const std::int64_t step = simulation_.steps_done();
   if (simulation_.scene().flow &&
-      (step % guard_interval == 0 || step == setup().steps || fields || bodies || save || report))
+      (step % guard_interval == 0 || ended() || fields || bodies || save || report))
     simulation_.look_at_flow();
   if (bodies) body_output_->append(simulation_);
   if (fields) write_flow_fields(simulation_, folder_, provenance_);
   if (save) checkpoint();
-  if (report && step < setup().steps) write_report("running", "", true);
+  if (report && !ended()) write_report("running", "", true);
 }
 
 void Run::checkpoint() {
-  last_checkpoint_ = write_checkpoint(simulation_, quantities_, folder_, provenance_).string();
+  last_checkpoint_ =
+      write_checkpoint(simulation_, quantities_, folder_, provenance_, prepared_.steady).string();
   progress_->log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
 }
 
@@ -263,6 +280,7 @@ Prepared prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& f
     scene = std::make_unique<Case>(read_case(options.directory, options.overrides));
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
+    if (scene->steady) prepared.steady.emplace(scene->steady->change);
     require_buildable(*scene, comm);
   });
   adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
@@ -285,6 +303,7 @@ Prepared prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     prepared.quantities->set_history(read_history(reader, *scene));
+    prepared.steady = read_steady_watch(reader, *scene);
     require_buildable(*scene, comm);
   });
   prepared.simulation = std::make_unique<Simulation>(*scene, comm, read_state(reader, *scene));
@@ -309,6 +328,15 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
       fmt::print(
           "the run is complete: it has done {} of {} steps; to go on, raise run.steps (--set run.steps={})\n",
           step, steps, 2 * steps);
+    return Exit::done;
+  }
+  if (resumed && prepared.steady && prepared.steady->steady()) {
+    if (rank == 0)
+      fmt::print(
+          "the run is complete: {} was steady at step {}; to go on, lower run.steady.change (--set "
+          "run.steady.change={})\n",
+          prepared.simulation->setup().steady->quantity, step,
+          shown(prepared.simulation->setup().steady->change / 10));
     return Exit::done;
   }
   return Run(std::move(prepared), folder, options, resumed).go();

@@ -5,6 +5,7 @@
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/fill.hpp"
+#include "coupler/lubrication.hpp"
 #include "rigid/walls.hpp"
 
 namespace silt::coupler {
@@ -40,6 +41,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
+  world.films = make_lubrication(scene);
   return world;
 }
 
@@ -102,6 +104,7 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
   anything_moves = std::any_of(records.begin(), records.end(),
                                [](const rigid::BodyRecord& r) { return r.motion != rigid::Motion::fixed; });
   if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
+  for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
   exchange = std::make_unique<BodyExchange>(comm, domain, world, rim_of(setup));
   exchange->distribute(bodies);
   if (anything_moves) {
@@ -136,7 +139,7 @@ SceneParts Scene::parts() {
   parts.rigid_step = rigid_step.get();
   parts.substeps = setup.contacts.substeps;
   parts.gravity = setup.gravity;
-  parts.bodies = body_count > 0;
+  parts.surfaces = has_surfaces();
   return parts;
 }
 

@@ -50,6 +50,7 @@ class Scene {
   rigid::BodySet bodies;         // this rank's
   std::uint64_t body_count = 0;  // of all ranks
   bool anything_moves = false;   // a body that is not fixed, on any rank
+  bool has_surfaces() const { return body_count > 0 || !setup.walls.empty(); }
   std::unique_ptr<BodyExchange> exchange;
   std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves
   std::unique_ptr<rigid::ContactResolver> resolver;

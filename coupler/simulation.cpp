@@ -46,7 +46,7 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
 
 SceneParts Simulation::observed_parts() {
   SceneParts parts = scene_.parts();
-  if (parts.flow && parts.bodies)
+  if (parts.flow && parts.surfaces)
     parts.forces_seen = [this](const rigid::BodySet& bodies) { see_forces(bodies); };
   return parts;
 }
@@ -80,13 +80,15 @@ void Simulation::see_forces(const rigid::BodySet& bodies) {
 }
 
 void Simulation::count(const rigid::RigidStepReport& report) {
-  if (scene_.flow && scene_.body_count > 0) {
+  if (scene_.flow && scene_.has_surfaces()) {
     const MappingCounts mapping = scene_.flow->mapping();
     counters_.covered += mapping.covered;
     counters_.uncovered += mapping.uncovered;
   }
   last_contacts_ = report.resolver.contacts;
   counters_.contacts += report.resolver.contacts;
+  counters_.films += report.films.with;
+  counters_.narrow_without_film += report.films.without;
   counters_.mixed_owner_contacts += report.mixed_owner_contacts;
   if (scene_.rank == 0) counters_.sweeps += report.resolver.sweeps;  // the same on every rank
   counters_.infeasible += report.resolver.infeasible;
@@ -105,13 +107,14 @@ RunCounters Simulation::counters() const {
     c.queries += scene_.backend->counters().queries;
     c.fallbacks += scene_.backend->counters().fallbacks;
   }
-  std::uint64_t sums[] = {c.covered, c.uncovered,  c.migrations, c.contacts, c.mixed_owner_contacts,
-                          c.sweeps,  c.infeasible, c.queries,    c.fallbacks};
+  std::uint64_t sums[] = {
+      c.covered,    c.uncovered, c.migrations, c.contacts, c.mixed_owner_contacts, c.sweeps,
+      c.infeasible, c.queries,   c.fallbacks,  c.films,    c.narrow_without_film};
   sum_over_ranks(scene_.comm, sums);
   double most[] = {c.body_speed, c.penetration, c.residual};
   max_over_ranks(scene_.comm, most);
-  return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5],
-          sums[6], sums[7], sums[8], most[0], most[1], most[2]};
+  return {sums[0], sums[1], sums[2], sums[3],  sums[4], sums[5], sums[6],
+          sums[7], sums[8], sums[9], sums[10], most[0], most[1], most[2]};
 }
 
 // ---- what a program may do ----
@@ -191,7 +194,7 @@ Balance Simulation::balance() const {
 }
 
 std::uint64_t Simulation::links() const {
-  std::uint64_t n = scene_.flow && scene_.body_count > 0 ? scene_.flow->mapping().links : 0;
+  std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->mapping().links : 0;
   sum_over_ranks(scene_.comm, std::span(&n, 1));
   return n;
 }

@@ -20,6 +20,7 @@ struct RunCounters {
   std::uint64_t covered = 0, uncovered = 0, migrations = 0;
   std::uint64_t contacts = 0, mixed_owner_contacts = 0, sweeps = 0, infeasible = 0, queries = 0,
                 fallbacks = 0;
+  std::uint64_t films = 0, narrow_without_film = 0;      // contacts with lubrication, and as narrow without
   double body_speed = 0, penetration = 0, residual = 0;  // largest
 };
 

@@ -92,6 +92,14 @@ struct BlockMap {
   bool changed = false;                       // in the last mapping
 
   bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
+  /// Of the cells inside the block.
+  bool has_fluid() const {
+    for (int z = 0; z < box.size.z; ++z)
+      for (int y = 0; y < box.size.y; ++y)
+        for (int k = 0; k < solid.words(); ++k)
+          if (~solid.at(y, z)[k] & solid.interior(k)) return true;
+    return false;
+  }
 };
 
 }  // namespace silt::coupler

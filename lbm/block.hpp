@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <vector>
 
 #include "lbm/lattice.hpp"
 
@@ -32,6 +33,15 @@ struct CellBox {  // cells lower <= x < lower + size
     return true;
   }
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
+};
+
+/// A population on its way round the end of a row: to the row's other end, or back from a wall, whose motion
+/// adds something. Slots relative to the row's first cell.
+template <class T>
+struct RowEnd {
+  std::ptrdiff_t from, to;
+  bool wall;
+  T addend;
 };
 
 template <class T>
@@ -77,6 +87,11 @@ class Block {
   T* data() { return memory_.get(); }
   const T* data() const { return memory_.get(); }
 
+  /// What the dense pass moves by itself at the ends of each row, while they are in cache: the part of the
+  /// ghost layer (halo.hpp) that a row exchanges with itself or a wall. By the parity the pass begins with.
+  const std::vector<RowEnd<T>>& row_ends(Parity p) const { return row_ends_[int(p)]; }
+  void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
+
  private:
   struct Free {
     void operator()(T* p) const { std::free(p); }
@@ -84,6 +99,7 @@ class Block {
   CellBox box_;
   std::ptrdiff_t row_, plane_, direction_, lead_;
   std::unique_ptr<T[], Free> memory_;
+  std::vector<RowEnd<T>> row_ends_[2];
 };
 
 }  // namespace silt::lbm

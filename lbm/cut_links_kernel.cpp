@@ -82,6 +82,8 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, cli>{});
     case bouzidi:
       return f(std::integral_constant<WallScheme, bouzidi>{});
+    case narrow:
+      return f(std::integral_constant<WallScheme, narrow>{});
   }
 }
 
@@ -124,15 +126,18 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
     const T* const alpha = at.r[g.d];
     T o[chunk], f[chunk], b[chunk], r[chunk];
     for (int l = 0; l < padded; ++l) o[l] = out[at.cell[l]];
-    if constexpr (reads_behind(scheme)) {
+    if constexpr (reads_behind(scheme))
       for (int l = 0; l < padded; ++l) f[l] = behind[at.cell[l]];
+    if constexpr (reads_against(scheme))
       for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
-    }
     for (int l = 0; l < padded; ++l) {
       const auto s = coefficients<scheme>(q[l], weight6);
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
       r[l] = s.a * o[l] - s.k * cu;
-      if constexpr (reads_behind(scheme)) r[l] += s.b * f[l] + s.c * b[l];
+      if constexpr (reads_behind(scheme))
+        r[l] += s.b * f[l] + s.c * b[l];
+      else if constexpr (reads_against(scheme))
+        r[l] += s.c * b[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < padded; ++l) back[at.cell[l]] = r[l];

@@ -25,6 +25,7 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
       rates_(spec),
       comm_(comm),
       blocks_(local_blocks<T>(domain, comm)),
+      idle_(blocks_.size(), 0),
       halo_(domain_, comm, blocks_, spec.force) {}
 
 template <class T>
@@ -35,8 +36,10 @@ void Fluid<T>::set_anchor(double density_per_cell) {
 
 template <class T>
 void Fluid<T>::stream_collide() {
-  for (auto& block : blocks_)
-    lbm::stream_collide(block, parity_, rates_, RowRange{0, block.size().y, 0, block.size().z});
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (!idle_[b])
+      lbm::stream_collide(blocks_[b], parity_, rates_,
+                          RowRange{0, blocks_[b].size().y, 0, blocks_[b].size().z});
   parity_ = flipped(parity_);
 }
 

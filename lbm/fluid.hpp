@@ -33,14 +33,16 @@ class Fluid {
 
   /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
   void set_anchor(double density_per_cell);
-  /// Every cell collides; parity flips. Then exchange().
+  /// A block without a fluid cell need not collide; what its slots hold means nothing then.
+  void set_idle(int b, bool idle) { idle_[b] = idle; }
+  /// Every cell of the blocks that are not idle collides; parity flips. Then exchange().
   void stream_collide();
   /// The same, plane by plane: calls after_plane(block, z, parity after the pass) when plane z of a block is
   /// done, in the order of blocks and planes.
   template <class AfterPlane>
   void stream_collide(AfterPlane&& after_plane) {
     for (int b = 0; b < int(blocks_.size()); ++b)
-      for (int z = 0; z < blocks_[b].size().z; ++z) {
+      for (int z = 0; !idle_[b] && z < blocks_[b].size().z; ++z) {
         lbm::stream_collide(blocks_[b], parity_, rates_, RowRange{0, blocks_[b].size().y, z, z + 1});
         after_plane(b, z, flipped(parity_));
       }
@@ -54,6 +56,10 @@ class Fluid {
   }
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
+  }
+  /// What left a cell along i in the last pass (until the next one).
+  T leaving(int b, Int3 local_cell, int i) const {
+    return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
   /// A hint that the populations arriving at a cell (ghosts too) will be asked for soon.
@@ -70,6 +76,7 @@ class Fluid {
   CollisionRates<T> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
+  std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   Halo<T> halo_;
 };

@@ -41,6 +41,62 @@ Home home_of(const Domain& domain, Int3 g, int j) {
   return {HomeKind::slot, domain.wrapped(cell), direction_of(direction)};
 }
 
+enum class RowEndKind { lists, round, wall };
+
+/// What the rows of a block do at one end by themselves: go round to the other end, meet a wall, or neither
+/// (then the lists of this file do it).
+RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
+  const int cells = domain.cells().x;
+  if (domain.periodic(0)) return box.size.x == cells ? RowEndKind::round : RowEndKind::lists;
+  const bool at_side = upper ? box.lower.x + box.size.x == cells : box.lower.x == 0;
+  return at_side && domain.side(0, upper).kind == SideKind::bounce ? RowEndKind::wall : RowEndKind::lists;
+}
+
+/// Whether the dense pass moves this ghost slot (g local to the block).
+bool is_row_end(const Domain& domain, const CellBox& box, Int3 g) {
+  if (g.x >= 0 && g.x < box.size.x) return false;
+  const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
+  const bool own_row = g.y >= 0 && g.y < box.size.y && g.z >= 0 && g.z < box.size.z;
+  return kind == RowEndKind::wall || (kind == RowEndKind::round && own_row);
+}
+
+/// -6 w_j c_j . u: what a moving wall adds to what left along j.
+double wall_addend(const SideCondition& side, int j) {
+  double cu = 0;
+  for (int d = 0; d < 3; ++d) cu += c[j][d] * side.velocity[d];
+  return -6 * w(j) * cu;
+}
+
+/// An even pass has just written the homes of its row; an odd one the ghost slots that its row's last cell
+/// sends to.
+template <class T>
+void add_row_ends(const Domain& domain, Block<T>& block) {
+  const int nx = block.size().x;
+  for (int j = 1; j < directions; ++j) {
+    if (c[j].x == 0) continue;
+    const bool upper = c[j].x > 0;
+    const int ghost = upper ? nx : -1, near = upper ? nx - 1 : 0, far = upper ? 0 : nx - 1;
+    const auto at = [&](int x, int i, bool sent) {
+      return block.slot(i) + block.cell(x, sent ? c[j].y : 0, sent ? c[j].z : 0);
+    };
+    const RowEndKind kind = row_end_kind(domain, block.box(), upper);
+    if (kind == RowEndKind::round) {
+      block.add_row_end(Parity::settled, {at(far, j, false), at(ghost, j, false), false, T(0)});
+      block.add_row_end(Parity::crossed, {at(ghost, j, true), at(far, j, true), false, T(0)});
+    } else if (kind == RowEndKind::wall) {
+      const T addend = T(wall_addend(domain.side(0, upper), j));
+      block.add_row_end(Parity::settled, {at(near, opposite(j), false), at(ghost, j, true), true, addend});
+      block.add_row_end(Parity::crossed, {at(ghost, j, true), at(near, opposite(j), false), true, addend});
+    }
+  }
+}
+
+/// Few at a time: no call.
+template <class T>
+inline void copy_slots(const T* from, T* to, std::uint32_t length) {
+  for (std::uint32_t n = 0; n < length; ++n) to[n] = from[n];
+}
+
 /// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
 template <class Visit>
 void for_ghost_slots(Int3 size, Visit&& visit) {
@@ -60,6 +116,23 @@ void for_ghost_slots(Int3 size, Visit&& visit) {
 }  // namespace
 
 template <class T>
+void Halo<T>::add_to(std::vector<Run>& runs, std::uint32_t ghost, std::uint32_t home) {
+  if (!runs.empty() && runs.back().ghost + runs.back().length == ghost &&
+      runs.back().home + runs.back().length == home)
+    ++runs.back().length;
+  else
+    runs.push_back({ghost, home, 1});
+}
+
+template <class T>
+void Halo<T>::add_to(std::vector<Place>& places, int block, std::uint32_t slot) {
+  if (!places.empty() && places.back().block == block && places.back().slot + places.back().length == slot)
+    ++places.back().length;
+  else
+    places.push_back({block, slot, 1});
+}
+
+template <class T>
 struct Halo<T>::Builder {
   Halo& halo;
   const Domain& domain;
@@ -68,7 +141,7 @@ struct Halo<T>::Builder {
   int rank;
   std::map<std::pair<int, int>, Copy> copies;
   std::map<std::tuple<int, int, int, int>, Wall> walls;
-  std::map<std::tuple<int, int>, Outlet> outlets;
+  std::map<std::tuple<int, int, bool>, Outlet> outlets;
   std::map<int, Peer> peers;
 
   std::uint32_t slot(int local_block, Int3 cell, int i) const {
@@ -79,6 +152,7 @@ struct Halo<T>::Builder {
   void add(int block, Int3 g, int j) {
     const BlockPlace& place = domain.blocks()[block];
     const int here = local[block];
+    if (is_row_end(domain, place.box, g)) return;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
       if (here >= 0) add_wall(here, g, j, home);
@@ -89,11 +163,11 @@ struct Halo<T>::Builder {
     if (here >= 0 && there >= 0) {
       Copy& copy = copies[{here, there}];
       copy.ghost_block = here, copy.home_block = there;
-      copy.ghost.push_back(slot(here, g, j)), copy.home.push_back(slot(there, cell, home.direction));
+      add_to(copy.runs, slot(here, g, j), slot(there, cell, home.direction));
     } else if (here >= 0) {
-      peers[domain.blocks()[home_block].rank].ghosts.push_back({here, slot(here, g, j)});
+      add_to(peers[domain.blocks()[home_block].rank].ghosts, here, slot(here, g, j));
     } else if (there >= 0) {
-      peers[place.rank].homes.push_back({there, slot(there, cell, home.direction)});
+      add_to(peers[place.rank].homes, there, slot(there, cell, home.direction));
     }
   }
 
@@ -102,16 +176,19 @@ struct Halo<T>::Builder {
     const Int3 inner = g - c[j];
     if (home.kind == HomeKind::bounce) {
       Wall& wall = walls[{here, home.axis, home.upper, j}];
-      double cu = 0;
-      for (int d = 0; d < 3; ++d) cu += c[j][d] * side.velocity[d];
-      wall.block = here, wall.addend = T(-6 * w(j) * cu);
-      wall.ghost.push_back(slot(here, g, j)), wall.home.push_back(slot(here, inner, opposite(j)));
+      wall.block = here, wall.addend = T(wall_addend(side, j));
+      add_to(wall.runs, slot(here, g, j), slot(here, inner, opposite(j)));
     } else {
-      Outlet& outlet = outlets[{here, j}];
-      outlet.block = here, outlet.direction = j, outlet.density_deviation = side.density_deviation;
-      outlet.ghost.push_back(slot(here, g, j)), outlet.home.push_back(slot(here, inner, opposite(j)));
-      outlet.cell.push_back(std::uint32_t(layout[here]->cell(inner) + layout[here]->slot(0)));
+      Outlet& outlet = outlets[{here, home.axis, home.upper}];
+      outlet.block = here, outlet.density_deviation = side.density_deviation;
+      outlet.links.push_back({slot(here, inner, 0), slot(here, g, j), slot(here, inner, opposite(j)), j});
     }
+  }
+
+  static std::size_t slots_in(const std::vector<Place>& places) {
+    std::size_t n = 0;
+    for (const Place& place : places) n += place.length;
+    return n;
   }
 
   void build() {
@@ -123,10 +200,14 @@ struct Halo<T>::Builder {
     for (int b : around) for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
     for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
-    for (auto& [key, x] : outlets) halo.outlets_.push_back(std::move(x));
+    for (auto& [key, x] : outlets) {
+      std::stable_sort(x.links.begin(), x.links.end(),
+                       [](const OutletLink& a, const OutletLink& b) { return a.cell < b.cell; });
+      halo.outlets_.push_back(std::move(x));
+    }
     for (auto& [r, peer] : peers) {
       peer.rank = r;
-      peer.ghost_buffer.resize(peer.ghosts.size()), peer.home_buffer.resize(peer.homes.size());
+      peer.ghost_buffer.resize(slots_in(peer.ghosts)), peer.home_buffer.resize(slots_in(peer.homes));
       halo.peers_.push_back(std::move(peer));
     }
   }
@@ -143,12 +224,14 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
   for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
   for (auto& b : blocks) builder.layout.push_back(&b);
   builder.build();
+  for (Block<T>& block : blocks) add_row_ends(domain, block);
+  requests_.resize(2 * peers_.size());
 }
 
 template <class T>
 std::size_t Halo<T>::message_bytes() const {
   std::size_t bytes = 0;
-  for (const auto& p : peers_) bytes += (p.ghosts.size() + p.homes.size()) * sizeof(T) / 2;
+  for (const auto& p : peers_) bytes += (p.ghost_buffer.size() + p.home_buffer.size()) * sizeof(T) / 2;
   return bytes;
 }
 
@@ -156,24 +239,31 @@ template <class T>
 void Halo<T>::exchange_peers(std::span<Block<T>> blocks, Parity parity) {
   const bool fill = parity == Parity::crossed;
   const MPI_Datatype type = std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
-  std::vector<MPI_Request> requests(2 * peers_.size());
   for (std::size_t k = 0; k < peers_.size(); ++k) {
     Peer& p = peers_[k];
     auto& incoming = fill ? p.ghost_buffer : p.home_buffer;
-    MPI_Irecv(incoming.data(), int(incoming.size()), type, p.rank, 1, comm_, &requests[k]);
+    MPI_Irecv(incoming.data(), int(incoming.size()), type, p.rank, 1, comm_, &requests_[k]);
   }
   for (std::size_t k = 0; k < peers_.size(); ++k) {
     Peer& p = peers_[k];
     auto& outgoing = fill ? p.home_buffer : p.ghost_buffer;
     const auto& from = fill ? p.homes : p.ghosts;
-    for (std::size_t n = 0; n < from.size(); ++n) outgoing[n] = blocks[from[n].block].data()[from[n].slot];
-    MPI_Isend(outgoing.data(), int(outgoing.size()), type, p.rank, 1, comm_, &requests[peers_.size() + k]);
+    T* to = outgoing.data();
+    for (const Place& run : from) {
+      copy_slots(blocks[run.block].data() + run.slot, to, run.length);
+      to += run.length;
+    }
+    MPI_Isend(outgoing.data(), int(outgoing.size()), type, p.rank, 1, comm_, &requests_[peers_.size() + k]);
   }
-  MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   for (Peer& p : peers_) {
     const auto& incoming = fill ? p.ghost_buffer : p.home_buffer;
     const auto& to = fill ? p.ghosts : p.homes;
-    for (std::size_t n = 0; n < to.size(); ++n) blocks[to[n].block].data()[to[n].slot] = incoming[n];
+    const T* from = incoming.data();
+    for (const Place& run : to) {
+      copy_slots(from, blocks[run.block].data() + run.slot, run.length);
+      from += run.length;
+    }
   }
 }
 
@@ -182,18 +272,23 @@ template <class T>
 void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
   const bool fill = parity == Parity::crossed;
   T* const p = block.data();
-  const Int3 cj = c[o.direction];
-  for (std::size_t n = 0; n < o.cell.size(); ++n) {
-    double u[3] = {0.5 * force_[0], 0.5 * force_[1], 0.5 * force_[2]};
-    const std::ptrdiff_t cell = std::ptrdiff_t(o.cell[n]) - block.slot(0);
-    for (int i = 1; i < directions; ++i) {
-      const double g = p[block.leaving(i, parity) + cell];
-      for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g;
+  double u[3] = {}, rest = 0;
+  for (std::size_t n = 0; n < o.links.size(); ++n) {
+    const OutletLink& link = o.links[n];
+    if (n == 0 || link.cell != o.links[n - 1].cell) {
+      const std::ptrdiff_t cell = std::ptrdiff_t(link.cell) - block.slot(0);
+      for (int d = 0; d < 3; ++d) u[d] = 0.5 * force_[d];
+      for (int i = 1; i < directions; ++i) {
+        const double g = p[block.leaving(i, parity) + cell];
+        for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g;
+      }
+      rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }
+    const Int3 cj = c[link.direction];
     const double cu = cj.x * u[0] + cj.y * u[1] + cj.z * u[2];
-    const double even = o.density_deviation + 4.5 * cu * cu - 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    const auto from = fill ? o.home[n] : o.ghost[n], to = fill ? o.ghost[n] : o.home[n];
-    p[to] = T(2 * w(o.direction) * even - p[from]);
+    const double even = o.density_deviation + 4.5 * cu * cu - rest;
+    const auto from = fill ? link.home : link.ghost, to = fill ? link.ghost : link.home;
+    p[to] = T(2 * w(link.direction) * even - p[from]);
   }
 }
 
@@ -204,16 +299,17 @@ void Halo<T>::exchange(std::span<Block<T>> blocks, Parity parity) {
   for (const Copy& copy : copies_) {
     T* const ghost = blocks[copy.ghost_block].data();
     T* const home = blocks[copy.home_block].data();
-    if (fill)
-      for (std::size_t n = 0; n < copy.ghost.size(); ++n) ghost[copy.ghost[n]] = home[copy.home[n]];
-    else
-      for (std::size_t n = 0; n < copy.ghost.size(); ++n) home[copy.home[n]] = ghost[copy.ghost[n]];
+    for (const Run& run : copy.runs)
+      fill ? copy_slots(home + run.home, ghost + run.ghost, run.length)
+           : copy_slots(ghost + run.ghost, home + run.home, run.length);
   }
   for (const Wall& wall : walls_) {
     T* const p = blocks[wall.block].data();
-    const auto& from = fill ? wall.home : wall.ghost;
-    const auto& to = fill ? wall.ghost : wall.home;
-    for (std::size_t n = 0; n < from.size(); ++n) p[to[n]] = p[from[n]] + wall.addend;
+    for (const Run& run : wall.runs) {
+      const T* const from = p + (fill ? run.home : run.ghost);
+      T* const to = p + (fill ? run.ghost : run.home);
+      for (std::uint32_t n = 0; n < run.length; ++n) to[n] = from[n] + wall.addend;
+    }
   }
   for (const Outlet& outlet : outlets_) apply_outlet(blocks[outlet.block], outlet, parity);
 }

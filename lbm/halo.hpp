@@ -6,6 +6,9 @@
 //     after an even pass (crossed parity) ghost slots are filled from their homes,
 //     after an odd pass (settled parity) they are returned to them.
 // Only crossing populations move: 5 a face cell, 1 an edge cell, one message per neighbouring rank and pass.
+// Slots that follow one another at both ends move as runs. What a row exchanges with itself (a block that
+// spans a periodic x axis) or with a wall across x touches two cache lines a population; the dense pass moves
+// it row by row (Block::row_ends).
 #include <mpi.h>
 
 #include <array>
@@ -20,7 +23,8 @@ namespace silt::lbm {
 template <class T>
 class Halo {
  public:
-  /// blocks: the local ones, in the order of domain.blocks_of(rank). force: the uniform acceleration.
+  /// blocks: the local ones, in the order of domain.blocks_of(rank); gives them their row ends. force: the
+  /// uniform acceleration.
   Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, const std::array<double, 3>& force);
   /// `parity`: of the blocks after the dense pass.
   void exchange(std::span<Block<T>> blocks, Parity parity);
@@ -28,23 +32,30 @@ class Halo {
   std::size_t message_bytes() const;
 
  private:
+  struct Run {  // slots ghost, ghost + 1, ... and home, home + 1, ...
+    std::uint32_t ghost, home, length;
+  };
   struct Copy {  // between two local blocks
     int ghost_block, home_block;
-    std::vector<std::uint32_t> ghost, home;
+    std::vector<Run> runs;
   };
   struct Wall {  // bounce: ghost and home in the same block, and what the wall's motion adds
     int block;
     T addend;
-    std::vector<std::uint32_t> ghost, home;
+    std::vector<Run> runs;
+  };
+  struct OutletLink {
+    std::uint32_t cell, ghost, home;  // cell: Block::slot(0) of it
+    int direction;
   };
   struct Outlet {
-    int block, direction;
-    double density_deviation;
-    std::vector<std::uint32_t> ghost, home, cell;
-  };
-  struct Place {
     int block;
-    std::uint32_t slot;
+    double density_deviation;
+    std::vector<OutletLink> links;  // by cell
+  };
+  struct Place {  // slots slot, slot + 1, ...
+    int block;
+    std::uint32_t slot, length;
   };
   struct Peer {
     int rank;
@@ -52,6 +63,9 @@ class Halo {
     std::vector<T> ghost_buffer, home_buffer;
   };
   struct Builder;
+
+  static void add_to(std::vector<Run>&, std::uint32_t ghost, std::uint32_t home);
+  static void add_to(std::vector<Place>&, int block, std::uint32_t slot);
 
   void exchange_peers(std::span<Block<T>> blocks, Parity parity);
   void apply_outlet(Block<T>&, const Outlet&, Parity) const;
@@ -62,6 +76,7 @@ class Halo {
   std::vector<Wall> walls_;
   std::vector<Outlet> outlets_;
   std::vector<Peer> peers_;
+  std::vector<MPI_Request> requests_;
 };
 
 }  // namespace silt::lbm

@@ -11,7 +11,8 @@ struct RowRange {
   int y0, y1, z0, z1;
 };
 
-/// Collides with the block at `parity`; once all its cells are done the block is at the flipped parity.
+/// Collides with the block at `parity`; once all its cells are done the block is at the flipped parity, and
+/// its row ends have been moved (block.hpp).
 template <class T>
 void stream_collide(Block<T>&, Parity parity, const CollisionRates<T>&, RowRange);
 

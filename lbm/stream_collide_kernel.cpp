@@ -70,8 +70,29 @@ inline void relax_pair(V& a, V& b, const V& base, const V& ux, const V& uy, cons
   a = out_opposite, b = out_i;
 }
 
-template <bool source, class V, class T>
-inline void collide(const Rows<T>& rows, std::ptrdiff_t x, const CollisionRates<T>& r) {
+/// Which lanes of a vector are cells: the first `cells`.
+template <class V, class T>
+struct Lanes {
+  static constexpr int count = sizeof(V) / sizeof(T);
+  decltype(V{} < V{}) inside;
+  explicit Lanes(std::ptrdiff_t cells) {
+    V lane;
+    for (int i = 0; i < count; ++i) lane[i] = T(i);
+    inside = lane < (V{} + T(cells));
+  }
+  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
+};
+struct AllLanes {
+  template <class V>
+  const V& operator()(const V& inner, const V&) const {
+    return inner;
+  }
+};
+
+/// The cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they hold: no
+/// other lane of the vector has them.
+template <bool source, class V, class T, class Keep>
+inline void collide(const Rows<T>& rows, std::ptrdiff_t x, const CollisionRates<T>& r, const Keep& keep) {
   V a[pairs], b[pairs];
   V rest = load<V>(rows.rest + x);
   for (int k = 0; k < pairs; ++k) a[k] = load<V>(rows.a[k] + x), b[k] = load<V>(rows.b[k] + x);
@@ -101,10 +122,17 @@ inline void collide(const Rows<T>& rows, std::ptrdiff_t x, const CollisionRates<
   relax_pair<8, source>(a[8], b[8], base, ux, uy, uz, uf, r);
   V change = r.omega_even * (rest - T(w(0)) * base);
   if constexpr (source) change -= r.force_even * T(w(0)) * (T(-3) * uf) + T(w(0)) * r.anchor;
-  rest -= change;
 
-  store(rows.rest + x, rest);
-  for (int k = 0; k < pairs; ++k) store(rows.a[k] + x, a[k]), store(rows.b[k] + x, b[k]);
+  store(rows.rest + x, keep(V(rest - change), rest));
+  for (int k = 0; k < pairs; ++k) {
+    store(rows.a[k] + x, keep(a[k], load<V>(rows.a[k] + x)));
+    store(rows.b[k] + x, keep(b[k], load<V>(rows.b[k] + x)));
+  }
+}
+
+template <class T>
+inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
+  for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
 
 template <bool source, class T>
@@ -128,9 +156,10 @@ void row_range(Block<T>& block, Parity parity, const CollisionRates<T>& rates, R
           __builtin_prefetch(rows.a[k] + x + ahead, 1);
           __builtin_prefetch(rows.b[k] + x + ahead, 1);
         }
-        collide<source, V>(rows, x, rates);
+        collide<source, V>(rows, x, rates, AllLanes{});
       }
-      for (; x < nx; ++x) collide<source, T>(rows, x, rates);  // the same operations, one cell at a time
+      if (x < nx) collide<source, V>(rows, x, rates, Lanes<V, T>(nx - x));
+      close_row(first, block.row_ends(parity));
     }
 }
 

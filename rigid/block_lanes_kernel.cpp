@@ -19,15 +19,29 @@ struct Rounds {
   Lanes change{}, scale{};  // squared, largest of the round
   Lanes moved{};            // at most: a contact's impulse, in all rounds
   Mask cut_short{};         // by the number of rounds
+  const BlockFilm* films;   // of the group's contacts, or null
+
+  /// What a contact's impulses become, from those that would stop it: FFD.md 5.2, and in a film.
+  static Lanes normal(const BlockContact& c, const BlockFilm* film, Lanes stop, Lanes u_n) {
+    const Lanes hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
+    return larger(film ? film->normal_damped * stop : Lanes{}, hard);
+  }
+  static Vector tangential(const BlockContact& c, const BlockFilm* film, const Vector& stop, Lanes stop_n,
+                           Lanes p_n) {
+    if (!film) return into_cone(stop, c.friction * p_n);
+    const Lanes pressing = film->normal_stiffness * (p_n - film->normal_damped * stop_n);
+    const Vector rubbed = into_cone(stop, c.friction * pressing);
+    return rubbed + (stop - rubbed) * film->tangential_damped;
+  }
 
   /// FFD.md 5.3: first the normal impulse, then the tangential one.
-  void solve(const BlockGroup& g, BlockContact& c) {
+  void solve(const BlockGroup& g, BlockContact& c, const BlockFilm* film) {
     const Vector r = load(c.r), n = load(c.normal), u = motion.at(r), old_t = load(c.tangential_impulse);
     const Lanes old_n = c.normal_impulse;
-    const Lanes p_n = larger(Lanes{}, old_n + (c.target - dot(u, n)) * c.inverse_k_n);
+    const Lanes u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n, p_n = normal(c, film, stop_n, u_n);
     const Lanes d_n = active ? p_n - old_n : Lanes{};
-    const Vector s = u + load(c.k_normal) * d_n;
-    const Vector p_t = into_cone(old_t - (s - n * dot(s, n)) * c.inverse_k_t, c.friction * p_n);
+    const Vector s = u + load(c.k_normal) * d_n, stop_t = old_t - (s - n * dot(s, n)) * c.inverse_k_t;
+    const Vector p_t = tangential(c, film, stop_t, stop_n, p_n);
     const Vector d_t = choose(active, p_t - old_t, Vector{});
     c.normal_impulse = active ? p_n : old_n;
     store(c.tangential_impulse, choose(active, p_t, old_t));
@@ -49,7 +63,7 @@ struct Rounds {
     for (int round = 0; round < most_rounds && any(active); ++round) {
       change = Lanes{};
       scale = active ? Lanes{} : scale;
-      for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c]);
+      for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c], films ? films + c : nullptr);
       moved += square_root(change);
       const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
@@ -122,8 +136,8 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) set_inverse_mobility(groups[k]);
 }
 
-double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts, const BodyState* state,
-                    const Sweep& sweep) {
+double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
+                    const BlockFilm* all_films, const BodyState* state, const Sweep& sweep) {
   double residual = 0;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
@@ -133,7 +147,10 @@ double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_con
     if (!any(solved)) continue;
     const CarryOn carry_on(g, contacts);
     Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
-    if (sweep.push)
+    rounds.films = g.films != no_films && !sweep.push ? all_films + g.films : nullptr;
+    if (rounds.films)
+      ;  // films creep: nothing sticks
+    else if (sweep.push)
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);

@@ -6,14 +6,11 @@
 namespace silt::rigid {
 
 void BroadPhase::find_walls(const BodySet& bodies, std::span<const Reach> reach,
-                            std::span<const Vec3> normals) {
-  for (std::size_t w = 0; w < bodies.walls; ++w) {
-    const std::size_t wall = bodies.first_wall() + w;
-    const double offset = normals[w].dot(bodies.position[wall]);
+                            std::span<const WallSurface> walls) {
+  for (std::size_t w = 0; w < bodies.walls; ++w)
     for (std::size_t row = 0; row < bodies.first_wall(); ++row)
-      if (bodies.is_free(row) && normals[w].dot(bodies.position[row]) - offset <= reach[row].sum())
-        found_.push_back({row, wall, Image{}});
-  }
+      if (bodies.is_free(row) && walls[w].distance(bodies.position[row]) <= reach[row].sum())
+        found_.push_back({row, bodies.first_wall() + w, Image{}});
 }
 
 void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pairs) {
@@ -38,12 +35,12 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
 }
 
 void BroadPhase::operator()(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach,
-                            std::span<const Vec3> wall_normals, std::vector<CandidatePair>& pairs) {
+                            std::span<const WallSurface> walls, std::vector<CandidatePair>& pairs) {
   found_.clear();
   pairs.clear();
   if (bodies.first_wall() == 0) return;
   find_pairs({bodies, extent, reach}, found_);
-  find_walls(bodies, reach, wall_normals);
+  find_walls(bodies, reach, walls);
   if (!found_.empty()) sort_into(bodies, pairs);
 }
 

@@ -30,6 +30,20 @@ struct Reach {
   double sum() const { return radius + margin; }
 };
 
+/// The surface of a wall: a plane through a point, or a tube about an axis through it. World frame.
+struct WallSurface {
+  Vec3 point;
+  Vec3 direction;     // outward normal of a plane, or along the axis; unit
+  double radius = 0;  // of a tube; 0: a plane
+
+  /// Of a point from the surface; negative in the wall.
+  double distance(const Vec3& x_W) const {
+    const Vec3 from = x_W - point;
+    return radius > 0 ? radius - (from - direction.dot(from) * direction).norm()
+                      : direction.dot(x_W) - direction.dot(point);
+  }
+};
+
 /// Of the bodies at hand, without the walls.
 struct Surroundings {
   const BodySet& bodies;
@@ -59,17 +73,16 @@ class BroadPhase {
   virtual ~BroadPhase() = default;
   virtual std::string_view name() const = 0;
   /// Fills pairs with every (a, b, image) that meet; sorted by (id a, id b, image), each once. A wall
-  /// (HalfSpace among the last rows, given by its outward normal through its position) is near if the
-  /// distance of a free body's bounding sphere to it is within the margin. reach: one a row (unused for
-  /// walls). wall_normals: one a wall row. A function of its arguments alone, whatever is kept from call to
-  /// call.
+  /// is near if the distance of a free body's bounding sphere to it is within the margin. reach: one a row
+  /// (unused for walls). walls: one a wall row. A function of its arguments alone, whatever is kept from call
+  /// to call.
   void operator()(const BodySet&, const Extent&, std::span<const Reach> reach,
-                  std::span<const Vec3> wall_normals, std::vector<CandidatePair>& pairs);
+                  std::span<const WallSurface> walls, std::vector<CandidatePair>& pairs);
 
  private:
   /// Appends the pairs of bodies that meet, each once, in any order. Called with one body at least.
   virtual void find_pairs(const Surroundings&, std::vector<CandidatePair>& found) = 0;
-  void find_walls(const BodySet&, std::span<const Reach>, std::span<const Vec3> wall_normals);
+  void find_walls(const BodySet&, std::span<const Reach>, std::span<const WallSurface>);
   void sort_into(const BodySet&, std::vector<CandidatePair>& pairs);
 
   std::vector<CandidatePair> found_;

@@ -50,6 +50,18 @@ struct alignas(64) CentralGroup {
   LaneBodies bodies;
 };
 
+/// The same with a viscous film in the gap (film.hpp). Of a resistance z, as an impulse per velocity, against
+/// the compliance k of its motion: damped is z k / (1 + z k), the part of the velocity it takes away.
+struct alignas(64) FilmGroup : CentralGroup {
+  Lanes normal_stiffness;  // 1 + z k
+  Lanes normal_damped, tangential_damped;
+  Lanes skew;                   // alpha of film.hpp
+  Lanes reach_a, reach_b;       // A and B there
+  Lanes roll_gain, roll_keeps;  // z / (1 + z k), z k / (1 + z k)
+  Lanes roll_to_slip;           // slip by a unit impulse against rolling, and the reverse
+  Lanes rolling_impulse[3], last_rolling[3];
+};
+
 /// Any other pairs, as many contacts in each lane of a group. Moments are taken about a's centre.
 struct alignas(64) BlockGroup {
   Lanes offset[3];                                   // from b's centre to a's
@@ -65,7 +77,10 @@ struct alignas(64) BlockGroup {
   Lanes relative_change;         // of the last sweep; negative: not solved
   LaneBodies bodies;
   std::uint32_t first, count;  // of its contacts
+  std::uint32_t films;         // where its contacts' films begin; none: no_films
 };
+
+inline constexpr std::uint32_t no_films = ~std::uint32_t{0};
 
 struct alignas(64) BlockContact {
   Lanes r[3];  // from a's centre
@@ -74,6 +89,11 @@ struct alignas(64) BlockContact {
   Lanes normal_impulse, tangential_impulse[3];
   Lanes last_normal, last_tangential[3];
   Lanes target, friction, inverse_k_n, inverse_k_t;
+};
+
+/// Of one BlockContact; as in FilmGroup. Rolling is left out.
+struct alignas(64) BlockFilm {
+  Lanes normal_stiffness, normal_damped, tangential_damped;
 };
 
 // prepare_blocks: once a step, after the groups are filled.
@@ -87,11 +107,13 @@ struct Sweep {
 };
 
 // The sweeps return the largest relative change of a pair that is not final.
-#define SILT_CONTACT_KERNELS(isa)                                                                      \
-  namespace silt::rigid::isa {                                                                         \
-  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);   \
-  void prepare_blocks(BlockGroup*, std::size_t groups);                                                \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BodyState*, const Sweep&); \
+#define SILT_CONTACT_KERNELS(isa)                                                                         \
+  namespace silt::rigid::isa {                                                                            \
+  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);      \
+  double sweep_films(FilmGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);           \
+  void prepare_blocks(BlockGroup*, std::size_t groups);                                                   \
+  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BlockFilm*, const BodyState*, \
+                      const Sweep&);                                                                      \
   }
 
 }  // namespace silt::rigid

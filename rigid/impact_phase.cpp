@@ -58,11 +58,13 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
     if (c.restitution <= 0) continue;
     const std::size_t a = involve(bodies, bodies.row_of(c.a)), b = involve(bodies, bodies.row_of(c.b));
     if (!bodies_[a].moves && !bodies_[b].moves) continue;  // its owners' business
+    // of a wall only its turning matters, and few turn
+    const bool b_turns = !is_wall(c.b) || bodies.angular_velocity[bodies_[b].row] != Vec3::Zero();
     const std::size_t from = rows_.size();
     for (std::size_t k = first; k < last; ++k)
       rows_.push_back({.direction = contact_directions(contacts[k].normal),
                        .r_a = contacts[k].r_a,
-                       .r_b = is_wall(c.b) ? Vec3(Vec3::Zero()) : contacts[k].r_b,
+                       .r_b = b_turns ? contacts[k].r_b : Vec3(Vec3::Zero()),
                        .gap = contacts[k].gap,
                        .friction = contacts[k].friction});
     pairs_.push_back({.first = from, .last = rows_.size(), .a = a, .b = b, .restitution = c.restitution});

@@ -48,6 +48,9 @@ MassProperties of(const Ellipsoid& e) {
 MassProperties of(const HalfSpace&) {
   throw std::invalid_argument("a half-space has no mass");
 }
+MassProperties of(const Tube&) {
+  throw std::invalid_argument("a tube has no mass");
+}
 
 /// Integrals of 1, x, x x^T from volume, centre and inertia about the centre.
 SolidMoments moments(const MassProperties& p, const Pose& pose) {

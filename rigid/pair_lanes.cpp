@@ -1,6 +1,7 @@
 #include "rigid/pair_lanes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace silt::rigid {
@@ -47,34 +48,27 @@ double tangential_eigenvalue(const Mat3& k, const Vec3& n, const Vec3& k_n) {
   return 0.5 * (sum + std::sqrt(std::max(0.0, 2 * squares - sum * sum)));
 }
 
-}  // namespace
-
-void PairLanes::clear(std::size_t rows) {
-  rows_ = rows;
-  central_lane_ = lane_count;
-  central_.clear();
-  blocks_.clear();
-  block_contacts_.clear();
-  open_.clear();
-  block_order_.clear();
+bool has_film(const PairToSolve& p) {
+  return std::any_of(p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return bool(c.film); });
 }
 
-PairLanes::Place PairLanes::add(const PairToSolve& p) {
-  return is_central(p) ? add_central(p) : add_block(p);
-}
-
-PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
-  if (central_lane_ == lane_count) {
-    central_.emplace_back();
+/// The next free lane of the last group; a new group, all of whose lanes are unused, where there is none.
+template <class Group>
+int next_lane(std::vector<Group>& groups, int& lane, std::size_t rows) {
+  if (lane == lane_count) {
+    groups.emplace_back();
     for (int l = 0; l < lane_count; ++l) {
-      LaneBodies& bodies = central_.back().bodies;
-      bodies.a[l] = bodies.b[l] = static_cast<std::int32_t>(rows_);
-      central_.back().least_scale[l] = 1;
+      LaneBodies& bodies = groups.back().bodies;
+      bodies.a[l] = bodies.b[l] = static_cast<std::int32_t>(rows);
+      groups.back().least_scale[l] = 1;
     }
-    central_lane_ = 0;
+    lane = 0;
   }
-  CentralGroup& g = central_.back();
-  const int l = central_lane_++;
+  return lane++;
+}
+
+/// Returns the compliances of normal and tangential motion.
+std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) {
   const Contact& c = p.contacts[0];
   const double arm_a = c.normal.dot(c.r_a), arm_b = c.normal.dot(c.r_b);
   const double k_n = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
@@ -93,13 +87,87 @@ PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
   g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
   g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
   g.bodies.again[l] = p.again;
+  return {k_n, k_t};
+}
+
+/// Share of a velocity of compliance k that a resistance takes away; impulse z per velocity.
+double damped(double z, double k) {
+  return z * k / (1 + z * k);
+}
+
+/// No film resists a position correction.
+void dry(FilmGroup& g, int l) {
+  g.normal_stiffness[l] = 1;
+  g.normal_damped[l] = g.roll_keeps[l] = g.tangential_damped[l] = g.roll_gain[l] = g.roll_to_slip[l] = 0;
+  set(g.rolling_impulse, l, Vec3::Zero());
+  set(g.last_rolling, l, Vec3::Zero());
+}
+
+void set_film(BlockFilm& lanes, int l, const PairToSolve& p, std::size_t k, const BlockContact& contact) {
+  const Film& film = p.contacts[k].film;
+  const double k_n = 1 / contact.inverse_k_n[l], k_t = 1 / contact.inverse_k_t[l];
+  lanes.normal_stiffness[l] = 1 + p.dt * film.normal * k_n;
+  lanes.normal_damped[l] = damped(p.dt * film.normal, k_n);
+  lanes.tangential_damped[l] = damped(p.dt * film.sliding, k_t);
+}
+
+}  // namespace
+
+void PairLanes::clear(std::size_t rows) {
+  rows_ = rows;
+  central_lane_ = film_lane_ = lane_count;
+  central_.clear();
+  films_.clear();
+  blocks_.clear();
+  block_contacts_.clear();
+  block_films_.clear();
+  open_.clear();
+  block_order_.clear();
+}
+
+PairLanes::Place PairLanes::add(const PairToSolve& p) {
+  if (!is_central(p)) return add_block(p);
+  return p.contacts[0].film ? add_film(p) : add_central(p);
+}
+
+PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
+  const int l = next_lane(central_, central_lane_, rows_);
+  set_central(central_.back(), l, p);
   return {static_cast<std::uint32_t>(central_.size() - 1), static_cast<std::uint8_t>(l), true};
+}
+
+PairLanes::Place PairLanes::add_film(const PairToSolve& p) {
+  const int l = next_lane(films_, film_lane_, rows_);
+  FilmGroup& g = films_.back();
+  const auto [k_n, k_t] = set_central(g, l, p);
+  const Contact& c = p.contacts[0];
+  const double z_n = p.dt * c.film.normal, z_t = p.dt * c.film.sliding, z_r = p.dt * c.film.rolling;
+  const double a = g.arm_a[l], b = -g.arm_b[l];  // A and B of film.hpp
+  const double skew = is_wall(c.b) ? -1 : (a - b) / (a + b);
+  const double turn_a = a * a * p.share_a * p.a.inverse_inertia(0, 0);
+  const double turn_b = is_wall(c.b) ? 0 : b * b * p.share_b * p.b.inverse_inertia(0, 0);
+  const double k_r = skew * skew * k_n + turn_a + turn_b;
+  const double across = turn_b - turn_a - skew * k_n;
+  const double gain = z_r / (1 + z_r * k_r);
+  g.normal_stiffness[l] = 1 + z_n * k_n;
+  g.normal_damped[l] = damped(z_n, k_n);
+  const double k_slip = k_t - gain * across * across;
+  g.inverse_k_t[l] = 1 / k_slip;
+  g.tangential_damped[l] = damped(z_t, k_slip);
+  g.skew[l] = skew;
+  g.reach_a[l] = a, g.reach_b[l] = is_wall(c.b) ? 0 : b;
+  g.roll_gain[l] = gain, g.roll_keeps[l] = gain * k_r;
+  g.roll_to_slip[l] = across;
+  set(g.rolling_impulse, l, Vec3::Zero());
+  set(g.last_rolling, l, Vec3::Zero());
+  return {static_cast<std::uint32_t>(films_.size() - 1), static_cast<std::uint8_t>(l), true, true};
 }
 
 PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   const std::size_t count = p.contacts.size();
-  if (open_.size() <= count) open_.resize(count + 1);
-  Open& open = open_[count];
+  const bool film = has_film(p);
+  if (open_.size() <= 2 * count + 1) open_.resize(2 * count + 2);
+  Open& open = open_[2 * count + film];
   if (open.lane == lane_count) {
     open = {static_cast<std::uint32_t>(blocks_.size()), 0};
     blocks_.emplace_back();
@@ -112,6 +180,8 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     g.first = static_cast<std::uint32_t>(block_contacts_.size());
     g.count = static_cast<std::uint32_t>(count);
     block_contacts_.resize(block_contacts_.size() + count);
+    g.films = film ? static_cast<std::uint32_t>(block_films_.size()) : no_films;
+    if (film) block_films_.resize(block_films_.size() + count);
   }
   BlockGroup& g = blocks_[open.group];
   const int l = open.lane++;
@@ -129,6 +199,7 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   for (std::size_t k = 0; k < count; ++k) {
     furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
     add_block_contact(block_contacts_[g.first + k], l, p, k);
+    if (film) set_film(block_films_[g.films + k], l, p, k, block_contacts_[g.first + k]);
   }
   g.age[l] = 1;
   g.carried[l] = 0;
@@ -165,21 +236,22 @@ void PairLanes::prepare() {
 }
 
 double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const Sweep& sweep) {
-  const auto run = [&](auto central, auto blocks) {
-    const double residual = central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
-    return std::max(residual,
-                    blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), state.data(), sweep));
+  const auto run = [&](auto central, auto films, auto blocks) {
+    double residual = central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
+    residual = std::max(residual, films(films_.data(), films_.size(), state.data(), sums.data(), sweep));
+    return std::max(residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
+                                     block_films_.data(), state.data(), sweep));
   };
   double residual = 0;
   switch (chosen_isa()) {
     case Isa::avx512:
-      residual = run(avx512::sweep_central, avx512::sweep_blocks);
+      residual = run(avx512::sweep_central, avx512::sweep_films, avx512::sweep_blocks);
       break;
     case Isa::avx2:
-      residual = run(avx2::sweep_central, avx2::sweep_blocks);
+      residual = run(avx2::sweep_central, avx2::sweep_films, avx2::sweep_blocks);
       break;
     default:
-      residual = run(portable::sweep_central, portable::sweep_blocks);
+      residual = run(portable::sweep_central, portable::sweep_films, portable::sweep_blocks);
   }
   sum_blocks(sums, sweep.tolerance);
   return residual;
@@ -207,6 +279,7 @@ void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) co
     p.normal = lanes.normal_impulse[at.lane];
     for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane];
   };
+  if (at.film) return read(films_[at.group], out[0]);
   if (at.central) return read(central_[at.group], out[0]);
   for (std::size_t k = 0; k < out.size(); ++k) read(block_contacts_[blocks_[at.group].first + k], out[k]);
 }
@@ -217,15 +290,21 @@ void PairLanes::aim(const Place& at, std::span<const double> targets, double lea
     lanes.friction[at.lane] = lanes.normal_impulse[at.lane] = lanes.last_normal[at.lane] = 0;
     for (int d = 0; d < 3; ++d) lanes.tangential_impulse[d][at.lane] = lanes.last_tangential[d][at.lane] = 0;
   };
+  const auto start_over = [&](auto& group) {
+    group.least_scale[at.lane] = least_scale;
+    group.age[at.lane] = 1;
+    group.carried[at.lane] = 0;
+  };
+  if (at.film) {
+    dry(films_[at.group], at.lane);
+    start_over(films_[at.group]);
+    return set_target(films_[at.group], targets[0]);
+  }
   if (at.central) {
-    central_[at.group].least_scale[at.lane] = least_scale;
-    central_[at.group].age[at.lane] = 1;
-    central_[at.group].carried[at.lane] = 0;
+    start_over(central_[at.group]);
     return set_target(central_[at.group], targets[0]);
   }
-  blocks_[at.group].least_scale[at.lane] = least_scale;
-  blocks_[at.group].age[at.lane] = 1;
-  blocks_[at.group].carried[at.lane] = 0;
+  start_over(blocks_[at.group]);
   for (std::size_t k = 0; k < targets.size(); ++k)
     set_target(block_contacts_[blocks_[at.group].first + k], targets[k]);
 }

@@ -26,6 +26,7 @@ struct PairToSolve {
   std::span<const double> targets;
   const BodyMass &a, &b;
   double share_a, share_b;
+  double dt;
   double least_scale;  // impulses below are rounding
   bool again;          // false: one sweep is exact, nothing else moves its bodies
 };
@@ -36,7 +37,7 @@ class PairLanes {
   struct Place {
     std::uint32_t group;
     std::uint8_t lane;
-    bool central;
+    bool central, film = false;
   };
 
   /// Forgets all pairs. rows: of the BodySet; state and sums have one more, at rest, for unused lanes.
@@ -57,20 +58,23 @@ class PairLanes {
 
  private:
   Place add_central(const PairToSolve&);
+  Place add_film(const PairToSolve&);
   Place add_block(const PairToSolve&);
   void add_block_contact(BlockContact&, int lane, const PairToSolve&, std::size_t k);
   void sum_blocks(std::span<BodySum>, double tolerance) const;
 
   std::size_t rows_ = 0;
-  int central_lane_ = lane_count;  // the next free one of the last group
+  int central_lane_ = lane_count, film_lane_ = lane_count;  // the next free one of the last group
   std::vector<CentralGroup> central_;
+  std::vector<FilmGroup> films_;
   std::vector<BlockGroup> blocks_;
   std::vector<BlockContact> block_contacts_;
+  std::vector<BlockFilm> block_films_;
   struct Open {
     std::uint32_t group;
     int lane = lane_count;
   };
-  std::vector<Open> open_;          // the group being filled, by number of contacts
+  std::vector<Open> open_;  // the group being filled, by number of contacts and whether there are films
   std::vector<Place> block_order_;  // as added
 };
 

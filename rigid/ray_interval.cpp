@@ -110,6 +110,12 @@ struct LineInside {
 
 }  // namespace
 
+std::optional<RayInterval> hollow_interval(const Tube& tube, const Vec3& o, const Vec3& d) {
+  const double a = d[0] * d[0] + d[1] * d[1], rho = std::sqrt(o[0] * o[0] + o[1] * o[1]);
+  if (!(a > 0)) return rho < tube.radius ? Interval{RayInterval{-infinity, infinity}} : Interval{};
+  return roots(a, o[0] * d[0] + o[1] * d[1], (rho - tube.radius) * (rho + tube.radius));
+}
+
 std::optional<RayInterval> ray_interval(const ConvexShape& shape, const Vec3& origin_B,
                                         const Vec3& direction_B) {
   return std::visit(LineInside{origin_B, direction_B}, shape);

@@ -7,10 +7,13 @@
 namespace silt::rigid {
 
 struct RayInterval {
-  double enter, leave;  // parameters along the line, enter <= leave; may be infinite for a half-space
+  double enter, leave;  // parameters along the line, enter <= leave; may be infinite
 };
 
 /// The part of the line origin + t direction inside the shape; none if the line misses it.
 std::optional<RayInterval> ray_interval(const ConvexShape&, const Vec3& origin_B, const Vec3& direction_B);
+
+/// The part of the line that is in the hollow of a tube, in closed form; none if it is all in the wall.
+std::optional<RayInterval> hollow_interval(const Tube&, const Vec3& origin_B, const Vec3& direction_B);
 
 }  // namespace silt::rigid

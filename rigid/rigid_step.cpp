@@ -45,6 +45,7 @@ void add(RigidStepReport& sum, const RigidStepReport& one) {
   sum.resolver.penetration = std::max(sum.resolver.penetration, r.penetration);
   sum.resolver.cone_excess = std::max(sum.resolver.cone_excess, r.cone_excess);
   sum.pairs = one.pairs;
+  sum.films = one.films;
   sum.mixed_owner_contacts = one.mixed_owner_contacts;
   sum.seconds.integrate += one.seconds.integrate;
   sum.seconds.collision_detection += one.seconds.collision_detection;
@@ -95,6 +96,7 @@ RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt) {
   watch.lap(seconds.synchronisation);
 
   report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
+  report.films = detect_contacts_.films();
   watch.lap(seconds.collision_detection);
 
   exchange_.exchange_contacts(bodies, contacts_);  // line 13

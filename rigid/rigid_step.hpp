@@ -16,6 +16,7 @@ struct StageClock {  // seconds of the last step, by the paper's parts of the ph
 struct RigidStepReport {
   ResolverStatistics resolver;
   std::uint64_t pairs = 0;                 // candidate pairs of the broad phase
+  FilmCounts films;                        // contacts as narrow as that this rank found
   std::uint64_t mixed_owner_contacts = 0;  // between bodies that different ranks own (parallel only)
   StageClock seconds;
 };

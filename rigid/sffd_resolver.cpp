@@ -37,9 +37,10 @@ std::span<double> as_doubles(std::vector<BodyState>& state) {
 
 /// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
 /// of a contact that would be reached, from the velocities before the kick (so that a body at rest does not
-/// bounce).
-double target_velocity(const Contact& c, double dt, const Vec3& before) {
-  const double closing = c.gap > 0 ? -c.gap / dt : 0.0, speed = c.normal.dot(before);
+/// bounce) and what a film leaves of them.
+double target_velocity(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
+  const double closing = c.gap > 0 ? -c.gap / dt : 0.0;
+  const double speed = c.normal.dot(before) / (1 + dt * c.film.normal / reduced_mass);
   const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
   return hits ? std::max(closing, -c.restitution * speed) : closing;
 }
@@ -50,8 +51,9 @@ double lever_arms(const Contact& c) {
 
 /// Of a contact that pressed in the last step: one that has come apart by a hair is held, not let fall. Else
 /// the weight shifts to the contacts that are left and back again, and stacks rock and creep.
+/// A film holds by itself, and its impulse does not mean that the surfaces touched.
 double target_of_pressed(const Contact& c, double dt, double target) {
-  return c.gap > 0 ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt) : target;
+  return c.gap > 0 && !c.film ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt) : target;
 }
 
 void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
@@ -121,7 +123,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
-      targets_[k] = target_velocity(c, dt, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
+      targets_[k] = target_velocity(c, dt, p.reduced_mass, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
       impulses_[k] = {};
     }
     if (settings_.warm_start) warm_start(p, of_pair, dt, recall);
@@ -154,7 +156,7 @@ double SffdResolver::least_scale(const Pair& p) const {
 }
 
 /// Each pair with the share of its bodies' masses that it has to itself.
-void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
+void SffdResolver::lay_out(const std::vector<Contact>& contacts, double dt) {
   lanes_.clear(bodies_.size() - 1);
   for (Pair& p : pairs_) {
     const std::size_t count = p.last - p.first;
@@ -168,6 +170,7 @@ void SffdResolver::lay_out(const std::vector<Contact>& contacts) {
                           bodies_[p.row_b],
                           state_[p.row_a].number,
                           state_[p.row_b].number,
+                          dt,
                           least_scale(p),
                           again});
   }
@@ -228,9 +231,11 @@ double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contact
       const Contact& c = of_pair[k];
       const ContactImpulse& i = impulses[k];
       statistics.penetration = std::max(statistics.penetration, -c.gap);
-      if (i.normal > 0)
+      if (i.normal > 0 && !c.film)
         statistics.cone_excess =
             std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
+      if (c.film && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
+        impulses[k] = {};  // mostly a blow, which does not last
       if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
         correctable = std::max(correctable, -c.gap);
     }
@@ -273,7 +278,7 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   }
   start(bodies, contacts, dt, velocities);
   exchange.share(bodies, as_doubles(state_), width);
-  lay_out(contacts);
+  lay_out(contacts, dt);
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
   const double correctable = finish(bodies, contacts, statistics);

@@ -41,7 +41,7 @@ class SffdResolver : public ContactResolver {
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
   void take_sum(BodyState&, std::size_t row, double number) const;
-  void lay_out(const std::vector<Contact>&);
+  void lay_out(const std::vector<Contact>&, double dt);
   double least_scale(const Pair&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
                     double& residual);

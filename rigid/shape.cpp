@@ -48,6 +48,9 @@ double distance_to(const Polyhedron& q, const Vec3& x) {
 double distance_to(const HalfSpace& h, const Vec3& x) {
   return h.normal.dot(x);
 }
+double distance_to(const Tube& t, const Vec3& x) {
+  return t.radius - std::sqrt(x[0] * x[0] + x[1] * x[1]);
+}
 double distance_to(const Compound& c, const Vec3& x) {
   double least = infinity;
   for (const Part& part : c.parts) {
@@ -80,6 +83,12 @@ double hit(const ConvexShape& shape, const Vec3& origin, const Vec3& direction, 
   const auto inside = ray_interval(shape, origin, direction);
   if (!inside || inside->leave < 0) return t_max;
   return std::clamp(inside->enter, 0.0, t_max);
+}
+
+/// Where a line leaves the hollow of the tube.
+double hit(const Tube& tube, const Vec3& origin, const Vec3& direction, double t_max) {
+  const auto hollow = hollow_interval(tube, origin, direction);
+  return hollow ? std::clamp(hollow->leave, 0.0, t_max) : 0.0;
 }
 
 BoundingBox around(const Vec3& centre, const Vec3& half) {
@@ -117,6 +126,9 @@ BoundingBox box_of(const Polyhedron& q, const Pose& p) {
 BoundingBox box_of(const HalfSpace&, const Pose&) {
   return {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
 }
+BoundingBox box_of(const Tube&, const Pose&) {
+  return {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
+}
 BoundingBox box_of(const Compound& c, const Pose& p) {
   BoundingBox all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
   for (const Part& part : c.parts) {
@@ -130,8 +142,8 @@ BoundingBox box_of(const Compound& c, const Pose& p) {
 }  // namespace
 
 std::string_view shape_name(const Shape& shape) {
-  constexpr std::string_view names[] = {"sphere",    "box",        "capsule",    "cylinder",
-                                        "ellipsoid", "polyhedron", "half-space", "compound"};
+  constexpr std::string_view names[] = {"sphere",     "box",        "capsule",  "cylinder", "ellipsoid",
+                                        "polyhedron", "half-space", "compound", "tube"};
   return names[shape.index()];
 }
 
@@ -197,6 +209,7 @@ double reach(const Part& part) {
 }
 
 double bounding_radius(const Shape& shape) {
+  if (std::holds_alternative<Tube>(shape)) return infinity;
   double radius = 0;
   for (const Part& part : convex_parts(shape)) radius = std::max(radius, reach(part));
   return radius;
@@ -250,11 +263,12 @@ bool is_sphere(const Shape& shape) {
 }
 
 std::vector<Part> convex_parts(const Shape& shape) {
-  return std::visit(Visitor{[](const Compound& c) { return c.parts; },
-                            [](const auto& s) {
-                              return std::vector<Part>{{s, Pose{}}};
-                            }},
-                    shape);
+  return std::visit(
+      Visitor{[](const Compound& c) { return c.parts; }, [](const Tube&) { return std::vector<Part>{}; },
+              [](const auto& s) {
+                return std::vector<Part>{{s, Pose{}}};
+              }},
+      shape);
 }
 
 }  // namespace silt::rigid

@@ -36,6 +36,12 @@ struct HalfSpace {
   Vec3 normal;
 };
 
+/// All points at least `radius` from the body's z axis, without end: a wall round about what is inside. Only
+/// for walls: infinite mass, not convex, so no collision backend sees it (tube_contacts).
+struct Tube {
+  double radius;
+};
+
 /// What a collision backend sees: convex, in one piece.
 using ConvexShape = std::variant<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace>;
 
@@ -48,7 +54,7 @@ struct Compound {
   std::vector<Part> parts;
 };
 
-using Shape = std::variant<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace, Compound>;
+using Shape = std::variant<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace, Compound, Tube>;
 
 struct BoundingBox {
   Vec3 lower, upper;
@@ -69,11 +75,12 @@ bool contains(const Shape&, const Vec3& x_B);
 /// lower bound in magnitude inside overlapping parts).
 double signed_distance(const Shape&, const Vec3& x_B);
 /// Smallest t in [0, t_max] with origin + t direction on the surface, for an origin outside; t_max where
-/// there is none. Exact (closed form) for every convex shape here. direction need not be a unit vector.
+/// there is none. Exact (closed form) for every convex shape and the tube. direction need not be a unit
+/// vector.
 double ray_distance(const Shape&, const Vec3& origin_B, const Vec3& direction_B, double t_max);
-/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space.
+/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space and a tube.
 BoundingBox bounding_box(const Shape&, const Pose&);
-/// About the origin of the body frame; infinite for a half-space.
+/// About the origin of the body frame; infinite for a half-space and a tube.
 double bounding_radius(const Shape&);
 /// Furthest distance of a point of a part from the body's origin.
 double reach(const Part&);
@@ -90,7 +97,7 @@ bool is_sphere(const Shape&);
 
 /// Axis-aligned box of one part of a body, in the frame the body's pose is given in.
 BoundingBox part_box(const Part&, const Pose& body);
-/// The convex parts of any shape (one for a convex shape itself).
+/// The convex parts of any shape (one for a convex shape itself, none for a tube).
 std::vector<Part> convex_parts(const Shape&);
 
 }  // namespace silt::rigid

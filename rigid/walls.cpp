@@ -1,5 +1,6 @@
 #include "rigid/walls.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -25,6 +26,32 @@ void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::a
     bodies.insert(bodies.size(), wall);
     ++bodies.walls;
   }
+  bodies.reindex();
+}
+
+Pose pose_of(const TubeSpec& spec) {
+  return {spec.point, Quat::FromTwoVectors(Vec3::UnitZ(), spec.axis)};
+}
+
+void add_tube(BodySet& bodies, World& world, const TubeSpec& spec) {
+  world.shapes.push_back(Tube{spec.radius});
+  world.bounding_radii.push_back(std::numeric_limits<double>::infinity());
+  BodyRecord wall;
+  const BodyId last = bodies.walls > 0 ? bodies.id.back() : first_wall_id;
+  wall.id = std::max(last + 1, first_tube_id);
+  wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
+  wall.material = spec.material;
+  wall.kind = -1;
+  const bool moves = spec.angular_velocity != 0 || spec.velocity != 0;
+  wall.motion = moves ? Motion::prescribed : Motion::fixed;
+  const Quat q = pose_of(spec).orientation;
+  Eigen::Map<Vec3>{wall.position} = Eigen::Map<Vec3>{wall.mapping_position} = spec.point;
+  for (double* to : {wall.orientation, wall.mapping_orientation})
+    to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+  Eigen::Map<Vec3>{wall.velocity} = spec.velocity * spec.axis;
+  Eigen::Map<Vec3>{wall.angular_velocity} = spec.angular_velocity * spec.axis;
+  bodies.insert(bodies.size(), wall);
+  ++bodies.walls;
   bodies.reindex();
 }
 

@@ -27,10 +27,11 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
     const Contact& c = contacts[k];
     const StoredImpulse* s = find({first, last}, c);
     const double normal = s ? c.normal.dot(s->impulse) : 0;
-    if (normal <= 0) continue;
+    if (!s || (normal <= 0 && !c.film)) continue;
     ContactImpulse& p = impulses[k];
     p.normal = normal;
     p.tangential = s->impulse - normal * c.normal;
+    if (c.film) continue;  // pulls as well, and drags without pressing
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;
   }
@@ -51,12 +52,20 @@ void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
   recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
+Vec3 impulse_of_films(const BodySet& bodies, std::size_t row) {
+  Vec3 sum = Vec3::Zero();
+  for (const StoredImpulse& s : bodies.stored_impulses[row])
+    if (s.feature & film_feature) sum += bodies.id[row] < s.partner ? Vec3(-s.impulse) : s.impulse;
+  return sum;
+}
+
+/// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
                        BodyId partner, std::vector<StoredImpulse>& stored) {
   for (std::size_t k = 0; k < contacts.size(); ++k)
-    if (impulses[k].normal > 0)
-      stored.push_back(
-          {partner, contacts[k].image, contacts[k].feature, impulses[k].along(contacts[k].normal)});
+    if (impulses[k].normal > 0 || contacts[k].film)
+      stored.push_back({partner, contacts[k].image, contacts[k].feature,
+                        impulses[k].along(contacts[k].normal) + Vec3::Zero()});
 }
 
 }  // namespace silt::rigid

@@ -16,8 +16,8 @@ struct ContactImpulse {
 };
 
 /// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the
-/// new normal and inside the cone. A contact not found keeps its impulse. Where the pair's image changed (a
-/// body crossed a periodic side) the same feature of another image will do.
+/// new normal and (without a film) inside the cone. A contact not found keeps its impulse. Where the pair's
+/// image changed (a body crossed a periodic side) the same feature of another image will do.
 class Recall {
  public:
   explicit Recall(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
@@ -29,6 +29,9 @@ class Recall {
   const BodySet& bodies_;
   std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
 };
+
+/// What the films around a body gave it in the step before; W.
+Vec3 impulse_of_films(const BodySet&, std::size_t row);
 
 /// Appends the pair's impulses to what one of its bodies remembers.
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,

@@ -1,7 +1,9 @@
 #pragma once
 // What all ranks know alike about the bodies.
+#include <memory>
 #include <vector>
 
+#include "rigid/film.hpp"
 #include "rigid/shape.hpp"
 
 namespace silt::rigid {
@@ -17,7 +19,8 @@ struct World {
   std::vector<Material> materials;     // of pairs: materials.size() == material_count^2
   int material_count = 0;
   Vec3 gravity = Vec3::Zero();
-  double contact_margin = 1.0;  // largest gap a speculative contact may have, lattice units
+  double contact_margin = 1.0;           // largest gap a speculative contact may have, lattice units
+  std::shared_ptr<const FilmLaw> films;  // between smooth surfaces; null: none
 
   const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
 };

@@ -1,6 +1,5 @@
-// Ratios measured in one run on one core: the fluid kernel against the bandwidth of an in-place update of 19
-// arrays of the same size, and whole coupled steps against the fluid alone. Medians of repetitions taken in
-// turn.
+// Whole coupled steps against the fluid's passes in them, on one core: medians of repetitions. The fluid
+// itself: fluid.cpp.
 #include <mpi.h>
 
 #include <algorithm>
@@ -27,58 +26,6 @@ double seconds(auto&& work) {
 double median(std::vector<double> x) {
   std::sort(x.begin(), x.end());
   return x[x.size() / 2];
-}
-
-#if defined(__x86_64__)
-#define SILT_WIDEST __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define SILT_WIDEST
-#endif
-
-SILT_WIDEST void touch(float* p, int n) {
-  for (int k = 0; k < n; ++k) p[k] = p[k] * 0.999f + 1e-9f;
-}
-SILT_WIDEST void touch(double* p, int n) {
-  for (int k = 0; k < n; ++k) p[k] = p[k] * 0.999 + 1e-9;
-}
-
-/// MLUPS an in-place update of 19 arrays of n^3 would allow, `streams` of them at a time, prefetched: the
-/// bound of any in-place kernel.
-template <class T>
-double bandwidth_bound(std::vector<T>& data, std::size_t cells, int streams) {
-  const std::size_t stride = cells + 13 * 64 / sizeof(T);
-  constexpr int chunk = 128 / sizeof(T) * 4, line = 64 / sizeof(T), ahead = 2048 / sizeof(T);
-  const double t = seconds([&] {
-    for (int first = 0; first < 19; first += streams)
-      for (std::size_t x = 0; x + chunk <= cells; x += chunk)
-        for (int i = first; i < std::min(first + streams, 19); ++i) {
-          T* const p = data.data() + i * stride + x;
-          for (int k = 0; k < chunk; k += line) __builtin_prefetch(p + ahead + k, 1);
-          touch(p, chunk);
-        }
-  });
-  return double(cells) / t * 1e-6;
-}
-
-template <class T>
-void fluid_share(const char* name, int n) {
-  std::array<lbm::SideCondition, 6> periodic{};
-  lbm::Fluid<T> fluid(lbm::Domain({n, n, n}, periodic, std::nullopt, 1), {0.8, 3. / 16, false, {}},
-                      MPI_COMM_SELF);
-  const std::size_t cells = std::size_t(n) * n * n;
-  std::vector<T> streams(19 * (cells + 13 * 64 / sizeof(T)), T(0));
-  std::vector<double> kernel, bound, share;
-  for (int r = 0; r < repetitions; ++r) {
-    bound.push_back(std::max({bandwidth_bound(streams, cells, 1), bandwidth_bound(streams, cells, 8),
-                              bandwidth_bound(streams, cells, 19)}));
-    constexpr int steps = 10;
-    kernel.push_back(steps * double(cells) * 1e-6 / seconds([&] {
-                       for (int t = 0; t < steps; ++t) fluid.stream_collide(), fluid.exchange();
-                     }));
-    share.push_back(kernel.back() / bound.back());
-  }
-  printf("fluid %s %d^3: %.0f MLUPS, in-place bound %.0f MLUPS, share %.2f\n", name, n, median(kernel),
-         median(bound), median(share));
 }
 
 /// Layers of spheres of 6 cells, moving at 0.01: case A (6 % solid, spacing 16) and case B (19 %, spacing 9).
@@ -142,9 +89,6 @@ int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   const int n = argc > 1 ? std::stoi(argv[1]) : 160;
   printf("instruction set %s\n", lbm::instruction_set());
-  fluid_share<float>("single", n);
-  fluid_share<double>("double", n);
-  fluid_share<float>("single", n / 2);
   for (const char* time : {"explicit", "implicit"})
     for (const char* scheme : {"bounce-back", "cli"}) {
       coupled_over_fluid("A", 16, n, scheme, time);

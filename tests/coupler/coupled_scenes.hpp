@@ -135,6 +135,40 @@ steps = 2500
                         "array", overrides);
 }
 
+/// Spheres at rest on the floor of a closed box and on each other, pockets of fluid between them and the
+/// walls; the fluid is stirred once, at the start.
+inline Case heap(const std::vector<std::string>& overrides = {}) {
+  return read_case_text(R"(
+title = "heap"
+[units]
+system = "lattice"
+[domain]
+size = [25, 25, 20]
+boundary = "no-slip"
+[fluid]
+relaxation_time = 0.9
+initial = { type = "uniform", velocity = [0.01, 0.005, -0.01] }
+[gravity]
+acceleration = [0, 0, -0.01]
+[contacts]
+restitution = 0.3
+friction = 0.2
+[[shapes]]
+name = "sphere"
+type = "sphere"
+diameter = 8
+[[bodies]]
+shape = "sphere"
+density = 1.2
+positions = [[4.02, 4.03, 4.01], [12.03, 4.02, 4.02], [4.05, 12.04, 4.02], [12.04, 12.06, 4.03],
+             [20.07, 4.04, 4.05], [20.06, 12.05, 4.01], [8.05, 8.03, 9.7], [16.05, 8.06, 9.71],
+             [4.03, 20.06, 4.03], [12.06, 20.07, 4.04], [20.8, 20.8, 4.06], [8.02, 16.05, 9.71]]
+[run]
+steps = 4000
+)",
+                        "heap", overrides);
+}
+
 /// F / (6 pi mu a U), F: wall force + body force on the sphere's volume, U: mean over the whole cube.
 inline double drag_coefficient(const Case& scene, MPI_Comm comm) {
   Simulation s(scene, comm);

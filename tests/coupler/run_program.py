@@ -52,6 +52,28 @@ name = "height"
 type = "mean-height"
 """
 
+CHANNEL = """
+[units]
+system = "lattice"
+[domain]
+size = [8, 8, 12]
+boundary = { x = "periodic", y = "periodic", z = "no-slip" }
+blocks = [4, 4, 6]
+[fluid]
+relaxation_time = 0.8
+magic = 0.1875
+precision = "double"
+body_force = [1e-6, 0, 0]
+[run]
+steps = 10000
+steady = { quantity = "energy", change = 1e-3, every = 100 }
+[output]
+checkpoint = { every = 250 }
+[[quantities]]
+name = "energy"
+type = "kinetic-energy"
+"""
+
 
 class Program(unittest.TestCase):
     def setUp(self):
@@ -101,6 +123,29 @@ class Program(unittest.TestCase):
             self.assertTrue((a["bodies/position"][-2:] == b["bodies/position"][-2:]).all())
             self.assertTrue((a["bodies/force"][-2:] == b["bodies/force"][-2:]).all())
             self.assertTrue((a["bodies/force"][-2:] != 0).any())
+
+    def test_steady_flow_ends_the_run(self):
+        """After as many steps on any ranks and across a checkpoint; what is left of the approach is as little as asked."""
+        self.write(CHANNEL)
+        self.silt("run", self.case)
+        whole = self.report()
+        self.assertEqual(whole["exit_reason"], "steady")
+        self.assertEqual(whole["steps"] % 100, 0)
+        self.assertLess(whole["steps"], 10000)
+        self.assertTrue((self.out / f"checkpoint_{whole['steps']:012d}.h5").exists())  # its last step, as of any run
+        energy = (1e-6 * 12**2) ** 2 * (1 + 7 / (8 * 12**4)) / (240 * 0.1**2)  # mean of (g y (H - y) / 2 nu)^2 / 2
+        left = 1 - whole["quantities"]["energy"] / energy
+        self.assertTrue(1e-4 < left < 1.01e-3, left)
+        other = pathlib.Path(self.scratch.name) / "other"
+        self.silt("run", self.case, "--out", other, "--steps", 550, ranks=4)
+        self.assertEqual(self.report(other)["exit_reason"], "completed")
+        self.silt("resume", self.case, "--out", other, "--set", "run.steps=10000", ranks=2)
+        resumed = self.report(other)
+        self.assertEqual((resumed["exit_reason"], resumed["steps"]), ("steady", whole["steps"]))
+        self.assertEqual(resumed["state_hash"], whole["state_hash"])
+        self.assertIn("energy was steady at step", self.silt("resume", self.case, "--out", other).stdout)
+        self.silt("resume", self.case, "--out", other, "--set", "run.steady.change=1e-4")
+        self.assertGreater(self.report(other)["steps"], whole["steps"])
 
     def test_fields_load_in_vtk(self):
         self.silt("run", self.case, "--steps", 20, ranks=2)

@@ -3,6 +3,7 @@
 
 #include "coupler/fill.hpp"
 #include "coupler/overlap.hpp"
+#include "rigid/tube_contacts.hpp"
 #include "tests/coupler/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -114,6 +115,20 @@ TEST(Fill, OrientationsAreUniform) {
   }
   EXPECT_LT(mean.norm(), 0.05);
   EXPECT_LT((second - rigid::Mat3::Identity() / 3).norm(), 0.05);
+}
+
+/// With their gaps within the tube, given bodies or not.
+TEST(Fill, StaysInATube) {
+  CaseText c = with_fills();
+  c.rest = "[[walls]]\ntype = \"tube\"\naxis = [1, 0, 0]\nradius = 14\npoint = [0, 16, 15.5]\n";
+  c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"no-slip\"\n";
+  const Case scene = c.read({"fill[0].count=12", "fill[1].count=3"});
+  const auto bodies = place_bodies(scene);
+  ASSERT_EQ(bodies.size(), 16u);
+  for (const BodySpec& body : bodies)
+    EXPECT_GE(rigid::gap_in_tube(scene.shapes[body.shape], body.pose, rigid::Tube{14},
+                                 rigid::pose_of(scene.walls[0].tube)),
+              0);
 }
 
 }  // namespace

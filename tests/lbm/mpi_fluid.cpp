@@ -202,14 +202,25 @@ TEST(Fluid, TaylorGreenIsSecondOrder) {
   EXPECT_LT(fine, 0.005);
 }
 
-/// A stirred box with a wall of each kind, on the ranks of a communicator.
+/// The sides across x of a stirred box: what rows do by themselves, and what they leave to the lists.
+struct AcrossRows {
+  const char* name;
+  SideCondition low, high;
+};
+const AcrossRows across_rows[] = {{"periodic", periodic, periodic},
+                                  {"free slip and no slip", slip, no_slip},
+                                  {"moving wall and outlet", side(SideKind::bounce, {0.001, 0.02, 0.01}),
+                                   side(SideKind::pressure, {}, 1e-3)}};
+
+/// A stirred box with walls, on the ranks of a communicator.
 template <class T>
-std::uint64_t stirred(std::optional<Int3> blocks, int steps, MPI_Comm comm = MPI_COMM_WORLD) {
+std::uint64_t stirred(const AcrossRows& across, Int3 cells, std::optional<Int3> blocks, int steps,
+                      MPI_Comm comm = MPI_COMM_WORLD) {
   int size = 1;
   MPI_Comm_size(comm, &size);
   const auto moving = side(SideKind::bounce, {0.03, 0.01, 0});
-  const std::array<SideCondition, 6> s{slip, no_slip, periodic, periodic, moving, no_slip};
-  Fluid<T> fluid(Domain({21, 13, 16}, s, blocks, size), {0.6, 3. / 16, false, {1e-5, 2e-5, 0}}, comm);
+  const std::array<SideCondition, 6> s{across.low, across.high, periodic, periodic, moving, no_slip};
+  Fluid<T> fluid(Domain(cells, s, blocks, size), {0.6, 3. / 16, false, {1e-5, 2e-5, 0}}, comm);
   for_cells(fluid, [&](int b, Int3 x, Int3 g) {
     fluid.set_equilibrium(b, x, 1e-3 * std::sin(g.x + 2.0 * g.y),
                           {0.01 * std::sin(3.0 * g.z), 0.02 * std::cos(2.0 * g.x), 0});
@@ -219,16 +230,48 @@ std::uint64_t stirred(std::optional<Int3> blocks, int steps, MPI_Comm comm = MPI
 }
 
 TEST(Fluid, SameBitsForEveryRankCountAndLayout) {
-  for (int steps : {40, 41}) {
-    const auto alone = stirred<float>(Int3{21, 13, 16}, steps, MPI_COMM_SELF);  // one block, one rank
-    EXPECT_EQ(alone, stirred<float>(std::nullopt, steps));
-    EXPECT_EQ(alone, (stirred<float>(Int3{5, 7, 4}, steps)));
-    EXPECT_EQ(alone, (stirred<float>(Int3{21, 4, 3}, steps)));
-    EXPECT_EQ(alone, (stirred<float>(Int3{2, 3, 2}, steps, MPI_COMM_SELF)));
-    EXPECT_EQ((stirred<double>(Int3{21, 13, 16}, steps, MPI_COMM_SELF)),
-              (stirred<double>(Int3{8, 5, 4}, steps)));
-    EXPECT_NE(alone, (stirred<float>(std::nullopt, steps + 2)));
-  }
+  const Int3 n{21, 13, 16};
+  for (const AcrossRows& across : across_rows)
+    for (int steps : {40, 41}) {
+      SCOPED_TRACE(across.name);
+      const auto alone = stirred<float>(across, n, n, steps, MPI_COMM_SELF);  // one block, one rank
+      EXPECT_EQ(alone, stirred<float>(across, n, std::nullopt, steps));
+      EXPECT_EQ(alone, (stirred<float>(across, n, Int3{5, 7, 4}, steps)));
+      EXPECT_EQ(alone, (stirred<float>(across, n, Int3{21, 4, 3}, steps)));
+      EXPECT_EQ(alone, (stirred<float>(across, n, Int3{2, 3, 2}, steps, MPI_COMM_SELF)));
+      EXPECT_EQ((stirred<double>(across, n, n, steps, MPI_COMM_SELF)),
+                (stirred<double>(across, n, Int3{8, 5, 4}, steps)));
+      EXPECT_NE(alone, (stirred<float>(across, n, std::nullopt, steps + 2)));
+    }
+}
+
+// Rows of every length next to the widths of vectors: cells beyond a row's end are left alone.
+TEST(Fluid, SameBitsForRowsOfAnyLength) {
+  for (const AcrossRows& across : across_rows)
+    for (int x : {2, 7, 8, 14, 15, 16, 17, 30, 33}) {
+      SCOPED_TRACE(std::string(across.name) + ", rows of " + std::to_string(x));
+      const Int3 n{x, 5, 16};
+      EXPECT_EQ((stirred<float>(across, n, Int3{x, 5, 2}, 7)),
+                (stirred<float>(across, n, Int3{(x + 1) / 2, 3, 2}, 7)));
+    }
+}
+
+// Walls at the ends of rows: u_y(x) and u_z(x) are linear.
+TEST(Fluid, CouetteAcrossRowsIsLinear) {
+  const double u0 = 0.02;
+  const int h = 11;
+  const auto moving = side(SideKind::bounce, {0, u0, 0.5 * u0});
+  const std::array<SideCondition, 6> s{no_slip, moving, periodic, periodic, periodic, periodic};
+  Fluid<double> fluid(Domain({h, 3, 8}, s, Int3{h, 3, 1}, ranks()), {0.9, 3. / 16, false, {}},
+                      MPI_COMM_WORLD);
+  for (int t = 0; t < 10000; ++t) step(fluid);
+  double error = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+    const auto u = fluid.velocity(fluid.moments(b, x));
+    const double share = (at.x + 0.5) / h;
+    error = std::max({error, std::fabs(u[1] - u0 * share), std::fabs(u[2] - 0.5 * u0 * share)});
+  });
+  EXPECT_LT(largest(error), 1e-12);
 }
 
 }  // namespace

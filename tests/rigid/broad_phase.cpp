@@ -122,8 +122,8 @@ TEST_P(BroadPhases, WallsAreApart) {
   cloud.bodies.walls = 1;
   cloud.bodies.reindex();
   std::vector<CandidatePair> pairs;
-  const Vec3 normal = Vec3::UnitZ();
-  (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {&normal, 1}, pairs);
+  const WallSurface floor{Vec3::Zero(), Vec3::UnitZ()};
+  (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {&floor, 1}, pairs);
   std::size_t walls = 0, expected = 0;
   for (const CandidatePair& p : pairs) walls += p.row_b == 50;
   for (std::size_t row = 0; row < 50; ++row)

@@ -1,0 +1,116 @@
+"""Many spheres that settle in a periodic box: how much slower than one alone, by Richardson and Zaki's exponent.
+
+Reference: w / w0 = k (1 - phi)^n; at Reynolds number 1 (of one sphere alone) n is 4.35 by J. F. Richardson, W. N. Zaki (1954)
+and 4.88 by J. Garside, M. R. Al-Dibouni (1977) (reference/08_hindered_settling_dkt.toml): the figure is how far n lies
+outside these two. k < 1 in dilute suspensions, here as found. The mean velocity of N spheres in a periodic box is lower
+than in a large suspension by 1.7601 (phi / N)^(1/3) S mu / mu_eff (A. J. C. Ladd, J. Chem. Phys. 93 (1990) 3484; G. Mo,
+A. S. Sangani, Phys. Fluids 6 (1994) 1637; S: structure factor of hard spheres after Carnahan and Starling), which is added.
+w0 is after Schiller and Naumann; it does not act on n.
+"""
+import math
+
+import h5py
+import numpy as np
+from problem import Found, Goal, Run
+
+DIAMETER, BOX, RATIO, RELAXATION_TIME, REYNOLDS = 8, 40, 2.0, 1.0, 1.0
+COUNTS = (12, 24, 48, 72)                   # spheres: phi = 0.05, 0.10, 0.20, 0.30
+LAWS = (4.35, 4.88)
+UNSTEADY, SETTLED = 8, 24                   # ways of one alone, in diameters: before the mean is taken, and of the mean
+
+VOLUME = math.pi / 6 * DIAMETER**3
+VISCOSITY = (RELAXATION_TIME - 0.5) / 3
+VELOCITY = REYNOLDS * VISCOSITY / DIAMETER  # of one alone
+
+GOALS = [Goal("accuracy.hindered_settling.exponent.outside", 0.3)]
+
+CASE = """\
+title = "{count} spheres settling, {phi:.3f} solid"
+[units]
+system = "lattice"
+[domain]
+size = [{box}, {box}, {box}]
+boundary = "periodic"
+[fluid]
+relaxation_time = {relaxation_time}
+body_force = [0, 0, {lift!r}]
+[gravity]
+acceleration = [0, 0, {gravity!r}]
+[contacts]
+restitution = 0.9
+[[shapes]]
+name = "sphere"
+type = "sphere"
+diameter = {diameter}
+[[fill]]
+shape = "sphere"
+density = {ratio}
+count = {count}
+gap = {gap}
+[run]
+steps = {steps}
+[output]
+bodies = {{ every = {every} }}
+fields = {{ every = {steps}, quantities = ["velocity"] }}
+"""
+
+
+def solid_fraction(count):
+    return count * VOLUME / BOX**3
+
+
+def run_of(count):
+    phi = solid_fraction(count)
+    drag = 3 * math.pi * VISCOSITY * DIAMETER * VELOCITY * (1 + 0.15 * REYNOLDS**0.687)  # with the mean pressure's share
+    pull = drag * (1 - phi)
+    every = round(DIAMETER / VELOCITY / 4)
+    text = CASE.format(count=count, phi=phi, box=BOX, relaxation_time=RELAXATION_TIME, diameter=DIAMETER, ratio=RATIO,
+                       lift=count * pull / (BOX**3 - count * VOLUME), gravity=-pull / ((RATIO - 1) * VOLUME),
+                       gap=0.5 if phi < 0.25 else 0.05, steps=4 * (UNSTEADY + SETTLED) * every, every=every)
+    return Run(f"n{count}", text, dict(count=count, phi=phi, steps_before=4 * UNSTEADY * every))
+
+
+def runs(level):
+    return [run_of(count) for count in COUNTS] if level == "full" else []
+
+
+def mean_flow(folder):
+    """Velocity of the whole box along z at the end, bodies included."""
+    last = sorted(folder.glob("fields_*.hdf"))[-1]
+    with h5py.File(last) as f:
+        return f["VTKHDF/PointData/velocity"][..., 2].mean()
+
+
+def measure(run, outcome):
+    """Velocity over that of one alone, against the mean of box: from the way, so from all steps."""
+    bodies = outcome.bodies
+    height = bodies.array("position")[..., 2] + BOX * bodies.array("image")[..., 2]
+    settled = bodies.step >= run.settings["steps_before"]
+    step, height = bodies.step[settled], height[settled]
+    each = (height[-1] - height[0]) / (step[-1] - step[0]) - mean_flow(outcome.folder)
+    return dict(velocity=-each.mean() / VELOCITY, deviation=each.std() / VELOCITY)
+
+
+def larger_box(count):
+    """What a suspension without end adds to the velocity over that of one alone."""
+    phi = solid_fraction(count)
+    structure = (1 - phi) ** 4 / ((1 + 2 * phi) ** 2 + phi**3 * (phi - 4))
+    viscosity = (1 - phi / 0.64) ** -1.6  # Krieger and Dougherty
+    return 1.7601 * (phi / count) ** (1 / 3) * structure / viscosity
+
+
+def figures(measured):
+    found = {}
+    counts = [n for n in COUNTS if f"n{n}" in measured]
+    keys = tuple(f"n{n}" for n in counts)
+    if len(counts) < 3:
+        return found
+    box = np.array([measured[key]["velocity"] for key in keys])
+    fluid = np.log([1 - solid_fraction(n) for n in counts])
+    for name, velocity in (("in_box", box), ("exponent", box + [larger_box(n) for n in counts])):
+        n, log_k = np.polyfit(fluid, np.log(velocity), 1)
+        found[f"accuracy.hindered_settling.{name}"] = Found(n, keys)
+        found[f"accuracy.hindered_settling.{name}.prefactor"] = Found(math.exp(log_k), keys)
+    n = found["accuracy.hindered_settling.exponent"].value
+    found["accuracy.hindered_settling.exponent.outside"] = Found(n - min(max(n, LAWS[0]), LAWS[1]), keys)
+    return found

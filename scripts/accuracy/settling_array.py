@@ -1,0 +1,110 @@
+"""A sphere, light or heavy, that settles or rises in a periodic box: stability, and the terminal velocity of the cubic array.
+
+Its images make it a simple cubic array that moves through the lattice. Reference: the drag K(phi) of A. S. Sangani,
+A. Acrivos, Int. J. Multiphase Flow 8 (1982) 343-360 (reference/01_periodic_arrays_series.toml), the same in any direction.
+Gravity pulls the body, a force on the fluid balances it: F on the body is -f (L^3 - V), the drag with the mean pressure's
+share f L^3 = 6 pi mu a K U, and U is the body's velocity less the mean of the whole box. The Reynolds number is 0.3, the
+direction oblique, the mean over three cells of way.
+"""
+import math
+import pathlib
+import tomllib
+
+import h5py
+import numpy as np
+from problem import Found, Goal, Run
+
+DIAMETER, BOX = 8, 16                                      # cells
+RATIOS = (0.05, 0.1, 0.5, 0.8, 1.2, 2.5, 8.0)              # density of body over fluid
+RELAXATION_TIMES = (0.6, 1.0, 1.8)
+REYNOLDS = 0.3
+WAY = 3                                                    # cells
+DIRECTION = np.array([1, 0.62, 0.38]) / np.linalg.norm([1, 0.62, 0.38])
+SAMPLES = 20
+
+VOLUME = math.pi / 6 * DIAMETER**3
+PHI = VOLUME / BOX**3
+
+GOALS = [Goal(f"accuracy.settling_array.rho{r:g}.tau{t:g}.error", 1.2) for r in RATIOS for t in RELAXATION_TIMES]
+
+CASE = """\
+title = "density ratio {ratio}, relaxation time {relaxation_time}"
+[units]
+system = "lattice"
+[domain]
+size = [{box}, {box}, {box}]
+boundary = "periodic"
+[fluid]
+relaxation_time = {relaxation_time}
+body_force = {body_force}
+[gravity]
+acceleration = {gravity}
+[[shapes]]
+name = "sphere"
+type = "sphere"
+diameter = {diameter}
+[[bodies]]
+shape = "sphere"
+density = {ratio}
+position = [8.13, 8.31, 8.47]
+[run]
+steps = {steps}
+[output]
+bodies = {{ every = {every} }}
+fields = {{ every = {steps}, quantities = ["velocity"] }}
+"""
+
+
+def drag_factor():
+    """K(phi) of the simple cubic array."""
+    path = pathlib.Path(__file__).parent / "reference" / "01_periodic_arrays_series.toml"
+    series = tomllib.loads(path.read_text())["sangani_acrivos_SC"]
+    chi = (PHI / series["phi_max"]) ** (1 / 3)
+    return sum(q * chi**s for s, q in enumerate(series["q"]))
+
+
+def run_of(ratio, relaxation_time):
+    viscosity = (relaxation_time - 0.5) / 3
+    velocity = REYNOLDS * viscosity / DIAMETER
+    resistance = 3 * math.pi * viscosity * DIAMETER * drag_factor()
+    pull = resistance * velocity * (1 - PHI)
+    response = max((ratio + 0.5) * VOLUME / resistance, BOX**2 / (4 * math.pi**2 * viscosity))
+    every = math.ceil(max(WAY / velocity, 400) / SAMPLES)
+    start = math.ceil((8 * response + 200) / every) * every
+    text = CASE.format(ratio=ratio, relaxation_time=relaxation_time, box=BOX, diameter=DIAMETER,
+                       body_force=list(-pull / (BOX**3 - VOLUME) * DIRECTION),
+                       gravity=list(pull / ((ratio - 1) * VOLUME) * DIRECTION), steps=start + SAMPLES * every, every=every)
+    return Run(f"rho{ratio:g}.tau{relaxation_time:g}", text,
+               dict(density_ratio=ratio, tau=relaxation_time, velocity=velocity, start=start))
+
+
+def runs(level):
+    if level == "short":
+        return [run_of(0.05, 1.0), run_of(8.0, 1.0)]
+    return [run_of(r, t) for r in RATIOS for t in RELAXATION_TIMES]
+
+
+def mean_flow(folder):
+    """Velocity of the whole box at the end, bodies included."""
+    last = sorted(folder.glob("fields_*.hdf"))[-1]
+    with h5py.File(last) as f:
+        return f["VTKHDF/PointData/velocity"][...].reshape(-1, 3).mean(axis=0)
+
+
+def measure(run, outcome):
+    bodies = outcome.bodies
+    way = (bodies.array("position")[:, 0] + BOX * bodies.array("image")[:, 0]) @ DIRECTION
+    settled = bodies.step >= run.settings["start"]
+    time, way = bodies.step[settled], way[settled]
+    velocity = (way[-1] - way[0]) / (time[-1] - time[0]) - mean_flow(outcome.folder) @ DIRECTION
+    along = bodies.array("velocity")[settled, 0] @ DIRECTION
+    scale = 100 / run.settings["velocity"]
+    return dict(error=scale * velocity - 100, spread=scale * (along.max() - along.min()) / 2)
+
+
+def figures(measured):
+    found = {}
+    for key, m in measured.items():
+        found[f"accuracy.settling_array.{key}.error"] = Found(m["error"], (key,))
+        found[f"accuracy.settling_array.{key}.spread"] = Found(m["spread"], (key,))
+    return found

@@ -1,0 +1,81 @@
+"""A sphere that settles straight through a large fluid at Galileo number 144: its terminal velocity.
+
+Reference: M. Uhlmann, J. Dusek, Int. J. Multiphase Flow 59 (2014) 221-243, spectral elements: 1.2855 sqrt((rho - 1) g d),
+Reynolds number 185, density ratio 1.5 (reference/03_single_sphere_drag.toml). The frame moves with the expected velocity:
+fluid comes in below and leaves above, sideways the box is periodic, and the sphere is free. The box is short and narrow;
+`width` tells what a narrower one does.
+"""
+from problem import Found, Goal, Run
+
+DIAMETER = 20                                # cells; with 8 the relaxation time would be 0.51: unstable
+RATIO, GALILEO, REFERENCE = 1.5, 144.0, 1.2855
+WIDTH, NARROW = 5, 4                         # diameters
+BELOW, ABOVE = 3, 7                          # diameters from the sphere to inlet and outlet
+VELOCITY = 0.08                              # cells a step
+TIMES = 30                                   # diameters the sphere settles
+
+GOALS = [Goal("accuracy.settling_sphere.error", 3.0)]
+
+CASE = """\
+title = "a sphere settling at Galileo number {galileo}, {diameter} cells across, box {width} cells wide"
+[units]
+system = "lattice"
+[domain]
+size = [{width}, {width}, {height}]
+[domain.boundary]
+x = "periodic"
+y = "periodic"
+z = [{{ type = "velocity-inlet", velocity = [0, 0, {velocity}] }}, "pressure-outlet"]
+[fluid]
+kinematic_viscosity = {viscosity!r}
+initial = {{ type = "uniform", velocity = [0, 0, {velocity}] }}
+[gravity]
+acceleration = [0, 0, {gravity!r}]
+[[shapes]]
+name = "sphere"
+type = "sphere"
+diameter = {diameter}
+[[bodies]]
+shape = "sphere"
+density = {ratio}
+position = [{middle}, {middle}, {below}]
+[run]
+steps = {steps}
+[output]
+bodies = {{ every = {every} }}
+"""
+
+
+def run_of(diameter, width):
+    scale = VELOCITY / REFERENCE  # sqrt((rho - 1) g d)
+    every = int(0.5 * diameter / VELOCITY)
+    text = CASE.format(galileo=GALILEO, diameter=diameter, width=width * diameter, height=(BELOW + ABOVE) * diameter,
+                       velocity=VELOCITY, viscosity=scale * diameter / GALILEO, gravity=-scale**2 / ((RATIO - 1) * diameter),
+                       ratio=RATIO, middle=width * diameter / 2 + 0.27, below=BELOW * diameter, every=every,
+                       steps=2 * TIMES * every)
+    return Run(f"d{diameter}.w{width}", text, dict(D=diameter, width=width))
+
+
+def runs(level):
+    if level == "short":
+        return []
+    return [run_of(DIAMETER, WIDTH), run_of(DIAMETER, NARROW)]
+
+
+def measure(run, outcome):
+    """Over the last quarter; `change` from the quarter before it."""
+    bodies = outcome.bodies
+    settling = VELOCITY - bodies.array("velocity")[:, 0, 2]
+    quarter = len(settling) // 4
+    last, before = settling[-quarter:].mean(), settling[-2 * quarter:-quarter].mean()
+    return dict(error=100 * (last / VELOCITY - 1), change=100 * (last - before) / VELOCITY)
+
+
+def figures(measured):
+    found = {f"accuracy.settling_sphere.{key}.error": Found(m["error"], (key,)) for key, m in measured.items()}
+    wide, narrow = (f"d{DIAMETER}.w{w}" for w in (WIDTH, NARROW))
+    if wide in measured:
+        found["accuracy.settling_sphere.error"] = Found(measured[wide]["error"], (wide,))
+    if wide in measured and narrow in measured:
+        found["accuracy.settling_sphere.narrower"] = Found(measured[narrow]["error"] - measured[wide]["error"], (wide, narrow))
+    return found

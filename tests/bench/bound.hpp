@@ -1,0 +1,54 @@
+#pragma once
+// The bound of every in-place kernel: cells a second whose 19 populations can be read once and written once,
+// for the best of several ways to walk through them (which one is best depends on the machine and on the
+// size).
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tests/bench/fluid_kernels.hpp"
+#include "tests/bench/spread.hpp"
+
+namespace silt::bench {
+
+template <class T>
+class Bound {
+ public:
+  /// Of a working set of so many cells.
+  explicit Bound(std::ptrdiff_t cells)
+      : cells_((cells + line - 1) / line * line),
+        stride_(cells_ + 13 * line),
+        data_(19 * stride_ + line, T(0)) {
+    const auto past = reinterpret_cast<std::uintptr_t>(data_.data()) % 64;
+    first_ = data_.data() + (past ? (64 - past) / sizeof(T) : 0);
+  }
+
+  /// One sample of every shape, MLUPS; `together` is called before each (a barrier, where several ranks
+  /// measure).
+  void sample(int passes, auto&& together) {
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      together();
+      const double t = seconds([&] {
+        for (int p = 0; p < passes; ++p) update_in_place(first_, stride_, cells_, shapes[k]);
+      });
+      mlups_[k].add(passes * double(cells_) / t * 1e-6);
+    }
+  }
+  void forget() { mlups_ = {}; }
+  /// Of the shape with the best middle sample.
+  const Spread& best() const {
+    return *std::max_element(mlups_.begin(), mlups_.end(),
+                             [](const Spread& a, const Spread& b) { return a.middle() < b.middle(); });
+  }
+
+ private:
+  static constexpr int line = 64 / sizeof(T);
+  static constexpr std::array<AccessShape, 6> shapes = {
+      {{1, 4, 0}, {1, 16, 32}, {4, 1, 32}, {8, 1, 32}, {8, 4, 0}, {19, 16, 16}}};
+  std::ptrdiff_t cells_, stride_;
+  std::vector<T> data_;
+  T* first_;
+  std::array<Spread, shapes.size()> mlups_;
+};
+
+}  // namespace silt::bench

@@ -1,0 +1,61 @@
+#pragma once
+// The loops that the fluid's benchmark measures production against, built once an instruction set like the
+// hot kernels themselves (lbm/isa.hpp).
+#include <cstddef>
+
+#include "lbm/lattice.hpp"
+
+namespace silt::bench {
+
+/// One way to walk through 19 arrays: so many at a time, of each so many cache lines in turn, each line asked
+/// for so many lines ahead (0: left to the hardware).
+struct AccessShape {
+  int streams, lines, ahead;
+};
+
+/// Where population i of a cell lies: beside the cell's others, or beside the next cell's population i.
+enum class Layout { array_of_structures, structure_of_arrays };
+enum class Effort { straightforward, optimised };
+
+/// Two arrays of populations with a ghost layer, `n` cells an edge: what the kernels of the paper's Table I
+/// work on.
+template <class T>
+struct TwoArrays {
+  int n;
+  const T* from;  // n + 2 cells an edge, 19 populations each
+  T* to;
+  T omega;
+  std::ptrdiff_t cells() const { return std::ptrdiff_t(n + 2) * (n + 2) * (n + 2); }
+  std::ptrdiff_t cell(int x, int y, int z) const {
+    return ((z + 1) * (n + 2) + y + 1) * std::ptrdiff_t(n + 2) + x + 1;
+  }
+};
+
+// What the chosen build does (lbm/isa.hpp). T is float or double.
+
+/// p = 0.999 p for 19 arrays of `cells` values, whole cache lines, `stride` apart: each read once and written
+/// once.
+template <class T>
+void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape);
+/// Additions and multiplications that wait for nothing. Returns how many there were.
+template <class T>
+double add_and_multiply(T* result, int rounds);
+/// Pulls into every cell what arrives there, and relaxes it with one time: bgk on deviations.
+template <class T>
+void pull_and_relax(const TwoArrays<T>&, Layout, Effort);
+
+}  // namespace silt::bench
+
+#define SILT_BENCH_KERNELS(isa)                                                            \
+  namespace silt::bench::isa {                                                             \
+  template <class T>                                                                       \
+  void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape); \
+  template <class T>                                                                       \
+  double add_and_multiply(T* result, int rounds);                                          \
+  template <class T>                                                                       \
+  void pull_and_relax(const TwoArrays<T>&, Layout, Effort);                                \
+  }
+
+SILT_BENCH_KERNELS(portable)
+SILT_BENCH_KERNELS(avx2)
+SILT_BENCH_KERNELS(avx512)

@@ -1,0 +1,216 @@
+// Drag of a simple cubic array of spheres in Stokes flow against theory (Zick and Homsy 1982), for choosing
+// wall schemes: where the sphere sits in its cell must not matter, nor whether it moves through the grid.
+//
+//   bench_walls still  --phi 0.064,0.343 --diameters 6,8 [--offsets 8] [--set key=value]...
+//   bench_walls moving --phi ... --diameters ... [--speed 0.005] [--boost 0.05] ...
+//
+// Diameters are changed slightly so that the period is a whole number of cells. `moving`: the array crosses
+// the grid obliquely in a fluid at rest; with --boost both move along with that velocity besides.
+#include <mpi.h>
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <sstream>
+
+#include "coupler/case_file.hpp"
+#include "coupler/simulation.hpp"
+
+using namespace silt;
+using rigid::Vec3;
+
+namespace {
+
+// K = F/(6 pi mu a U); computed with periodic Stokeslets, within 1e-6 of Zick and Homsy's digits up to 0.45
+const std::map<double, double> theory = {{0.008, 1.524655}, {0.027, 2.007748}, {0.064, 2.810198},
+                                         {0.125, 4.291589}, {0.216, 7.441954}, {0.343, 15.39949},
+                                         {0.45, 28.08635}};
+
+struct Options {
+  bool moving = false;
+  std::vector<double> phi = {0.064}, diameters = {8};
+  int offsets = 8;
+  double speed = 0.005, boost = 0, tau = 1;
+  std::vector<std::string> overrides;
+};
+
+std::vector<double> numbers(const std::string& list) {
+  std::vector<double> all;
+  std::stringstream in(list);
+  for (std::string s; std::getline(in, s, ',');) all.push_back(std::stod(s));
+  return all;
+}
+
+Options options_of(int argc, char** argv) {
+  Options o;
+  if (argc < 2) throw std::invalid_argument("still or moving?");
+  o.moving = std::string(argv[1]) == "moving";
+  for (int k = 2; k + 1 < argc; k += 2) {
+    const std::string key = argv[k], value = argv[k + 1];
+    if (key == "--phi")
+      o.phi = numbers(value);
+    else if (key == "--diameters")
+      o.diameters = numbers(value);
+    else if (key == "--offsets")
+      o.offsets = std::stoi(value);
+    else if (key == "--speed")
+      o.speed = std::stod(value);
+    else if (key == "--boost")
+      o.boost = std::stod(value);
+    else if (key == "--tau")
+      o.tau = std::stod(value);
+    else if (key == "--set")
+      o.overrides.push_back(value);
+    else
+      throw std::invalid_argument("unknown option " + key);
+  }
+  return o;
+}
+
+struct Array {
+  double phi, k;  // solid fraction, exact drag coefficient
+  int period;
+  double diameter;
+  Array(double f, double d)
+      : phi(f),
+        k(theory.at(f)),
+        period(int(std::lround(d / std::cbrt(6 * f / M_PI)))),
+        diameter(period * std::cbrt(6 * f / M_PI)) {}
+  double solid() const { return M_PI / 6 * diameter * diameter * diameter; }
+  double volume() const { return double(period) * period * period; }
+  /// Acceleration of the fluid that gives a superficial velocity.
+  double force(double velocity, double nu) const {
+    return k * 3 * M_PI * nu * diameter * velocity / volume();
+  }
+};
+
+std::string list(const Vec3& x) {
+  char text[120];
+  snprintf(text, sizeof text, "[%.12g, %.12g, %.12g]", x[0], x[1], x[2]);
+  return text;
+}
+
+coupler::Case scene(const Array& a, const Options& o, const Vec3& offset, const Vec3& force,
+                    const Vec3& fluid, const Vec3& body) {
+  const std::string l = std::to_string(a.period);
+  char diameter[40];
+  snprintf(diameter, sizeof diameter, "%.12g", a.diameter);
+  const std::string motion = body.norm() > 0 ? "\"prescribed\"\nvelocity = " + list(body) : "\"fixed\"";
+  const Vec3 centre = Vec3::Constant(a.period / 2) + offset;
+  return coupler::read_case_text(
+      "title = \"array\"\n[units]\nsystem = \"lattice\"\n[domain]\nsize = [" + l + ", " + l + ", " + l +
+          "]\nboundary = \"periodic\"\n[fluid]\nrelaxation_time = " + std::to_string(o.tau) +
+          "\nbody_force = " + list(force) + "\ninitial = { type = \"uniform\", velocity = " + list(fluid) +
+          " }\n[[shapes]]\nname = \"sphere\"\ntype = \"sphere\"\ndiameter = " + diameter +
+          "\n[[bodies]]\nshape = \"sphere\"\ndensity = 1\nposition = " + list(centre) +
+          "\nmotion = " + motion + "\n[run]\nsteps = 1\n",
+      "array", o.overrides);
+}
+
+struct Flow {
+  Vec3 force, velocity;  // on the sphere without the mean pressure's; superficial, of the fluid past it
+  double fluid_cells;
+};
+Flow look(coupler::Simulation& s, const Array& a, const Vec3& g, const Vec3& body) {
+  const auto t = s.look_at_flow();
+  const Vec3 j(t.momentum[0], t.momentum[1], t.momentum[2]);
+  const Vec3 fluid = j + 0.5 * g * double(t.fluid_cells);
+  return {s.last_loads()[0].force, (fluid + a.solid() * body) / a.volume() - body, double(t.fluid_cells)};
+}
+
+struct Still {
+  double error;     // of K from g L^3, what drives the true array
+  double measured;  // of K from the force on the links and g times the sphere's volume: also sees that the
+                    // number of cells the force acts on is not the true volume
+};
+Still still_error(const Array& a, const Options& o, const Vec3& offset) {
+  const double nu = (o.tau - 0.5) / 3, u = 0.002, g = a.force(u, nu);
+  const Vec3 force(g, 0, 0), fluid(u / (1 - a.phi), 0, 0);
+  coupler::Simulation s(scene(a, o, offset, force, fluid, Vec3::Zero()), MPI_COMM_SELF);
+  const int chunk = std::max(100, int(0.1 * a.period * a.period / nu / 6));
+  double last = 0;
+  for (int n = 0; n < 100; ++n) {
+    for (int t = 1; t < chunk; ++t) s.step();
+    const double before = s.last_loads()[0].force[0];
+    s.step();
+    Flow f = look(s, a, force, Vec3::Zero());
+    f.force[0] = 0.5 * (f.force[0] + before);  // the start leaves a mode of period 2 that nothing damps
+    const double unit = 3 * M_PI * nu * a.diameter * f.velocity[0] * a.k;
+    const double balance = f.force[0] / (g * f.fluid_cells);  // 1: steady
+    const double k = balance * g * a.volume() / unit;
+    if (n > 1 && std::fabs(k / last - 1) < 1e-4 && std::fabs(balance - 1) < 5e-3)
+      return {k - 1, (f.force[0] + g * a.solid()) / unit - 1};
+    last = k;
+  }
+  return {NAN, NAN};
+}
+
+struct Moving {
+  double error, noise;
+};
+/// The sphere crosses several cells obliquely; means over time after it has settled.
+Moving moving_error(const Array& a, const Options& o, const Vec3& offset) {
+  const double nu = (o.tau - 0.5) / 3;
+  const Vec3 direction = Vec3(1, 0.853, 0.641).normalized(), relative = o.speed * direction;
+  const Vec3 frame = o.boost * Vec3(0.7, 0.513, -0.497).normalized(), body = frame - relative;
+  const Vec3 force = a.force(o.speed, nu) * direction, fluid = frame + relative * (a.phi / (1 - a.phi));
+  coupler::Simulation s(scene(a, o, offset, force, fluid, body), MPI_COMM_SELF);
+  const int settle = int(0.25 * a.period * a.period / nu), measured = std::max(settle, int(4 / o.speed));
+  for (int t = 0; t < settle; ++t) s.step();
+  double drag = 0, square = 0, velocity = 0;
+  for (int t = 0; t < measured; ++t) {
+    s.step();
+    const double f =
+        (s.last_loads()[0].force).dot(direction) + force.norm() * M_PI / 6 * std::pow(a.diameter, 3);
+    drag += f, square += f * f;
+    if (t % 10 == 9) velocity += 10 * look(s, a, force, body).velocity.dot(direction);
+  }
+  drag /= measured, velocity /= measured / 10 * 10;
+  return {drag / (3 * M_PI * nu * a.diameter * velocity) / a.k - 1,
+          std::sqrt(std::max(0.0, square / measured / (drag * drag) - 1))};
+}
+
+/// Evenly spread over the unit cube: the additive recurrence with the root of x^4 = x + 1.
+Vec3 offset(int n) {
+  const double g = 1.2207440846057596;
+  Vec3 x(0.5 + n / g, 0.5 + n / (g * g), 0.5 + n / (g * g * g));
+  for (int d = 0; d < 3; ++d) x[d] -= std::floor(x[d]);
+  return x;
+}
+
+struct Spread {
+  double sum = 0, low = 1e9, high = -1e9;
+  int n = 0;
+  void add(double x) { sum += x, low = std::min(low, x), high = std::max(high, x), ++n; }
+  double mean() const { return 100 * sum / n; }
+  double width() const { return 100 * (high - low); }
+};
+
+void report(const Array& a, const Options& o) {
+  Spread error, other;
+  for (int n = 1; n <= o.offsets; ++n) {
+    if (o.moving) {
+      const Moving m = moving_error(a, o, offset(n));
+      error.add(m.error), other.add(m.noise);
+    } else {
+      const Still s = still_error(a, o, offset(n));
+      error.add(s.error), other.add(s.measured);
+    }
+  }
+  printf("phi %-6g D %6.3f  mean %+6.2f %%  spread %5.2f", a.phi, a.diameter, error.mean(), error.width());
+  if (o.moving)
+    printf("  noise %.2f\n", other.mean());
+  else
+    printf("  by measured force %+6.2f  spread %5.2f\n", other.mean(), other.width());
+  fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  const Options o = options_of(argc, argv);
+  for (const double d : o.diameters)
+    for (const double phi : o.phi) report(Array(phi, d), o);
+  MPI_Finalize();
+}
