@@ -58,6 +58,8 @@ struct CutLinks {
   std::vector<LinkRun> runs;
   std::vector<std::uint32_t> place;  // kept longer than `used`: grown, never shrunk
   std::vector<T> q;
+  T damping = 0;         // damping_of the fluid's relaxation time
+  T half_force[3] = {};  // half the acceleration of the fluid
   std::uint32_t used = 0;
   std::size_t count = 0;  // of links, filling not counted
 

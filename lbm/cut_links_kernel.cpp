@@ -103,6 +103,22 @@ double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   return 32 / ((1 + frame.reach) * (1 + u));
 }
 
+/// c_i.u of cells, from what left them.
+template <class T>
+void velocity_along(const Block<T>& block, Parity parity, const CutLinks<T>& links, int i,
+                    const std::int32_t* cell, int n, T* cu) {
+  const Int3 v = lbm::c[i];
+  const T half_force =
+      T(v.x) * links.half_force[0] + T(v.y) * links.half_force[1] + T(v.z) * links.half_force[2];
+  std::fill_n(cu, n, -half_force);
+  for (int j = 1; j < directions; ++j) {
+    const int along = v.x * lbm::c[j].x + v.y * lbm::c[j].y + v.z * lbm::c[j].z;
+    if (along == 0) continue;
+    const T* const out = block.data() + block.leaving(j, parity);
+    for (int l = 0; l < n; ++l) cu[l] += T(along) * out[cell[l]];
+  }
+}
+
 template <WallScheme scheme, class T>
 void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkGroup& group,
                const LinkRun& run, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
@@ -126,18 +142,19 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
     const T* const alpha = at.r[g.d];
     T o[chunk], f[chunk], b[chunk], r[chunk];
     for (int l = 0; l < padded; ++l) o[l] = out[at.cell[l]];
-    if constexpr (reads_behind(scheme))
+    if constexpr (reads_behind(scheme)) {
       for (int l = 0; l < padded; ++l) f[l] = behind[at.cell[l]];
-    if constexpr (reads_against(scheme))
       for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
+    }
+    if constexpr (scheme == WallScheme::narrow) velocity_along(block, parity, links, i, at.cell, padded, f);
     for (int l = 0; l < padded; ++l) {
-      const auto s = coefficients<scheme>(q[l], weight6);
+      const auto s = coefficients<scheme>(q[l], weight6, links.damping);
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
       r[l] = s.a * o[l] - s.k * cu;
       if constexpr (reads_behind(scheme))
         r[l] += s.b * f[l] + s.c * b[l];
-      else if constexpr (reads_against(scheme))
-        r[l] += s.c * b[l];
+      else if constexpr (scheme == WallScheme::narrow)
+        r[l] -= (weight6 - s.k) * f[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < padded; ++l) back[at.cell[l]] = r[l];
@@ -182,7 +199,7 @@ void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const
     std::int64_t m = 0;
     for (int l = 0; l < padded; ++l) {
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
-      after[l] = before[l] - coefficients<scheme>(q[l], weight6).k * cu;
+      after[l] = before[l] - coefficients<scheme>(q[l], weight6, links.damping).k * cu;
       m += fixed(l < n ? double(after[l]) - double(before[l]) : 0.0, 1 / mass_quantum);
     }
 #pragma GCC ivdep
@@ -226,7 +243,8 @@ void run_stiffness(const CutLinks<T>& links, const LinkGroup& group, const LinkR
     LeverSums s;
     constexpr double scale = 1 / stiffness_quantum;
     for (int l = 0; l < padded; ++l) {
-      const T k = l < n ? coefficients<scheme>(q[l], weight6).k : T(0), a = alpha[l], b = at.beta[l];
+      const T k = l < n ? coefficients<scheme>(q[l], weight6, links.damping).k : T(0), a = alpha[l],
+              b = at.beta[l];
       s.k += fixed(k, scale), s.a += fixed(k * a, scale), s.b += fixed(k * b, scale);
       s.aa += fixed(k * a * a, scale), s.ab += fixed(k * a * b, scale), s.bb += fixed(k * b * b, scale);
     }
