@@ -56,7 +56,7 @@ struct Passes {
     scene.flow->start(scene.bodies);
   }
   void flow() {
-    scene.flow->stream_collide();
+    scene.flow->stream_collide(scene.setup.gravity);
     scene.flow->communicate();
   }
   void forces() { scene.flow->evaluate_forces(scene.bodies, scene.setup.gravity); }
