@@ -37,7 +37,9 @@ class FlowOf final : public Flow {
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps),
-        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
+        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {
+    for (BlockLinks<T>& block : links_) block.links.fluid = lbm::WallFluid<T>(fluid_.spec());
+  }
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
