@@ -188,13 +188,17 @@ double momentum_drift(const std::vector<std::string>& overrides, int steps) {
 }
 
 TEST(CoupledStep, ExactFormConservesMomentum) {
-  for (const char* time : {"coupling.time=implicit", "coupling.time=explicit"}) {
-    const double in_double = momentum_drift({time}, 1000);
-    const double in_single = momentum_drift({time, "fluid.precision=single"}, 1000);
+  std::vector<std::string> how = {"coupling.time=implicit"};
+  for (int explicit_time = 0; explicit_time < 2; ++explicit_time) {
+    if (explicit_time)  // which is unstable for bodies lighter than three times the fluid
+      how = {"coupling.time=explicit", "bodies[0].density=4", "bodies[1].density=4", "bodies[2].density=4"};
+    const double in_double = momentum_drift(how, 1000);
+    how.push_back("fluid.precision=single");
+    const double in_single = momentum_drift(how, 1000);
     if (rank_of_world() == 0)
-      printf("%s: exact form, drift %.2g in double, %.2g in single\n", time, in_double, in_single);
-    EXPECT_LT(in_double, 1e-11) << time;
-    EXPECT_LT(in_single, 1e-5) << time;
+      printf("%s: exact form, drift %.2g in double, %.2g in single\n", how[0].c_str(), in_double, in_single);
+    EXPECT_LT(in_double, 1e-11) << how[0];
+    EXPECT_LT(in_single, 1e-5) << how[0];
   }
 }
 
