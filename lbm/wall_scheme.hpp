@@ -25,15 +25,14 @@ namespace silt::lbm {
 /// `bounce_back`: equation 5 of Goetz et al. (SC10) with rho_w = 1; the surface is taken to be half-way.
 /// `cli`: Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation.
 /// `bouzidi`: Bouzidi, Firdaouss, Lallemand 2001, linear, upwind.
-/// `parabolic`: T = 3/4 q^2 where that is above magic, else magic: Poiseuille flow along the grid is exact
-/// from q = sqrt(4/3 magic) on (3/2 times the q^2 / 2 of Taylor's series, as a third of d^2 u is taken up by
-/// the force). Of the multi-reflection kind (Ginzburg, d'Humieres 2003), with the odd half that relaxes taken
-/// from the three populations of a linear scheme: [f*_i(x - c_i) - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)].
-/// `narrow`: of the cell alone, for links of the others where x - c_i is not fluid; no choice of a case.
-/// Bounce-back less a little of the odd part: under bounce-back a cell shut in on all sides keeps its
-/// momentum for ever, turning it round in every step.
-/// `narrow_upwind`: the same for links of `parabolic`: `bouzidi` from half-way on, which is of the cell
-/// alone.
+/// `parabolic`: T = 5/8 q^2 where that is above magic, else magic. Taylor's series would have q^2 / 2 of d^2
+/// u, but part of that is taken up by the pressure: 3/4 q^2 is exact for Poiseuille flow along the grid, 5/8
+/// q^2 leaves the least of the drag of spheres. Of the multi-reflection kind (Ginzburg, d'Humieres 2003),
+/// with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i) -
+/// f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others where
+/// x - c_i is not fluid; no choice of a case. Bounce-back less a little of the odd part: under bounce-back a
+/// cell shut in on all sides keeps its momentum for ever, turning it round in every step. `narrow_upwind`:
+/// the same for links of `parabolic`: `bouzidi` from half-way on, which is of the cell alone.
 enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow, narrow_upwind };
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic"};
@@ -43,9 +42,12 @@ struct LinkCoefficients {
   T a, b, c, k;
 };
 
+/// T / q^2 of `parabolic`.
+inline constexpr double parabola = 0.625;
+
 /// The magic at which the drag of spheres comes out best, see README.md.
 constexpr double best_magic(WallScheme scheme) {
-  return scheme == WallScheme::parabolic ? 1.0 / 24 : 1.0 / 6;
+  return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
 }
 
 /// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
@@ -73,7 +75,7 @@ constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& f
     const T near = T(2) * q, s = T(1) / (near < T(1) ? T(1) : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : T(0), T(1) - s, weight6 * s};
   } else if constexpr (scheme == WallScheme::parabolic) {
-    const T wanted = T(0.75) * q * q, more = wanted > fluid.magic ? wanted - fluid.magic : T(0);
+    const T wanted = T(parabola) * q * q, more = wanted > fluid.magic ? wanted - fluid.magic : T(0);
     const T g = more * fluid.inverse_rate, h = T(0.5) + q + g, s = T(1) / h;  // g = 0: cli
     const T k = weight6 * s;
     return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, k};
