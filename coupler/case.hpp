@@ -49,7 +49,7 @@ struct FluidSpec {
 };
 
 struct CouplingSpec {
-  WallScheme wall_scheme = WallScheme::cli;
+  WallScheme wall_scheme = WallScheme::parabolic;
   TimeCoupling time = TimeCoupling::implicit_;
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;

@@ -28,21 +28,23 @@ namespace silt::lbm {
 /// `bounce_back`: equation 5 of Goetz et al. (SC10) with rho_w = 1; the surface is taken to be half-way.
 /// `cli`: Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation; T is least_excess above magic.
 /// `bouzidi`: Bouzidi, Firdaouss, Lallemand 2001, linear, upwind.
-/// `parabolic`: T = 3/4 q^2 where that is above the T of `cli`, else that: Poiseuille flow along the grid is
-/// exact from q = sqrt(4/3 magic) on (3/2 times the q^2 / 2 of Taylor's series, as a third of d^2 u is taken
-/// up by the force). Of the multi-reflection kind (Ginzburg, d'Humieres 2003), with the odd half that relaxes
-/// taken from the three populations of a linear scheme: [f*_i(x - c_i) - f_opp(x, t+1)] - [f*_i(x) -
-/// f*_opp(x)].
-/// `narrow`: of the cell alone, for links of the others where x - c_i is not fluid; no choice of a case.
-/// Bounce-back half-way at the velocity there, interpolated between the surface's and the cell's own u(x);
-/// a surface nearer than that is taken to be half-way.
+/// `parabolic`: T = 5/8 q^2 where that is above the T of `cli`, else that. Taylor's series would have q^2 / 2
+/// of d^2 u, but part of that is taken up by the pressure: 3/4 q^2 is exact for Poiseuille flow along the
+/// grid, 5/8 q^2 leaves the least of the drag of spheres. Of the multi-reflection kind (Ginzburg, d'Humieres
+/// 2003), with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i)
+/// - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others
+/// where x - c_i is not fluid; no choice of a case. Bounce-back half-way at the velocity there, interpolated
+/// between the surface's and the cell's own u(x); a surface nearer than that is taken to be half-way.
 enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow };
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic"};
 
+/// T / q^2 of `parabolic`.
+inline constexpr double parabola = 0.625;
+
 /// The magic at which the drag of spheres comes out best, see README.md.
 constexpr double best_magic(WallScheme scheme) {
-  return scheme == WallScheme::parabolic ? 1.0 / 24 : 1.0 / 6;
+  return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
 }
 
 /// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
@@ -82,7 +84,7 @@ constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& f
   if constexpr (scheme == WallScheme::cli) {
     return central(q, least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::parabolic) {
-    const T wanted = T(0.75) * q * q - fluid.magic;
+    const T wanted = T(parabola) * q * q - fluid.magic;
     return central(q, wanted > least ? wanted : least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::bouzidi) {
     const T near = T(2) * q, s = T(1) / (near < T(1) ? T(1) : near);  // q < 1/2: s = 1
