@@ -41,10 +41,7 @@ class FlowOf final : public Flow {
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps),
         anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {
-    for (auto& block : links_) {
-      block.links.damping = T(lbm::damping_of(scene.fluid->relaxation_time));
-      for (int d = 0; d < 3; ++d) block.links.half_force[d] = T(0.5 * scene.fluid->body_force[d]);
-    }
+    for (BlockLinks<T>& block : links_) block.links.fluid = lbm::WallFluid<T>(fluid_.spec());
   }
 
   void map_bodies(rigid::BodySet& bodies) override {

@@ -53,13 +53,12 @@ struct SurfaceFrame {
 /// The links of one block. A structure of arrays: 4 + sizeof(T) bytes a link.
 template <class T>
 struct CutLinks {
+  WallFluid<T> fluid;  // that the links stand in; not cleared
   std::vector<SurfaceFrame> surfaces;
   std::vector<LinkGroup> groups;
   std::vector<LinkRun> runs;
   std::vector<std::uint32_t> place;  // kept longer than `used`: grown, never shrunk
   std::vector<T> q;
-  T damping = 0;         // damping_of the fluid's relaxation time
-  T half_force[3] = {};  // half the acceleration of the fluid
   std::uint32_t used = 0;
   std::size_t count = 0;  // of links, filling not counted
 

@@ -156,6 +156,7 @@ TEST(Links, AreThoseOfTheDefinition) {
   check_crowd<double>("domain.blocks=[7,9,5]", WallScheme::bouzidi, 1e-9);
   check_crowd<float>("domain.blocks=[12,10,14]", WallScheme::cli, 2e-4);
   check_crowd<float>("domain.blocks=[12,5,28]", WallScheme::bounce_back, 0);
+  check_crowd<double>("domain.blocks=[12,10,14]", WallScheme::parabolic, 1e-9);
 }
 
 // Wider than a word, taller than a slab of planes.
