@@ -206,7 +206,7 @@ class LinkWriter {
     run(i, n, scheme_);
     copy({apart_.data(), apart}, 0);
     std::copy_n(apart_q_.begin(), apart, links_.q.begin() + links_.used);
-    run(i, apart, lbm::narrow_of(scheme_));
+    run(i, apart, WallScheme::narrow);
   }
 
   void copy(List from, std::size_t at) {
@@ -239,7 +239,7 @@ class LinkWriter {
     T* const q = links_.q.data() + links_.used;
     const std::uint32_t end = filled_up(n);
     std::fill(place + n, place + end, place[n - 1]);
-    if (!lbm::reads_distance(scheme)) std::fill(q, q + end, T(0.5));
+    if (scheme == WallScheme::bounce_back) std::fill(q, q + end, T(0.5));
     std::fill(q + n, q + end, q[n - 1]);
     links_.runs.push_back({links_.used, n, std::uint8_t(i), scheme});
     links_.used += end, links_.count += n;

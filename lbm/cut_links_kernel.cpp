@@ -86,8 +86,6 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, parabolic>{});
     case narrow:
       return f(std::integral_constant<WallScheme, narrow>{});
-    case narrow_upwind:
-      return f(std::integral_constant<WallScheme, narrow_upwind>{});
   }
 }
 
@@ -105,6 +103,21 @@ double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   double u = 0;
   for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
   return 32 / ((1 + frame.reach) * (1 + u));
+}
+
+/// c_i.u of cells, from what left them.
+template <class T>
+void velocity_along(const Block<T>& block, Parity parity, const WallFluid<T>& fluid, int i,
+                    const std::int32_t* cell, int n, T* cu) {
+  const Int3 v = lbm::c[i];
+  const T force = T(v.x) * fluid.force[0] + T(v.y) * fluid.force[1] + T(v.z) * fluid.force[2];
+  std::fill_n(cu, n, T(-0.5) * force);
+  for (int j = 1; j < directions; ++j) {
+    const int along = v.x * lbm::c[j].x + v.y * lbm::c[j].y + v.z * lbm::c[j].z;
+    if (along == 0) continue;
+    const T* const out = block.data() + block.leaving(j, parity);
+    for (int l = 0; l < n; ++l) cu[l] += T(along) * out[cell[l]];
+  }
 }
 
 template <WallScheme scheme, class T>
@@ -132,19 +145,20 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
     const T* const alpha = at.r[g.d];
     T o[chunk], f[chunk], b[chunk], r[chunk];
     for (int l = 0; l < padded; ++l) o[l] = out[at.cell[l]];
-    if constexpr (reads_behind(scheme))
+    if constexpr (reads_behind(scheme)) {
       for (int l = 0; l < padded; ++l) f[l] = behind[at.cell[l]];
-    if constexpr (reads_against(scheme))
       for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
+    }
+    if constexpr (scheme == WallScheme::narrow)
+      velocity_along(block, parity, links.fluid, i, at.cell, padded, f);
     for (int l = 0; l < padded; ++l) {
       const auto s = coefficients<scheme>(q[l], weight6, links.fluid);
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
       r[l] = s.a * o[l] - s.k * cu;
       if constexpr (reads_behind(scheme))
-        r[l] += s.b * f[l] + s.c * b[l];
-      else if constexpr (reads_against(scheme))
-        r[l] += s.c * b[l];
-      if constexpr (reads_force(scheme)) r[l] += T(0.5) * (s.k - weight6 * (s.a - s.c)) * cf;
+        r[l] += s.b * f[l] + s.c * b[l] + T(0.5) * (s.k - weight6 * (s.a - s.c)) * cf;
+      else if constexpr (scheme == WallScheme::narrow)
+        r[l] -= (weight6 - s.k) * f[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < padded; ++l) back[at.cell[l]] = r[l];

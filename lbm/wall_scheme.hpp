@@ -4,14 +4,17 @@
 // its coefficients functions of the wall distance q and the rates of the collision (x the fluid cell, the
 // surface at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision).
 // a + b + c = 1: fluid at rest stays at rest at any pressure; e = (k - 6 w_i (a - c)) / 2: also where a
-// pressure gradient balances F.
+// pressure gradient balances F. `narrow` has a = 1, b = c = 0 and instead of e a term in the cell's velocity,
+// - (6 w_i - k) c_i.u(x).
 //
 // In steady flow such a scheme holds, with d = c_i.grad and u along c_i, the velocity at
 //   u + q d u + T (d^2 u - (grad p - F).c_i / (tau - 1/2)) = u_w,
 // T its own. (The bracket is what relaxes of the odd half of the pair; 1 + k, b and a - c give the terms.)
 // Plain linear schemes of two relaxation times have T = magic at every q, where the parabola wants a T that
 // grows as q^2: this is why the drag of a body depends on where it lies in the grid. Below T = magic any such
-// scheme is unstable (tried at relaxation times 0.505 to 3), above it none is.
+// scheme is unstable (tried at relaxation times 0.505 to 3), above it none is; at T = magic nothing takes
+// away momentum that turns round in every step, u ~ (-1)^(x + t), and next to a cell that lies on a surface
+// (q = 0) it grows.
 //
 // A new scheme: a name, and its line in coefficients().
 #include <array>
@@ -23,24 +26,18 @@
 namespace silt::lbm {
 
 /// `bounce_back`: equation 5 of Goetz et al. (SC10) with rho_w = 1; the surface is taken to be half-way.
-/// `cli`: Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation.
+/// `cli`: Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation; T is least_excess above magic.
 /// `bouzidi`: Bouzidi, Firdaouss, Lallemand 2001, linear, upwind.
-/// `parabolic`: T = 5/8 q^2 where that is above magic, else magic. Taylor's series would have q^2 / 2 of d^2
-/// u, but part of that is taken up by the pressure: 3/4 q^2 is exact for Poiseuille flow along the grid, 5/8
-/// q^2 leaves the least of the drag of spheres. Of the multi-reflection kind (Ginzburg, d'Humieres 2003),
-/// with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i) -
-/// f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others where
-/// x - c_i is not fluid; no choice of a case. Bounce-back less a little of the odd part: under bounce-back a
-/// cell shut in on all sides keeps its momentum for ever, turning it round in every step. `narrow_upwind`:
-/// the same for links of `parabolic`: `bouzidi` from half-way on, which is of the cell alone.
-enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow, narrow_upwind };
+/// `parabolic`: T = 5/8 q^2 where that is above the T of `cli`, else that. Taylor's series would have q^2 / 2
+/// of d^2 u, but part of that is taken up by the pressure: 3/4 q^2 is exact for Poiseuille flow along the
+/// grid, 5/8 q^2 leaves the least of the drag of spheres. Of the multi-reflection kind (Ginzburg, d'Humieres
+/// 2003), with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i)
+/// - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others
+/// where x - c_i is not fluid; no choice of a case. Bounce-back half-way at the velocity there, interpolated
+/// between the surface's and the cell's own u(x); a surface nearer than that is taken to be half-way.
+enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow };
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic"};
-
-template <class T>
-struct LinkCoefficients {
-  T a, b, c, k;
-};
 
 /// T / q^2 of `parabolic`.
 inline constexpr double parabola = 0.625;
@@ -62,55 +59,49 @@ struct WallFluid {
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };
 
-/// Share of the momentum that a shut-in cell loses in a step; the wall seems 0.5 % further than half-way.
-inline constexpr double narrow_damping = 0.02;
+template <class T>
+struct LinkCoefficients {
+  T a, b, c, k;
+};
+
+/// Least T - magic of interpolated schemes, over 1/2 + q.
+inline constexpr double least_excess = 0.0005;
+/// Least distance of `narrow`: under bounce-back (1/2) a cell shut in on all sides keeps its momentum for
+/// ever; so it loses 2 % a step.
+inline constexpr double least_narrow = 1 / 1.98;
+
+/// Of the scheme that holds the velocity at T = magic + excess, on both sides of the cell.
+template <class T>
+constexpr LinkCoefficients<T> central(T q, T excess, T weight6, const WallFluid<T>& fluid) {
+  const T g = excess * fluid.inverse_rate, s = T(1) / (T(0.5) + q + g);
+  return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
+}
 
 /// `weight6`: 6 w_i. Cheap enough for the inner loop: one division, no branch.
 template <WallScheme scheme, class T>
 constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& fluid) {
+  const T least = T(least_excess) * (T(0.5) + q);
   if constexpr (scheme == WallScheme::cli) {
-    const T s = T(1) / (T(1) + T(2) * q), kappa = (T(1) - T(2) * q) * s;
-    return {T(1), kappa, -kappa, T(2) * weight6 * s};
+    return central(q, least, weight6, fluid);
+  } else if constexpr (scheme == WallScheme::parabolic) {
+    const T wanted = T(parabola) * q * q - fluid.magic;
+    return central(q, wanted > least ? wanted : least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::bouzidi) {
     const T near = T(2) * q, s = T(1) / (near < T(1) ? T(1) : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : T(0), T(1) - s, weight6 * s};
-  } else if constexpr (scheme == WallScheme::parabolic) {
-    const T wanted = T(parabola) * q * q, more = wanted > fluid.magic ? wanted - fluid.magic : T(0);
-    const T g = more * fluid.inverse_rate, h = T(0.5) + q + g, s = T(1) / h;  // g = 0: cli
-    const T k = weight6 * s;
-    return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, k};
   } else if constexpr (scheme == WallScheme::narrow) {
-    constexpr T lost = T(narrow_damping / 2);
-    return {T(1) - lost, T(0), lost, (T(1) - lost) * weight6};
-  } else if constexpr (scheme == WallScheme::narrow_upwind) {
-    constexpr T least = T(0.5 / (1 - narrow_damping / 2));  // as `narrow`
-    const T a = T(0.5) / (q < least ? least : q);
-    return {a, T(0), T(1) - a, a * weight6};
+    return {T(1), T(0), T(0), weight6 * T(0.5) / (q < T(least_narrow) ? T(least_narrow) : q)};
   } else {
     return {T(1), T(0), T(0), weight6};
   }
 }
 
-/// Whether the formula reads f*_opp(x), and f*_i(x - c_i), at all; and whether the latter for this q.
-constexpr bool reads_against(WallScheme scheme) {
-  return scheme != WallScheme::bounce_back;
-}
+/// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all; and whether the latter for this q.
 constexpr bool reads_behind(WallScheme scheme) {
   return scheme == WallScheme::cli || scheme == WallScheme::bouzidi || scheme == WallScheme::parabolic;
 }
 constexpr bool reads_behind(WallScheme scheme, double q) {
   return scheme == WallScheme::bouzidi ? q < 0.5 : reads_behind(scheme);
-}
-/// Whether it reads q; and F.
-constexpr bool reads_distance(WallScheme scheme) {
-  return scheme != WallScheme::bounce_back && scheme != WallScheme::narrow;
-}
-constexpr bool reads_force(WallScheme scheme) {  // else e = 0
-  return scheme != WallScheme::bounce_back && scheme != WallScheme::cli;
-}
-/// Of links that would read behind where there is no fluid.
-constexpr WallScheme narrow_of(WallScheme scheme) {
-  return scheme == WallScheme::parabolic ? WallScheme::narrow_upwind : WallScheme::narrow;
 }
 
 }  // namespace silt::lbm

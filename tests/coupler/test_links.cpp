@@ -118,7 +118,7 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
           EXPECT_LT((link.arm - geometry.arm(owner, cell)).norm(), 1e-12);
           const bool blocked = geometry.owner(cell - lbm::c[i]) != -1;
           const double q = geometry.distance(owner, cell, i);
-          if (scheme != WallScheme::bounce_back && !link.narrow) {
+          if (scheme != WallScheme::bounce_back) {
             EXPECT_NEAR(link.q, q, rounding);
           }
           const bool reads = lbm::reads_behind(scheme, scheme == WallScheme::bouzidi ? q : 0);

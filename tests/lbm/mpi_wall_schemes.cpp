@@ -75,12 +75,15 @@ struct Closure {
 };
 Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   const double rate = channel.tau - 0.5;
-  const auto upwind = [&](double h) { return Closure{channel.magic + (h - 0.5) * rate, h}; };
+  const double least = channel.magic + least_excess * (0.5 + q);
   if (scheme == WallScheme::bounce_back) return {channel.magic, 0.5};
-  if (scheme == WallScheme::narrow_upwind) return upwind(std::max(q, 0.5 / (1 - narrow_damping / 2)));
-  if (scheme == WallScheme::parabolic) return {std::max(channel.magic, parabola * q * q), q};
-  if (scheme == WallScheme::cli) return {channel.magic, q};
-  return q < 0.5 ? Closure{channel.magic + (0.5 - q) * rate, q} : upwind(q);
+  if (scheme == WallScheme::narrow) {
+    const double h = std::max(q, least_narrow);
+    return {2 * h * channel.magic, h};
+  }
+  if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
+  if (scheme == WallScheme::cli) return {least, q};
+  return {channel.magic + std::fabs(q - 0.5) * rate, q};
 }
 
 /// The largest difference, over the largest velocity, from the flow with u'' = -force / nu that fulfils
@@ -150,7 +153,7 @@ TEST(WallSchemes, ParabolicDependsLeastOnWhereTheWallIs) {
 TEST(WallSchemes, OneLayerOfCellsBetweenTwoWalls) {
   for (const auto& q : {std::array{0.6, 0.6}, std::array{0.9, 0.55}, std::array{0.2, 0.7}})
     for (const auto& r : rates)
-      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::narrow_upwind), 1e-10)
+      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::narrow), 1e-10)
           << "tau " << r[0] << " q " << q[0] << " " << q[1];
 }
 
