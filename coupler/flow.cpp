@@ -91,6 +91,7 @@ class FlowOf final : public Flow {
     map_(bodies);
     rebuild_links(bodies);
     if (restarted_) return;
+    forces_.start(map_.blocks(), bodies);
     const FlowTotals now = totals();
     anchor_.mass = to_quanta(now.mass_deviation), anchor_.fluid_cells = std::int64_t(now.fluid_cells);
   }

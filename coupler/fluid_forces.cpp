@@ -26,11 +26,11 @@ Vec6 force_of(const std::int64_t* row) {
   return f;
 }
 
-Mat6 stiffness_of(const std::int64_t* row) {
+Mat6 stiffness_of(const std::int64_t* stiffness) {
   Mat6 h;
-  int e = force_width;
+  int e = 0;
   for (int r = 0; r < 6; ++r)
-    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(row[e]) * lbm::stiffness_quantum;
+    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(stiffness[e]) * lbm::stiffness_quantum;
   return h;
 }
 
@@ -59,6 +59,28 @@ void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
   for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
 }
 
+void add_cells(const CellSums& cells, std::int64_t* to) {
+  to[0] += cells.count;
+  for (int d = 0; d < 3; ++d) to[1 + d] += cells.coordinates[d];
+}
+
+/// Momentum and angular momentum about the centre of mass, in link quanta, that the body's cells have beyond
+/// its volume if they move with it. `cells`: as in add_cells.
+std::array<std::int64_t, 6> momentum_of_excess(const rigid::BodySet& bodies, std::size_t row,
+                                               const std::int64_t* cells) {
+  const double count = double(cells[0]), displaced = bodies.mass[row] * (1 - bodies.weight_factor[row]);
+  const Vec3 moment = Vec3(double(cells[1]), double(cells[2]), double(cells[3])) +
+                      count * (Vec3::Constant(0.5) - bodies.mapping_pose[row].position);
+  const Vec3 &v = bodies.velocity[row], &w = bodies.angular_velocity[row];
+  const Vec3 momentum = (count - displaced) * v + w.cross(moment), angular = moment.cross(v);
+  std::array<std::int64_t, 6> quanta;
+  for (int d = 0; d < 3; ++d) {
+    quanta[d] = std::llrint(momentum[d] / lbm::link_quantum);
+    quanta[3 + d] = std::llrint(angular[d] / lbm::link_quantum);
+  }
+  return quanta;
+}
+
 /// On every rank alike: throws if some body's sums left the range of the fixed point, or are not numbers.
 void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
   std::uint64_t mine = bad, first = 0;
@@ -72,11 +94,17 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
 
 }  // namespace
 
+Vec3 owed_impulse(const rigid::BodySet& bodies, std::size_t row) {
+  const auto& owed = bodies.owed[row];
+  return {from_link_quanta(owed[0]), from_link_quanta(owed[1]), from_link_quanta(owed[2])};
+}
+
 template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange, int substeps)
     : spec_(spec),
       exchange_(exchange),
-      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width),
+      stiffness_begin_(spec.force == ForceForm::exact ? force_width + cells_width : force_width),
+      width_(stiffness_begin_ + (spec.time == TimeCoupling::implicit_ ? stiffness_width : 0)),
       substeps_(substeps) {}
 
 template <class T>
@@ -84,8 +112,8 @@ void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec
   const Vec3 torque = arm.cross(momentum);
   HandedOver h{id, {}};
   for (int d = 0; d < 3; ++d) {
-    h.force[d] = std::llrint(momentum[d] / lbm::link_quantum);
-    h.force[3 + d] = std::llrint(torque[d] / lbm::link_quantum);
+    h.impulse[d] = std::llrint(momentum[d] / lbm::link_quantum);
+    h.impulse[3 + d] = std::llrint(torque[d] / lbm::link_quantum);
   }
   handed_over_.push_back(h);
 }
@@ -126,17 +154,40 @@ void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const Bloc
       std::int64_t* const row = rows_.data() + maps[b].masks[k].row * width_;
       const lbm::LinkSums& sums = links[b].sums[k];
       for (int d = 0; d < 3; ++d) row[d] += sums.force[d], row[3 + d] += sums.torque[d];
-      if (width_ == implicit_width)
-        for (int e = 0; e < 21; ++e) row[force_width + e] += links[b].stiffness[k].h[e];
+      if (spec_.force == ForceForm::exact) add_cells(maps[b].masks[k].cells, row + force_width);
+      if (spec_.time == TimeCoupling::implicit_)
+        for (int e = 0; e < stiffness_width; ++e) row[stiffness_begin_ + e] += links[b].stiffness[k].h[e];
     }
   for (const auto& h : handed_over_)
     if (const std::size_t row = bodies.row_of(h.id); row < bodies.size())
-      for (int d = 0; d < 6; ++d) rows_[row * width_ + d] += h.force[d];
+      for (int d = 0; d < force_width; ++d) rows_[row * width_ + d] += h.impulse[d];
   handed_over_.clear();
   wall_loads_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
     std::copy_n(rows_.data() + (bodies.first_wall() + w) * width_, force_width, wall_loads_[w].begin());
   exchange_.sum_to_owners(bodies, rows_, width_);
+}
+
+/// What bodies were owed at the last step and are owed no more.
+template <class T>
+void FluidForces<T>::settle_owed(rigid::BodySet& bodies) {
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    std::int64_t* const force = rows_.data() + row * width_;
+    const auto now = momentum_of_excess(bodies, row, force + force_width);
+    for (int d = 0; d < force_width; ++d) force[d] += bodies.owed[row][d] - now[d];
+    bodies.owed[row] = now;
+  }
+}
+
+template <class T>
+void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodies) {
+  if (spec_.force != ForceForm::exact) return;
+  std::vector<std::int64_t> rows(bodies.size() * cells_width, 0);
+  for (const BlockMap& map : maps)
+    for (const BodyMask& mask : map.masks) add_cells(mask.cells, rows.data() + mask.row * cells_width);
+  exchange_.sum_to_owners(bodies, rows, cells_width);
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    bodies.owed[row] = momentum_of_excess(bodies, row, rows.data() + row * cells_width);
 }
 
 template <class T>
@@ -156,7 +207,8 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
     const Vec6 f = force_of(rows_.data() + row * width_);
     Vec6 applied = f;
     if (bodies.is_free(row)) {
-      const Mat6 m = mass_matrix(bodies, row), h = stiffness_of(rows_.data() + row * width_);
+      const Mat6 m = mass_matrix(bodies, row),
+                 h = stiffness_of(rows_.data() + row * width_ + stiffness_begin_);
       Vec6 external;
       external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
           bodies.torque[row].value();
@@ -192,6 +244,7 @@ std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const Bl
                                         const Vec3& gravity) {
   std::int64_t mass = apply(fluid, maps, links, bodies);
   gather(maps, links, bodies);
+  if (spec_.force == ForceForm::exact) settle_owed(bodies);
   if (spec_.time == TimeCoupling::implicit_)
     mass += solve_implicit(fluid, maps, links, bodies, gravity);
   else

@@ -1,6 +1,7 @@
 #include "coupler/map_bodies.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "rigid/ray_interval.hpp"
@@ -11,6 +12,15 @@ using lbm::Int3;
 using rigid::Vec3;
 
 namespace {
+
+/// Sum of the positions of the bits that are set.
+int sum_of_positions(std::uint64_t word) {
+  constexpr std::uint64_t with_bit[] = {0xAAAAAAAAAAAAAAAA, 0xCCCCCCCCCCCCCCCC, 0xF0F0F0F0F0F0F0F0,
+                                        0xFF00FF00FF00FF00, 0xFFFF0000FFFF0000, 0xFFFFFFFF00000000};
+  int sum = 0;
+  for (int b = 0; b < 6; ++b) sum += std::popcount(word & with_bit[b]) << b;
+  return sum;
+}
 
 CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   CellBits bits(box.size);
@@ -33,6 +43,23 @@ void set_interval(const lbm::CellBox& box, int shift_x, double first, double las
   if (!(first - offset <= box.size.x + 1.0 && last - offset >= 0)) return;
   const int from = int(std::max(first - offset, 0.0)), to = int(std::min(last - offset, box.size.x + 1.0));
   for (int bit = from; bit <= to; ++bit) row[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+}
+
+/// The cells of a mask inside its block, each counted by the one block that has it.
+CellSums count_cells(const BlockMap& block, const BodyMask& mask) {
+  CellSums sums;
+  const Int3 size = block.box.size, low = block.box.lower + Int3{-mask.shift.x, -mask.shift.y, -mask.shift.z};
+  for (int z = std::max(mask.z0, 0); z < std::min(mask.z1, size.z); ++z)
+    for (int y = std::max(mask.y0, 0); y < std::min(mask.y1, size.y); ++y)
+      for (int k = 0; k < mask.words; ++k) {
+        const std::uint64_t word = mask.at(y, z)[k] & block.solid.interior(k);
+        const int n = std::popcount(word);
+        sums.count += n;
+        sums.coordinates[0] += sum_of_positions(word) + n * std::int64_t(low.x + k * 64 - 1);
+        sums.coordinates[1] += n * std::int64_t(low.y + y),
+            sums.coordinates[2] += n * std::int64_t(low.z + z);
+      }
+  return sums;
 }
 
 }  // namespace
@@ -201,6 +228,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
           mask.any |= mine[k] != 0;
         }
       }
+    mask.cells = count_cells(block, mask);
   }
 }
 

@@ -47,6 +47,11 @@ void for_bits(std::uint64_t word, int k, F&& f) {
   for (; word; word &= word - 1) f(k * 64 + __builtin_ctzll(word) - 1);
 }
 
+/// How many cells a body has, and the sum of their coordinates (canonical, as its position; lower corners).
+struct CellSums {
+  std::int64_t count = 0, coordinates[3] = {};
+};
+
 /// One periodic image of a body in a block: the cells whose centres are inside it.
 struct BodyMask {
   rigid::BodyId id = 0;
@@ -58,6 +63,7 @@ struct BodyMask {
   std::vector<std::uint64_t> inside;  // centre inside the body
   std::vector<std::uint64_t> bits;    // the same less what walls and lower ids have
   bool any = false;
+  CellSums cells;  // of bits, without ghosts
 
   bool has_row(int y, int z) const { return y >= y0 && y < y1 && z >= z0 && z < z1; }
   std::size_t row_index(int y, int z) const { return std::size_t(words) * ((z - z0) * (y1 - y0) + (y - y0)); }
