@@ -1,9 +1,13 @@
 #include "coupler/build_links.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <stdexcept>
 
+#include "coupler/bit_kernels.hpp"
 #include "rigid/ray_interval.hpp"
 
 namespace silt::coupler {
@@ -13,18 +17,17 @@ using rigid::Vec3;
 
 namespace {
 
-/// Word k of a row of bits moved so that bit x holds what bit x + step held (step -1, 0, 1).
-std::uint64_t moved(const std::uint64_t* row, int words, int k, int step) {
-  if (step == 0) return row[k];
-  if (step > 0) return row[k] >> 1 | (k + 1 < words ? row[k + 1] << 63 : 0);
-  return row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
+std::uint32_t list_of(const BitFrame& frame, int z0, int z1, const LinkBits& bits, std::uint32_t* place,
+                      std::uint32_t* apart, LinkCounts* counts) {
+  SILT_DISPATCH(list_links, frame, z0, z1, bits, place, apart, counts)
 }
+template <class T>
+void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner, int i,
+                  double radius,
+                  T* q){SILT_DISPATCH(sphere_distances, place, padded, frame, corner, i, radius, q)}
 
-/// Distance of a sphere's surface from r along c, in units of c: the smaller root of |r + q c| = radius.
-double sphere_distance(const Vec3& r, Int3 c, double radius) {
-  const double a = c.x * c.x + c.y * c.y + c.z * c.z, b = r[0] * c.x + r[1] * c.y + r[2] * c.z;
-  const double discriminant = b * b - a * (r.squaredNorm() - radius * radius);
-  return (-b - std::sqrt(std::max(discriminant, 0.0))) / a;
+std::uint32_t filled_up(std::uint32_t n) {
+  return (n + lbm::link_lanes - 1) & ~std::uint32_t(lbm::link_lanes - 1);
 }
 
 /// Distance of the inside of a tube along one link direction, in units of it.
@@ -49,9 +52,7 @@ class TubeDistance {
 /// Distance of a body's surface along one link direction, prepared once a body and direction.
 class SurfaceDistance {
  public:
-  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose)
-      : ball_(std::get_if<rigid::Sphere>(&shape)) {
-    if (ball_) return;
+  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose) {
     const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
     if (const auto* tube = std::get_if<rigid::Tube>(&shape)) tube_.emplace(tube->radius, to_body);
     for (const auto& part : rigid::convex_parts(shape)) {
@@ -61,12 +62,11 @@ class SurfaceDistance {
     }
   }
   void point(int i) {
-    c_ = lbm::c[i];
-    if (tube_) tube_->point(Vec3(c_.x, c_.y, c_.z));
-    for (auto& p : parts_) p.direction = p.rotation * Vec3(c_.x, c_.y, c_.z);
+    const Int3 c = lbm::c[i];
+    if (tube_) tube_->point(Vec3(c.x, c.y, c.z));
+    for (auto& p : parts_) p.direction = p.rotation * Vec3(c.x, c.y, c.z);
   }
   double operator()(const Vec3& r) const {
-    if (ball_) return std::clamp(sphere_distance(r, c_, ball_->radius), 0.0, 1.0);
     if (tube_) return std::clamp((*tube_)(r), 0.0, 1.0);
     double q = 1;
     for (const auto& p : parts_) {
@@ -86,87 +86,212 @@ class SurfaceDistance {
     rigid::Mat3 rotation;    // world to part
     Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
   };
-  const rigid::Sphere* ball_;
   std::optional<TubeDistance> tube_;
   std::vector<PreparedPart> parts_;
-  Int3 c_;
 };
 
+/// Reads rows of 64 bits and writes them as the rows of a window.
+template <class Row>
+void fill_rows(BitWindow& window, Int3 block, Row&& row) {
+  const BitFrame& f = window.frame();
+  const std::uint64_t width = f.pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << f.pitch) - 1;
+  for (int z = std::max(f.low.z, -1); z < std::min(f.low.z + f.size.z, block.z + 1); ++z)
+    for (int y = std::max(f.low.y, -1); y < std::min(f.low.y + f.size.y, block.y + 1); ++y) {
+      const std::size_t bit = f.row(y, z);
+      for (int x = 0; x < f.pitch; x += 64)
+        window.words()[(bit + x) >> 6] |= (row(f.low.x + x, y, z) & width) << (bit & 63);
+    }
+}
+
+/// Bits [from, to) of 64 that stand for cells from x on.
+std::uint64_t cells_between(int x, int from, int to) {
+  const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
+  if (a >= b) return 0;
+  return (~std::uint64_t{0} >> (64 - (b - a))) << a;
+}
+
+/// Whether some fluid cell next to the body may lie at the rim of the block, or in another block.
+bool touches_rim(const BitFrame& f, Int3 block) {
+  for (int d = 0; d < 3; ++d)
+    if (f.low[d] < 0 || f.low[d] + f.size[d] > block[d]) return true;
+  return false;
+}
+
+/// What is done with each body's mask, and what is kept for the next one: no allocation once grown.
 template <class T>
-struct LinkWriter {
-  const BlockMap& map;
-  const lbm::Block<T>& block;
-  WallScheme scheme;
-  lbm::CutLinks<T>& links;
-  lbm::CutLinks<T> narrow;  // of the direction at work
+class LinkWriter {
+ public:
+  LinkWriter(const BlockMap& map, WallScheme scheme, lbm::CutLinks<T>& links)
+      : map_(map), scheme_(scheme), links_(links) {}
 
-  static void push(lbm::CutLinks<T>& to, std::ptrdiff_t cell, double q, const Vec3& r) {
-    to.cell.push_back(std::int32_t(cell)), to.q.push_back(T(q));
-    to.rx.push_back(T(r[0])), to.ry.push_back(T(r[1])), to.rz.push_back(T(r[2]));
-  }
-
-  void row(const BodyMask& mask, const SurfaceDistance& distance, int i, int y, int z) {
-    const Int3 c = lbm::c[i];
-    const std::uint64_t* const body = mask.at(y + c.y, z + c.z);
-    const std::uint64_t* const here = map.solid.at(y, z);
-    const std::uint64_t* const back = map.solid.at(y - c.y, z - c.z);
-    for (int k = 0; k < mask.words; ++k) {
-      const std::uint64_t cut = moved(body, mask.words, k, c.x) & ~here[k] & map.solid.interior(k);
-      if (!cut) continue;
-      const std::uint64_t blocked = moved(back, mask.words, k, -c.x);
-      for_bits(cut, k, [&](int x) {
-        const Vec3 r = mask.arm(map.box.lower + Int3{x, y, z});
-        const double q = scheme == WallScheme::bounce_back ? 0.5 : distance(r);
-        const bool no_fluid_behind = blocked >> ((x + 1) & 63) & 1;
-        push(no_fluid_behind && lbm::reads_behind(scheme, q) ? narrow : links, block.cell(x, y, z), q, r);
+  void body(int surface, const BodyMask& mask, const rigid::Shape& shape) {
+    surface_ = surface, mask_ = &mask;
+    ball_ = std::get_if<rigid::Sphere>(&shape);
+    if (!mask.any) return;
+    const BitFrame& frame = mask.frame();
+    if (frame.pitch > 1 << lbm::place_bits || frame.size.y > 1 << lbm::place_bits)
+      throw std::invalid_argument("a body of more than 16384 cells; use smaller domain.blocks");
+    std::optional<SurfaceDistance> distance;
+    if (!ball_ && scheme_ != WallScheme::bounce_back) distance.emplace(shape, mask.pose);
+    distance_ = distance ? &*distance : nullptr;
+    solid_.reset(frame), inner_.reset(frame), rim_.reset(frame);
+    const Int3 n = map_.box.size;
+    fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
+    const bool at_rim = touches_rim(frame, n);
+    fill_rows(inner_, n, [&](int x, int y, int z) {
+      if (y < 1 || z < 1 || y >= n.y - 1 || z >= n.z - 1) return std::uint64_t{0};
+      return ~map_.solid.from(x, y, z) & cells_between(x, 1, n.x - 1);
+    });
+    if (at_rim)
+      fill_rows(rim_, n, [&](int x, int y, int z) {
+        if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
+        const bool side = y == 0 || z == 0 || y == n.y - 1 || z == n.z - 1;
+        const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, 1, n.x - 1);
+        return ~map_.solid.from(x, y, z) & (side ? all : all & ~inner);
       });
+    for (int z0 = 0; z0 < frame.size.z; z0 += lbm::place_planes) {
+      const int z1 = std::min(z0 + lbm::place_planes, frame.size.z);
+      group(z0, z1, inner_, std::min(frame.low.z + z1, n.z - 1));
+      if (at_rim) group(z0, z1, rim_, -1);
     }
   }
 
-  void body(int surface, const BodyMask& mask, SurfaceDistance distance) {
-    const Int3 size = map.box.size;
+ private:
+  void group(int z0, int z1, const BitWindow& open, int ready) {
+    const BitFrame& frame = mask_->frame();
+    const std::size_t room = lbm::directions * (bits_in(z0 - 1, z1 + 1) + 3 * lbm::link_lanes);
+    if (listed_.size() < room) listed_.resize(room), apart_.resize(room), apart_q_.resize(room);
+    links_.reserve(room);
+    LinkCounts counts[lbm::directions];
+    const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
+    list_of(frame, z0, z1, bits, listed_.data(), apart_.data(), counts);
+    lbm::LinkGroup g{std::uint32_t(links_.runs.size()), 0, surface_, frame.low + Int3{0, 0, z0}, ready};
+    const std::uint32_t* list = listed_.data();
     for (int i = 1; i < lbm::directions; ++i) {
-      const Int3 c = lbm::c[i];
-      distance.point(i);
-      const auto begin = std::uint32_t(links.size());
-      narrow.clear();
-      for (int z = std::max(mask.z0 - c.z, 0); z < std::min(mask.z1 - c.z, size.z); ++z)
-        for (int y = std::max(mask.y0 - c.y, 0); y < std::min(mask.y1 - c.y, size.y); ++y)
-          row(mask, distance, i, y, z);
-      end_run(begin, surface, i, scheme);
-      const auto end = std::uint32_t(links.size());
-      append(narrow);
-      end_run(end, surface, i, WallScheme::narrow);
+      const std::uint32_t* const narrow = list + filled_up(counts[i].clear);
+      runs(g, i, {list, counts[i].clear}, {narrow, counts[i].narrow});
+      list = narrow + filled_up(counts[i].narrow);
+    }
+    g.end_run = std::uint32_t(links_.runs.size());
+    if (g.end_run > g.first_run) links_.groups.push_back(g);
+  }
+
+  /// Set bits of the planes [z0, z1) of the mask's frame, as far as there are such: no direction has more
+  /// links.
+  std::size_t bits_in(int z0, int z1) const {
+    const BitFrame& f = mask_->frame();
+    const std::uint64_t* const w = mask_->bits.words();
+    std::size_t n = 0;
+    for (std::size_t k = std::size_t(std::max(z0, 0)) * f.plane;
+         k < std::size_t(std::min(z1, f.size.z)) * f.plane; ++k)
+      n += std::popcount(w[k]);
+    return n;
+  }
+
+  using List = std::span<const std::uint32_t>;
+
+  /// Wall distances, and runs: narrow links for which the scheme would read the cell behind go apart.
+  void runs(const lbm::LinkGroup& g, int i, List clear, List narrow) {
+    copy(clear, 0), copy(narrow, clear.size());
+    std::uint32_t n = std::uint32_t(clear.size() + narrow.size());
+    if (scheme_ != WallScheme::bounce_back) set_distances(g, i, n);
+    std::uint32_t* const place = links_.place.data() + links_.used;
+    T* const q = links_.q.data() + links_.used;
+    std::uint32_t apart = 0;
+    for (std::uint32_t k = std::uint32_t(clear.size()); k < n;)
+      if (lbm::reads_behind(scheme_, q[k]))
+        apart_[apart] = place[k], apart_q_[apart++] = q[k], --n, place[k] = place[n], q[k] = q[n];
+      else
+        ++k;
+    run(i, n, scheme_);
+    copy({apart_.data(), apart}, 0);
+    std::copy_n(apart_q_.begin(), apart, links_.q.begin() + links_.used);
+    run(i, apart, WallScheme::narrow);
+  }
+
+  void copy(List from, std::size_t at) {
+    std::copy(from.begin(), from.end(), links_.place.begin() + links_.used + at);
+  }
+
+  void set_distances(const lbm::LinkGroup& g, int i, std::uint32_t n) {
+    if (n == 0) return;
+    std::uint32_t* const place = links_.place.data() + links_.used;
+    T* const q = links_.q.data() + links_.used;
+    if (ball_) {
+      std::fill(place + n, place + filled_up(n), place[n - 1]);
+      distances_of(place, int(filled_up(n)), links_.surfaces[surface_], g.corner, i, ball_->radius, q);
+      return;
+    }
+    distance_->point(i);
+    constexpr std::uint32_t low = (1u << lbm::place_bits) - 1;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t p = place[k];
+      const Int3 cell =
+          g.corner + Int3{int(p & low), int(p >> lbm::place_bits & low), int(p >> (2 * lbm::place_bits))};
+      q[k] = T((*distance_)(mask_->arm(map_.box.lower + cell)));
     }
   }
 
-  void end_run(std::uint32_t begin, int surface, int i, WallScheme s) {
-    if (const auto end = std::uint32_t(links.size()); end > begin)
-      links.runs.push_back({begin, end, surface, std::uint8_t(i), s});
+  /// What stands at `used` becomes a run, filled up.
+  void run(int i, std::uint32_t n, WallScheme scheme) {
+    if (n == 0) return;
+    std::uint32_t* const place = links_.place.data() + links_.used;
+    T* const q = links_.q.data() + links_.used;
+    const std::uint32_t end = filled_up(n);
+    std::fill(place + n, place + end, place[n - 1]);
+    if (scheme == WallScheme::bounce_back) std::fill(q, q + end, T(0.5));
+    std::fill(q + n, q + end, q[n - 1]);
+    links_.runs.push_back({links_.used, n, std::uint8_t(i), scheme});
+    links_.used += end, links_.count += n;
   }
-  void append(const lbm::CutLinks<T>& more) {
-    for (std::size_t l = 0; l < more.size(); ++l)
-      push(links, more.cell[l], more.q[l], {more.rx[l], more.ry[l], more.rz[l]});
-  }
+
+  const BlockMap& map_;
+  WallScheme scheme_;
+  lbm::CutLinks<T>& links_;
+  std::int32_t surface_ = 0;
+  const BodyMask* mask_ = nullptr;
+  const rigid::Sphere* ball_ = nullptr;
+  SurfaceDistance* distance_ = nullptr;
+  BitWindow solid_, inner_, rim_;
+  std::vector<std::uint32_t> listed_, apart_;
+  std::vector<T> apart_q_;
 };
+
+/// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.
+lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
+  lbm::SurfaceFrame frame{};
+  double square = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double x = mask.pose.position[d];
+    const int cell = int(std::floor(x));
+    frame.cell[d] = cell + mask.shift[d] - map.box.lower[d];
+    frame.offset[d] = (cell + 0.5) - x;
+    const int low = mask.frame().low[d], high = low + mask.frame().size[d];
+    const double far = std::max(std::abs(low - frame.cell[d]), std::abs(high - frame.cell[d])) + 1;
+    square += far * far;
+  }
+  frame.reach = std::sqrt(square);
+  frame.whole = !touches_rim(mask.frame(), map.box.size);
+  return frame;
+}
 
 }  // namespace
 
 template <class T>
-void build_links(const BlockMap& map, const lbm::Block<T>& block, const rigid::World& world,
-                 const rigid::BodySet& bodies, WallScheme scheme, lbm::CutLinks<T>& links) {
+void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+                 WallScheme scheme, lbm::CutLinks<T>& links) {
   links.clear();
-  LinkWriter<T> writer{map, block, scheme, links, {}};
+  LinkWriter<T> writer(map, scheme, links);
   for (int k = 0; k < int(map.masks.size()); ++k) {
     const BodyMask& mask = map.masks[k];
-    if (!mask.any) continue;
-    writer.body(k, mask, SurfaceDistance(world.shapes[bodies.shape[mask.row]], mask.pose));
+    links.surfaces.push_back(surface_frame(map, mask));
+    writer.body(k, mask, world.shapes[bodies.shape[mask.row]]);
   }
 }
 
-template void build_links(const BlockMap&, const lbm::Block<float>&, const rigid::World&,
-                          const rigid::BodySet&, WallScheme, lbm::CutLinks<float>&);
-template void build_links(const BlockMap&, const lbm::Block<double>&, const rigid::World&,
-                          const rigid::BodySet&, WallScheme, lbm::CutLinks<double>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
+                          lbm::CutLinks<float>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
+                          lbm::CutLinks<double>&);
 
 }  // namespace silt::coupler

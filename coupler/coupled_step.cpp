@@ -14,6 +14,10 @@ class Laps {
     seconds_[int(stage)] += std::chrono::duration<double>(now - last_).count();
     last_ = now;
   }
+  /// Time that was counted for one stage belongs to another.
+  void move(Stage from, Stage to, double seconds) {
+    seconds_[int(from)] -= seconds, seconds_[int(to)] += seconds;
+  }
 
  private:
   StageSeconds& seconds_;
@@ -30,8 +34,9 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
       scene_.flow->map_bodies(bodies);  // Algorithm 2, line 1: object mapping
       laps.end(Stage::object_mapping);
     }
-    scene_.flow->stream_collide();  // line 2
+    scene_.flow->stream_collide(scene_.gravity);  // line 2, and on the way what most surfaces return
     laps.end(Stage::stream_collide);
+    laps.move(Stage::stream_collide, Stage::force_evaluation, scene_.flow->take_link_seconds());
     scene_.flow->communicate();
     laps.end(Stage::lbm_communication);
     if (scene_.surfaces) {

@@ -3,8 +3,10 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "coupler/body_exchange.hpp"
 #include "coupler/build_links.hpp"
@@ -35,7 +37,9 @@ class FlowOf final : public Flow {
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps),
-        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
+        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {
+    for (BlockLinks<T>& block : links_) block.links.fluid = lbm::WallFluid<T>(fluid_.spec());
+  }
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
@@ -43,25 +47,25 @@ class FlowOf final : public Flow {
     counts_.covered = counts_.uncovered = 0;
     const bool changed =
         std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
-    if (!changed) return;
-    const ChangedCells cells = changed_cells(map_.blocks());
-    for (const auto& c : cells.covered) hand_over(c, bodies, +1);
-    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
-    for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
-    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
-    rebuild_links(bodies);
+    if (changed) remap(bodies);
+    if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
+    forces_.begin(map_.blocks(), links_, bodies);
   }
-
-  void stream_collide() override {
+  void stream_collide(const Vec3& gravity) override {
     if (anchored_) set_anchor_density();
-    fluid_.stream_collide();
+    if (world_.shapes.empty()) return fluid_.stream_collide();
+    fluid_.stream_collide([&](int b, int z, lbm::Parity parity) {
+      const auto begin = std::chrono::steady_clock::now();
+      forces_.after_plane(fluid_.blocks()[b], parity, map_.blocks()[b], links_[b], z, gravity);
+      link_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    });
   }
+  double take_link_seconds() override { return std::exchange(link_seconds_, 0.0); }
 
   void communicate() override { fluid_.exchange(); }
 
   void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
     stepped_ = true;
-    if (pushes_bodies_) push_bodies(bodies);
     mass_gained_ += forces_(fluid_, map_.blocks(), links_, bodies, gravity);
     if (!anchored_) return;
     std::int64_t mine[2] = {mass_gained_, cells_gained_}, all[2];
@@ -135,6 +139,26 @@ class FlowOf final : public Flow {
     anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
+  /// Visits cells whose populations are asked for a few cells ahead.
+  template <class Visit>
+  void for_fetched(const std::vector<CoveredCell>& cells, Visit&& visit) const {
+    constexpr std::size_t ahead = 8;
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+      if (n + ahead < cells.size()) fluid_.prefetch(cells[n + ahead].block, cells[n + ahead].cell);
+      visit(cells[n]);
+    }
+  }
+
+  /// Cells that changed sides, and links.
+  void remap(const rigid::BodySet& bodies) {
+    const ChangedCells cells = changed_cells(map_.blocks());
+    for_fetched(cells.covered, [&](const CoveredCell& c) { hand_over(c, bodies, +1); });
+    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
+    for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
+    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
+    rebuild_links(bodies);
+  }
+
   /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
   /// displaces. (A fixed body is held against it.)
   void push_bodies(rigid::BodySet& bodies) const {
@@ -152,13 +176,14 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, fluid_.blocks()[b], world_, bodies, coupling_.wall_scheme, block.links);
-        if (coupling_.time == TimeCoupling::implicit_) {
-          block.stiffness.assign(map.masks.size(), {});
-          lbm::sum_stiffness(block.links, block.stiffness.data());
-        }
+        build_links(map, world_, bodies, coupling_.wall_scheme, block.links);
+        order_groups(block);
+        block.stiffness.assign(map.masks.size(), {});
+        if (coupling_.time == TimeCoupling::implicit_)
+          for (const lbm::LinkGroup& group : block.links.groups)
+            lbm::sum_stiffness(block.links, group, block.stiffness[group.surface]);
       }
-      counts_.links += block.links.size();
+      counts_.links += block.links.count;
     }
   }
 
@@ -199,6 +224,7 @@ class FlowOf final : public Flow {
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;
+  double link_seconds_ = 0;
   bool anchored_, restarted_ = false, stepped_ = false;
   AnchorState anchor_;
   std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it

@@ -49,11 +49,16 @@ class Flow {
   /// Object mapping: bodies that moved further than the tolerance onto the lattice at their present poses;
   /// links rebuilt where something changed; uncovered cells refilled. Renews mapping_pose of every held row.
   virtual void map_bodies(rigid::BodySet&) = 0;
-  virtual void stream_collide() = 0;
+  /// With it the links that touch no ghost cell, while their populations are in cache; under implicit
+  /// coupling this needs the gravity that will act.
+  virtual void stream_collide(const rigid::Vec3& gravity) = 0;
+  /// Seconds that links took within stream_collide since this was last asked.
+  virtual double take_link_seconds() = 0;
   /// LBM communication: ghost layers and domain walls.
   virtual void communicate() = 0;
-  /// Force evaluation: what surfaces return, and force and torque on bodies added to the rows' accumulators
-  /// (at the owners). With implicit coupling also solves for the bodies' new velocity and returns with it.
+  /// Force evaluation: what the other surfaces return, and force and torque on bodies added to the rows'
+  /// accumulators (at the owners). With implicit coupling also solves for the bodies' new velocity and
+  /// returns with it.
   virtual void evaluate_forces(rigid::BodySet&, const rigid::Vec3& gravity) = 0;
 
   // ---- between steps ----

@@ -26,11 +26,11 @@ Vec6 force_of(const std::int64_t* row) {
   return f;
 }
 
-Mat6 stiffness_of(const std::int64_t* stiffness) {
+Mat6 stiffness_of(const std::int64_t* row) {
   Mat6 h;
-  int e = 0;
+  int e = force_width;
   for (int r = 0; r < 6; ++r)
-    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(stiffness[e]) * lbm::stiffness_quantum;
+    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(row[e]) * lbm::stiffness_quantum;
   return h;
 }
 
@@ -57,6 +57,31 @@ Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substep
 
 void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
   for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
+}
+
+template <class T>
+void add_sums(std::int64_t* row, const BlockLinks<T>& links, int surface, bool stiffness = true) {
+  const lbm::LinkSums& sums = links.sums[surface];
+  for (int d = 0; d < 3; ++d) row[d] += sums.force[d], row[3 + d] += sums.torque[d];
+  if (stiffness)
+    for (int e = 0; e < stiffness_width; ++e) row[force_width + e] += links.stiffness[surface].h[e];
+}
+
+/// Solves (M + H) delta = F + F_ext, gives the body the force of the links at that change, and returns it.
+Vec6 take_velocity_change(rigid::BodySet& bodies, std::size_t row, const std::int64_t* sums,
+                          const Vec3& gravity, int substeps) {
+  const Mat6 m = mass_matrix(bodies, row), h = stiffness_of(sums);
+  const Vec6 f = force_of(sums);
+  Vec6 external;
+  external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
+      bodies.torque[row].value();
+  external.head<3>() += substeps * rigid::impulse_of_films(bodies, row);
+  Vec6 load = f + external;
+  load.head<3>() += held_by_contacts(bodies, row, substeps, load.head<3>());
+  const Vec6 delta = (m + h).ldlt().solve(load);
+  const Vec6 applied = f - h * delta;
+  bodies.add_force(row, applied.head<3>()), bodies.add_torque(row, applied.tail<3>());
+  return delta;
 }
 
 void add_cells(const CellSums& cells, std::int64_t* to) {
@@ -103,8 +128,8 @@ template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange, int substeps)
     : spec_(spec),
       exchange_(exchange),
-      stiffness_begin_(spec.force == ForceForm::exact ? force_width + cells_width : force_width),
-      width_(stiffness_begin_ + (spec.time == TimeCoupling::implicit_ ? stiffness_width : 0)),
+      cells_begin_(force_width + (spec.time == TimeCoupling::implicit_ ? stiffness_width : 0)),
+      width_(cells_begin_ + (spec.force == ForceForm::exact ? cells_width : 0)),
       substeps_(substeps) {}
 
 template <class T>
@@ -118,65 +143,128 @@ void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec
   handed_over_.push_back(h);
 }
 
-/// The sparse pass of every block, with the velocities at the beginning of the step.
 template <class T>
-std::int64_t FluidForces<T>::apply(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
-                                   std::span<BlockLinks<T>> links, const rigid::BodySet& bodies) {
+void order_groups(BlockLinks<T>& block) {
+  const auto& groups = block.links.groups;
+  const std::size_t surfaces = block.links.surfaces.size();
+  std::vector<std::int32_t> last(surfaces, -1);  // group that is ready last
+  block.inner.clear();
+  block.first_group.assign(surfaces + 1, 0);
+  for (std::uint32_t k = 0; k < groups.size(); ++k) {
+    const auto& g = groups[k];
+    block.first_group[g.surface + 1] = k + 1;
+    if (g.ready >= 0) block.inner.push_back({k, false});
+    std::int32_t& l = last[g.surface];
+    if (block.links.surfaces[g.surface].whole && (l < 0 || groups[l].ready <= g.ready)) l = std::int32_t(k);
+  }
+  for (std::size_t s = 0; s < surfaces; ++s)
+    block.first_group[s + 1] = std::max(block.first_group[s + 1], block.first_group[s]);
+  for (auto& w : block.inner) w.completes = last[groups[w.group].surface] == std::int32_t(w.group);
+  std::stable_sort(block.inner.begin(), block.inner.end(), [&](const auto& a, const auto& b) {
+    return groups[a.group].ready < groups[b.group].ready;
+  });
+}
+
+template <class T>
+void FluidForces<T>::begin(std::span<const BlockMap> maps, std::span<BlockLinks<T>> links,
+                           rigid::BodySet& bodies) {
+  bodies_ = &bodies;
+  rows_.assign(bodies.size() * width_, 0);
+  for (const auto& h : handed_over_)
+    if (const std::size_t row = bodies.row_of(h.id); row < bodies.size())
+      for (int d = 0; d < 6; ++d) rows_[row * width_ + d] += h.impulse[d];
+  handed_over_.clear();
+  for (std::size_t b = 0; b < maps.size(); ++b) {
+    const auto& masks = maps[b].masks;
+    links[b].motions.resize(masks.size());
+    links[b].sums.assign(masks.size(), {});
+    links[b].finished.assign(masks.size(), 0);
+    links[b].applied = 0;
+    if (spec_.force == ForceForm::exact)
+      for (const BodyMask& mask : masks)
+        add_cells(mask.cells, rows_.data() + mask.row * width_ + cells_begin_);
+    for (std::size_t k = 0; k < masks.size(); ++k)
+      set_motion(links[b].motions[k], bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
+  }
+}
+
+template <class T>
+void FluidForces<T>::apply(lbm::Block<T>& block, lbm::Parity parity, BlockLinks<T>& links,
+                           const lbm::LinkGroup& group) const {
   const auto form = spec_.force == ForceForm::galilean ? lbm::ForceForm::galilean : lbm::ForceForm::exact;
+  lbm::apply_cut_links(block, parity, links.links, group, links.motions[group.surface], form,
+                       links.sums[group.surface]);
+}
+
+template <class T>
+void FluidForces<T>::after_plane(lbm::Block<T>& block, lbm::Parity parity, const BlockMap& map,
+                                 BlockLinks<T>& links, int z, const Vec3& gravity) {
+  for (; links.applied < links.inner.size(); ++links.applied) {
+    const auto [k, completes] = links.inner[links.applied];
+    const lbm::LinkGroup& group = links.links.groups[k];
+    if (group.ready > z) return;
+    apply(block, parity, links, group);
+    if (completes && spec_.time == TimeCoupling::implicit_)
+      finish_body(block, parity, map.masks[group.surface], links, group.surface, gravity);
+  }
+}
+
+/// Nobody else has links on this body: what solve_implicit would do for it later.
+template <class T>
+void FluidForces<T>::finish_body(lbm::Block<T>& block, lbm::Parity parity, const BodyMask& mask,
+                                 BlockLinks<T>& links, int surface, const Vec3& gravity) {
+  if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || links.sums[surface].invalid) return;
+  std::int64_t* const row = rows_.data() + mask.row * width_;
+  add_sums(row, links, surface);
+  settle_owed(*bodies_, mask.row);
+  const Vec6 d = take_velocity_change(*bodies_, mask.row, row, gravity, substeps_);
+  lbm::SurfaceMotion increment;
+  set_motion(increment, d.template head<3>(), d.template tail<3>());
+  for (std::uint32_t g = links.first_group[surface]; g < links.first_group[surface + 1]; ++g)
+    lbm::correct_cut_links(block, parity, links.links, links.links.groups[g], increment, links.sums[surface]);
+  links.finished[surface] = 1;
+}
+
+template <class T>
+std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
+                                        std::span<BlockLinks<T>> links) {
   std::int64_t mass = 0;
   rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
   for (std::size_t b = 0; b < maps.size(); ++b) {
-    const auto& masks = maps[b].masks;
-    BlockLinks<T>& block = links[b];
-    block.motions.resize(masks.size());
-    block.sums.assign(masks.size(), {});
-    if (block.links.runs.empty()) continue;
-    for (std::size_t k = 0; k < masks.size(); ++k)
-      set_motion(block.motions[k], bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
-    lbm::apply_cut_links(fluid.blocks()[b], fluid.parity(), block.links, block.motions.data(), form,
-                         block.sums.data());
-    for (std::size_t k = 0; k < masks.size(); ++k) {
-      mass += block.sums[k].mass;
-      if (block.sums[k].invalid) bad = std::min(bad, masks[k].id);
+    for (const lbm::LinkGroup& group : links[b].links.groups)
+      if (group.ready < 0) apply(fluid.blocks()[b], fluid.parity(), links[b], group);
+    for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
+      mass += links[b].sums[k].mass;
+      if (links[b].sums[k].invalid) bad = std::min(bad, maps[b].masks[k].id);
     }
   }
   require_in_range(exchange_.comm(), bad);
   return mass;
 }
 
-/// Sums of all blocks and what was handed over, a row each, at the owners.
+/// Sums of all blocks, to what was handed over, a row each, at the owners.
 template <class T>
 void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const BlockLinks<T>> links,
                             const rigid::BodySet& bodies) {
-  rows_.assign(bodies.size() * width_, 0);
   for (std::size_t b = 0; b < maps.size(); ++b)
-    for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
-      std::int64_t* const row = rows_.data() + maps[b].masks[k].row * width_;
-      const lbm::LinkSums& sums = links[b].sums[k];
-      for (int d = 0; d < 3; ++d) row[d] += sums.force[d], row[3 + d] += sums.torque[d];
-      if (spec_.force == ForceForm::exact) add_cells(maps[b].masks[k].cells, row + force_width);
-      if (spec_.time == TimeCoupling::implicit_)
-        for (int e = 0; e < stiffness_width; ++e) row[stiffness_begin_ + e] += links[b].stiffness[k].h[e];
-    }
-  for (const auto& h : handed_over_)
-    if (const std::size_t row = bodies.row_of(h.id); row < bodies.size())
-      for (int d = 0; d < force_width; ++d) rows_[row * width_ + d] += h.impulse[d];
-  handed_over_.clear();
+    for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
+      if (!links[b].finished[k])
+        add_sums(rows_.data() + maps[b].masks[k].row * width_, links[b], int(k),
+                 spec_.time == TimeCoupling::implicit_);
   wall_loads_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
     std::copy_n(rows_.data() + (bodies.first_wall() + w) * width_, force_width, wall_loads_[w].begin());
   exchange_.sum_to_owners(bodies, rows_, width_);
 }
 
-/// What bodies were owed at the last step and are owed no more.
+/// What a body was owed at the last step and is owed no more goes to its row.
 template <class T>
-void FluidForces<T>::settle_owed(rigid::BodySet& bodies) {
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    std::int64_t* const force = rows_.data() + row * width_;
-    const auto now = momentum_of_excess(bodies, row, force + force_width);
-    for (int d = 0; d < force_width; ++d) force[d] += bodies.owed[row][d] - now[d];
-    bodies.owed[row] = now;
-  }
+void FluidForces<T>::settle_owed(rigid::BodySet& bodies, std::size_t row) {
+  if (spec_.force != ForceForm::exact) return;
+  std::int64_t* const force = rows_.data() + row * width_;
+  const auto now = momentum_of_excess(bodies, row, force + cells_begin_);
+  for (int d = 0; d < force_width; ++d) force[d] += bodies.owed[row][d] - now[d];
+  bodies.owed[row] = now;
 }
 
 template <class T>
@@ -191,8 +279,9 @@ void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodie
 }
 
 template <class T>
-void FluidForces<T>::add_explicit(rigid::BodySet& bodies) const {
+void FluidForces<T>::add_explicit(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
+    settle_owed(bodies, row);
     const Vec6 f = force_of(rows_.data() + row * width_);
     bodies.add_force(row, f.template head<3>()), bodies.add_torque(row, f.template tail<3>());
   }
@@ -202,37 +291,35 @@ template <class T>
 std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
                                             std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
                                             const Vec3& gravity) {
+  std::vector<std::uint8_t> finished(bodies.size(), 0);
+  for (std::size_t b = 0; b < maps.size(); ++b)
+    for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
+      if (links[b].finished[k]) finished[maps[b].masks[k].row] = 1;
   std::vector<double> delta(bodies.size() * 6, 0.0);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const Vec6 f = force_of(rows_.data() + row * width_);
-    Vec6 applied = f;
+    if (finished[row]) continue;
+    settle_owed(bodies, row);
+    const std::int64_t* const sums = rows_.data() + row * width_;
     if (bodies.is_free(row)) {
-      const Mat6 m = mass_matrix(bodies, row),
-                 h = stiffness_of(rows_.data() + row * width_ + stiffness_begin_);
-      Vec6 external;
-      external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
-          bodies.torque[row].value();
-      external.head<3>() += substeps_ * rigid::impulse_of_films(bodies, row);
-      Vec6 load = f + external;
-      load.template head<3>() += held_by_contacts(bodies, row, substeps_, load.template head<3>());
-      const Vec6 d = (m + h).ldlt().solve(load);
-      applied = f - h * d;
-      Eigen::Map<Vec6>(delta.data() + row * 6) = d;
+      Eigen::Map<Vec6>(delta.data() + row * 6) = take_velocity_change(bodies, row, sums, gravity, substeps_);
+    } else {
+      const Vec6 f = force_of(sums);
+      bodies.add_force(row, f.template head<3>()), bodies.add_torque(row, f.template tail<3>());
     }
-    bodies.add_force(row, applied.template head<3>()), bodies.add_torque(row, applied.template tail<3>());
   }
   exchange_.share_with_copies(bodies, delta, 6);
   std::int64_t mass = 0;
   for (std::size_t b = 0; b < maps.size(); ++b) {
     BlockLinks<T>& block = links[b];
-    if (block.links.runs.empty()) continue;
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
       const double* const d = delta.data() + maps[b].masks[k].row * 6;
       set_motion(block.motions[k], Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
       block.sums[k] = {};
     }
-    lbm::correct_cut_links(fluid.blocks()[b], fluid.parity(), block.links, block.motions.data(),
-                           block.sums.data());
+    for (const lbm::LinkGroup& group : block.links.groups)
+      if (!block.finished[group.surface] && bodies.is_free(maps[b].masks[group.surface].row))
+        lbm::correct_cut_links(fluid.blocks()[b], fluid.parity(), block.links, group,
+                               block.motions[group.surface], block.sums[group.surface]);
     for (const auto& s : block.sums) mass += s.mass;
   }
   return mass;
@@ -242,9 +329,8 @@ template <class T>
 std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
                                         std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
                                         const Vec3& gravity) {
-  std::int64_t mass = apply(fluid, maps, links, bodies);
+  std::int64_t mass = apply_rims(fluid, maps, links);
   gather(maps, links, bodies);
-  if (spec_.force == ForceForm::exact) settle_owed(bodies);
   if (spec_.time == TimeCoupling::implicit_)
     mass += solve_implicit(fluid, maps, links, bodies, gravity);
   else
@@ -252,6 +338,8 @@ std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const Bl
   return mass;
 }
 
+template void order_groups(BlockLinks<float>&);
+template void order_groups(BlockLinks<double>&);
 template class FluidForces<float>;
 template class FluidForces<double>;
 

@@ -43,11 +43,23 @@ struct BlockLinks {
   std::vector<lbm::SurfaceMotion> motions;
   std::vector<lbm::LinkSums> sums;
   std::vector<lbm::StiffnessSums> stiffness;  // implicit coupling only; renewed with the links
+  struct Waiting {
+    std::uint32_t group;
+    bool completes;  // with it all links of its surface are applied, and no other block has any
+  };
+  std::vector<Waiting> inner;              // groups in the order of the planes they wait for
+  std::vector<std::uint32_t> first_group;  // of a surface; the last one's end
+  std::vector<std::uint8_t> finished;      // surfaces whose bodies have been solved for in this step
+  std::size_t applied = 0;                 // of `inner`, in this step
 };
 
-/// Of a row: force (3) and torque (3) in quanta of lbm::link_quantum; with the form `exact` the body's cells
-/// (4, CellSums); with implicit coupling the stiffness (21) in lbm::stiffness_quantum.
-inline constexpr int force_width = 6, cells_width = 4, stiffness_width = 21;
+/// Fills inner and first_group; call when links were built.
+template <class T>
+void order_groups(BlockLinks<T>&);
+
+/// Of a row: force (3) and torque (3) in quanta of lbm::link_quantum; with implicit coupling the stiffness
+/// (21) in lbm::stiffness_quantum; with the form `exact` the body's cells (4, CellSums).
+inline constexpr int force_width = 6, stiffness_width = 21, cells_width = 4;
 
 /// Impulse that a body is still owed for cells that changed sides, lattice units, world frame.
 rigid::Vec3 owed_impulse(const rigid::BodySet&, std::size_t row);
@@ -63,6 +75,15 @@ class FluidForces {
   /// Momentum handed over by covered and uncovered cells (form `exact` only), from the next evaluation on:
   /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
   void hand_over(rigid::BodyId, const rigid::Vec3& momentum, const rigid::Vec3& arm);
+  // ---- a step ----
+  /// Before the fluid's passes: the velocities with which surfaces return. The bodies stay where they are in
+  /// memory until the step's last call.
+  void begin(std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&);
+  /// The dense pass is done with plane z of a block: what its links wait for is applied, and bodies all of
+  /// whose links have been are solved for, while their populations are in cache.
+  void after_plane(lbm::Block<T>&, lbm::Parity, const BlockMap&, BlockLinks<T>&, int z,
+                   const rigid::Vec3& gravity);
+  /// All other links and bodies, after the halo exchange.
   /// Collective. Returns the density that fluid cells of this rank gained through links, in mass quanta.
   std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                           rigid::BodySet&, const rigid::Vec3& gravity);
@@ -72,19 +93,22 @@ class FluidForces {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
 
  private:
-  std::int64_t apply(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
-                     const rigid::BodySet&);
+  void apply(lbm::Block<T>&, lbm::Parity, BlockLinks<T>&, const lbm::LinkGroup&) const;
+  std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
+  void finish_body(lbm::Block<T>&, lbm::Parity, const BodyMask&, BlockLinks<T>&, int surface,
+                   const rigid::Vec3& gravity);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
-  void settle_owed(rigid::BodySet&);
-  void add_explicit(rigid::BodySet&) const;
+  void settle_owed(rigid::BodySet&, std::size_t row);
+  void add_explicit(rigid::BodySet&);
   std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                               rigid::BodySet&, const rigid::Vec3& gravity);
 
   CouplingSpec spec_;
   const BodyExchange& exchange_;
-  std::vector<std::int64_t> rows_;  // width a row
-  int stiffness_begin_, width_;     // of a row
-  int substeps_;                    // of the rigid step: stored impulses are those of one
+  rigid::BodySet* bodies_ = nullptr;  // of the step under way
+  std::vector<std::int64_t> rows_;    // width a row
+  int cells_begin_, width_;           // of a row
+  int substeps_;                      // of the rigid step: stored impulses are those of one
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
   struct HandedOver {
     rigid::BodyId id;

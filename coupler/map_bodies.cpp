@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "coupler/bit_kernels.hpp"
 #include "rigid/ray_interval.hpp"
 
 namespace silt::coupler {
@@ -12,15 +13,6 @@ using lbm::Int3;
 using rigid::Vec3;
 
 namespace {
-
-/// Sum of the positions of the bits that are set.
-int sum_of_positions(std::uint64_t word) {
-  constexpr std::uint64_t with_bit[] = {0xAAAAAAAAAAAAAAAA, 0xCCCCCCCCCCCCCCCC, 0xF0F0F0F0F0F0F0F0,
-                                        0xFF00FF00FF00FF00, 0xFFFF0000FFFF0000, 0xFFFFFFFF00000000};
-  int sum = 0;
-  for (int b = 0; b < 6; ++b) sum += std::popcount(word & with_bit[b]) << b;
-  return sum;
-}
 
 CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   CellBits bits(box.size);
@@ -37,27 +29,68 @@ bool same(const rigid::Pose& a, const rigid::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-/// Sets the bits of the cells first..last (global less shift) that lie in the block's row, ghosts included.
-void set_interval(const lbm::CellBox& box, int shift_x, double first, double last, std::uint64_t* row) {
-  const int offset = box.lower.x - shift_x - 1;  // bit = cell - offset
-  if (!(first - offset <= box.size.x + 1.0 && last - offset >= 0)) return;
-  const int from = int(std::max(first - offset, 0.0)), to = int(std::min(last - offset, box.size.x + 1.0));
-  for (int bit = from; bit <= to; ++bit) row[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+void mark_ball(const BitFrame& frame, const SphereInFrame& ball, std::uint64_t* words) {
+  SILT_DISPATCH(mark_sphere, frame, ball, words)
 }
 
-/// The cells of a mask inside its block, each counted by the one block that has it.
-CellSums count_cells(const BlockMap& block, const BodyMask& mask) {
+/// Sets the bits of the cells first..last of a row, counted from the window's first cell, that lie in the
+/// block and its ghost layer (all but two cells at either end of the window).
+void set_interval(BitWindow& window, std::size_t row, double first, double last) {
+  first = std::max(first, 2.0), last = std::min(last, window.frame().size.x - 3.0);
+  if (!(first <= last)) return;
+  const int from = int(first), to = int(last);
+  for (int x = from; x <= to; ++x) window.words()[(row + x) >> 6] |= std::uint64_t{1} << ((row + x) & 63);
+}
+
+/// Gives the mask those of its cells that no one has yet.
+void take_cells(CellBits& solid, BodyMask& mask) {
+  const BitFrame& f = mask.inside.frame();
+  mask.bits = mask.inside;
+  mask.any = false;
+  for (int z = f.low.z + 2; z < f.low.z + f.size.z - 2; ++z)
+    for (int y = f.low.y + 2; y < f.low.y + f.size.y - 2; ++y) {
+      const std::size_t row = f.row(y, z);
+      for (int x = 0; x < f.pitch; x += 64) {
+        const std::uint64_t mine = mask.inside.row(x, y, z);
+        if (!mine) continue;
+        const std::uint64_t taken = mine & solid.from(f.low.x + x, y, z);
+        mask.bits.words()[(row + x) >> 6] &= ~(taken << (row & 63));
+        solid.add(f.low.x + x, y, z, mine & ~taken);
+        mask.any |= (mine & ~taken) != 0;
+      }
+    }
+}
+
+/// Sum of the positions of the bits that are set.
+int sum_of_positions(std::uint64_t word) {
+  constexpr std::uint64_t with_bit[] = {0xAAAAAAAAAAAAAAAA, 0xCCCCCCCCCCCCCCCC, 0xF0F0F0F0F0F0F0F0,
+                                        0xFF00FF00FF00FF00, 0xFFFF0000FFFF0000, 0xFFFFFFFF00000000};
+  int sum = 0;
+  for (int b = 0; b < 6; ++b) sum += std::popcount(word & with_bit[b]) << b;
+  return sum;
+}
+
+/// Of a word whose bit 0 is cell x of a row: those that are inside the block.
+std::uint64_t inside(std::uint64_t word, int x, int size) {
+  if (x <= -64 || x >= size) return 0;
+  if (x < 0) word &= ~std::uint64_t{0} << -x;
+  if (size - x < 64) word &= (std::uint64_t{1} << (size - x)) - 1;
+  return word;
+}
+
+/// The cells of a mask inside its block: each is counted by the one block that has it.
+CellSums count_cells(const lbm::CellBox& box, const BodyMask& mask) {
   CellSums sums;
-  const Int3 size = block.box.size, low = block.box.lower + Int3{-mask.shift.x, -mask.shift.y, -mask.shift.z};
-  for (int z = std::max(mask.z0, 0); z < std::min(mask.z1, size.z); ++z)
-    for (int y = std::max(mask.y0, 0); y < std::min(mask.y1, size.y); ++y)
-      for (int k = 0; k < mask.words; ++k) {
-        const std::uint64_t word = mask.at(y, z)[k] & block.solid.interior(k);
-        const int n = std::popcount(word);
+  const BitFrame& f = mask.frame();
+  const Int3 corner = box.lower + Int3{-mask.shift.x, -mask.shift.y, -mask.shift.z};
+  for (int z = std::max(f.low.z, 0); z < std::min(f.low.z + f.size.z, box.size.z); ++z)
+    for (int y = std::max(f.low.y, 0); y < std::min(f.low.y + f.size.y, box.size.y); ++y)
+      for (int x = 0; x < f.size.x; x += 64) {
+        const std::uint64_t word = inside(mask.bits.row(x, y, z), f.low.x + x, box.size.x);
+        const std::int64_t n = std::popcount(word);
         sums.count += n;
-        sums.coordinates[0] += sum_of_positions(word) + n * std::int64_t(low.x + k * 64 - 1);
-        sums.coordinates[1] += n * std::int64_t(low.y + y),
-            sums.coordinates[2] += n * std::int64_t(low.z + z);
+        sums.coordinates[0] += sum_of_positions(word) + n * (corner.x + f.low.x + x);
+        sums.coordinates[1] += n * (corner.y + y), sums.coordinates[2] += n * (corner.z + z);
       }
   return sums;
 }
@@ -94,32 +127,31 @@ void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
 }
 
-/// Every image of every body, and every wall, that may meet the block or its ghost layer, without bits.
-void MapBodies::find_masks(const BlockMap& block, const rigid::BodySet& bodies,
-                           std::vector<BodyMask>& found) const {
-  found.clear();
-  for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row, found);
+/// Every image of every body whose cells may lie in the block or its ghost layer, and every wall, by (id,
+/// shift).
+void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies) {
+  found_.clear();
+  for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
     if (!std::holds_alternative<rigid::Tube>(world_.shapes[bodies.shape[row]])) continue;
-    BodyMask mask;  // no images: it is alike on both sides of a periodic border, or solid there
-    mask.id = bodies.id[row], mask.row = row, mask.pose = bodies.mapping_pose[row];
-    mask.y0 = mask.z0 = -1, mask.y1 = block.box.size.y + 1, mask.z1 = block.box.size.z + 1;
-    found.push_back(std::move(mask));
+    const Int3 n =
+        block.box.size;  // no images: it is alike on both sides of a periodic border, or solid there
+    found_.push_back({bodies.id[row], row, {}, BitFrame({-3, -3, -3}, n + Int3{6, 6, 6})});
   }
-  std::sort(found.begin(), found.end(), [](const BodyMask& a, const BodyMask& b) {
+  const auto before = [](const Image& a, const Image& b) {
     return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
-  });
+  };
+  if (!std::is_sorted(found_.begin(), found_.end(), before)) std::sort(found_.begin(), found_.end(), before);
 }
 
-/// The images of a body whose bounding box meets the block or its ghost layer.
-void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row,
-                           std::vector<BodyMask>& found) const {
-  const rigid::Pose& pose = bodies.mapping_pose[row];
-  const rigid::BoundingBox box = rigid::bounding_box(world_.shapes[bodies.shape[row]], pose);
-  int low[3], high[3];  // cells the box may cover, then the images that reach the block
-  Int3 first, last;
+void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
+  constexpr double rounding = 1e-6;  // cells: a centre that the box only touches may be inside
+  const rigid::BoundingBox box =
+      rigid::bounding_box(world_.shapes[bodies.shape[row]], bodies.mapping_pose[row]);
+  Int3 low, high, first, last;  // cells the box may cover, then the images that reach the block
   for (int d = 0; d < 3; ++d) {
-    low[d] = int(std::floor(box.lower[d] - 0.5)), high[d] = int(std::ceil(box.upper[d] - 0.5));
+    low[d] = int(std::ceil(box.lower[d] - 0.5 - rounding));
+    high[d] = int(std::floor(box.upper[d] - 0.5 + rounding));
     const int n = domain_.cells()[d], from = block.box.lower[d] - 1,
               to = block.box.lower[d] + block.box.size[d];
     const auto floor_div = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
@@ -130,105 +162,105 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
   for (int kz = first.z; kz <= last.z; ++kz)
     for (int ky = first.y; ky <= last.y; ++ky)
       for (int kx = first.x; kx <= last.x; ++kx) {
-        BodyMask mask;
-        mask.id = bodies.id[row], mask.row = row, mask.pose = pose;
-        mask.shift = {kx * domain_.cells().x, ky * domain_.cells().y, kz * domain_.cells().z};
-        const auto rows = [&](int d, int shift, int& r0, int& r1) {
-          r0 = std::max(low[d] + shift - block.box.lower[d], -1);
-          r1 = std::min(high[d] + shift - block.box.lower[d], block.box.size[d]) + 1;
-        };
-        rows(1, mask.shift.y, mask.y0, mask.y1), rows(2, mask.shift.z, mask.z0, mask.z1);
-        if (mask.y0 < mask.y1 && mask.z0 < mask.z1) found.push_back(std::move(mask));
+        const Int3 n = domain_.cells(), shift{kx * n.x, ky * n.y, kz * n.z};
+        Int3 corner, size;
+        for (int d = 0; d < 3; ++d) {
+          corner[d] = std::max(low[d] + shift[d] - block.box.lower[d], -1) - 2;
+          size[d] = std::min(high[d] + shift[d] - block.box.lower[d], block.box.size[d]) + 3 - corner[d];
+        }
+        if (size.x > 4 && size.y > 4 && size.z > 4)
+          found_.push_back({bodies.id[row], row, shift, BitFrame(corner, size)});
       }
 }
 
 /// The cells outside the hollow of a tube.
 void MapBodies::mark_around(const BlockMap& block, const rigid::Tube& tube, BodyMask& mask) const {
+  const BitFrame& frame = mask.inside.frame();
   const rigid::Mat3 to_tube = mask.pose.orientation.toRotationMatrix().transpose();
   const double centre = mask.pose.position[0] - 0.5;
+  const int low = block.box.lower.x + frame.low.x;
   constexpr double beyond = 1e9;  // all cells of a row
-  for (int z = mask.z0; z < mask.z1; ++z)
-    for (int y = mask.y0; y < mask.y1; ++y) {
+  for (int z = frame.low.z + 2; z < frame.low.z + frame.size.z - 2; ++z)
+    for (int y = frame.low.y + 2; y < frame.low.y + frame.size.y - 2; ++y) {
       const Vec3 r = mask.arm(block.box.lower + Int3{0, y, z});
-      std::uint64_t* const row = mask.inside.data() + mask.row_index(y, z);
       const auto hollow = rigid::hollow_interval(tube, to_tube * Vec3(0, r[1], r[2]), to_tube.col(0));
-      set_interval(block.box, 0, -beyond, hollow ? std::floor(centre + hollow->enter) : beyond, row);
-      if (hollow) set_interval(block.box, 0, std::ceil(centre + hollow->leave), beyond, row);
+      const std::size_t row = frame.row(y, z);
+      set_interval(mask.inside, row, -beyond, hollow ? std::floor(centre + hollow->enter) - low : beyond);
+      if (hollow) set_interval(mask.inside, row, std::ceil(centre + hollow->leave) - low, beyond);
     }
 }
 
 /// Row by row: where the line of cell centres is inside, in closed form, relative to the body's centre.
 void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) const {
-  mask.words = block.solid.words();
-  mask.inside.assign(std::size_t(mask.words) * (mask.y1 - mask.y0) * (mask.z1 - mask.z0), 0);
+  const BitFrame& frame = mask.inside.frame();
+  const Int3 low = block.box.lower + frame.low - mask.shift;  // of the frame, where the body is canonical
+  if (const auto* ball = std::get_if<rigid::Sphere>(&shape)) {
+    const Vec3& x = mask.pose.position;
+    mark_ball(frame, {x[0], x[1], x[2], ball->radius, low}, mask.inside.words());
+    return;
+  }
   if (const auto* tube = std::get_if<rigid::Tube>(&shape)) return mark_around(block, *tube, mask);
   const auto& parts = parts_[&shape - world_.shapes.data()];
   const rigid::Mat3 to_body = mask.pose.orientation.toRotationMatrix().transpose();
   const Vec3 direction_B = to_body.col(0);
   const double centre = mask.pose.position[0] - 0.5;
-  const auto* ball = std::get_if<rigid::Sphere>(&shape);
-  for (int z = mask.z0; z < mask.z1; ++z)
-    for (int y = mask.y0; y < mask.y1; ++y) {
+  for (int z = frame.low.z + 2; z < frame.low.z + frame.size.z - 2; ++z)
+    for (int y = frame.low.y + 2; y < frame.low.y + frame.size.y - 2; ++y) {
       const Vec3 r = mask.arm(block.box.lower + Int3{0, y, z});
-      std::uint64_t* const row = mask.inside.data() + mask.row_index(y, z);
-      if (ball) {
-        const double h2 = ball->radius * ball->radius - r[1] * r[1] - r[2] * r[2];
-        if (h2 < 0) continue;
-        const double half = std::sqrt(h2);
-        set_interval(block.box, mask.shift.x, std::ceil(centre - half), std::floor(centre + half), row);
-        continue;
-      }
       const Vec3 origin_B = to_body * Vec3(0, r[1], r[2]);
       for (const auto& part : parts) {
         const auto hit = rigid::ray_interval(part.shape, part.pose.to_body(origin_B),
                                              part.pose.orientation.conjugate() * direction_B);
         if (hit)
-          set_interval(block.box, mask.shift.x, std::ceil(centre + hit->enter),
-                       std::floor(centre + hit->leave), row);
+          set_interval(mask.inside, frame.row(y, z), std::ceil(centre + hit->enter) - low.x,
+                       std::floor(centre + hit->leave) - low.x);
       }
     }
 }
 
+bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bodies) const {
+  if (found_.size() != block.masks.size()) return false;
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    const BodyMask& mask = block.masks[k];
+    if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
+        !same(bodies.mapping_pose[found_[k].row], mask.pose))
+      return false;
+  }
+  return true;
+}
+
 void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
-  std::vector<BodyMask> found;
-  find_masks(block, bodies, found);
-  block.changed = found.size() != block.masks.size();
-  for (std::size_t k = 0; !block.changed && k < found.size(); ++k)
-    block.changed = found[k].id != block.masks[k].id || !(found[k].shift == block.masks[k].shift) ||
-                    !same(found[k].pose, block.masks[k].pose);
+  find_images(block, bodies);
+  const bool was_changed = block.changed;
+  block.changed = !nothing_changed(block, bodies);
   if (!block.changed) {
-    for (std::size_t k = 0; k < found.size(); ++k) block.masks[k].row = found[k].row;
-    block.masks_before.clear();
-    block.before.all() = block.solid.all();
+    for (std::size_t k = 0; k < found_.size(); ++k) block.masks[k].row = found_[k].row;
+    if (was_changed) block.before.all() = block.solid.all();
     return;
   }
   block.masks_before.swap(block.masks);
-  block.masks.swap(found);
   block.before.all() = block.solid.all();
   block.solid.all() = block.walls.all();
+  block.masks.resize(found_.size());
   auto old = block.masks_before.begin();
-  for (auto& mask : block.masks) {
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    const Image& image = found_[k];
+    BodyMask& mask = block.masks[k];
+    mask.id = image.id, mask.row = image.row, mask.shift = image.shift;
+    mask.pose = bodies.mapping_pose[image.row];
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))
       ++match;
-    if (match != block.masks_before.end() && match->id == mask.id && same(match->pose, mask.pose))
-      mask.words = match->words, mask.inside = match->inside;
-    else
+    const bool known = match != block.masks_before.end() && match->id == mask.id;
+    if (known && same(match->pose, mask.pose)) {
+      mask.inside = match->inside;
+    } else {
+      mask.inside.reset(image.frame);
       mark(block, world_.shapes[bodies.shape[mask.row]], mask);
-    mask.bits = mask.inside;
-    mask.any = false;
-    for (int z = mask.z0; z < mask.z1; ++z)
-      for (int y = mask.y0; y < mask.y1; ++y) {
-        std::uint64_t* const mine = mask.bits.data() + mask.row_index(y, z);
-        std::uint64_t* const all = block.solid.at(y, z);
-        for (int k = 0; k < mask.words; ++k) {
-          mine[k] &= ~all[k];
-          all[k] |= mine[k];
-          mask.any |= mine[k] != 0;
-        }
-      }
-    mask.cells = count_cells(block, mask);
+    }
+    take_cells(block.solid, mask);
+    mask.cells = count_cells(block.box, mask);
   }
 }
 

@@ -27,10 +27,16 @@ class MapBodies {
   const std::vector<BlockMap>& blocks() const { return blocks_; }
 
  private:
+  struct Image {
+    rigid::BodyId id;
+    std::size_t row;
+    lbm::Int3 shift;
+    BitFrame frame;
+  };
   void map_block(BlockMap&, const rigid::BodySet&);
-  void find_masks(const BlockMap&, const rigid::BodySet&, std::vector<BodyMask>& found) const;
-  void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row,
-                  std::vector<BodyMask>& found) const;
+  void find_images(const BlockMap&, const rigid::BodySet&);
+  void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
+  bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&) const;
   void mark_around(const BlockMap&, const rigid::Tube&, BodyMask&) const;
 
@@ -38,6 +44,7 @@ class MapBodies {
   const rigid::World& world_;
   std::vector<std::vector<rigid::Part>> parts_;  // of each shape
   std::vector<BlockMap> blocks_;
+  std::vector<Image> found_;  // in the block at work
 };
 
 }  // namespace silt::coupler

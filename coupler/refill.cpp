@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -12,24 +13,35 @@ using lbm::Int3;
 
 namespace {
 
-/// The cells whose bits are in `after` but not in `before`; ghosts too if asked.
+/// The cells, ghosts too, whose bits are in `after` but not in `before`.
 template <class F>
-void for_new_bits(const CellBits& before, const CellBits& after, bool ghosts, F&& f) {
+void for_new_bits(const CellBits& before, const CellBits& after, F&& f) {
   const Int3 size = after.size();
-  const int g = ghosts ? 1 : 0;
-  for (int z = -g; z < size.z + g; ++z)
-    for (int y = -g; y < size.y + g; ++y)
+  for (int z = -1; z <= size.z; ++z)
+    for (int y = -1; y <= size.y; ++y)
       for (int k = 0; k < after.words(); ++k) {
-        const std::uint64_t mask = ghosts ? ~std::uint64_t{0} : after.interior(k);
-        const std::uint64_t fresh = after.at(y, z)[k] & ~before.at(y, z)[k] & mask;
+        const std::uint64_t fresh = after.at(y, z)[k] & ~before.at(y, z)[k];
         if (fresh) for_bits(fresh, k, [&](int x) { f(Int3{x, y, z}); });
       }
 }
 
-const BodyMask* mask_at(const std::vector<BodyMask>& masks, Int3 cell) {
-  for (const auto& m : masks)
-    if (m.test(cell)) return &m;
-  return nullptr;
+/// Calls f(cell, mask) for every cell inside the block that some mask has and `other` has not.
+template <class F>
+void for_cells_lost(const std::vector<BodyMask>& masks, const CellBits& other, F&& f) {
+  const Int3 size = other.size();
+  for (const BodyMask& mask : masks) {
+    const BitFrame& w = mask.frame();
+    for (int z = std::max(w.low.z + 2, 0); z < std::min(w.low.z + w.size.z - 2, size.z); ++z)
+      for (int y = std::max(w.low.y + 2, 0); y < std::min(w.low.y + w.size.y - 2, size.y); ++y)
+        for (int x = 0; x < w.pitch; x += 64) {
+          std::uint64_t lost = mask.bits.row(x, y, z);
+          if (lost) lost &= ~other.from(w.low.x + x, y, z);
+          for (; lost; lost &= lost - 1) {
+            const int at = w.low.x + x + std::countr_zero(lost);
+            if (at >= 0 && at < size.x) f(Int3{at, y, z}, &mask);
+          }
+        }
+  }
 }
 
 using MomentsKey = std::tuple<std::int64_t, int>;  // uncovered global cell, direction to the neighbour
@@ -46,6 +58,9 @@ class RemoteMoments {
  public:
   RemoteMoments(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells)
       : fluid_(fluid), domain_(fluid.domain()) {
+    int ranks = 1;
+    MPI_Comm_size(fluid.comm(), &ranks);
+    if (ranks == 1) return;
     MPI_Comm_rank(fluid.comm(), &rank_);
     std::map<int, std::map<MomentsKey, Packed>> outgoing;
     std::map<int, std::vector<MomentsKey>> wanted;
@@ -63,7 +78,7 @@ class RemoteMoments {
   void offer(int b, const BlockMap& map, std::map<int, std::map<MomentsKey, Packed>>& outgoing) const {
     if (!map.changed) return;
     const lbm::CellBox inside{{}, map.box.size};
-    for_new_bits(map.solid, map.before, true, [&](Int3 x) {
+    for_new_bits(map.solid, map.before, [&](Int3 x) {
       if (inside.contains(x)) return;
       const int rank = domain_.rank_at(domain_.wrapped(map.box.lower + x));
       if (rank == rank_) return;
@@ -141,6 +156,13 @@ double grad_part(int i, const double s[6]) {
   return 4.5 * lbm::w(i) * (css - (s[0] + s[1] + s[2]) / 3);
 }
 
+/// The rows next to a cell's, for its neighbours' moments.
+template <class T>
+void prefetch_around(const lbm::Fluid<T>& fluid, const CoveredCell& u) {
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y) fluid.prefetch(u.block, u.cell + Int3{0, y, z});
+}
+
 }  // namespace
 
 rigid::Vec3 nearest_arm(const lbm::Domain& domain, const rigid::Vec3& position, Int3 cell) {
@@ -155,11 +177,11 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
   for (int b = 0; b < int(maps.size()); ++b) {
     const BlockMap& map = maps[b];
     if (!map.changed) continue;
-    for_new_bits(map.before, map.solid, false, [&](Int3 x) {
-      cells.covered.push_back({b, x, mask_at(map.masks, x)});
+    for_cells_lost(map.masks, map.before, [&](Int3 x, const BodyMask* m) {
+      cells.covered.push_back({b, x, m});
     });
-    for_new_bits(map.solid, map.before, false, [&](Int3 x) {
-      cells.uncovered.push_back({b, x, mask_at(map.masks_before, x)});
+    for_cells_lost(map.masks_before, map.solid, [&](Int3 x, const BodyMask* m) {
+      cells.uncovered.push_back({b, x, m});
     });
   }
   return cells;
@@ -174,7 +196,11 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
   std::map<int, int> local;  // global block -> local index
   for (int b = 0; b < int(maps.size()); ++b) local[domain.block_at(maps[b].box.lower)] = b;
   std::vector<Average> averages;
-  for (const auto& u : cells.uncovered) {  // all averages before the first cell is written
+  averages.reserve(cells.uncovered.size());
+  constexpr std::size_t ahead = 3;  // cells: far enough for memory to answer, few enough to stay in cache
+  for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {  // all averages before the first cell is written
+    const CoveredCell& u = cells.uncovered[n];
+    if (n + ahead < cells.uncovered.size()) prefetch_around(fluid, cells.uncovered[n + ahead]);
     const BlockMap& map = maps[u.block];
     const lbm::CellBox inside{{}, map.box.size};
     Average& mean = averages.emplace_back();

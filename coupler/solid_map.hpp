@@ -4,23 +4,40 @@
 #include <cstdint>
 #include <vector>
 
+#include "coupler/bit_window.hpp"
 #include "lbm/block.hpp"
 #include "rigid/types.hpp"
 
 namespace silt::coupler {
 
-/// Rows of bits over a block and its ghost layer: bit x + 1 of row (y, z), -1 <= x <= size.
+/// Rows of bits over a block and its ghost layer: bit x + 1 of row (y, z), -1 <= x <= size. A word before and
+/// three after them may be read.
 class CellBits {
  public:
   CellBits() = default;
   explicit CellBits(lbm::Int3 size)
       : size_(size),
         words_((size.x + 2 + 63) / 64),
-        bits_(std::size_t(words_) * (size.y + 2) * (size.z + 2)) {}
+        bits_(std::size_t(words_) * (size.y + 2) * (size.z + 2) + 4) {}
   int words() const { return words_; }
-  std::size_t row(int y, int z) const { return std::size_t(words_) * ((z + 1) * (size_.y + 2) + (y + 1)); }
+  std::size_t row(int y, int z) const {
+    return 1 + std::size_t(words_) * ((z + 1) * (size_.y + 2) + (y + 1));
+  }
   std::uint64_t* at(int y, int z) { return bits_.data() + row(y, z); }
   const std::uint64_t* at(int y, int z) const { return bits_.data() + row(y, z); }
+  /// 64 cells of a row from cell x on; beyond the row: anything.
+  std::uint64_t from(int x, int y, int z) const {
+    const int bit = x + 1;
+    const std::uint64_t* const w = at(y, z) + (bit >> 6);
+    return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
+  }
+  /// Sets the cells whose bits are set, bit 0 being cell x.
+  void add(int x, int y, int z, std::uint64_t cells) {
+    const int bit = x + 1;
+    std::uint64_t* const w = at(y, z) + (bit >> 6);
+    w[0] |= cells << (bit & 63);
+    if (const std::uint64_t beyond = cells >> 1 >> (63 - (bit & 63))) w[1] |= beyond;
+  }
   bool test(lbm::Int3 c) const { return at(c.y, c.z)[(c.x + 1) >> 6] >> ((c.x + 1) & 63) & 1; }
   void set(lbm::Int3 c) { at(c.y, c.z)[(c.x + 1) >> 6] |= std::uint64_t{1} << ((c.x + 1) & 63); }
   std::vector<std::uint64_t>& all() { return bits_; }
@@ -52,25 +69,19 @@ struct CellSums {
   std::int64_t count = 0, coordinates[3] = {};
 };
 
-/// One periodic image of a body in a block: the cells whose centres are inside it.
+/// One periodic image of a body in a block: the cells whose centres are inside it. The windows reach two
+/// cells beyond what the body can cover in the block and its ghost layer.
 struct BodyMask {
   rigid::BodyId id = 0;
   std::size_t row = 0;  // in the BodySet, this step
   lbm::Int3 shift;      // the image: cells added to the canonical position (multiples of the domain)
   rigid::Pose pose;     // canonical
-  int y0 = 0, y1 = 0, z0 = 0, z1 = 0;  // rows it may touch, local, ghosts included, half-open
-  int words = 0;
-  std::vector<std::uint64_t> inside;  // centre inside the body
-  std::vector<std::uint64_t> bits;    // the same less what walls and lower ids have
-  bool any = false;
-  CellSums cells;  // of bits, without ghosts
+  BitWindow inside;     // centre inside the body
+  BitWindow bits;       // the same less what walls and lower ids have
+  bool any = false;     // in bits
+  CellSums cells;       // of bits, without ghosts
 
-  bool has_row(int y, int z) const { return y >= y0 && y < y1 && z >= z0 && z < z1; }
-  std::size_t row_index(int y, int z) const { return std::size_t(words) * ((z - z0) * (y1 - y0) + (y - y0)); }
-  const std::uint64_t* at(int y, int z) const { return bits.data() + row_index(y, z); }
-  bool test(lbm::Int3 c) const {
-    return has_row(c.y, c.z) && (at(c.y, c.z)[(c.x + 1) >> 6] >> ((c.x + 1) & 63) & 1);
-  }
+  const BitFrame& frame() const { return bits.frame(); }
   /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner +
   /// local).
   rigid::Vec3 arm(lbm::Int3 cell) const {

@@ -1,5 +1,9 @@
-// Built once an instruction set. Links are taken 64 at a time: gather, arithmetic, scatter, sums, each a
-// loop that vectorises by itself.
+// Built once an instruction set. The links of a run are taken 64 at a time: places, gather, arithmetic,
+// scatter, sums, each a loop that vectorises by itself, over whole vectors (runs are filled up).
+//
+// Of one direction, the lever arm r x c has two degrees of freedom: with d an axis along which c is zero, and
+// p, q the other two in cyclic order,
+//   r x c = alpha e1 + beta e2,  alpha = r_d, e1 = c_p e_q - c_q e_p,  beta = r_p c_q - r_q c_p, e2 = e_d.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,50 +15,59 @@ namespace silt::lbm::SILT_ISA {
 namespace {
 
 inline constexpr int chunk = 64;
+static_assert(chunk % link_lanes == 0);
 
-/// Adds terms rounded to whole quanta: x / quantum + 3 * 2^51 has the rounded integer in its low mantissa
-/// bits.
-struct FixedAdder {
-  std::int64_t sum = 0;
-  std::int64_t bad = 0;
-  static constexpr double magic = 0x1.8p52, limit = 0x1p50;
+/// The sum of terms rounded to whole quanta: x / quantum + 3 * 2^51 has the rounded integer in its low
+/// mantissa bits. |x| < 2^51 quanta.
+inline constexpr double fixed_magic = 0x1.8p52;
+inline std::int64_t fixed(double x, double inverse_quantum) {
+  return std::bit_cast<std::int64_t>(x * inverse_quantum + fixed_magic) -
+         std::bit_cast<std::int64_t>(fixed_magic);
+}
 
-  void add(const double* x, int n, double inverse_quantum) {
-    std::int64_t s = 0, out = 0;
-    for (int l = 0; l < n; ++l) {
-      const double scaled = x[l] * inverse_quantum;
-      s += std::bit_cast<std::int64_t>(scaled + magic) - std::bit_cast<std::int64_t>(magic);
-      out |= !(std::fabs(scaled) < limit);
-    }
-    sum += s, bad |= out;
+struct Direction {
+  int c[3], p, q, d;
+  explicit Direction(int i) : c{lbm::c[i].x, lbm::c[i].y, lbm::c[i].z} {
+    d = c[2] == 0 ? 2 : c[1] == 0 ? 1 : 0;
+    p = (d + 1) % 3, q = (d + 2) % 3;
   }
 };
 
+/// Cells, arms from the reference point and lever coordinates of the links [first, first + chunk) of a run.
 template <class T>
-struct Geometry {  // of a run's direction
-  T c[3];
-  T weight6;
-  explicit Geometry(int i) : c{T(lbm::c[i].x), T(lbm::c[i].y), T(lbm::c[i].z)}, weight6(T(6 * w(i))) {}
-};
+struct Places {
+  std::int32_t cell[chunk];
+  T r[3][chunk], beta[chunk];
 
-/// k and the lever arm r x c of the links [l0, l0 + n).
-template <WallScheme scheme, class T>
-struct Levers {
-  T k[chunk], ax[chunk], ay[chunk], az[chunk];
-  Levers(const CutLinks<T>& links, std::uint32_t l0, int n, const Geometry<T>& g) {
-    for (int l = 0; l < n; ++l) {
-      const T x = links.rx[l0 + l], y = links.ry[l0 + l], z = links.rz[l0 + l];
-      k[l] = coefficients<scheme>(links.q[l0 + l], g.weight6).k;
-      ax[l] = y * g.c[2] - z * g.c[1], ay[l] = z * g.c[0] - x * g.c[2], az[l] = x * g.c[1] - y * g.c[0];
+  Places(const std::uint32_t* place, int padded, const Block<T>* block, const CutLinks<T>& links,
+         const LinkGroup& group, const Direction& g) {
+    const SurfaceFrame& frame = links.surfaces[group.surface];
+    const Int3 far = group.corner - frame.cell;
+    const T ox = T(frame.offset[0]), oy = T(frame.offset[1]), oz = T(frame.offset[2]);
+    constexpr std::uint32_t low = (1u << place_bits) - 1;
+    const std::int32_t corner = block ? std::int32_t(block->cell(group.corner)) : 0;
+    const std::int32_t row = block ? std::int32_t(block->row_stride()) : 0;
+    const std::int32_t plane = block ? std::int32_t(block->plane_stride()) : 0;
+    for (int l = 0; l < padded; ++l) {
+      const std::int32_t x = place[l] & low, y = place[l] >> place_bits & low,
+                         z = place[l] >> (2 * place_bits);
+      cell[l] = corner + x + row * y + plane * z;
+      r[0][l] = T(x + far.x) + ox, r[1][l] = T(y + far.y) + oy, r[2][l] = T(z + far.z) + oz;
     }
+    const T cq = T(g.c[g.q]), cp = T(g.c[g.p]);
+    const T *rp = r[g.p], *rq = r[g.q];
+    for (int l = 0; l < padded; ++l) beta[l] = rp[l] * cq - rq[l] * cp;
   }
 };
 
+/// Velocity along c of a surface at a link: along + alpha turn1 + beta turn2.
 template <class T>
 struct Motion {
-  T v[3], o[3];
-  explicit Motion(const SurfaceMotion& m) {
-    for (int d = 0; d < 3; ++d) v[d] = T(m.v[d]), o[d] = T(m.omega[d]);
+  T v[3], o[3], along, turn1, turn2;
+  Motion(const SurfaceMotion& m, const Direction& g) {
+    for (int k = 0; k < 3; ++k) v[k] = T(m.v[k]), o[k] = T(m.omega[k]);
+    along = T(g.c[0]) * v[0] + T(g.c[1]) * v[1] + T(g.c[2]) * v[2];
+    turn1 = T(g.c[g.p]) * o[g.q] - T(g.c[g.q]) * o[g.p], turn2 = o[g.d];
   }
 };
 
@@ -69,162 +82,214 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, cli>{});
     case bouzidi:
       return f(std::integral_constant<WallScheme, bouzidi>{});
+    case parabolic:
+      return f(std::integral_constant<WallScheme, parabolic>{});
     case narrow:
       return f(std::integral_constant<WallScheme, narrow>{});
   }
 }
 
-template <WallScheme scheme, class T>
-void apply_links(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
-                 const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
-  const int i = run.direction, j = opposite(i);
-  const Geometry<T> g(i);
-  const Motion<T> u(motion);
-  const T cv = g.c[0] * u.v[0] + g.c[1] * u.v[1] + g.c[2] * u.v[2];
-  T* const p = block.data();
-  const T* const out = p + block.leaving(i, parity);      // f*_i(x)
-  const T* const behind = p + block.arriving(i, parity);  // f*_i(x - c_i)
-  const T* const against = p + block.leaving(j, parity);  // f*_opp(x)
-  T* const back = p + block.arriving(j, parity);          // f_opp(x, t+1)
-  FixedAdder force[3], torque[3], mass;
+/// Calls f(first, valid, padded) for the chunks of a run: `padded` a multiple of link_lanes.
+template <class F>
+void for_chunks(const LinkRun& run, F&& f) {
+  for (std::uint32_t first = 0; first < run.count; first += chunk) {
+    const int n = int(std::min<std::uint32_t>(chunk, run.count - first));
+    f(run.begin + first, n, (n + link_lanes - 1) & ~(link_lanes - 1));
+  }
+}
 
-  for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
-    const int n = int(std::min<std::uint32_t>(chunk, run.end - l0));
-    const std::int32_t* const cell = links.cell.data() + l0;
+/// The largest |f* + f_opp| for which no term leaves its range.
+double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
+  double u = 0;
+  for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
+  return 32 / ((1 + frame.reach) * (1 + u));
+}
+
+/// c_i.u of cells, from what left them.
+template <class T>
+void velocity_along(const Block<T>& block, Parity parity, const WallFluid<T>& fluid, int i,
+                    const std::int32_t* cell, int n, T* cu) {
+  const Int3 v = lbm::c[i];
+  const T force = T(v.x) * fluid.force[0] + T(v.y) * fluid.force[1] + T(v.z) * fluid.force[2];
+  std::fill_n(cu, n, T(-0.5) * force);
+  for (int j = 1; j < directions; ++j) {
+    const int along = v.x * lbm::c[j].x + v.y * lbm::c[j].y + v.z * lbm::c[j].z;
+    if (along == 0) continue;
+    const T* const out = block.data() + block.leaving(j, parity);
+    for (int l = 0; l < n; ++l) cu[l] += T(along) * out[cell[l]];
+  }
+}
+
+template <WallScheme scheme, class T>
+void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkGroup& group,
+               const LinkRun& run, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  const int i = run.direction, j = opposite(i);
+  const Direction g(i);
+  const Motion<T> u(motion, g);
+  const T weight6 = T(6 * w(i)), cx = T(g.c[0]), cy = T(g.c[1]), cz = T(g.c[2]);
+  const T limit = T(largest_exchange(links.surfaces[group.surface], motion));
+  const T* const push = links.fluid.force;
+  const T cf = cx * push[0] + cy * push[1] + cz * push[2];
+  const T galilean = form == ForceForm::galilean ? T(1) : T(0);
+  T* const data = block.data();
+  const T* const out = data + block.leaving(i, parity);      // f*_i(x)
+  const T* const behind = data + block.arriving(i, parity);  // f*_i(x - c_i)
+  const T* const against = data + block.leaving(j, parity);  // f*_opp(x)
+  T* const back = data + block.arriving(j, parity);          // f_opp(x, t+1)
+  std::int64_t force[3] = {}, torque[3] = {}, mass = 0;
+  int bad = 0;
+
+  for_chunks(run, [&](std::uint32_t first, int n, int padded) {
+    const Places<T> at(links.place.data() + first, padded, &block, links, group, g);
+    const T* const q = links.q.data() + first;
+    const T* const alpha = at.r[g.d];
     T o[chunk], f[chunk], b[chunk], r[chunk];
-    for (int l = 0; l < n; ++l) o[l] = out[cell[l]];
-    if constexpr (reads_behind(scheme))
-      for (int l = 0; l < n; ++l) f[l] = behind[cell[l]];
-    if constexpr (reads_against(scheme))
-      for (int l = 0; l < n; ++l) b[l] = against[cell[l]];
-    const Levers<scheme, T> lever(links, l0, n, g);
-    for (int l = 0; l < n; ++l) {
-      const auto s = coefficients<scheme>(links.q[l0 + l], g.weight6);
-      const T cu = cv + (lever.ax[l] * u.o[0] + lever.ay[l] * u.o[1] + lever.az[l] * u.o[2]);
+    for (int l = 0; l < padded; ++l) o[l] = out[at.cell[l]];
+    if constexpr (reads_behind(scheme)) {
+      for (int l = 0; l < padded; ++l) f[l] = behind[at.cell[l]];
+      for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
+    }
+    if constexpr (scheme == WallScheme::narrow)
+      velocity_along(block, parity, links.fluid, i, at.cell, padded, f);
+    for (int l = 0; l < padded; ++l) {
+      const auto s = coefficients<scheme>(q[l], weight6, links.fluid);
+      const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
       r[l] = s.a * o[l] - s.k * cu;
       if constexpr (reads_behind(scheme))
-        r[l] += s.b * f[l] + s.c * b[l];
-      else if constexpr (reads_against(scheme))
-        r[l] += s.c * b[l];
+        r[l] += s.b * f[l] + s.c * b[l] + T(0.5) * (s.k - weight6 * (s.a - s.c)) * cf;
+      else if constexpr (scheme == WallScheme::narrow)
+        r[l] -= (weight6 - s.k) * f[l];
     }
 #pragma GCC ivdep
-    for (int l = 0; l < n; ++l) back[cell[l]] = r[l];
+    for (int l = 0; l < padded; ++l) back[at.cell[l]] = r[l];
 
-    double fx[chunk], fy[chunk], fz[chunk], tx[chunk], ty[chunk], tz[chunk], m[chunk];
-    const T galilean = form == ForceForm::galilean ? T(1) : T(0);
-    for (int l = 0; l < n; ++l) {
-      const T x = links.rx[l0 + l], y = links.ry[l0 + l], z = links.rz[l0 + l];
-      const T sum = o[l] + r[l], difference = (o[l] - r[l]) * galilean;
-      const double gx = g.c[0] * sum - (u.v[0] + (u.o[1] * z - u.o[2] * y)) * difference;
-      const double gy = g.c[1] * sum - (u.v[1] + (u.o[2] * x - u.o[0] * z)) * difference;
-      const double gz = g.c[2] * sum - (u.v[2] + (u.o[0] * y - u.o[1] * x)) * difference;
-      fx[l] = gx, fy[l] = gy, fz[l] = gz;
-      tx[l] = y * gz - z * gy, ty[l] = z * gx - x * gz, tz[l] = x * gy - y * gx;
-      m[l] = double(r[l]) - double(o[l]);
+    std::int64_t fx = 0, fy = 0, fz = 0, tx = 0, ty = 0, tz = 0, m = 0;
+    for (int l = 0; l < padded; ++l) {
+      const T x = at.r[0][l], y = at.r[1][l], z = at.r[2][l];
+      const T in = l < n ? o[l] : T(0), returned = l < n ? r[l] : T(0);
+      const T sum = in + returned, difference = (in - returned) * galilean;
+      const T gx = cx * sum - (u.v[0] + (u.o[1] * z - u.o[2] * y)) * difference;
+      const T gy = cy * sum - (u.v[1] + (u.o[2] * x - u.o[0] * z)) * difference;
+      const T gz = cz * sum - (u.v[2] + (u.o[0] * y - u.o[1] * x)) * difference;
+      constexpr double scale = 1 / link_quantum;
+      fx += fixed(gx, scale), fy += fixed(gy, scale), fz += fixed(gz, scale);
+      tx += fixed(y * gz - z * gy, scale), ty += fixed(z * gx - x * gz, scale),
+          tz += fixed(x * gy - y * gx, scale);
+      m += fixed(double(returned) - double(in), 1 / mass_quantum);
+      bad |= !(std::fabs(in) + std::fabs(returned) < limit);
     }
-    constexpr double scale = 1 / link_quantum;
-    force[0].add(fx, n, scale), force[1].add(fy, n, scale), force[2].add(fz, n, scale);
-    torque[0].add(tx, n, scale), torque[1].add(ty, n, scale), torque[2].add(tz, n, scale);
-    mass.add(m, n, 1 / mass_quantum);
-  }
-  std::int64_t bad = mass.bad;
-  for (int d = 0; d < 3; ++d) {
-    sums.force[d] += force[d].sum, sums.torque[d] += torque[d].sum;
-    bad |= force[d].bad | torque[d].bad;
-  }
-  sums.mass += mass.sum;
+    force[0] += fx, force[1] += fy, force[2] += fz, torque[0] += tx, torque[1] += ty, torque[2] += tz;
+    mass += m;
+  });
+  for (int k = 0; k < 3; ++k) sums.force[k] += force[k], sums.torque[k] += torque[k];
+  sums.mass += mass;
   if (bad) sums.invalid = true;
 }
 
 template <WallScheme scheme, class T>
-void correct_links(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
-                   const SurfaceMotion& increment, LinkSums& sums) {
-  const Geometry<T> g(run.direction);
-  const Motion<T> u(increment);
-  const T cv = g.c[0] * u.v[0] + g.c[1] * u.v[1] + g.c[2] * u.v[2];
+void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkGroup& group,
+                 const LinkRun& run, const SurfaceMotion& increment, LinkSums& sums) {
+  const Direction g(run.direction);
+  const Motion<T> u(increment, g);
+  const T weight6 = T(6 * w(run.direction));
   T* const back = block.data() + block.arriving(opposite(run.direction), parity);
-  FixedAdder mass;
-  for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
-    const int n = int(std::min<std::uint32_t>(chunk, run.end - l0));
-    const std::int32_t* const cell = links.cell.data() + l0;
-    const Levers<scheme, T> lever(links, l0, n, g);
+  std::int64_t mass = 0;
+  for_chunks(run, [&](std::uint32_t first, int n, int padded) {
+    const Places<T> at(links.place.data() + first, padded, &block, links, group, g);
+    const T* const q = links.q.data() + first;
+    const T* const alpha = at.r[g.d];
     T before[chunk], after[chunk];
-    double m[chunk];
-    for (int l = 0; l < n; ++l) before[l] = back[cell[l]];
-    for (int l = 0; l < n; ++l) {
-      const T cu = cv + (lever.ax[l] * u.o[0] + lever.ay[l] * u.o[1] + lever.az[l] * u.o[2]);
-      after[l] = before[l] - lever.k[l] * cu;
-      m[l] = double(after[l]) - double(before[l]);
+    for (int l = 0; l < padded; ++l) before[l] = back[at.cell[l]];
+    std::int64_t m = 0;
+    for (int l = 0; l < padded; ++l) {
+      const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
+      after[l] = before[l] - coefficients<scheme>(q[l], weight6, links.fluid).k * cu;
+      m += fixed(l < n ? double(after[l]) - double(before[l]) : 0.0, 1 / mass_quantum);
     }
 #pragma GCC ivdep
-    for (int l = 0; l < n; ++l) back[cell[l]] = after[l];
-    mass.add(m, n, 1 / mass_quantum);
-  }
-  sums.mass += mass.sum;
-  if (mass.bad) sums.invalid = true;
+    for (int l = 0; l < padded; ++l) back[at.cell[l]] = after[l];
+    mass += m;
+  });
+  sums.mass += mass;
 }
 
-template <WallScheme scheme, class T>
-void links_stiffness(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& sums) {
-  const Geometry<T> g(run.direction);
-  FixedAdder k1, ka[3], kaa[6];
-  for (std::uint32_t l0 = run.begin; l0 < run.end; l0 += chunk) {
-    const int n = int(std::min<std::uint32_t>(chunk, run.end - l0));
-    const Levers<scheme, T> lever(links, l0, n, g);
-    double t[10][chunk];
-    for (int l = 0; l < n; ++l) {
-      const double k = lever.k[l], x = lever.ax[l], y = lever.ay[l], z = lever.az[l];
-      t[0][l] = k, t[1][l] = k * x, t[2][l] = k * y, t[3][l] = k * z;
-      t[4][l] = k * x * x, t[5][l] = k * x * y, t[6][l] = k * x * z;
-      t[7][l] = k * y * y, t[8][l] = k * y * z, t[9][l] = k * z * z;
-    }
-    constexpr double scale = 1 / stiffness_quantum;
-    k1.add(t[0], n, scale);
-    for (int d = 0; d < 3; ++d) ka[d].add(t[1 + d], n, scale);
-    for (int d = 0; d < 6; ++d) kaa[d].add(t[4 + d], n, scale);
-  }
-  // J = [c, a]: the blocks c c^T k, c a^T k and a a^T k; c is made of integers, so no further rounding.
-  const Int3 v = lbm::c[run.direction];
-  int e = 0, aa = 0;
+struct LeverSums {  // of k, k alpha, k beta, k alpha^2, k alpha beta, k beta^2
+  std::int64_t k = 0, a = 0, b = 0, aa = 0, ab = 0, bb = 0;
+};
+
+/// J = [c, alpha e1 + beta e2]; c, e1, e2 are made of integers, so no further rounding.
+void add_stiffness(const Direction& g, const LeverSums& s, StiffnessSums& sums) {
+  int e1[3] = {}, e2[3] = {};
+  e1[g.q] = g.c[g.p], e1[g.p] = -g.c[g.q], e2[g.d] = 1;
+  int e = 0;
   for (int row = 0; row < 6; ++row)
     for (int column = row; column < 6; ++column, ++e) {
-      if (row < 3 && column < 3) sums.h[e] += k1.sum * (v[row] * v[column]);
-      if (row < 3 && column >= 3) sums.h[e] += ka[column - 3].sum * v[row];
-      if (row >= 3) sums.h[e] += kaa[aa++].sum;
+      const int m = row % 3, n = column % 3;
+      if (column < 3)
+        sums.h[e] += s.k * (g.c[m] * g.c[n]);
+      else if (row < 3)
+        sums.h[e] += g.c[m] * (s.a * e1[n] + s.b * e2[n]);
+      else
+        sums.h[e] += s.aa * (e1[m] * e1[n]) + s.ab * (e1[m] * e2[n] + e2[m] * e1[n]) + s.bb * (e2[m] * e2[n]);
     }
-  std::int64_t bad = k1.bad;
-  for (const auto& s : ka) bad |= s.bad;
-  for (const auto& s : kaa) bad |= s.bad;
-  if (bad) sums.invalid = true;
+}
+
+template <WallScheme scheme, class T>
+void run_stiffness(const CutLinks<T>& links, const LinkGroup& group, const LinkRun& run,
+                   StiffnessSums& sums) {
+  const Direction g(run.direction);
+  const T weight6 = T(6 * w(run.direction));
+  LeverSums all;
+  for_chunks(run, [&](std::uint32_t first, int n, int padded) {
+    const Places<T> at(links.place.data() + first, padded, nullptr, links, group, g);
+    const T* const q = links.q.data() + first;
+    const T* const alpha = at.r[g.d];
+    LeverSums s;
+    constexpr double scale = 1 / stiffness_quantum;
+    for (int l = 0; l < padded; ++l) {
+      const T k = l < n ? coefficients<scheme>(q[l], weight6, links.fluid).k : T(0), a = alpha[l],
+              b = at.beta[l];
+      s.k += fixed(k, scale), s.a += fixed(k * a, scale), s.b += fixed(k * b, scale);
+      s.aa += fixed(k * a * a, scale), s.ab += fixed(k * a * b, scale), s.bb += fixed(k * b * b, scale);
+    }
+    all.k += s.k, all.a += s.a, all.b += s.b, all.aa += s.aa, all.ab += s.ab, all.bb += s.bb;
+  });
+  add_stiffness(g, all, sums);
 }
 
 }  // namespace
 
 template <class T>
-void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
-               const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
-  with_scheme(run.scheme,
-              [&](auto scheme) { apply_links<scheme()>(block, parity, links, run, motion, form, sums); });
+void apply_group(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkGroup& group,
+                 const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  for (std::uint32_t k = group.first_run; k < group.end_run; ++k)
+    with_scheme(links.runs[k].scheme, [&](auto scheme) {
+      apply_run<scheme()>(block, parity, links, group, links.runs[k], motion, form, sums);
+    });
 }
 
 template <class T>
-void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkRun& run,
-                 const SurfaceMotion& increment, LinkSums& sums) {
-  with_scheme(run.scheme,
-              [&](auto scheme) { correct_links<scheme()>(block, parity, links, run, increment, sums); });
+void correct_group(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkGroup& group,
+                   const SurfaceMotion& increment, LinkSums& sums) {
+  for (std::uint32_t k = group.first_run; k < group.end_run; ++k)
+    with_scheme(links.runs[k].scheme, [&](auto scheme) {
+      correct_run<scheme()>(block, parity, links, group, links.runs[k], increment, sums);
+    });
 }
 
 template <class T>
-void stiffness_run(const CutLinks<T>& links, const LinkRun& run, StiffnessSums& sums) {
-  with_scheme(run.scheme, [&](auto scheme) { links_stiffness<scheme()>(links, run, sums); });
+void group_stiffness(const CutLinks<T>& links, const LinkGroup& group, StiffnessSums& sums) {
+  for (std::uint32_t k = group.first_run; k < group.end_run; ++k)
+    with_scheme(links.runs[k].scheme,
+                [&](auto scheme) { run_stiffness<scheme()>(links, group, links.runs[k], sums); });
 }
 
-#define SILT_INSTANTIATE(T)                                                                              \
-  template void apply_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&,   \
-                          ForceForm, LinkSums&);                                                         \
-  template void correct_run(Block<T>&, Parity, const CutLinks<T>&, const LinkRun&, const SurfaceMotion&, \
-                            LinkSums&);                                                                  \
-  template void stiffness_run(const CutLinks<T>&, const LinkRun&, StiffnessSums&);
+#define SILT_INSTANTIATE(T)                                                                                  \
+  template void apply_group(Block<T>&, Parity, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&,   \
+                            ForceForm, LinkSums&);                                                           \
+  template void correct_group(Block<T>&, Parity, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&, \
+                              LinkSums&);                                                                    \
+  template void group_stiffness(const CutLinks<T>&, const LinkGroup&, StiffnessSums&);
 SILT_INSTANTIATE(float)
 SILT_INSTANTIATE(double)
 

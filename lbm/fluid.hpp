@@ -37,6 +37,17 @@ class Fluid {
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Then exchange().
   void stream_collide();
+  /// The same, plane by plane: calls after_plane(block, z, parity after the pass) when plane z of a block is
+  /// done, in the order of blocks and planes.
+  template <class AfterPlane>
+  void stream_collide(AfterPlane&& after_plane) {
+    for (int b = 0; b < int(blocks_.size()); ++b)
+      for (int z = 0; !idle_[b] && z < blocks_[b].size().z; ++z) {
+        lbm::stream_collide(blocks_[b], parity_, rates_, RowRange{0, blocks_[b].size().y, z, z + 1});
+        after_plane(b, z, flipped(parity_));
+      }
+    parity_ = flipped(parity_);
+  }
   /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
   void exchange() { halo_.exchange(blocks_, parity_); }
 
@@ -51,6 +62,8 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
+  /// A hint that the populations arriving at a cell (ghosts too) will be asked for soon.
+  void prefetch(int b, Int3 local_cell) const;
   /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
   std::array<double, 3> velocity(const Moments&) const;
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,

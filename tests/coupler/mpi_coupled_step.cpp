@@ -201,13 +201,18 @@ double momentum_drift(const std::vector<std::string>& overrides, int steps) {
 }
 
 TEST(CoupledStep, ExactFormConservesMomentum) {
-  for (const char* time : {"coupling.time=implicit", "coupling.time=explicit"}) {
-    const double in_double = momentum_drift({time}, 1000);
-    const double in_single = momentum_drift({time, "fluid.precision=single"}, 1000);
+  // explicit: heavier bodies; those of density 1.5 and 2 stir the fluid to 1.2 cells a step (unstable)
+  const std::vector<std::string> heavy{"bodies[0].density=4", "bodies[1].density=4", "bodies[2].density=4",
+                                       "coupling.time=explicit"};
+  for (const auto& overrides : {std::vector<std::string>{"coupling.time=implicit"}, heavy}) {
+    std::vector<std::string> single = overrides;
+    single.push_back("fluid.precision=single");
+    const double in_double = momentum_drift(overrides, 1000), in_single = momentum_drift(single, 1000);
     if (rank_of_world() == 0)
-      printf("%s: exact form, drift %.2g in double, %.2g in single\n", time, in_double, in_single);
-    EXPECT_LT(in_double, 1e-11) << time;
-    EXPECT_LT(in_single, 1e-5) << time;
+      printf("%s: exact form, drift %.2g in double, %.2g in single\n", overrides.back().c_str(), in_double,
+             in_single);
+    EXPECT_LT(in_double, 1e-11) << overrides.back();
+    EXPECT_LT(in_single, 1e-6) << overrides.back();
   }
 }
 
@@ -344,7 +349,7 @@ TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
 // must not tell the fluid that it falls: that drove the fluid at 7e-3, under any scheme. Cells shut in
 // between the bodies must not keep what they had at the start either: that left 2e-3.
 TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
-  for (const std::string name : {"cli", "bouzidi"}) {  // plain bounce-back lets shut-in cells swing for ever
+  for (const std::string name : {"cli", "bouzidi", "parabolic"}) {  // plain bounce-back lets shut-in cells swing for ever
     Simulation s(heap({"coupling.wall_scheme=" + name}), MPI_COMM_WORLD);
     while (s.steps_done() < 2000) s.step();
     const double speed = s.look_at_flow().max_speed;

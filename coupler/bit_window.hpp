@@ -1,0 +1,68 @@
+#pragma once
+// A box of cells as one stream of bits: x runs fastest, rows `pitch` bits apart, planes a whole number of
+// words. A step along c is then a shift of the whole stream, and no cell of the box needs a case of its own
+// as long as nothing that is set lies at the box's border.
+#include <cstdint>
+#include <vector>
+
+#include "lbm/block.hpp"
+
+namespace silt::coupler {
+
+struct BitFrame {
+  lbm::Int3 low;   // cell of bit 0, block coordinates
+  lbm::Int3 size;  // cells
+  int pitch = 0;   // 8, 16, 32 or a multiple of 64
+  int plane = 0;   // words a plane
+
+  BitFrame() = default;
+  BitFrame(lbm::Int3 corner, lbm::Int3 cells) : low(corner), size(cells) {
+    pitch = size.x <= 8 ? 8 : size.x <= 16 ? 16 : size.x <= 32 ? 32 : (size.x + 63) / 64 * 64;
+    plane = (pitch * size.y + 63) / 64;
+  }
+  std::size_t words() const { return std::size_t(plane) * size.z; }
+  /// Zero words before and after a stream, so that it can be read one step along any c away.
+  int margin() const { return plane + pitch / 64 + 2; }
+  /// Bit of the first cell of row (y, z), block coordinates.
+  std::size_t row(int y, int z) const {
+    return std::size_t(z - low.z) * plane * 64 + std::size_t(y - low.y) * pitch;
+  }
+  bool contains(lbm::Int3 c) const {
+    return c.x >= low.x && c.x < low.x + size.x && c.y >= low.y && c.y < low.y + size.y && c.z >= low.z &&
+           c.z < low.z + size.z;
+  }
+  bool operator==(const BitFrame& o) const { return low == o.low && size == o.size; }
+};
+
+/// The bits of a frame, with the margins.
+class BitWindow {
+ public:
+  const BitFrame& frame() const { return frame_; }
+  /// All zero.
+  void reset(const BitFrame& frame) {
+    frame_ = frame;
+    bits_.assign(frame.words() + 2 * frame.margin(), 0);
+  }
+  std::uint64_t* words() { return bits_.data() + frame_.margin(); }
+  const std::uint64_t* words() const { return bits_.data() + frame_.margin(); }
+  /// The cells of a row from the x-th one of the frame on, as many as fit a word.
+  std::uint64_t row(int x, int y, int z) const {
+    const std::size_t bit = frame_.row(y, z) + x;
+    const std::uint64_t width =
+        frame_.pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << frame_.pitch) - 1;
+    return words()[bit >> 6] >> (bit & 63) & width;
+  }
+  bool test(lbm::Int3 c) const {
+    if (!frame_.contains(c)) return false;
+    const std::size_t bit = frame_.row(c.y, c.z) + std::size_t(c.x - frame_.low.x);
+    return words()[bit >> 6] >> (bit & 63) & 1;
+  }
+  bool operator==(const BitWindow& o) const { return frame_ == o.frame_ && bits_ == o.bits_; }
+  void swap(BitWindow& o) { std::swap(frame_, o.frame_), bits_.swap(o.bits_); }
+
+ private:
+  BitFrame frame_;
+  std::vector<std::uint64_t> bits_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,202 @@
+// Object mapping and cut links against an enumeration cell by cell, link by link.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "coupler/build_links.hpp"
+#include "coupler/map_bodies.hpp"
+#include "tests/coupler/coupled_scenes.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+/// What is where, asked of the shapes themselves; nothing of the map is used.
+class Geometry {
+ public:
+  explicit Geometry(const Simulation& s)
+      : world_(s.scene().world), bodies_(s.bodies()), domain_(s.scene().flow->domain()) {}
+
+  /// A cell's centre from the nearest image of a body.
+  Vec3 arm(std::size_t row, Int3 cell) const {
+    Vec3 r = Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - bodies_.mapping_pose[row].position;
+    for (int d = 0; d < 3; ++d)
+      if (domain_.periodic(d)) r[d] -= domain_.cells()[d] * std::round(r[d] / domain_.cells()[d]);
+    return r;
+  }
+  /// The row of the body that has a cell: -1 none, -2 beyond a wall.
+  int owner(Int3 cell) const {
+    if (!domain_.inside(domain_.wrapped(cell))) return -2;
+    int found = -1;
+    for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
+      const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+      if (rigid::contains(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell)) &&
+          (found < 0 || bodies_.id[row] < bodies_.id[found]))
+        found = int(row);
+    }
+    return found;
+  }
+  double distance(std::size_t row, Int3 cell, int i) const {
+    const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+    const Vec3 c(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z);
+    return rigid::ray_distance(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell),
+                               q.conjugate() * c, 1.0);
+  }
+
+ private:
+  const rigid::World& world_;
+  const rigid::BodySet& bodies_;
+  const lbm::Domain& domain_;
+};
+
+struct Link {
+  std::size_t row;
+  bool narrow;
+  double q;
+  Vec3 arm;
+};
+using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
+
+template <class T>
+Links listed(const BlockMap& map, const lbm::CutLinks<T>& links, WallScheme scheme) {
+  Links found;
+  for (const lbm::LinkGroup& g : links.groups) {
+    const lbm::SurfaceFrame& frame = links.surfaces[g.surface];
+    for (std::uint32_t k = g.first_run; k < g.end_run; ++k) {
+      const lbm::LinkRun& run = links.runs[k];
+      EXPECT_EQ(run.begin % lbm::link_lanes, 0u);
+      for (std::uint32_t l = run.begin; l < run.begin + run.count; ++l) {
+        const std::uint32_t p = links.place[l];
+        const Int3 x = g.corner + Int3{int(p & 0x3fff), int(p >> 14 & 0x3fff), int(p >> 28)};
+        const Int3 n = map.box.size;
+        bool rim = false;
+        for (int d = 0; d < 3; ++d) rim |= x[d] == 0 || x[d] == n[d] - 1;
+        EXPECT_EQ(rim, g.ready < 0);
+        if (!rim) {
+          EXPECT_LE(x.z + 1, g.ready);
+        }
+        Vec3 arm;
+        for (int d = 0; d < 3; ++d) arm[d] = x[d] - frame.cell[d] + frame.offset[d];
+        EXPECT_LE(arm.norm(), frame.reach);
+        const bool narrow = run.scheme != scheme;
+        const bool first = found
+                               .insert({{x.x, x.y, x.z, run.direction},
+                                        {map.masks[g.surface].row, narrow, double(links.q[l]), arm}})
+                               .second;
+        EXPECT_TRUE(first) << "a link is listed twice";
+      }
+    }
+  }
+  EXPECT_EQ(found.size(), links.count);
+  return found;
+}
+
+/// Every link of a block, by its definition; adds the narrow ones.
+template <class T>
+void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme scheme, double rounding,
+                      int& narrow_ones) {
+  const Geometry geometry(s);
+  lbm::CutLinks<T> links;
+  build_links(map, s.scene().world, s.bodies(), scheme, links);
+  Links left = listed(map, links, scheme);
+  const Int3 n = map.box.size;
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x) {
+        const Int3 cell = map.box.lower + Int3{x, y, z};
+        if (geometry.owner(cell) != -1) continue;
+        for (int i = 1; i < lbm::directions; ++i) {
+          const int owner = geometry.owner(cell + lbm::c[i]);
+          if (owner < 0) continue;
+          const auto at = left.find({x, y, z, i});
+          ASSERT_NE(at, left.end()) << "no link at " << x << " " << y << " " << z << " along " << i;
+          const Link& link = at->second;
+          EXPECT_EQ(int(link.row), owner);
+          EXPECT_LT((link.arm - geometry.arm(owner, cell)).norm(), 1e-12);
+          const bool blocked = geometry.owner(cell - lbm::c[i]) != -1;
+          const double q = geometry.distance(owner, cell, i);
+          if (scheme != WallScheme::bounce_back) {
+            EXPECT_NEAR(link.q, q, rounding);
+          }
+          const bool reads = lbm::reads_behind(scheme, scheme == WallScheme::bouzidi ? q : 0);
+          if (scheme != WallScheme::bouzidi || std::fabs(q - 0.5) > rounding) {
+            EXPECT_EQ(link.narrow, blocked && reads);
+          }
+          narrow_ones += link.narrow;
+          left.erase(at);
+        }
+      }
+  EXPECT_TRUE(left.empty()) << left.size() << " links that are none";
+}
+
+/// The crowd after some steps, in blocks of several sizes; the state is the same on every rank, which all do
+/// the same here.
+template <class T>
+void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
+  Simulation s(crowd({blocks}), MPI_COMM_SELF);
+  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
+    s.set_velocity(id, 0.05 * Vec3(std::cos(1.7 * id), std::sin(1.7 * id), std::sin(3.4 * id)),
+                   0.01 * Vec3(std::sin(1.7 * id), 0.3, -0.5));
+  for (int t = 0; t < 80; ++t) s.step();
+  const lbm::Domain& domain = s.scene().flow->domain();
+  std::vector<lbm::CellBox> boxes;
+  for (const auto& place : domain.blocks()) boxes.push_back(place.box);
+  MapBodies map(domain, s.scene().world, boxes);
+  map(s.bodies());
+  int narrow = 0;
+  for (const BlockMap& block : map.blocks()) expect_all_links<T>(s, block, scheme, rounding, narrow);
+  EXPECT_EQ(narrow > 0, scheme != WallScheme::bounce_back);
+}
+
+TEST(Links, AreThoseOfTheDefinition) {
+  check_crowd<double>("domain.blocks=[24,20,28]", WallScheme::cli, 1e-9);
+  check_crowd<double>("domain.blocks=[7,9,5]", WallScheme::bouzidi, 1e-9);
+  check_crowd<float>("domain.blocks=[12,10,14]", WallScheme::cli, 2e-4);
+  check_crowd<float>("domain.blocks=[12,5,28]", WallScheme::bounce_back, 0);
+  check_crowd<double>("domain.blocks=[12,10,14]", WallScheme::parabolic, 1e-9);
+}
+
+// Wider than a word, taller than a slab of planes.
+TEST(Links, OfALargeBody) {
+  Simulation s(read_case_text(R"(
+title = "large"
+[units]
+system = "lattice"
+[domain]
+size = [96, 40, 44]
+boundary = "periodic"
+[fluid]
+relaxation_time = 1.0
+[[shapes]]
+name = "egg"
+type = "ellipsoid"
+diameters = [74.6, 24.8, 34.4]
+[[shapes]]
+name = "ball"
+type = "sphere"
+diameter = 34.6
+[[bodies]]
+shape = "egg"
+density = 1
+position = [41.2173, 20.4291, 22.1357]
+orientation = [0.98, 0.05, 0.1, 0.02]
+[[bodies]]
+shape = "ball"
+density = 1
+position = [90.1371, 3.2713, 1.3197]
+[run]
+steps = 1
+)",
+                              "large"),
+               MPI_COMM_SELF);
+  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {96, 40, 44}}});
+  map(s.bodies());
+  int narrow = 0;
+  expect_all_links<double>(s, map.blocks()[0], WallScheme::cli, 1e-9, narrow);
+}
+
+}  // namespace
+}  // namespace silt::coupler
