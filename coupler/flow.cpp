@@ -99,7 +99,9 @@ class FlowOf final : public Flow {
   void start(rigid::BodySet& bodies) override {
     map_(bodies);
     rebuild_links(bodies);
-    if (anchored_ && !restarted_) weigh();
+    if (restarted_) return;
+    forces_.start(map_.blocks(), bodies);
+    if (anchored_) weigh();
   }
 
   FlowTotals totals() const override;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/fluid_forces.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/reduce.hpp"
 #include "coupler/state_hash.hpp"
@@ -177,9 +178,10 @@ Balance Simulation::balance() const {
   const rigid::BodySet& bodies = scene_.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!bodies.is_free(row)) continue;
-    const Vec3 p = bodies.mass[row] * bodies.velocity[row];
-    for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
+    Vec3 p = bodies.mass[row] * bodies.velocity[row];
     sums[3] += rigid::to_fixed(p.norm());
+    p += owed_impulse(bodies, row);
+    for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
   }
   sum_over_ranks(scene_.comm, sums);
   for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d]);
