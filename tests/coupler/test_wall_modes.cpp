@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -98,7 +99,8 @@ TEST(WallModes, WhatTurnsRoundEveryStepFades) {
       s.run(3000);
       const double early = alternating_energy(s);
       s.run(2000);
-      EXPECT_LT(alternating_energy(s), 0.9 * early) << scene.name << ", tau " << tau;
+      // 1e-40: long gone, the rounding of nothing; it began at some 1e-10
+      EXPECT_LT(alternating_energy(s), std::max(0.9 * early, 1e-40)) << scene.name << ", tau " << tau;
     }
 }
 
