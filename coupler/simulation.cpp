@@ -28,7 +28,9 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);
-      scene_.flow->set_anchor(saved->anchor);
+      AnchorState anchor = saved->anchor;
+      anchor.steps = saved->step;
+      scene_.flow->set_anchor(anchor);
     } else {
       set_initial_flow(setup(), *scene_.flow);
     }

@@ -216,6 +216,63 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
   }
 }
 
+/// A closed box full of spheres that a turning rod stirs: the mass of the fluid but for what the pressure
+/// anchor takes out in the next step, as a share.
+double unseen_mass(const std::string& precision, int steps) {
+  const Case scene = read_case_text(R"(
+title = "stirred"
+[units]
+system = "lattice"
+[domain]
+size = [20, 20, 20]
+boundary = "no-slip"
+[fluid]
+relaxation_time = 0.6
+[gravity]
+acceleration = [0, 0, -1e-4]
+[[shapes]]
+name = "rod"
+type = "capsule"
+radius = 2
+length = 7
+[[shapes]]
+name = "ball"
+type = "sphere"
+diameter = 5
+[[bodies]]
+shape = "rod"
+density = 2
+motion = "prescribed"
+position = [10.1, 10.2, 10.3]
+axis_angle = { axis = [0, 1, 0], degrees = 90 }
+angular_velocity = [0, 0, 0.008]
+[[fill]]
+name = "balls"
+shape = "ball"
+density = 1.3
+count = 12
+seed = 3
+[run]
+steps = 1
+)",
+                                    "stirred", {"fluid.precision=" + precision});
+  Simulation s(scene, MPI_COMM_WORLD);
+  const FlowTotals before = s.look_at_flow();
+  s.run(steps);
+  EXPECT_GT(sum_over_ranks(double(s.counters().uncovered)), 100);
+  const FlowTotals now = s.look_at_flow();
+  const double known = double(s.scene().flow->anchor().mass) * 0x1p-40;
+  return (now.mass_deviation - before.mass_deviation - known) / double(now.fluid_cells);
+}
+
+TEST(CoupledStep, AnchorKnowsTheMassOfTheFluid) {
+  const double in_double = unseen_mass("double", 500), in_single = unseen_mass("single", 500);
+  if (rank_of_world() == 0)
+    printf("mass the anchor does not know: %.2g in double, %.2g in single\n", in_double, in_single);
+  EXPECT_LT(std::fabs(in_double), 1e-11);
+  EXPECT_LT(std::fabs(in_single), 1e-9);
+}
+
 /// Largest force or torque over 100 steps on a star that moves with a fluid that moves as a whole.
 double largest_load_in_still_fluid(const std::string& form) {
   Simulation s(read_case_text(R"(
@@ -349,7 +406,8 @@ TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
 // must not tell the fluid that it falls: that drove the fluid at 7e-3, under any scheme. Cells shut in
 // between the bodies must not keep what they had at the start either: that left 2e-3.
 TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
-  for (const std::string name : {"cli", "bouzidi", "parabolic"}) {  // plain bounce-back lets shut-in cells swing for ever
+  for (const std::string name :
+       {"cli", "bouzidi", "parabolic"}) {  // plain bounce-back lets shut-in cells swing for ever
     Simulation s(heap({"coupling.wall_scheme=" + name}), MPI_COMM_WORLD);
     while (s.steps_done() < 2000) s.step();
     const double speed = s.look_at_flow().max_speed;
