@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "coupler/cell_sums.hpp"
 #include "rigid/warm_start.hpp"
 
 namespace silt::coupler {
@@ -182,7 +183,7 @@ void FluidForces<T>::begin(std::span<const BlockMap> maps, std::span<BlockLinks<
     links[b].applied = 0;
     if (spec_.force == ForceForm::exact)
       for (const BodyMask& mask : masks)
-        add_cells(mask.cells, rows_.data() + mask.row * width_ + cells_begin_);
+        add_cells(cells_of(maps[b].box, mask), rows_.data() + mask.row * width_ + cells_begin_);
     for (std::size_t k = 0; k < masks.size(); ++k)
       set_motion(links[b].motions[k], bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
   }
@@ -272,7 +273,8 @@ void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodie
   if (spec_.force != ForceForm::exact) return;
   std::vector<std::int64_t> rows(bodies.size() * cells_width, 0);
   for (const BlockMap& map : maps)
-    for (const BodyMask& mask : map.masks) add_cells(mask.cells, rows.data() + mask.row * cells_width);
+    for (const BodyMask& mask : map.masks)
+      add_cells(cells_of(map.box, mask), rows.data() + mask.row * cells_width);
   exchange_.sum_to_owners(bodies, rows, cells_width);
   for (std::size_t row = 0; row < bodies.owned; ++row)
     bodies.owed[row] = momentum_of_excess(bodies, row, rows.data() + row * cells_width);
