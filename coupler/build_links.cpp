@@ -160,7 +160,7 @@ class LinkWriter {
   void group(int z0, int z1, const BitWindow& open, int ready) {
     const BitFrame& frame = mask_->frame();
     const std::size_t room = lbm::directions * (bits_in(z0 - 1, z1 + 1) + 3 * lbm::link_lanes);
-    if (listed_.size() < room) listed_.resize(room), apart_.resize(room);
+    if (listed_.size() < room) listed_.resize(room), apart_.resize(room), apart_q_.resize(room);
     links_.reserve(room);
     LinkCounts counts[lbm::directions];
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
@@ -200,11 +200,12 @@ class LinkWriter {
     std::uint32_t apart = 0;
     for (std::uint32_t k = std::uint32_t(clear.size()); k < n;)
       if (lbm::reads_behind(scheme_, q[k]))
-        apart_[apart++] = place[k], --n, place[k] = place[n], q[k] = q[n];
+        apart_[apart] = place[k], apart_q_[apart++] = q[k], --n, place[k] = place[n], q[k] = q[n];
       else
         ++k;
     run(i, n, scheme_);
     copy({apart_.data(), apart}, 0);
+    std::copy_n(apart_q_.begin(), apart, links_.q.begin() + links_.used);
     run(i, apart, WallScheme::narrow);
   }
 
@@ -238,7 +239,7 @@ class LinkWriter {
     T* const q = links_.q.data() + links_.used;
     const std::uint32_t end = filled_up(n);
     std::fill(place + n, place + end, place[n - 1]);
-    if (!lbm::reads_behind(scheme)) std::fill(q, q + end, T(0.5));
+    if (scheme == WallScheme::bounce_back) std::fill(q, q + end, T(0.5));
     std::fill(q + n, q + end, q[n - 1]);
     links_.runs.push_back({links_.used, n, std::uint8_t(i), scheme});
     links_.used += end, links_.count += n;
@@ -253,6 +254,7 @@ class LinkWriter {
   SurfaceDistance* distance_ = nullptr;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> listed_, apart_;
+  std::vector<T> apart_q_;
 };
 
 /// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.

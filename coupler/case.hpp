@@ -37,9 +37,8 @@ enum class ForceForm { galilean, exact };
 
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;
-  bool bgk = false;  // else trt
-  double magic =
-      1. / 6;  // Lambda of trt; smallest drag error with cli walls (array, D = 8: -0.5 %; 3/16: -1.1 %)
+  bool bgk = false;       // else trt
+  double magic = 1. / 6;  // Lambda of trt; with bodies or [[walls]] best_magic of the wall scheme
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
@@ -50,7 +49,7 @@ struct FluidSpec {
 };
 
 struct CouplingSpec {
-  WallScheme wall_scheme = WallScheme::cli;
+  WallScheme wall_scheme = WallScheme::parabolic;
   TimeCoupling time = TimeCoupling::implicit_;
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;

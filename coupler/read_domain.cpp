@@ -279,7 +279,6 @@ void read_fluid(TableReader& root, Case& scene) {
       spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
     }
     spec.bgk = fluid.choice("collision", {"trt", "bgk"}).value_or("trt") == "bgk";
-    spec.magic = fluid.number("magic", range::above(0)).value_or(spec.magic);
     if (fluid.has("magic") && spec.bgk)
       fluid.fail("magic", "fluid.magic is Lambda of trt; bgk has none, remove it");
     if (fluid.choice("precision", {"single", "double"}).value_or("single") == "double")
@@ -294,6 +293,10 @@ void read_fluid(TableReader& root, Case& scene) {
     scene.gravity = gravity.vector("acceleration", dimension::acceleration).value_or(scene.gravity);
   }
   read_coupling(root, scene);
+  if (!fluid.present()) return;
+  const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
+  const double best = surfaces ? lbm::best_magic(scene.coupling.wall_scheme) : scene.fluid->magic;
+  scene.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
 }
 
 }  // namespace silt::coupler

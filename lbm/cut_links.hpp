@@ -53,6 +53,7 @@ struct SurfaceFrame {
 /// The links of one block. A structure of arrays: 4 + sizeof(T) bytes a link.
 template <class T>
 struct CutLinks {
+  WallFluid<T> fluid;  // that the links stand in; not cleared
   std::vector<SurfaceFrame> surfaces;
   std::vector<LinkGroup> groups;
   std::vector<LinkRun> runs;

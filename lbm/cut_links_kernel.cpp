@@ -82,6 +82,8 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, cli>{});
     case bouzidi:
       return f(std::integral_constant<WallScheme, bouzidi>{});
+    case parabolic:
+      return f(std::integral_constant<WallScheme, parabolic>{});
     case narrow:
       return f(std::integral_constant<WallScheme, narrow>{});
   }
@@ -103,6 +105,21 @@ double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   return 32 / ((1 + frame.reach) * (1 + u));
 }
 
+/// c_i.u of cells, from what left them.
+template <class T>
+void velocity_along(const Block<T>& block, Parity parity, const WallFluid<T>& fluid, int i,
+                    const std::int32_t* cell, int n, T* cu) {
+  const Int3 v = lbm::c[i];
+  const T force = T(v.x) * fluid.force[0] + T(v.y) * fluid.force[1] + T(v.z) * fluid.force[2];
+  std::fill_n(cu, n, T(-0.5) * force);
+  for (int j = 1; j < directions; ++j) {
+    const int along = v.x * lbm::c[j].x + v.y * lbm::c[j].y + v.z * lbm::c[j].z;
+    if (along == 0) continue;
+    const T* const out = block.data() + block.leaving(j, parity);
+    for (int l = 0; l < n; ++l) cu[l] += T(along) * out[cell[l]];
+  }
+}
+
 template <WallScheme scheme, class T>
 void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const LinkGroup& group,
                const LinkRun& run, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
@@ -111,6 +128,8 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
   const Motion<T> u(motion, g);
   const T weight6 = T(6 * w(i)), cx = T(g.c[0]), cy = T(g.c[1]), cz = T(g.c[2]);
   const T limit = T(largest_exchange(links.surfaces[group.surface], motion));
+  const T* const push = links.fluid.force;
+  const T cf = cx * push[0] + cy * push[1] + cz * push[2];
   const T galilean = form == ForceForm::galilean ? T(1) : T(0);
   T* const data = block.data();
   const T* const out = data + block.leaving(i, parity);      // f*_i(x)
@@ -126,18 +145,20 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
     const T* const alpha = at.r[g.d];
     T o[chunk], f[chunk], b[chunk], r[chunk];
     for (int l = 0; l < padded; ++l) o[l] = out[at.cell[l]];
-    if constexpr (reads_behind(scheme))
+    if constexpr (reads_behind(scheme)) {
       for (int l = 0; l < padded; ++l) f[l] = behind[at.cell[l]];
-    if constexpr (reads_against(scheme))
       for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
+    }
+    if constexpr (scheme == WallScheme::narrow)
+      velocity_along(block, parity, links.fluid, i, at.cell, padded, f);
     for (int l = 0; l < padded; ++l) {
-      const auto s = coefficients<scheme>(q[l], weight6);
+      const auto s = coefficients<scheme>(q[l], weight6, links.fluid);
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
       r[l] = s.a * o[l] - s.k * cu;
       if constexpr (reads_behind(scheme))
-        r[l] += s.b * f[l] + s.c * b[l];
-      else if constexpr (reads_against(scheme))
-        r[l] += s.c * b[l];
+        r[l] += s.b * f[l] + s.c * b[l] + T(0.5) * (s.k - weight6 * (s.a - s.c)) * cf;
+      else if constexpr (scheme == WallScheme::narrow)
+        r[l] -= (weight6 - s.k) * f[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < padded; ++l) back[at.cell[l]] = r[l];
@@ -182,7 +203,7 @@ void correct_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const
     std::int64_t m = 0;
     for (int l = 0; l < padded; ++l) {
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
-      after[l] = before[l] - coefficients<scheme>(q[l], weight6).k * cu;
+      after[l] = before[l] - coefficients<scheme>(q[l], weight6, links.fluid).k * cu;
       m += fixed(l < n ? double(after[l]) - double(before[l]) : 0.0, 1 / mass_quantum);
     }
 #pragma GCC ivdep
@@ -226,7 +247,8 @@ void run_stiffness(const CutLinks<T>& links, const LinkGroup& group, const LinkR
     LeverSums s;
     constexpr double scale = 1 / stiffness_quantum;
     for (int l = 0; l < padded; ++l) {
-      const T k = l < n ? coefficients<scheme>(q[l], weight6).k : T(0), a = alpha[l], b = at.beta[l];
+      const T k = l < n ? coefficients<scheme>(q[l], weight6, links.fluid).k : T(0), a = alpha[l],
+              b = at.beta[l];
       s.k += fixed(k, scale), s.a += fixed(k * a, scale), s.b += fixed(k * b, scale);
       s.aa += fixed(k * a * a, scale), s.ab += fixed(k * a * b, scale), s.bb += fixed(k * b * b, scale);
     }

@@ -1,59 +1,107 @@
 #pragma once
 // What a cut link returns: one formula for every scheme that is linear in the populations of the link,
-//   f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) - k c_i.u_w,
-// its coefficients functions of the wall distance q alone (x the fluid cell, the surface at x + q c_i, u_w
-// its velocity there, * after collision). a + b + c = 1: fluid at rest stays at rest at any pressure.
+//   f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) - k c_i.u_w + e c_i.F,
+// its coefficients functions of the wall distance q and the rates of the collision (x the fluid cell, the
+// surface at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision).
+// a + b + c = 1: fluid at rest stays at rest at any pressure; e = (k - 6 w_i (a - c)) / 2: also where a
+// pressure gradient balances F. `narrow` has a = 1, b = c = 0 and instead of e a term in the cell's velocity,
+// - (6 w_i - k) c_i.u(x).
+//
+// In steady flow such a scheme holds, with d = c_i.grad and u along c_i, the velocity at
+//   u + q d u + T (d^2 u - (grad p - F).c_i / (tau - 1/2)) = u_w,
+// T its own. (The bracket is what relaxes of the odd half of the pair; 1 + k, b and a - c give the terms.)
+// Plain linear schemes of two relaxation times have T = magic at every q, where the parabola wants a T that
+// grows as q^2: this is why the drag of a body depends on where it lies in the grid. Below T = magic any such
+// scheme is unstable (tried at relaxation times 0.505 to 3), above it none is; at T = magic nothing takes
+// away momentum that turns round in every step, u ~ (-1)^(x + t), and next to a cell that lies on a surface
+// (q = 0) it grows.
 //
 // A new scheme: a name, and its line in coefficients().
 #include <array>
 #include <cstdint>
 #include <string_view>
 
+#include "lbm/collision.hpp"
+
 namespace silt::lbm {
 
 /// `bounce_back`: equation 5 of Goetz et al. (SC10) with rho_w = 1; the surface is taken to be half-way.
-/// `cli`: Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation.
+/// `cli`: Ginzburg, Verhaeghe, d'Humieres 2008, central linear interpolation; T is least_excess above magic.
 /// `bouzidi`: Bouzidi, Firdaouss, Lallemand 2001, linear, upwind.
-/// `narrow`: of the cell alone, for links of the others where x - c_i is not fluid; no choice of a case.
-/// Bounce-back less a little of the odd part: under bounce-back a cell shut in on all sides keeps its
-/// momentum for ever, turning it round in every step.
-enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, narrow };
-inline constexpr std::array<std::string_view, 3> wall_scheme_names = {"bounce-back", "cli", "bouzidi"};
+/// `parabolic`: T = 5/8 q^2 where that is above the T of `cli`, else that. Taylor's series would have q^2 / 2
+/// of d^2 u, but part of that is taken up by the pressure: 3/4 q^2 is exact for Poiseuille flow along the
+/// grid, 5/8 q^2 leaves the least of the drag of spheres. Of the multi-reflection kind (Ginzburg, d'Humieres
+/// 2003), with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i)
+/// - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others
+/// where x - c_i is not fluid; no choice of a case. Bounce-back half-way at the velocity there, interpolated
+/// between the surface's and the cell's own u(x); a surface nearer than that is taken to be half-way.
+enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow };
+inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
+                                                                      "parabolic"};
+
+/// T / q^2 of `parabolic`.
+inline constexpr double parabola = 0.625;
+
+/// The magic at which the drag of spheres comes out best, see README.md.
+constexpr double best_magic(WallScheme scheme) {
+  return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
+}
+
+/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
+template <class T>
+struct WallFluid {
+  T magic = T(1.0 / 6), inverse_rate = T(2);
+  T force[3] = {};
+  WallFluid() = default;
+  explicit WallFluid(const CollisionSpec& s)
+      : magic(T(s.bgk ? (s.relaxation_time - 0.5) * (s.relaxation_time - 0.5) : s.magic)),
+        inverse_rate(T(1 / (s.relaxation_time - 0.5))),
+        force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
+};
 
 template <class T>
 struct LinkCoefficients {
   T a, b, c, k;
 };
 
-/// Share of the momentum that a shut-in cell loses in a step; the wall seems 0.5 % further than half-way.
-inline constexpr double narrow_damping = 0.02;
+/// Least T - magic of interpolated schemes, over 1/2 + q.
+inline constexpr double least_excess = 0.0005;
+/// Least distance of `narrow`: under bounce-back (1/2) a cell shut in on all sides keeps its momentum for
+/// ever; so it loses 2 % a step.
+inline constexpr double least_narrow = 1 / 1.98;
+
+/// Of the scheme that holds the velocity at T = magic + excess, on both sides of the cell.
+template <class T>
+constexpr LinkCoefficients<T> central(T q, T excess, T weight6, const WallFluid<T>& fluid) {
+  const T g = excess * fluid.inverse_rate, s = T(1) / (T(0.5) + q + g);
+  return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
+}
 
 /// `weight6`: 6 w_i. Cheap enough for the inner loop: one division, no branch.
 template <WallScheme scheme, class T>
-constexpr LinkCoefficients<T> coefficients(T q, T weight6) {
+constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& fluid) {
+  const T least = T(least_excess) * (T(0.5) + q);
   if constexpr (scheme == WallScheme::cli) {
-    const T s = T(1) / (T(1) + T(2) * q), kappa = (T(1) - T(2) * q) * s;
-    return {T(1), kappa, -kappa, T(2) * weight6 * s};
+    return central(q, least, weight6, fluid);
+  } else if constexpr (scheme == WallScheme::parabolic) {
+    const T wanted = T(parabola) * q * q - fluid.magic;
+    return central(q, wanted > least ? wanted : least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::bouzidi) {
     const T near = T(2) * q, s = T(1) / (near < T(1) ? T(1) : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : T(0), T(1) - s, weight6 * s};
   } else if constexpr (scheme == WallScheme::narrow) {
-    constexpr T lost = T(narrow_damping / 2);
-    return {T(1) - lost, T(0), lost, (T(1) - lost) * weight6};
+    return {T(1), T(0), T(0), weight6 * T(0.5) / (q < T(least_narrow) ? T(least_narrow) : q)};
   } else {
     return {T(1), T(0), T(0), weight6};
   }
 }
 
-/// Whether the formula reads f*_opp(x), and f*_i(x - c_i), at all; and whether the latter for this q.
-constexpr bool reads_against(WallScheme scheme) {
-  return scheme != WallScheme::bounce_back;
-}
+/// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all; and whether the latter for this q.
 constexpr bool reads_behind(WallScheme scheme) {
-  return scheme == WallScheme::cli || scheme == WallScheme::bouzidi;
+  return scheme == WallScheme::cli || scheme == WallScheme::bouzidi || scheme == WallScheme::parabolic;
 }
 constexpr bool reads_behind(WallScheme scheme, double q) {
-  return scheme == WallScheme::cli || (scheme == WallScheme::bouzidi && q < 0.5);
+  return scheme == WallScheme::bouzidi ? q < 0.5 : reads_behind(scheme);
 }
 
 }  // namespace silt::lbm

@@ -15,8 +15,9 @@ SIZES = (6, 8, 12)              # cells across, nearly: the cube is a whole numb
 FINER = (16, 24)                # for the order of convergence, at ORDER_FRACTION
 ORDER_FRACTION = 0.064
 POSITIONS = array.offsets(8)
-WALLS, COLLISIONS, PRECISIONS = ("bounce-back", "cli"), ("bgk", "trt"), ("single", "double")
-DEFAULT, DOUBLE, PAPER = ("cli", "trt", "single"), ("cli", "trt", "double"), ("bounce-back", "bgk", "double")
+WALLS, COLLISIONS, PRECISIONS = ("bounce-back", "cli", "parabolic"), ("bgk", "trt"), ("single", "double")
+DEFAULT, DOUBLE, CLI = ("parabolic", "trt", "single"), ("parabolic", "trt", "double"), ("cli", "trt", "single")
+PAPER = ("bounce-back", "bgk", "double")
 RELAXATION_TIME = {"trt": 3.0, "bgk": 0.933}
 
 GOALS = [
@@ -34,7 +35,7 @@ def methods(fraction, D):
     """(walls, collision, precision) that are measured there."""
     if D in FINER:
         return (DEFAULT, DOUBLE) if fraction == ORDER_FRACTION else ()
-    return tuple(itertools.product(WALLS, COLLISIONS, PRECISIONS)) if fraction == ORDER_FRACTION else (DEFAULT, DOUBLE, PAPER)
+    return tuple(itertools.product(WALLS, COLLISIONS, PRECISIONS)) if fraction == ORDER_FRACTION else (DEFAULT, DOUBLE, CLI, PAPER)
 
 
 def key_of(fraction, D, method, position):

@@ -118,7 +118,7 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
           EXPECT_LT((link.arm - geometry.arm(owner, cell)).norm(), 1e-12);
           const bool blocked = geometry.owner(cell - lbm::c[i]) != -1;
           const double q = geometry.distance(owner, cell, i);
-          if (scheme != WallScheme::bounce_back && !link.narrow) {
+          if (scheme != WallScheme::bounce_back) {
             EXPECT_NEAR(link.q, q, rounding);
           }
           const bool reads = lbm::reads_behind(scheme, scheme == WallScheme::bouzidi ? q : 0);
@@ -156,6 +156,7 @@ TEST(Links, AreThoseOfTheDefinition) {
   check_crowd<double>("domain.blocks=[7,9,5]", WallScheme::bouzidi, 1e-9);
   check_crowd<float>("domain.blocks=[12,10,14]", WallScheme::cli, 2e-4);
   check_crowd<float>("domain.blocks=[12,5,28]", WallScheme::bounce_back, 0);
+  check_crowd<double>("domain.blocks=[12,10,14]", WallScheme::parabolic, 1e-9);
 }
 
 // Wider than a word, taller than a slab of planes.

@@ -1,0 +1,278 @@
+// Wall schemes against flows with exact solutions: shear between plane walls oblique to the lattice and in a
+// gap of one cell, flow through a round pipe, fluid at rest.
+#include "lbm/cut_links.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "lbm/fluid.hpp"
+
+namespace silt::lbm {
+namespace {
+
+struct Hit {
+  double q;  // >= 1: no wall on the link
+  int surface = 0;
+};
+
+/// A periodic box with walls in it: which cells are fluid and where a link from a cell's centre meets a wall.
+struct Scene {
+  Int3 cells;
+  std::function<bool(double x, double y)> is_fluid;
+  std::function<Hit(double x, double y, Int3 c)> hit;
+};
+
+class Walled {
+ public:
+  Walled(const Scene& scene, WallScheme scheme, const CollisionSpec& collision)
+      : scene_(scene), fluid_(Domain(scene.cells, {}, std::nullopt, 1), collision, MPI_COMM_SELF) {
+    links_.fluid = WallFluid<double>(collision);
+    for (int surface = 0; surface < 2; ++surface) {
+      links_.surfaces.push_back({{0, 0, 0}, {0, 0, 0}, 1, false});
+      const auto first = std::uint32_t(links_.runs.size());
+      for (int i = 1; i < directions; ++i)
+        for (const bool narrow : {false, true}) add_run(scheme, surface, i, narrow);
+      links_.groups.push_back({first, std::uint32_t(links_.runs.size()), surface, {0, 0, 0}, -1});
+    }
+  }
+
+  void step() {
+    fluid_.stream_collide();
+    fluid_.exchange();
+    for (const LinkGroup& g : links_.groups) {
+      sums_[g.surface] = {};
+      apply_cut_links(fluid_.blocks()[0], fluid_.parity(), links_, g, motions[g.surface], ForceForm::galilean,
+                      sums_[g.surface]);
+    }
+  }
+  template <class F>
+  void for_fluid(F&& f) {
+    for (int z = 0; z < scene_.cells.z; ++z)
+      for (int y = 0; y < scene_.cells.y; ++y)
+        for (int x = 0; x < scene_.cells.x; ++x)
+          if (scene_.is_fluid(x + 0.5, y + 0.5)) f(Int3{x, y, z});
+  }
+  std::array<double, 3> velocity(Int3 x) { return fluid_.velocity(fluid_.moments(0, x)); }
+  double force(int surface, int axis) const { return double(sums_[surface].force[axis]) * link_quantum; }
+  Fluid<double>& fluid() { return fluid_; }
+  std::size_t narrow_links() const { return narrow_links_; }
+
+  std::array<SurfaceMotion, 2> motions{};
+
+ private:
+  void add_run(WallScheme scheme, int surface, int i, bool narrow) {
+    const std::uint32_t begin = links_.used;
+    for_fluid([&](Int3 x) {
+      const Hit h = scene_.hit(x.x + 0.5, x.y + 0.5, c[i]);
+      if (h.q >= 1 || h.surface != surface) return;
+      const bool blocked = scene_.hit(x.x + 0.5, x.y + 0.5, c[opposite(i)]).q < 1;
+      if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place(x.x, x.y, x.z), h.q);
+    });
+    const std::uint32_t count = links_.used - begin;
+    if (count == 0) return;
+    while (links_.used % link_lanes != 0) push(links_.place[links_.used - 1], links_.q[links_.used - 1]);
+    links_.runs.push_back({begin, count, std::uint8_t(i), narrow ? WallScheme::narrow : scheme});
+    if (narrow) narrow_links_ += count;
+  }
+  void push(std::uint32_t place, double q) {
+    links_.reserve(1);
+    links_.place[links_.used] = place, links_.q[links_.used++] = q;
+  }
+
+  Scene scene_;
+  Fluid<double> fluid_;
+  CutLinks<double> links_;
+  std::array<LinkSums, 2> sums_{};
+  std::size_t narrow_links_ = 0;
+};
+
+// ---- shear between planes x + 2y = const ----
+
+constexpr int box = 16, height = 4;              // even: room for momentum that turns round in every step
+constexpr double first_wall = 0.37, gap = 9.81;  // in x + 2y: every q occurs
+
+double across(double x, double y) {
+  const double s = x + 2 * y - first_wall;
+  return s - box * std::floor(s / box);
+}
+Scene oblique_channel() {
+  return {{box, box, height},
+          [](double x, double y) { return across(x, y) < gap; },
+          [](double x, double y, Int3 v) {
+            const double s = across(x, y), rise = v.x + 2 * v.y;
+            if (rise < 0) return Hit{s / -rise, 0};
+            return rise > 0 ? Hit{(gap - s) / rise, 1} : Hit{2, 0};
+          }};
+}
+
+struct ShearErrors {
+  double velocity, force;
+};
+/// The second wall slides within its plane, partly along z.
+ShearErrors oblique_shear(WallScheme scheme) {
+  constexpr double speed = 1e-5, tau = 0.9;  // so slow that the quadratic terms are not seen
+  Walled flow(oblique_channel(), scheme, {tau, 1.0 / 6, false, {}});
+  const double along[3] = {2 / 3.0, -1 / 3.0, 2 / 3.0};
+  for (int d = 0; d < 3; ++d) flow.motions[1].v[d] = speed * along[d];
+  for (int t = 0; t < 20000; ++t) flow.step();
+  double worst = 0, pull = 0;
+  flow.for_fluid([&](Int3 x) {
+    const auto u = flow.velocity(x);
+    for (int d = 0; d < 3; ++d)
+      worst = std::max(worst, std::fabs(u[d] / speed - along[d] * across(x.x + 0.5, x.y + 0.5) / gap));
+  });
+  for (int d = 0; d < 3; ++d) pull += along[d] * flow.force(1, d);
+  const double nu = (tau - 0.5) / 3,
+               area = box * height * std::sqrt(5.0);  // one plane crosses the box once
+  const double drag = -nu * speed / (gap / std::sqrt(5.0)) * area;
+  return {worst, std::fabs(pull / drag - 1)};
+}
+
+TEST(CutLinks, ShearObliqueToTheLatticeIsExact) {
+  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic}) {
+    const ShearErrors e = oblique_shear(scheme);
+    EXPECT_LT(e.velocity, 1e-5) << wall_scheme_names[int(scheme)];
+    EXPECT_LT(e.force, 1e-5) << wall_scheme_names[int(scheme)];
+  }
+  EXPECT_GT(oblique_shear(WallScheme::bounce_back).velocity, 1e-3);  // its wall is elsewhere
+}
+
+// ---- a gap of one cell between planes y = const: every link across it is narrow ----
+
+Scene one_cell(double below, double above) {
+  return {{4, 4, 4},
+          [](double, double y) { return y < 1; },
+          [=](double, double, Int3 v) {
+            if (v.y == 0) return Hit{2, 0};
+            return v.y < 0 ? Hit{below, 0} : Hit{above, 1};
+          }};
+}
+
+TEST(CutLinks, ShearInAGapOfOneCellIsExact) {
+  constexpr double speed = 1e-5;
+  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi})
+    for (const double below : {0.51, 0.7, 0.99})
+      for (const double above : {0.51, 0.8}) {
+        const double tau = 0.7, nu = (tau - 0.5) / 3;
+        Walled flow(one_cell(below, above), scheme, {tau, 1.0 / 6, false, {}});
+        EXPECT_EQ(flow.narrow_links() > 0, scheme == WallScheme::cli);
+        flow.motions[1].v[0] = speed;
+        for (int t = 0; t < 2000; ++t) flow.step();
+        EXPECT_NEAR(flow.velocity({1, 0, 2})[0], speed * below / (below + above), 1e-9 * speed);
+        if (scheme == WallScheme::cli) {
+          EXPECT_NEAR(flow.force(1, 0) * (below + above) / (-nu * speed * 16), 1, 1e-6);
+        }
+      }
+}
+
+/// A gap of one cell driven by a force: nu u / (g H^2) in the middle of the true flow is 1/8. One cell cannot
+/// have it: the balance of its momentum gives magic / 3q, at any viscosity.
+TEST(CutLinks, FlowInAGapOfOneCellDoesNotDependOnViscosity) {
+  constexpr double magic = 1.0 / 6, g = 1e-6;
+  for (const double q : {0.51, 0.7, 0.95})
+    for (const double tau : {0.51, 0.6, 1.0, 2.0}) {
+      const double nu = (tau - 0.5) / 3;
+      Walled flow(one_cell(q, q), WallScheme::cli, {tau, magic, false, {g, 0, 0}});
+      for (int t = 0; t < int(20 * q * q / nu) + 2000; ++t) flow.step();
+      EXPECT_NEAR(nu * flow.velocity({1, 0, 2})[0] / (g * 4 * q * q), magic / (3 * q), 1e-6) << tau;
+    }
+}
+
+// ---- flow through a pipe along z, r < radius ----
+
+int pipe_box(double radius) {
+  return 2 * int(std::ceil(radius)) + 3;
+}
+Scene pipe(double radius, double x0, double y0) {
+  const int n = pipe_box(radius);
+  const double cx = n / 2 + x0, cy = n / 2 + y0;
+  return {{n, n, height},
+          [=](double x, double y) { return std::hypot(x - cx, y - cy) < radius; },
+          [=](double x, double y, Int3 v) {
+            const double a = v.x * v.x + v.y * v.y, b = (x - cx) * v.x + (y - cy) * v.y;
+            if (a == 0) return Hit{2, 0};
+            const double k = (x - cx) * (x - cx) + (y - cy) * (y - cy) - radius * radius;
+            return Hit{(-b + std::sqrt(b * b - a * k)) / a, 0};
+          }};
+}
+
+/// L2 error of the velocity over the largest, mean of six positions of the axis.
+double pipe_error(WallScheme scheme, double radius) {
+  constexpr double speed = 1e-3, tau = 1.0, nu = (tau - 0.5) / 3;
+  double mean = 0;
+  for (const double offset : {0.11, 0.23, 0.37, 0.58, 0.83, 0.96}) {
+    const double g = 4 * nu * speed / (radius * radius);
+    Walled flow(pipe(radius, offset, 0.71 * offset), scheme, {tau, 1.0 / 6, false, {0, 0, g}});
+    const double cx = pipe_box(radius) / 2 + offset, cy = pipe_box(radius) / 2 + 0.71 * offset;
+    const auto exact = [&](Int3 x) {
+      const double r = std::hypot(x.x + 0.5 - cx, x.y + 0.5 - cy) / radius;
+      return speed * (1 - r * r);
+    };
+    flow.for_fluid([&](Int3 x) { flow.fluid().set_equilibrium(0, x, 0, {0, 0, exact(x) - g / 2}); });
+    for (int t = 0; t < int(1.5 * radius * radius / nu); ++t) flow.step();
+    double square = 0;
+    int count = 0;
+    flow.for_fluid([&](Int3 x) {
+      const double e = flow.velocity(x)[2] / speed - exact(x) / speed;
+      square += e * e, ++count;
+    });
+    mean += std::sqrt(square / count) / 6;
+  }
+  return mean;
+}
+
+TEST(CutLinks, PipeConvergesWithSecondOrder) {
+  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi}) {
+    const double coarse = pipe_error(scheme, 5.3), fine = pipe_error(scheme, 21.2);
+    const double order = std::log(coarse / fine) / std::log(4.0);
+    printf("pipe, %s: error %.2e at radius 5.3, %.2e at 21.2, order %.2f\n",
+           std::string(wall_scheme_names[int(scheme)]).c_str(), coarse, fine, order);
+    EXPECT_GE(order, 1.9) << wall_scheme_names[int(scheme)];
+  }
+}
+
+// A pressure that is the same everywhere moves nothing, whatever the scheme.
+TEST(CutLinks, FluidAtRestStaysAtRest) {
+  for (int s = 0; s < int(wall_scheme_names.size()); ++s) {
+    Walled flow(oblique_channel(), WallScheme(s), {0.8, 1.0 / 6, false, {}});
+    flow.for_fluid([&](Int3 x) { flow.fluid().set_equilibrium(0, x, 0.01, {}); });
+    for (int t = 0; t < 100; ++t) flow.step();
+    double worst = 0;
+    flow.for_fluid([&](Int3 x) {
+      for (const double u : flow.velocity(x)) worst = std::max(worst, std::fabs(u));
+    });
+    EXPECT_LT(worst, 1e-15) << wall_scheme_names[s];
+  }
+}
+
+// a + b + c = 1; exact where the velocity is linear: 2 q (1 - c) = 1 - b, k = 6 w (1 - c); what turns round
+// in every step is not returned magnified; no jump where branches meet.
+TEST(CutLinks, CoefficientsAreConsistent) {
+  const auto check = [](auto scheme, const WallFluid<double>& fluid) {
+    constexpr WallScheme s = decltype(scheme)::value;
+    for (double q = 1e-9; q <= 1; q += 0.001) {
+      const auto k = coefficients<s>(q, 1.0, fluid), next = coefficients<s>(q + 1e-9, 1.0, fluid);
+      EXPECT_NEAR(k.a + k.b + k.c, 1, 1e-14) << q;
+      EXPECT_NEAR(2 * q * (1 - k.c), 1 - k.b, 1e-14) << q;
+      EXPECT_NEAR(k.k, 1 - k.c, 1e-14) << q;
+      EXPECT_GE(k.b + k.c, -1e-15) << q;
+      EXPECT_LT(k.b + k.c, 2) << q;
+      EXPECT_NEAR(k.a, next.a, 1e-6);
+      EXPECT_NEAR(k.b, next.b, 1e-6);
+      EXPECT_NEAR(k.c, next.c, 1e-6);
+    }
+  };
+  for (const double tau : {0.501, 0.51, 1.0, 2.0, 10.0}) {
+    const WallFluid<double> fluid(CollisionSpec{tau, 1.0 / 6, false, {}});
+    check(std::integral_constant<WallScheme, WallScheme::cli>{}, fluid);
+    check(std::integral_constant<WallScheme, WallScheme::bouzidi>{}, fluid);
+    check(std::integral_constant<WallScheme, WallScheme::parabolic>{}, fluid);
+  }
+}
+
+}  // namespace
+}  // namespace silt::lbm

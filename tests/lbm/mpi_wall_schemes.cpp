@@ -1,0 +1,161 @@
+// What each wall scheme holds at a flat wall, against the closure that wall_scheme.hpp states: flow driven by
+// a force between two planes anywhere in the grid. Every rank does the same.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lbm/cut_links.hpp"
+#include "lbm/fluid.hpp"
+
+namespace silt::lbm {
+namespace {
+
+struct Channel {
+  double tau, magic;
+  double below, above;  // wall distances of the first and the last layer of cells
+  int layers;
+  double force = 1e-6, speed = 0;  // along x; of the upper wall
+};
+constexpr int width = 4;  // cells along x and y, without effect
+static_assert(width * width == link_lanes);
+
+Int3 cell_of(int n, int layer) {
+  return {n % width, n / width, layer};
+}
+
+/// The links of the layer whose neighbour at side -1 or +1 is solid, one run a direction, to one surface.
+void add_links(CutLinks<double>& links, int surface, int layer, int side, double q, WallScheme scheme) {
+  links.surfaces.push_back({{0, 0, layer}, {0, 0, 0}, 2.0 * width, false});
+  LinkGroup group{std::uint32_t(links.runs.size()), 0, surface, {0, 0, 0}, -1};
+  for (int i = 1; i < directions; ++i) {
+    if (c[i].z != side) continue;
+    links.reserve(link_lanes);
+    links.runs.push_back({links.used, link_lanes, std::uint8_t(i), scheme});
+    for (int n = 0; n < link_lanes; ++n, ++links.used) {
+      const Int3 x = cell_of(n, layer);
+      links.place[links.used] = link_place(x.x, x.y, x.z), links.q[links.used] = q;
+    }
+  }
+  group.end_run = std::uint32_t(links.runs.size());
+  links.groups.push_back(group);
+}
+
+/// Velocity along x of every layer, steady.
+std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
+  const SideCondition periodic{SideKind::periodic, {}, 0};
+  const Int3 n{width, width, channel.layers + 2};
+  const CollisionSpec spec{channel.tau, channel.magic, false, {channel.force, 0, 0}};
+  Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
+                      MPI_COMM_SELF);
+  CutLinks<double> links;
+  links.fluid = WallFluid<double>(spec);
+  add_links(links, 0, 1, -1, channel.below, scheme);
+  add_links(links, 1, channel.layers, +1, channel.above, scheme);
+  const SurfaceMotion motions[2] = {{}, {{channel.speed, 0, 0}, {}}};
+  const double height = channel.layers + 1, viscosity = (channel.tau - 0.5) / 3;
+  // 160 e-foldings; at large tau and small magic the odd modes last longer than the flow
+  const int steps = std::max(4000, int(16 * height * height / viscosity));
+  for (int t = 0; t < steps; ++t) {
+    fluid.stream_collide();
+    fluid.exchange();
+    LinkSums sums;
+    for (const LinkGroup& g : links.groups)
+      apply_cut_links(fluid.blocks()[0], fluid.parity(), links, g, motions[g.surface], ForceForm::exact,
+                      sums);
+  }
+  std::vector<double> u;
+  for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
+  return u;
+}
+
+/// T of the closure, and the distance at which it sees the wall.
+struct Closure {
+  double t, distance;
+};
+Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
+  const double rate = channel.tau - 0.5;
+  const double least = channel.magic + least_excess * (0.5 + q);
+  if (scheme == WallScheme::bounce_back) return {channel.magic, 0.5};
+  if (scheme == WallScheme::narrow) {
+    const double h = std::max(q, least_narrow);
+    return {2 * h * channel.magic, h};
+  }
+  if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
+  if (scheme == WallScheme::cli) return {least, q};
+  return {channel.magic + std::fabs(q - 0.5) * rate, q};
+}
+
+/// The largest difference, over the largest velocity, from the flow with u'' = -force / nu that fulfils
+/// u + distance u' + 2/3 T u'' = u_w at both walls (a third of d^2 u is taken up by the force).
+double difference(const Channel& channel, WallScheme scheme) {
+  const Closure low = closure_of(scheme, channel.below, channel),
+                high = closure_of(scheme, channel.above, channel);
+  const double bend = -3 * channel.force / (channel.tau - 0.5), last = channel.layers - 1;
+  // u = a + b z + bend z^2 / 2, z from the first layer
+  const double at_low = -2 / 3. * low.t * bend;
+  const double at_high = channel.speed - 2 / 3. * high.t * bend - bend * last * (last / 2 + high.distance);
+  const double b = (at_high - at_low) / (last + high.distance + low.distance), a = at_low + b * low.distance;
+  const std::vector<double> u = velocities(channel, scheme);
+  double largest = 0, off = 0;
+  for (int k = 0; k < channel.layers; ++k) {
+    largest = std::max(largest, std::fabs(u[k]));
+    off = std::max(off, std::fabs(u[k] - (a + b * k + bend * k * k / 2)));
+  }
+  return off / largest;
+}
+
+const double distances[][2] = {{0.5, 0.5}, {0.07, 0.93}, {0.31, 0.64}, {1, 0.26}};
+const double rates[][2] = {{0.6, 1. / 24}, {0.8, 1. / 6}, {1, 1. / 6}, {1.7, 3. / 16}, {3, 1. / 24}};
+
+TEST(WallSchemes, HoldTheirClosures) {
+  for (const auto scheme :
+       {WallScheme::bounce_back, WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic})
+    for (const auto& q : distances)
+      for (const auto& r : rates)
+        EXPECT_LT(difference({r[0], r[1], q[0], q[1], 4}, scheme), 1e-10)
+            << wall_scheme_names[int(scheme)] << " tau " << r[0] << " q " << q[0] << " " << q[1];
+}
+
+TEST(WallSchemes, HoldMovingWalls) {
+  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic})
+    for (const auto& q : distances)
+      EXPECT_LT(difference({0.8, 1. / 12, q[0], q[1], 3, 1e-6, 0.01}, scheme), 1e-10)
+          << wall_scheme_names[int(scheme)] << " q " << q[0] << " " << q[1];
+}
+
+/// How far the discharge of a channel, of two cells and more across, differs from that between its true
+/// walls.
+double discharge_spread(WallScheme scheme, double magic) {
+  double least = 1e9, most = -1e9;
+  for (const double below : {0.02, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+    const Channel channel{1, magic, below, std::max(1.02 - below, 0.02), 5};
+    const double height = channel.layers - 1 + channel.below + channel.above;
+    double sum = 0, exact = 0;
+    const std::vector<double> u = velocities(channel, scheme);
+    for (int k = 0; k < channel.layers; ++k) {
+      const double z = k + channel.below;
+      sum += u[k], exact += 3 * channel.force * z * (height - z);
+    }
+    least = std::min(least, sum / exact), most = std::max(most, sum / exact);
+  }
+  return most - least;
+}
+
+// A channel of five cells, wherever its walls are in the grid.
+TEST(WallSchemes, ParabolicDependsLeastOnWhereTheWallIs) {
+  const double linear = discharge_spread(WallScheme::cli, 1.0 / 6);
+  const double parabolic = discharge_spread(WallScheme::parabolic, 1.0 / 16);
+  printf("discharge of a channel: cli %.4f, parabolic %.4f\n", linear, parabolic);
+  EXPECT_LT(parabolic, 0.3 * linear);
+}
+
+TEST(WallSchemes, OneLayerOfCellsBetweenTwoWalls) {
+  for (const auto& q : {std::array{0.6, 0.6}, std::array{0.9, 0.55}, std::array{0.2, 0.7}})
+    for (const auto& r : rates)
+      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::narrow), 1e-10)
+          << "tau " << r[0] << " q " << q[0] << " " << q[1];
+}
+
+}  // namespace
+}  // namespace silt::lbm
