@@ -63,7 +63,9 @@ void Simulation::step() {
   }
   ++step_;
   count(report);
-  if (scene_.anything_moves) check_bodies(setup(), scene_.bodies, step_, scene_.rank);
+  if (scene_.anything_moves)
+    counters_.body_speed =
+        std::max(counters_.body_speed, check_bodies(setup(), scene_.bodies, step_, scene_.rank));
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -97,10 +99,6 @@ void Simulation::count(const rigid::RigidStepReport& report) {
   counters_.infeasible += report.resolver.infeasible;
   counters_.penetration = std::max(counters_.penetration, report.resolver.penetration);
   counters_.residual = std::max(counters_.residual, report.resolver.residual);
-  double speed2 = 0;
-  for (std::size_t row = 0; row < scene_.bodies.owned; ++row)
-    speed2 = std::max(speed2, scene_.bodies.velocity[row].squaredNorm());
-  counters_.body_speed = std::max(counters_.body_speed, std::sqrt(speed2));
 }
 
 RunCounters Simulation::counters() const {

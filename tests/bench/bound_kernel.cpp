@@ -50,6 +50,7 @@ double add_and_multiply(T* result, int rounds) {
   using V = typename VectorOf<T>::type;
   constexpr int chains = 12;  // enough to hide the latency of either, few enough for 16 registers
   V v[chains];
+#pragma GCC unroll 16
   for (int i = 0; i < chains; ++i) v[i] = V{} + T(i);
   for (int r = 0; r < rounds; ++r) {
 #pragma GCC unroll 16
@@ -58,8 +59,10 @@ double add_and_multiply(T* result, int rounds) {
       asm("" : "+x"(v[i]));         // stays in a register, one round after the other
     }
   }
+#pragma GCC unroll 16
   for (int i = 1; i < chains; ++i) v[0] += v[i];
-  *result = v[0][0];
+  const V sum = v[0];
+  *result = sum[0];
   return 2.0 * rounds * chains * (vector_bytes / sizeof(T));
 }
 template double add_and_multiply(float*, int);
