@@ -149,8 +149,10 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
       for (int l = 0; l < padded; ++l) f[l] = behind[at.cell[l]];
       for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
     }
-    if constexpr (scheme == WallScheme::narrow)
+    if constexpr (scheme == WallScheme::narrow) {
+      for (int l = 0; l < padded; ++l) b[l] = against[at.cell[l]];
       velocity_along(block, parity, links.fluid, i, at.cell, padded, f);
+    }
     for (int l = 0; l < padded; ++l) {
       const auto s = coefficients<scheme>(q[l], weight6, links.fluid);
       const T cu = u.along + (alpha[l] * u.turn1 + at.beta[l] * u.turn2);
@@ -158,7 +160,7 @@ void apply_run(Block<T>& block, Parity parity, const CutLinks<T>& links, const L
       if constexpr (reads_behind(scheme))
         r[l] += s.b * f[l] + s.c * b[l] + T(0.5) * (s.k - weight6 * (s.a - s.c)) * cf;
       else if constexpr (scheme == WallScheme::narrow)
-        r[l] -= (weight6 - s.k) * f[l];
+        r[l] += s.c * (b[l] + T(0.5) * weight6 * cf) - (weight6 * s.a - s.k) * f[l];
     }
 #pragma GCC ivdep
     for (int l = 0; l < padded; ++l) back[at.cell[l]] = r[l];

@@ -4,8 +4,8 @@
 // its coefficients functions of the wall distance q and the rates of the collision (x the fluid cell, the
 // surface at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision).
 // a + b + c = 1: fluid at rest stays at rest at any pressure; e = (k - 6 w_i (a - c)) / 2: also where a
-// pressure gradient balances F. `narrow` has a = 1, b = c = 0 and instead of e a term in the cell's velocity,
-// - (6 w_i - k) c_i.u(x).
+// pressure gradient balances F. `narrow` has b = 0, e = 3 w_i c and a term in the cell's velocity,
+// - (6 w_i a - k) c_i.u(x).
 //
 // In steady flow such a scheme holds, with d = c_i.grad and u along c_i, the velocity at
 //   u + q d u + T (d^2 u - (grad p - F).c_i / (tau - 1/2)) = u_w,
@@ -77,6 +77,16 @@ constexpr LinkCoefficients<T> central(T q, T excess, T weight6, const WallFluid<
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
+/// c of `narrow` for T = 5/8 q^2, as far as there is an odd half that relaxes to take it from.
+template <class T>
+constexpr T narrow_share(T q, const WallFluid<T>& fluid) {
+  const T s = T(1) / (T(0.5) + fluid.magic * fluid.inverse_rate);  // rate of the odd half
+  const T wanted = T(parabola / 2) * q / fluid.magic - T(1), most = s - T(1) < T(0.5) ? s - T(1) : T(0.5);
+  if (wanted <= T(0) || most <= T(0)) return T(0);
+  const T c = wanted * (T(2) - s) / (T(2) * (s - T(1)));
+  return c < most ? c : most;
+}
+
 /// `weight6`: 6 w_i. Cheap enough for the inner loop: one division, no branch.
 template <WallScheme scheme, class T>
 constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& fluid) {
@@ -90,7 +100,8 @@ constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& f
     const T near = T(2) * q, s = T(1) / (near < T(1) ? T(1) : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : T(0), T(1) - s, weight6 * s};
   } else if constexpr (scheme == WallScheme::narrow) {
-    return {T(1), T(0), T(0), weight6 * T(0.5) / (q < T(least_narrow) ? T(least_narrow) : q)};
+    const T h = q < T(least_narrow) ? T(least_narrow) : q, c = narrow_share(h, fluid);
+    return {T(1) - c, T(0), c, weight6 * T(0.5) / h};
   } else {
     return {T(1), T(0), T(0), weight6};
   }

@@ -79,7 +79,9 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   if (scheme == WallScheme::bounce_back) return {channel.magic, 0.5};
   if (scheme == WallScheme::narrow) {
     const double h = std::max(q, least_narrow);
-    return {2 * h * channel.magic, h};
+    const double s = 1 / (0.5 + channel.magic / rate),
+                 c = narrow_share(h, WallFluid<double>({channel.tau, channel.magic, false, {}}));
+    return {2 * h * channel.magic * (1 - 2 * c * (1 - s) / (2 - s)), h};
   }
   if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
   if (scheme == WallScheme::cli) return {least, q};
