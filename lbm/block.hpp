@@ -78,6 +78,8 @@ class Block {
 
   /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and its ghost layer.
   std::ptrdiff_t slot(int i) const { return lead_ + direction_ * i; }
+  /// Middle of the slots, for offsets of 32 bits.
+  std::ptrdiff_t middle() const { return slot(directions / 2); }
   std::ptrdiff_t arriving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) : slot(opposite(i)) - step(i);
   }

@@ -176,7 +176,8 @@ int main(int argc, char** argv) {
   if (options.others.size() == 2 && options.others[0] == "--only")
     only = options.others[1], options.others.clear();
   bench::require_no_others(options);
-  const Size size = options.quick ? Size{96, 5} : Size{160, 9};
+  Size size = options.quick ? Size{96, 5} : Size{160, 9};
+  if (getenv("BN")) size = {atoi(getenv("BN")), 40};
   bench::Figures figures;
   std::vector<Setup> group;
   const auto flush = [&] {
@@ -184,7 +185,7 @@ int main(int argc, char** argv) {
     group.clear();
   };
   for (const Setup& s : all_setups()) {
-    if (s.key().find(only) == std::string::npos) continue;
+    if (only.ends_with("$") ? s.key() + "$" != only : s.key().find(only) == std::string::npos) continue;
     if (!group.empty() && (s.name != group[0].name || s.diameter != group[0].diameter)) flush();
     group.push_back(s);
   }

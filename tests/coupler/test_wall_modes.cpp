@@ -89,6 +89,7 @@ TEST(WallModes, WhatTurnsRoundEveryStepFades) {
                           {"cells on a cube", cube(10, 5 - 2e-6)},
                           {"cube off the cells", cube(10, 4.3)},
                           {"closed tube", closed_tube()}};
+  constexpr double rounding = 1e-40;  // of velocities of 1e-6, squared
   for (const Scene& scene : scenes)
     for (const double tau : {0.51, 0.6, 1.0, 2.0}) {
       CaseText c = scene.text;
@@ -98,7 +99,7 @@ TEST(WallModes, WhatTurnsRoundEveryStepFades) {
       s.run(3000);
       const double early = alternating_energy(s);
       s.run(2000);
-      EXPECT_LT(alternating_energy(s), 0.9 * early) << scene.name << ", tau " << tau;
+      EXPECT_LT(alternating_energy(s), std::max(0.9 * early, rounding)) << scene.name << ", tau " << tau;
     }
 }
 
