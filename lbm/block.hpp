@@ -10,12 +10,11 @@
 //     crossed   slot (x - c_i, opposite i)      slot (x, opposite i)
 //
 // `arriving` and `leaving` are the only places that know this; everything outside the kernel uses them.
+#include <algorithm>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
-#include <new>
 #include <vector>
 
+#include "lbm/large_memory.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::lbm {
@@ -47,26 +46,23 @@ struct RowEnd {
 template <class T>
 class Block {
  public:
+  /// No padding: a gap in a row costs the bandwidth of the cache lines it breaks, and more. A row is one cell
+  /// longer than the block, a plane one row: no direction crosses out on both sides, so the ghost after a row
+  /// is also the one before the next.
   explicit Block(const CellBox& box) : box_(box) {
-    constexpr int line = 64 / sizeof(T);  // elements of a cache line
-    const auto rounded = [](std::ptrdiff_t n, int to) { return (n + to - 1) / to * to; };
-    // One column of padding serves as right ghost of a row and left ghost of the next one.
-    row_ = rounded(box.size.x + 2, line);
-    plane_ = row_ * (box.size.y + 2);
-    while (plane_ % (4096 / int(sizeof(T))) == 0) plane_ += 5 * line;  // planes must not share cache sets
-    lead_ = plane_ + row_ + line;                                      // so that cell (0,0,0) starts a line
-    direction_ = lead_ + plane_ * (box.size.z + 1) + line;
-    const std::ptrdiff_t page = 4096 / sizeof(T), skew = 13 * line;  // 19 directions spread over the sets
+    constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T);  // elements
+    row_ = box.size.x + 1;
+    plane_ = row_ * (box.size.y + 1);
+    if (plane_ % page == 0) plane_ += 5 * line;  // planes must not share cache sets
+    direction_ = plane_ * (box.size.z + 1) + line;
+    constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page
     direction_ += (skew - direction_ % page + page) % page;
-    const std::size_t bytes = (std::size_t(direction_) * directions * sizeof(T) + 63) / 64 * 64;
-    memory_.reset(static_cast<T*>(std::aligned_alloc(64, bytes)));
-    if (!memory_) throw std::bad_alloc();
-    std::fill_n(memory_.get(), bytes / sizeof(T), T(0));
+    memory_ = zeroed<T>(std::size_t(direction_) * directions);
   }
 
   const CellBox& box() const { return box_; }
   Int3 size() const { return box_.size; }
-  /// Bytes held for populations, padding included.
+  /// Bytes held for populations, ghosts included.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
 
   /// Element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
@@ -76,8 +72,12 @@ class Block {
   std::ptrdiff_t row_stride() const { return row_; }
   std::ptrdiff_t plane_stride() const { return plane_; }
 
-  /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and its ghost layer.
-  std::ptrdiff_t slot(int i) const { return lead_ + direction_ * i; }
+  /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and every ghost cell that
+  /// something crosses into along i; other ghost cells have no slot of their own. A direction's array begins
+  /// with the first of them.
+  std::ptrdiff_t slot(int i) const {
+    return direction_ * i - cell(std::min(c[i].x, 0), std::min(c[i].y, 0), std::min(c[i].z, 0));
+  }
   /// Middle of the slots, for offsets of 32 bits.
   std::ptrdiff_t middle() const { return slot(directions / 2); }
   std::ptrdiff_t arriving(int i, Parity p) const {
@@ -95,12 +95,9 @@ class Block {
   void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
 
  private:
-  struct Free {
-    void operator()(T* p) const { std::free(p); }
-  };
   CellBox box_;
-  std::ptrdiff_t row_, plane_, direction_, lead_;
-  std::unique_ptr<T[], Free> memory_;
+  std::ptrdiff_t row_, plane_, direction_;
+  LargeMemory<T> memory_;
   std::vector<RowEnd<T>> row_ends_[2];
 };
 

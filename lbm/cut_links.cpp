@@ -10,7 +10,8 @@ namespace silt::lbm {
 
 template <class T>
 LinkSlots link_slots(const Block<T>& block, Parity parity) {
-  const std::ptrdiff_t furthest = block.slot(directions) - block.middle() + 2 * block.plane_stride();
+  const std::ptrdiff_t furthest =
+      block.slot(directions - 1) + block.slot(1) - block.middle() + 2 * block.plane_stride();
   if (furthest > std::numeric_limits<std::int32_t>::max())
     throw std::invalid_argument("a block of more than 220 million cells; use smaller domain.blocks");
   const auto from_middle = [&](std::ptrdiff_t slot) { return std::int32_t(slot - block.middle()); };

@@ -15,7 +15,7 @@ inline constexpr int vector_bytes = 32;
 #else
 inline constexpr int vector_bytes = 16;
 #endif
-inline constexpr int prefetch_bytes = 1024;  // ahead of use; measured best between 0.5 and 2 KiB
+inline constexpr int prefetch_bytes = 512;  // best of 256 to 1536 for large blocks, 640 for 80^3
 
 template <class T>
 struct VectorOf {
@@ -34,41 +34,17 @@ inline void store(T* p, const V& v) {
 }
 
 template <class T>
-struct Rows {  // one row of cells: its slots A and B of each pair, and the resting populations
+struct Slots {  // A and B of each pair, and the resting populations; a cell is Block::cell elements further
   T* a[pairs];
   T* b[pairs];
   T* rest;
-};
-
-template <int k, class V>
-inline V along(const V& x, const V& y, const V& z) {  // c_i . (x, y, z) of pair k, i = 2k + 1
-  constexpr Int3 v = c[2 * k + 1];
-  if constexpr (v.x == 1 && v.y == 0 && v.z == 0) return x;
-  if constexpr (v.x == 0 && v.y == 1 && v.z == 0) return y;
-  if constexpr (v.x == 0 && v.y == 0 && v.z == 1) return z;
-  if constexpr (v.x == 1 && v.y == 1) return x + y;
-  if constexpr (v.x == 1 && v.y == -1) return x - y;
-  if constexpr (v.x == 1 && v.z == 1) return x + z;
-  if constexpr (v.x == 1 && v.z == -1) return x - z;
-  if constexpr (v.y == 1 && v.z == 1) return y + z;
-  if constexpr (v.y == 1 && v.z == -1) return y - z;
-}
-
-template <int k, bool source, class V, class T>
-inline void relax_pair(V& a, V& b, const V& base, const V& ux, const V& uy, const V& uz, const V& uf,
-                       const CollisionRates<T>& r) {
-  constexpr T weight = T(w(2 * k + 1));
-  const V cu = along<k>(ux, uy, uz);
-  V even = r.omega_even * (T(0.5) * (a + b) - weight * (base + T(4.5) * cu * cu));
-  V odd = r.omega_odd * (T(0.5) * (a - b) - T(3) * weight * cu);
-  if constexpr (source) {
-    const T cf = along<k>(r.fx, r.fy, r.fz);
-    even -= r.force_even * weight * (T(9) * cf * cu - T(3) * uf) + weight * r.anchor;
-    odd -= r.force_odd * (T(3) * weight * cf);
+  Slots(Block<T>& block, Parity parity) : rest(block.data() + block.slot(0)) {
+    for (int k = 0; k < pairs; ++k) {
+      a[k] = block.data() + block.arriving(2 * k + 1, parity);
+      b[k] = block.data() + block.arriving(2 * k + 2, parity);
+    }
   }
-  const V out_i = a - even - odd, out_opposite = b - even + odd;
-  a = out_opposite, b = out_i;
-}
+};
 
 /// Which lanes of a vector are cells: the first `cells`.
 template <class V, class T>
@@ -89,45 +65,70 @@ struct AllLanes {
   }
 };
 
-/// The cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they hold: no
-/// other lane of the vector has them.
-template <bool source, class V, class T, class Keep>
-inline void collide(const Rows<T>& rows, std::ptrdiff_t x, const CollisionRates<T>& r, const Keep& keep) {
-  V a[pairs], b[pairs];
-  V rest = load<V>(rows.rest + x);
-  for (int k = 0; k < pairs; ++k) a[k] = load<V>(rows.a[k] + x), b[k] = load<V>(rows.b[k] + x);
+/// Ahead of use, so that memory answers in time: the hardware's own streams are too few for nineteen arrays.
+struct Prefetch {
+  template <class T>
+  void operator()(const T* p) const {
+    __builtin_prefetch(p + prefetch_bytes / sizeof(T), 1);
+  }
+};
 
-  V rho = rest;
-  for (int k = 0; k < pairs; ++k) rho += a[k] + b[k];
-  V d[pairs];
-  for (int k = 0; k < pairs; ++k) d[k] = a[k] - b[k];
+/// The cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they hold: no
+/// other lane of the vector has them. collision.hpp says what is computed.
+template <bool source, class V, class T, class Keep>
+[[gnu::always_inline]] inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
+                                           const CollisionRates<T>& r, const Keep& keep) {
+  constexpr Prefetch prefetch;
+  V sum[pairs], difference[pairs];
+  for (int k = 0; k < pairs; ++k) {
+    const V a = load<V>(slots.a[k] + x), b = load<V>(slots.b[k] + x);
+    prefetch(slots.a[k] + x), prefetch(slots.b[k] + x);
+    sum[k] = a + b, difference[k] = a - b;
+  }
+  const V rest = load<V>(slots.rest + x);
+  prefetch(slots.rest + x);
+
+  const V rho =
+      ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) + (sum[8] + rest);
+  const V* const d = difference;
   V ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
   V uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));
   V uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
-  V uf = rest - rest;
+  if constexpr (source) ux += r.half_force[0], uy += r.half_force[1], uz += r.half_force[2];
+
+  V kx = r.square * ux, ky = r.square * uy, kz = r.square * uz;
+  if constexpr (source) kx += r.even_force[0], ky += r.even_force[1], kz += r.even_force[2];
+  const V xx = kx * ux, yy = ky * uy, zz = kz * uz;
+  V isotropic = r.density * rho - (xx + yy + zz);
+  if constexpr (source) isotropic += T(1. / 36) * r.anchor;
+  V qx = r.momentum * ux, qy = r.momentum * uy, qz = r.momentum * uz;
+  if constexpr (source) qx += r.odd_force[0], qy += r.odd_force[1], qz += r.odd_force[2];
+
+  store(slots.rest + x, keep(V(r.keep_even_twice * rest + T(12) * isotropic), rest));
+  const auto relax = [&](int k, const V& even, const V& odd) __attribute__((always_inline)) {
+    const V p = r.keep_even * sum[k] + even, q = r.keep_odd * difference[k] + odd;
+    store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));
+    store(slots.b[k] + x, keep(V(p + q), load<V>(slots.b[k] + x)));
+  };
+  const V x3 = isotropic + T(3) * xx, y3 = T(3) * yy, z3 = T(3) * zz;
+  relax(0, x3 + x3, qx + qx);
+  const V y1 = isotropic + y3, z1 = isotropic + z3;
+  relax(1, y1 + y1, qy + qy);
+  relax(2, z1 + z1, qz + qz);
+  V xy, xz, yz;
   if constexpr (source) {
-    ux += T(0.5) * r.fx, uy += T(0.5) * r.fy, uz += T(0.5) * r.fz;
-    uf = ux * r.fx + uy * r.fy + uz * r.fz;
+    xy = T(3) * (kx * uy + ky * ux), xz = T(3) * (kx * uz + kz * ux), yz = T(3) * (ky * uz + kz * uy);
+  } else {
+    const V kx6 = T(6) * kx;
+    xy = kx6 * uy, xz = kx6 * uz, yz = T(6) * ky * uz;
   }
-  const V base = rho - T(1.5) * (ux * ux + uy * uy + uz * uz);
-
-  relax_pair<0, source>(a[0], b[0], base, ux, uy, uz, uf, r);
-  relax_pair<1, source>(a[1], b[1], base, ux, uy, uz, uf, r);
-  relax_pair<2, source>(a[2], b[2], base, ux, uy, uz, uf, r);
-  relax_pair<3, source>(a[3], b[3], base, ux, uy, uz, uf, r);
-  relax_pair<4, source>(a[4], b[4], base, ux, uy, uz, uf, r);
-  relax_pair<5, source>(a[5], b[5], base, ux, uy, uz, uf, r);
-  relax_pair<6, source>(a[6], b[6], base, ux, uy, uz, uf, r);
-  relax_pair<7, source>(a[7], b[7], base, ux, uy, uz, uf, r);
-  relax_pair<8, source>(a[8], b[8], base, ux, uy, uz, uf, r);
-  V change = r.omega_even * (rest - T(w(0)) * base);
-  if constexpr (source) change -= r.force_even * T(w(0)) * (T(-3) * uf) + T(w(0)) * r.anchor;
-
-  store(rows.rest + x, keep(V(rest - change), rest));
-  for (int k = 0; k < pairs; ++k) {
-    store(rows.a[k] + x, keep(a[k], load<V>(rows.a[k] + x)));
-    store(rows.b[k] + x, keep(b[k], load<V>(rows.b[k] + x)));
-  }
+  const V sxy = x3 + y3, sxz = x3 + z3, syz = y1 + z3;
+  relax(3, sxy + xy, qx + qy);
+  relax(4, sxy - xy, qx - qy);
+  relax(5, sxz + xz, qx + qz);
+  relax(6, sxz - xz, qx - qz);
+  relax(7, syz + yz, qy + qz);
+  relax(8, syz - yz, qy - qz);
 }
 
 template <class T>
@@ -136,30 +137,18 @@ inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
 }
 
 template <bool source, class T>
-void row_range(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range) {
+void row_range(Block<T>& block, Parity parity, const CollisionRates<T> rates, RowRange range) {
   using V = typename VectorOf<T>::type;
-  constexpr int width = vector_bytes / sizeof(T), ahead = prefetch_bytes / sizeof(T);
-  const std::ptrdiff_t nx = block.size().x;
+  constexpr int width = vector_bytes / sizeof(T);
+  const int nx = block.size().x, whole = nx / width * width;
+  const Slots<T> slots(block, parity);
+  const Lanes<V, T> rest_of_row(nx - whole);
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
-      Rows<T> rows;
-      T* const first = block.data() + block.cell(0, y, z);
-      rows.rest = first + block.slot(0);
-      for (int k = 0; k < pairs; ++k) {
-        rows.a[k] = first + block.arriving(2 * k + 1, parity);
-        rows.b[k] = first + block.arriving(2 * k + 2, parity);
-      }
-      std::ptrdiff_t x = 0;
-      for (; x + width <= nx; x += width) {
-        __builtin_prefetch(rows.rest + x + ahead, 1);
-        for (int k = 0; k < pairs; ++k) {
-          __builtin_prefetch(rows.a[k] + x + ahead, 1);
-          __builtin_prefetch(rows.b[k] + x + ahead, 1);
-        }
-        collide<source, V>(rows, x, rates, AllLanes{});
-      }
-      if (x < nx) collide<source, V>(rows, x, rates, Lanes<V, T>(nx - x));
-      close_row(first, block.row_ends(parity));
+      const std::ptrdiff_t first = block.cell(0, y, z), end = first + whole;
+      for (std::ptrdiff_t x = first; x < end; x += width) collide<source, V>(slots, x, rates, AllLanes{});
+      if (whole < nx) collide<source, V>(slots, end, rates, rest_of_row);
+      close_row(block.data() + first, block.row_ends(parity));
     }
 }
 

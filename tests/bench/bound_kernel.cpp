@@ -52,9 +52,11 @@ double add_and_multiply(T* result, int rounds) {
   V v[chains];
   for (int i = 0; i < chains; ++i) v[i] = V{} + T(i);
   for (int r = 0; r < rounds; ++r) {
-    for (int i = 0; i < chains; ++i) v[i] = v[i] * T(0.5) + T(1);  // not contracted: two operations
 #pragma GCC unroll 16
-    for (int i = 0; i < chains; ++i) asm volatile("" : "+x"(v[i]));
+    for (int i = 0; i < chains; ++i) {
+      v[i] = v[i] * T(0.5) + T(1);  // not contracted: two operations
+      asm("" : "+x"(v[i]));         // stays in a register, one round after the other
+    }
   }
   for (int i = 1; i < chains; ++i) v[0] += v[i];
   *result = v[0][0];

@@ -1,7 +1,7 @@
 // Whole coupled steps over the fluid alone on one core: layers of spheres moving through a periodic box.
 // Case a: 6 % solid; case b: 17 %. The fluid alone and the scenes of a case take turns, so that what disturbs
 // the machine disturbs all of them; medians. --quick: a smaller box, fewer turns. --only TEXT: only scenes
-// whose key contains it.
+// whose key contains it (TEXT$: is it).
 #include <mpi.h>
 
 #include <cmath>
@@ -176,8 +176,7 @@ int main(int argc, char** argv) {
   if (options.others.size() == 2 && options.others[0] == "--only")
     only = options.others[1], options.others.clear();
   bench::require_no_others(options);
-  Size size = options.quick ? Size{96, 5} : Size{160, 9};
-  if (getenv("BN")) size = {atoi(getenv("BN")), 40};
+  const Size size = options.quick ? Size{96, 5} : Size{160, 9};
   bench::Figures figures;
   std::vector<Setup> group;
   const auto flush = [&] {

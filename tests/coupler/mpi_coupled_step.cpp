@@ -188,17 +188,18 @@ double momentum_drift(const std::vector<std::string>& overrides, int steps) {
 }
 
 TEST(CoupledStep, ExactFormConservesMomentum) {
-  std::vector<std::string> how = {"coupling.time=implicit"};
-  for (int explicit_time = 0; explicit_time < 2; ++explicit_time) {
-    if (explicit_time)  // which is unstable for bodies lighter than three times the fluid
-      how = {"coupling.time=explicit", "bodies[0].density=4", "bodies[1].density=4", "bodies[2].density=4"};
-    const double in_double = momentum_drift(how, 1000);
-    how.push_back("fluid.precision=single");
-    const double in_single = momentum_drift(how, 1000);
+  // explicit: heavier bodies; those of density 1.5 and 2 stir the fluid to 1.2 cells a step (unstable)
+  const std::vector<std::string> heavy{"bodies[0].density=4", "bodies[1].density=4", "bodies[2].density=4",
+                                       "coupling.time=explicit"};
+  for (const auto& overrides : {std::vector<std::string>{"coupling.time=implicit"}, heavy}) {
+    std::vector<std::string> single = overrides;
+    single.push_back("fluid.precision=single");
+    const double in_double = momentum_drift(overrides, 1000), in_single = momentum_drift(single, 1000);
     if (rank_of_world() == 0)
-      printf("%s: exact form, drift %.2g in double, %.2g in single\n", how[0].c_str(), in_double, in_single);
-    EXPECT_LT(in_double, 1e-11) << how[0];
-    EXPECT_LT(in_single, 1e-5) << how[0];
+      printf("%s: exact form, drift %.2g in double, %.2g in single\n", overrides.back().c_str(), in_double,
+             in_single);
+    EXPECT_LT(in_double, 1e-11) << overrides.back();
+    EXPECT_LT(in_single, 1e-6) << overrides.back();
   }
 }
 
