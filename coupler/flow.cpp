@@ -21,6 +21,9 @@ using rigid::Vec3;
 
 namespace {
 
+/// Steps between two weighings of the fluid for the pressure anchor, each the price of some steps.
+constexpr std::int64_t weighing_interval = 2000;
+
 /// Of mass and momentum of cells.
 std::int64_t to_quanta(double x) {
   return std::llrint(x / lbm::mass_quantum);
@@ -67,13 +70,15 @@ class FlowOf final : public Flow {
 
   void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
     stepped_ = true;
-    mass_gained_ += forces_(fluid_, map_.blocks(), links_, bodies, gravity);
+    const std::int64_t from_links = forces_(fluid_, map_.blocks(), links_, bodies, gravity);
     if (!anchored_) return;
-    std::int64_t mine[2] = {mass_gained_, cells_gained_}, all[2];
-    MPI_Allreduce(mine, all, 2, MPI_INT64_T, MPI_SUM, fluid_.comm());
+    std::int64_t mine[3] = {from_links, mass_gained_, cells_gained_}, all[3];
+    MPI_Allreduce(mine, all, 3, MPI_INT64_T, MPI_SUM, fluid_.comm());
     anchor_.gain = all[0];
-    anchor_.mass += all[0], anchor_.fluid_cells += all[1];
+    anchor_.mass += all[0] + all[1] + to_quanta(anchor_density_ * double(all[2]));
+    anchor_.fluid_cells += all[2];
     mass_gained_ = cells_gained_ = 0;
+    if (++anchor_.steps % weighing_interval == 0) weigh();
   }
 
   const lbm::Domain& domain() const override { return fluid_.domain(); }
@@ -96,8 +101,8 @@ class FlowOf final : public Flow {
     map_(bodies);
     rebuild_links(bodies);
     if (restarted_) return;
-    const FlowTotals now = totals();
-    anchor_.mass = to_quanta(now.mass_deviation), anchor_.fluid_cells = std::int64_t(now.fluid_cells);
+    forces_.start(map_.blocks(), bodies);
+    if (anchored_) weigh();
   }
 
   FlowTotals totals() const override;
@@ -130,12 +135,13 @@ class FlowOf final : public Flow {
   }
 
   /// The pressure anchor: interpolated walls, and cells that change sides, do not conserve mass. What is
-  /// known to have been gained, and as much as the last step gained for the one to come, is taken out of all
-  /// cells alike.
+  /// known to have been gained, and as much as the links gained in the last step for the one to come, is
+  /// taken out of all cells alike. (Cells that have changed sides in this step are known when it ends.)
   void set_anchor_density() {
     const std::int64_t surplus = anchor_.mass + anchor_.gain;
-    fluid_.set_anchor(
-        anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0);
+    anchor_density_ =
+        anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0;
+    fluid_.set_anchor(anchor_density_);
     anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
@@ -157,6 +163,13 @@ class FlowOf final : public Flow {
     for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
+  }
+
+  /// Populations in single precision round: what the anchor knows differs from what there is by some 1e-13 a
+  /// cell and step.
+  void weigh() {
+    const FlowTotals now = totals();
+    anchor_.mass = to_quanta(now.mass_deviation), anchor_.fluid_cells = std::int64_t(now.fluid_cells);
   }
 
   /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
@@ -235,6 +248,7 @@ class FlowOf final : public Flow {
   double link_seconds_ = 0;
   bool anchored_, restarted_ = false, stepped_ = false;
   AnchorState anchor_;
+  double anchor_density_ = 0;                        // added to every cell in this step
   std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it
 };
 

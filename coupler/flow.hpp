@@ -32,9 +32,10 @@ struct FlowTotals {
 
 /// What the pressure anchor remembers between steps (mass quanta, 2^-40; the same on every rank).
 struct AnchorState {
-  std::int64_t mass = 0;  // sum of the density deviations of all fluid cells
+  std::int64_t mass = 0;  // sum of the density deviations of all fluid cells; 0 without an anchor
   std::int64_t fluid_cells = 0;
-  std::int64_t gain = 0;  // of the last step, through links and changed cells: what the next one will bring
+  std::int64_t gain = 0;   // of the last step, through links: what the next one will bring
+  std::int64_t steps = 0;  // since the simulation began
 };
 
 struct Load {

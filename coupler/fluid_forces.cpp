@@ -66,7 +66,7 @@ void add_sums(std::int64_t* row, const BlockLinks<T>& links, int surface, bool s
   const lbm::LinkSums& sums = links.sums[surface];
   for (int d = 0; d < 3; ++d) row[d] += sums.force[d], row[3 + d] += sums.torque[d];
   if (stiffness)
-    for (int e = 0; e < 21; ++e) row[force_width + e] += links.stiffness[surface].h[e];
+    for (int e = 0; e < stiffness_width; ++e) row[force_width + e] += links.stiffness[surface].h[e];
 }
 
 /// Solves (M + H) delta = F + F_ext, gives the body the force of the links at that change, and returns it.
@@ -88,6 +88,28 @@ Vec6 take_velocity_change(rigid::BodySet& bodies, const rigid::World& world, std
   return delta;
 }
 
+void add_cells(const CellSums& cells, std::int64_t* to) {
+  to[0] += cells.count;
+  for (int d = 0; d < 3; ++d) to[1 + d] += cells.coordinates[d];
+}
+
+/// Momentum and angular momentum about the centre of mass, in link quanta, that the body's cells have beyond
+/// its volume if they move with it. `cells`: as in add_cells.
+std::array<std::int64_t, 6> momentum_of_excess(const rigid::BodySet& bodies, std::size_t row,
+                                               const std::int64_t* cells) {
+  const double count = double(cells[0]), displaced = bodies.mass[row] * (1 - bodies.weight_factor[row]);
+  const Vec3 moment = Vec3(double(cells[1]), double(cells[2]), double(cells[3])) +
+                      count * (Vec3::Constant(0.5) - bodies.mapping_pose[row].position);
+  const Vec3 &v = bodies.velocity[row], &w = bodies.angular_velocity[row];
+  const Vec3 momentum = (count - displaced) * v + w.cross(moment), angular = moment.cross(v);
+  std::array<std::int64_t, 6> quanta;
+  for (int d = 0; d < 3; ++d) {
+    quanta[d] = std::llrint(momentum[d] / lbm::link_quantum);
+    quanta[3 + d] = std::llrint(angular[d] / lbm::link_quantum);
+  }
+  return quanta;
+}
+
 /// On every rank alike: throws if some body's sums left the range of the fixed point, or are not numbers.
 void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
   std::uint64_t mine = bad, first = 0;
@@ -101,11 +123,17 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
 
 }  // namespace
 
+Vec3 owed_impulse(const rigid::BodySet& bodies, std::size_t row) {
+  const auto& owed = bodies.owed[row];
+  return {from_link_quanta(owed[0]), from_link_quanta(owed[1]), from_link_quanta(owed[2])};
+}
+
 template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange, int substeps)
     : spec_(spec),
       exchange_(exchange),
-      width_(spec.time == TimeCoupling::implicit_ ? implicit_width : force_width),
+      cells_begin_(force_width + (spec.time == TimeCoupling::implicit_ ? stiffness_width : 0)),
+      width_(cells_begin_ + (spec.force == ForceForm::exact ? cells_width : 0)),
       substeps_(substeps) {}
 
 template <class T>
@@ -113,8 +141,8 @@ void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec
   const Vec3 torque = arm.cross(momentum);
   HandedOver h{id, {}};
   for (int d = 0; d < 3; ++d) {
-    h.force[d] = std::llrint(momentum[d] / lbm::link_quantum);
-    h.force[3 + d] = std::llrint(torque[d] / lbm::link_quantum);
+    h.impulse[d] = std::llrint(momentum[d] / lbm::link_quantum);
+    h.impulse[3 + d] = std::llrint(torque[d] / lbm::link_quantum);
   }
   handed_over_.push_back(h);
 }
@@ -143,7 +171,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
   rows_.assign(bodies.size() * width_, 0);
   for (const auto& h : handed_over_)
     if (const std::size_t row = bodies.row_of(h.id); row < bodies.size())
-      for (int d = 0; d < 6; ++d) rows_[row * width_ + d] += h.force[d];
+      for (int d = 0; d < 6; ++d) rows_[row * width_ + d] += h.impulse[d];
   handed_over_.clear();
   for (std::size_t b = 0; b < maps.size(); ++b) {
     const auto& masks = maps[b].masks;
@@ -154,6 +182,9 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
     links[b].left.resize(masks.size());
     for (std::size_t k = 0; k < masks.size(); ++k)
       links[b].left[k] = links[b].first_group[k + 1] - links[b].first_group[k];
+    if (spec_.force == ForceForm::exact)
+      for (const BodyMask& mask : masks)
+        add_cells(mask.cells, rows_.data() + mask.row * width_ + cells_begin_);
     for (std::size_t k = 0; k < masks.size(); ++k)
       set_motion(links[b].motions[k], bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
   }
@@ -186,6 +217,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, Blo
   if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || links.sums[surface].invalid) return;
   std::int64_t* const row = rows_.data() + mask.row * width_;
   add_sums(row, links, surface);
+  settle_owed(*bodies_, mask.row);
   const Vec6 d = take_velocity_change<T>(*bodies_, exchange_.world(), mask.row, row, gravity, substeps_);
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
@@ -219,16 +251,39 @@ void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const Bloc
   for (std::size_t b = 0; b < maps.size(); ++b)
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
       if (!links[b].finished[k])
-        add_sums(rows_.data() + maps[b].masks[k].row * width_, links[b], int(k), width_ == implicit_width);
+        add_sums(rows_.data() + maps[b].masks[k].row * width_, links[b], int(k),
+                 spec_.time == TimeCoupling::implicit_);
   wall_loads_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
     std::copy_n(rows_.data() + (bodies.first_wall() + w) * width_, force_width, wall_loads_[w].begin());
   exchange_.sum_to_owners(bodies, rows_, width_);
 }
 
+/// What a body was owed at the last step and is owed no more goes to its row.
 template <class T>
-void FluidForces<T>::add_explicit(rigid::BodySet& bodies) const {
+void FluidForces<T>::settle_owed(rigid::BodySet& bodies, std::size_t row) {
+  if (spec_.force != ForceForm::exact) return;
+  std::int64_t* const force = rows_.data() + row * width_;
+  const auto now = momentum_of_excess(bodies, row, force + cells_begin_);
+  for (int d = 0; d < force_width; ++d) force[d] += bodies.owed[row][d] - now[d];
+  bodies.owed[row] = now;
+}
+
+template <class T>
+void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodies) {
+  if (spec_.force != ForceForm::exact) return;
+  std::vector<std::int64_t> rows(bodies.size() * cells_width, 0);
+  for (const BlockMap& map : maps)
+    for (const BodyMask& mask : map.masks) add_cells(mask.cells, rows.data() + mask.row * cells_width);
+  exchange_.sum_to_owners(bodies, rows, cells_width);
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    bodies.owed[row] = momentum_of_excess(bodies, row, rows.data() + row * cells_width);
+}
+
+template <class T>
+void FluidForces<T>::add_explicit(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
+    settle_owed(bodies, row);
     const Vec6 f = force_of(rows_.data() + row * width_);
     bodies.add_force(row, f.template head<3>()), bodies.add_torque(row, f.template tail<3>());
   }
@@ -245,6 +300,7 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
   std::vector<double> delta(bodies.size() * 6, 0.0);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
+    settle_owed(bodies, row);
     const std::int64_t* const sums = rows_.data() + row * width_;
     if (bodies.is_free(row)) {
       Eigen::Map<Vec6>(delta.data() + row * 6) =

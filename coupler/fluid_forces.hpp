@@ -15,7 +15,16 @@
 // were moving, by the velocity that the film is about to take away again, and the film would seem stiffer by
 // the drag over the mass. A sudden blow is not counted.
 //
-// History: none besides the state of bodies (their stored impulses with it) and populations.
+// Form `exact`: besides what the links give, a body gains the momentum of the cells it covers and loses that
+// of the cells it leaves (Aidun, Lu, Ding 1998). Handed over as it is, that comes in blows of a whole cell's
+// momentum, as the body's cells are now more, now fewer than its volume: 58 % of the drag of an array that
+// moves at 0.05 with the fluid at 0.003 relative to it. So a body is owed what its cells, moving with it,
+// hold beyond its volume, momentum and angular momentum; this follows from where it is and how it moves, and
+// what it is given is what it gains less the change of that. Noise 0.68 %, momentum of fluid, bodies and what
+// they are owed conserved to rounding; a body that moves with the fluid feels nothing.
+//
+// History: none besides the state of bodies (their stored impulses and what they are owed with it) and
+// populations.
 #include <array>
 #include <span>
 
@@ -46,9 +55,12 @@ struct BlockLinks {
 template <class T>
 void order_groups(BlockLinks<T>&, const lbm::Sweep&);
 
-/// Force (3), torque (3), stiffness (21) of a row, in quanta of lbm::link_quantum and those of
-/// lbm::StiffnessSums.
-inline constexpr int force_width = 6, implicit_width = 27;
+/// Of a row: force (3) and torque (3) in quanta of lbm::link_quantum; with implicit coupling the stiffness
+/// (21) in the quanta of lbm::StiffnessSums; with the form `exact` the body's cells (4, CellSums).
+inline constexpr int force_width = 6, stiffness_width = 21, cells_width = 4;
+
+/// Impulse that a body is still owed for cells that changed sides, lattice units, world frame.
+rigid::Vec3 owed_impulse(const rigid::BodySet&, std::size_t row);
 
 template <class T>
 class FluidForces {
@@ -56,7 +68,9 @@ class FluidForces {
   /// substeps: of the bodies' step, for the impulses they remember.
   FluidForces(const CouplingSpec&, const BodyExchange&, int substeps);
 
-  /// Momentum handed over by covered and uncovered cells (form `exact` only), for the next evaluation:
+  /// Collective, before the first step of all: bodies are owed what their cells hold at the start.
+  void start(std::span<const BlockMap>, rigid::BodySet&);
+  /// Momentum handed over by covered and uncovered cells (form `exact` only), from the next evaluation on:
   /// momentum gained by the body, lattice units, arm from its centre of mass. Rounded once to the quantum.
   void hand_over(rigid::BodyId, const rigid::Vec3& momentum, const rigid::Vec3& arm);
   // ---- a step ----
@@ -84,7 +98,8 @@ class FluidForces {
   std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
   void finish_body(lbm::Block<T>&, const BodyMask&, BlockLinks<T>&, int surface, const rigid::Vec3& gravity);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
-  void add_explicit(rigid::BodySet&) const;
+  void settle_owed(rigid::BodySet&, std::size_t row);
+  void add_explicit(rigid::BodySet&);
   std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                               rigid::BodySet&, const rigid::Vec3& gravity);
 
@@ -92,12 +107,12 @@ class FluidForces {
   const BodyExchange& exchange_;
   rigid::BodySet* bodies_ = nullptr;  // of the step under way
   std::vector<std::int64_t> rows_;    // width a row
-  int width_;
-  int substeps_;  // of the rigid step: stored impulses are those of one
+  int cells_begin_, width_;           // of a row
+  int substeps_;                      // of the rigid step: stored impulses are those of one
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
   struct HandedOver {
     rigid::BodyId id;
-    std::int64_t force[6];
+    std::int64_t impulse[6];
   };
   std::vector<HandedOver> handed_over_;
 };

@@ -293,9 +293,10 @@ void read_fluid(TableReader& root, Case& scene) {
     scene.gravity = gravity.vector("acceleration", dimension::acceleration).value_or(scene.gravity);
   }
   read_coupling(root, scene);
-  if (fluid.present())
-    scene.fluid->magic =
-        fluid.number("magic", range::above(0)).value_or(lbm::best_magic(scene.coupling.wall_scheme));
+  if (!fluid.present()) return;
+  const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
+  const double best = surfaces ? lbm::best_magic(scene.coupling.wall_scheme) : scene.fluid->magic;
+  scene.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
 }
 
 }  // namespace silt::coupler

@@ -6,6 +6,7 @@
 #include "coupler/build_info.hpp"
 #include "coupler/reduce.hpp"
 #include "coupler/state_hash.hpp"
+#include "lbm/cut_links.hpp"
 #include "rigid/curvature.hpp"
 
 namespace silt::coupler {
@@ -126,6 +127,10 @@ void add_balance(Simulation& simulation, Json& report) {
   // of the whole mass of the fluid at the start
   report["mass_drift"] =
       before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
+  // what of it the pressure anchor knows of and takes out in the next step
+  report["mass_surplus"] = before.fluid_cells > 0 ? double(simulation.scene().flow->anchor().mass) *
+                                                        lbm::mass_quantum / before.fluid_cells
+                                                  : unknown;
   // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
   // acts from outside
   const double scale = std::max(before.momentum_scale, now.momentum_scale);
@@ -192,7 +197,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["state_hash"] = status.state_is_sound ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);
   report["skipped"] = skipped_passes(scene);
-  report["mass_drift"] = report["momentum_drift"] = Json();
+  report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
   if (status.state_is_sound) add_balance(simulation, report);
   FlowTotals totals;
   if (scene.flow) totals = scene.flow->totals();

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/fluid_forces.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/reduce.hpp"
 #include "coupler/state_hash.hpp"
@@ -27,7 +28,9 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);
-      scene_.flow->set_anchor(saved->anchor);
+      AnchorState anchor = saved->anchor;
+      anchor.steps = saved->step;
+      scene_.flow->set_anchor(anchor);
     } else {
       set_initial_flow(setup(), *scene_.flow);
     }
@@ -175,9 +178,10 @@ Balance Simulation::balance() const {
   const rigid::BodySet& bodies = scene_.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!bodies.is_free(row)) continue;
-    const Vec3 p = bodies.mass[row] * bodies.velocity[row];
-    for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
+    Vec3 p = bodies.mass[row] * bodies.velocity[row];
     sums[3] += rigid::to_fixed(p.norm());
+    p += owed_impulse(bodies, row);
+    for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
   }
   sum_over_ranks(scene_.comm, sums);
   for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d]);

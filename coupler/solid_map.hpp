@@ -64,6 +64,11 @@ void for_bits(std::uint64_t word, int k, F&& f) {
   for (; word; word &= word - 1) f(k * 64 + __builtin_ctzll(word) - 1);
 }
 
+/// How many cells a body has, and the sum of their coordinates (canonical, as its position; lower corners).
+struct CellSums {
+  std::int64_t count = 0, coordinates[3] = {};
+};
+
 /// One periodic image of a body in a block: the cells whose centres are inside it. The windows reach two
 /// cells beyond what the body can cover in the block and its ghost layer.
 struct BodyMask {
@@ -74,6 +79,7 @@ struct BodyMask {
   BitWindow inside;     // centre inside the body
   BitWindow bits;       // the same less what walls and lower ids have
   bool any = false;     // in bits
+  CellSums cells;       // of bits, without ghosts
 
   const BitFrame& frame() const { return bits.frame(); }
   /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner +

@@ -53,7 +53,7 @@ class Fluid {
   }
   Sweep sweep_of(int b) const { return Sweep(blocks_[b].size(), sizeof(T)); }
   /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
-  void exchange() { halo_.exchange(blocks_, parity_); }
+  void exchange() { halo_.exchange(blocks_, idle_, parity_); }
 
   T& arriving(int b, Int3 local_cell, int i) {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];

@@ -293,10 +293,11 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
 }
 
 template <class T>
-void Halo<T>::exchange(std::span<Block<T>> blocks, Parity parity) {
+void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
   const bool fill = parity == Parity::crossed;
   if (!peers_.empty()) exchange_peers(blocks, parity);
   for (const Copy& copy : copies_) {
+    if (idle[copy.ghost_block] || idle[copy.home_block]) continue;
     T* const ghost = blocks[copy.ghost_block].data();
     T* const home = blocks[copy.home_block].data();
     for (const Run& run : copy.runs)
@@ -304,6 +305,7 @@ void Halo<T>::exchange(std::span<Block<T>> blocks, Parity parity) {
            : copy_slots(ghost + run.ghost, home + run.home, run.length);
   }
   for (const Wall& wall : walls_) {
+    if (idle[wall.block]) continue;
     T* const p = blocks[wall.block].data();
     for (const Run& run : wall.runs) {
       const T* const from = p + (fill ? run.home : run.ghost);
@@ -311,7 +313,8 @@ void Halo<T>::exchange(std::span<Block<T>> blocks, Parity parity) {
       for (std::uint32_t n = 0; n < run.length; ++n) to[n] = from[n] + wall.addend;
     }
   }
-  for (const Outlet& outlet : outlets_) apply_outlet(blocks[outlet.block], outlet, parity);
+  for (const Outlet& outlet : outlets_)
+    if (!idle[outlet.block]) apply_outlet(blocks[outlet.block], outlet, parity);
 }
 
 template class Halo<float>;

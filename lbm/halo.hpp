@@ -26,8 +26,9 @@ class Halo {
   /// blocks: the local ones, in the order of domain.blocks_of(rank); gives them their row ends. force: the
   /// uniform acceleration.
   Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, const std::array<double, 3>& force);
-  /// `parity`: of the blocks after the dense pass.
-  void exchange(std::span<Block<T>> blocks, Parity parity);
+  /// `parity`: of the blocks after the dense pass. Between an idle block and another of this rank nothing
+  /// moves: its slots mean nothing, and cut links cover every way into it.
+  void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
   /// Bytes sent by this rank in one exchange.
   std::size_t message_bytes() const;
 

@@ -42,6 +42,7 @@ struct BodyRecord {
   std::int32_t image[3] = {};
   double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
   double mapping_position[3] = {}, mapping_orientation[4] = {1, 0, 0, 0};
+  std::int64_t owed[6] = {};
 };
 
 struct BodySet {
@@ -68,6 +69,9 @@ struct BodySet {
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
   // the pose the fluid last saw (the coupler's; travels with the body)
   std::vector<Pose> mapping_pose;
+  // impulse and angular impulse about the centre of mass, W, that the fluid has still to give the body (the
+  // coupler's, in its quanta; travels with the body)
+  std::vector<std::array<std::int64_t, 6>> owed;
   // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
   std::vector<std::vector<StoredImpulse>> stored_impulses;
 

@@ -27,7 +27,8 @@ const std::vector<Column>& record_columns() {
       {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
       {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3},
       {"mapping_position", offsetof(R, mapping_position), Column::float64, 3},
-      {"mapping_orientation", offsetof(R, mapping_orientation), Column::float64, 4}};
+      {"mapping_orientation", offsetof(R, mapping_orientation), Column::float64, 4},
+      {"owed", offsetof(R, owed), Column::int64, 6}};
   return columns;
 }
 

@@ -42,7 +42,7 @@ std::string scene(const std::string& scheme, const std::string& time) {
 }
 
 constexpr std::pair<const char*, const char*> couplings[] = {
-    {"bounce-back", "explicit"}, {"cli", "explicit"}, {"cli", "implicit"}};
+    {"bounce-back", "explicit"}, {"cli", "explicit"}, {"cli", "implicit"}, {"parabolic", "implicit"}};
 
 void pieces() {
   lbm::flush_denormals_to_zero();

@@ -273,16 +273,22 @@ TEST(Run, TheReportHasTheKeysOthersRead) {
   Simulation simulation(scene, MPI_COMM_WORLD);
   simulation.run(3);
   const std::string report = report_of(simulation, Quantities(scene), {}).text();
-  for (const char* key : {"steps",           "ranks",        "blocks",
-                          "cells",           "bodies",       "backend",
-                          "state_hash",      "mlups",        "wall_seconds",
-                          "stage_seconds",   "skipped",      "mass_drift",
-                          "momentum_drift",  "max_velocity", "max_penetration",
-                          "contacts",        "fallbacks",    "migrations",
-                          "covered",         "uncovered",    "mixed_owner_contacts",
-                          "links",           "quantities",   "exit_reason",
-                          "version",         "commit",       "compiler",
-                          "instruction_set", "precision",    "wall_scheme"})
+  for (const char* key : {"steps",           "ranks",
+                          "blocks",          "cells",
+                          "bodies",          "backend",
+                          "state_hash",      "mlups",
+                          "wall_seconds",    "stage_seconds",
+                          "skipped",         "mass_drift",
+                          "mass_surplus",    "momentum_drift",
+                          "max_velocity",    "max_penetration",
+                          "contacts",        "fallbacks",
+                          "migrations",      "covered",
+                          "uncovered",       "mixed_owner_contacts",
+                          "links",           "quantities",
+                          "exit_reason",     "version",
+                          "commit",          "compiler",
+                          "instruction_set", "precision",
+                          "wall_scheme"})
     EXPECT_NE(report.find('"' + std::string(key) + "\":"), std::string::npos) << key;
 }
 

@@ -96,6 +96,7 @@ TEST(BodySet, RecordsCarryEverything) {
   s.add_with_id(7, shape, {1, 2, 3}, {4, 5, 6}, {0.1, 0.2, 0.3}, 5, Quat(0.5, 0.5, -0.5, 0.5));
   s.bodies.image[0] = {1, -2, 3};
   s.bodies.mapping_pose[0].position = {9, 8, 7};
+  s.bodies.owed[0] = {1, -2, 3, 4, 5, -6};
   BodySet other;
   other.add(s.bodies.record(0));
   other.reindex();
@@ -105,6 +106,7 @@ TEST(BodySet, RecordsCarryEverything) {
   EXPECT_EQ(other.inertia_B[0], s.bodies.inertia_B[0]);
   EXPECT_EQ(other.image[0], s.bodies.image[0]);
   EXPECT_EQ(other.mapping_pose[0].position, Vec3(9, 8, 7));
+  EXPECT_EQ(other.owed[0], s.bodies.owed[0]);
 }
 
 TEST(BodySet, AngularVelocityAndMomentumStayConsistent) {
