@@ -1,9 +1,11 @@
 // Built once an instruction set.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
 #include "coupler/bit_kernels.hpp"
+#include "lbm/link_lanes.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -13,58 +15,64 @@ namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Where bit b of a word lies from the word's first cell, as a place.
-struct PlaceOfBit {
-  std::uint32_t at[64];
-  explicit PlaceOfBit(int pitch) {
-    for (int b = 0; b < 64; ++b)
-      at[b] = pitch >= 64 ? lbm::link_place(b, 0, 0) : lbm::link_place(b % pitch, b / pitch, 0);
+/// Words [first, first + count) of a plane that lie in rows [y0, y1), and the place of each one's first cell.
+struct PlaneWords {
+  static constexpr int most = 64;
+  int first, count;
+  std::uint32_t place[most];
+  std::uint64_t rows[most];  // bits of the rows wanted
+
+  PlaneWords(const BitFrame& frame, int first, int y0, int y1)
+      : first(first), count(std::min(most, frame.plane - first)) {
+    const int words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
+    for (int w = 0; w < count; ++w) {
+      const int x = (first + w) % words_a_row * 64, y = (first + w) / words_a_row * rows_a_word;
+      place[w] = lbm::link_place(x, y, 0);
+      const int from = std::clamp(y0 - y, 0, rows_a_word), to = std::clamp(y1 - y, 0, rows_a_word);
+      const int bits = 64 / rows_a_word;
+      rows[w] = from < to ? ~std::uint64_t{0} >> (64 - (to - from) * bits) << (from * bits) : 0;
+    }
   }
 };
 
-/// Place of the first cell of word w of a plane.
-std::uint32_t place_of_word(const BitFrame& frame, int w, int z) {
-  if (frame.pitch >= 64) {
-    const int a_row = frame.pitch / 64;
-    return lbm::link_place(w % a_row * 64, w / a_row, z);
-  }
-  return lbm::link_place(0, w * (64 / frame.pitch), z);
-}
-
 /// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
 /// be written.
-std::uint32_t list_bits_plain(const BitFrame& frame, const std::uint64_t* words, int first, int count, int z,
-                              const PlaceOfBit& place, std::uint32_t* out) {
+std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
+                              std::uint32_t direction, std::uint32_t* out) {
+  const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   std::uint32_t n = 0;
-  for (int w = 0; w < count; ++w) {
-    std::uint64_t bits = words[w];
-    if (!bits) continue;
-    const std::uint32_t base = place_of_word(frame, first + w, z);
-    for (; bits; bits &= bits - 1) out[n++] = base + place.at[std::countr_zero(bits)];
-  }
+  for (int w = 0; w < plane.count; ++w)
+    for (std::uint64_t bits = words[w]; bits; bits &= bits - 1) {
+      const int b = std::countr_zero(bits);
+      out[n++] = plane.place[w] + direction + lbm::link_place(b & ((1 << log_pitch) - 1), b >> log_pitch, 0);
+    }
   return n;
 }
 
 #if defined(SILT_ISA_avx512)
 /// The same, 16 bits at a time: the numbers of a word's set bits, compressed, then widened.
 __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
-    const BitFrame& frame, const std::uint64_t* words, int first, int count, int z, std::uint32_t* out) {
-  alignas(64) std::uint8_t ramp[64];
-  for (int b = 0; b < 64; ++b) ramp[b] = std::uint8_t(b);
-  const __m512i numbers = _mm512_load_si512(ramp);
-  const int log_pitch = frame.pitch == 8 ? 3 : frame.pitch == 16 ? 4 : frame.pitch == 32 ? 5 : 6;
+    const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words, std::uint32_t direction,
+    std::uint32_t* out) {
+  alignas(64) static constexpr auto ramp = [] {
+    std::array<std::uint8_t, 64> r{};
+    for (int b = 0; b < 64; ++b) r[b] = std::uint8_t(b);
+    return r;
+  }();
+  const __m512i numbers = _mm512_load_si512(ramp.data());
+  const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   const __m512i in_row = _mm512_set1_epi32((1 << log_pitch) - 1);
   const __m128i to_row = _mm_cvtsi32_si128(log_pitch);
   std::uint32_t n = 0;
-  for (int w = 0; w < count; ++w) {
+  for (int w = 0; w < plane.count; ++w) {
     const std::uint64_t bits = words[w];
     if (!bits) continue;
-    const __m512i base = _mm512_set1_epi32(int(place_of_word(frame, first + w, z)));
+    const __m512i base = _mm512_set1_epi32(int(plane.place[w] + direction));
     __m512i set = _mm512_maskz_compress_epi8(bits, numbers);
     int left = std::popcount(bits);
     for (;;) {
       const __m512i bit = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(set));
-      const __m512i row = _mm512_slli_epi32(_mm512_srl_epi32(bit, to_row), lbm::place_bits);
+      const __m512i row = _mm512_slli_epi32(_mm512_srl_epi32(bit, to_row), lbm::place_x_bits);
       const __m512i cell = _mm512_or_si512(_mm512_and_si512(bit, in_row), row);
       _mm512_storeu_si512(out + n, _mm512_add_epi32(cell, base));
       if (left <= 16) break;
@@ -77,13 +85,14 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
 }
 #endif
 
-std::uint32_t list_bits(const BitFrame& frame, const std::uint64_t* words, int first, int count, int z,
-                        const PlaceOfBit& place, std::uint32_t* out) {
+std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
+                        int direction, std::uint32_t* out) {
+  const std::uint32_t along = lbm::link_place(0, 0, direction);
 #if defined(SILT_ISA_avx512)
   static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
-  if (compresses) return list_bits_compressed(frame, words, first, count, z, out);
+  if (compresses) return list_bits_compressed(frame, plane, words, along, out);
 #endif
-  return list_bits_plain(frame, words, first, count, z, place, out);
+  return list_bits_plain(frame, plane, words, along, out);
 }
 
 /// The stream moved so that a cell's bit is that of the cell `shift` bits further on, for words [0, n).
@@ -127,70 +136,67 @@ void mark_sphere(const BitFrame& frame, const SphereInFrame& ball, std::uint64_t
   }
 }
 
-/// The links of planes [z0, z1) of the frame: of each direction a list, then one of the narrow ones, both
-/// filled up. Returns the room taken. Both `place` and `apart` need link_lanes of room more than that.
-std::uint32_t list_links(const BitFrame& frame, int z0, int z1, const LinkBits& bits, std::uint32_t* place,
-                         std::uint32_t* apart, LinkCounts* counts) {
-  constexpr int most = 64;  // words at a time
-  const PlaceOfBit table(frame.pitch);
-  std::uint32_t used = 0;
-  const auto fill = [&](std::uint32_t n) {  // with copies of the last
-    if (n == 0) return;
-    const std::uint32_t padded = (n + lbm::link_lanes - 1) & ~std::uint32_t(lbm::link_lanes - 1);
-    for (std::uint32_t k = n; k < padded; ++k) place[used + k] = place[used + n - 1];
-    used += padded;
-  };
-  for (int i = 1; i < lbm::directions; ++i) {
-    const lbm::Int3 c = lbm::c[i];
-    const std::ptrdiff_t step =
-        c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
-    std::uint32_t n = 0, narrow = 0;
-    for (int z = z0; z < z1; ++z)
-      for (int w0 = 0; w0 < frame.plane; w0 += most) {
-        const int words = std::min(most, frame.plane - w0);
-        const std::size_t at = std::size_t(z) * frame.plane + w0;
-        std::uint64_t cut[most], back[most], any = 0;
-        moved(bits.body + at, step, words, cut);
-        for (int w = 0; w < words; ++w) cut[w] &= bits.open[at + w];
-        if (bits.reads_behind) {
-          moved(bits.solid + at, -step, words, back);
-          for (int w = 0; w < words; ++w) back[w] &= cut[w], any |= back[w];
-          for (int w = 0; w < words; ++w) cut[w] &= ~back[w];
-        }
-        n += list_bits(frame, cut, w0, words, z - z0, table, place + used + n);
-        if (any) narrow += list_bits(frame, back, w0, words, z - z0, table, apart + narrow);
+/// The links of rows [y0, y1) of a plane of the frame. Both lists need link_lanes of room more than they get.
+LinkCounts list_links(const BitFrame& frame, int z, int y0, int y1, const LinkBits& bits,
+                      std::uint32_t* place, std::uint32_t* narrow) {
+  LinkCounts n{};
+  for (int first = 0; first < frame.plane; first += PlaneWords::most) {
+    const PlaneWords plane(frame, first, y0, y1);
+    const std::size_t at = std::size_t(z) * frame.plane + first;
+    std::uint64_t open[PlaneWords::most];
+    for (int w = 0; w < plane.count; ++w) open[w] = bits.open[at + w] & plane.rows[w];
+    for (int i = 1; i < lbm::directions; ++i) {
+      const lbm::Int3 c = lbm::c[i];
+      const std::ptrdiff_t step =
+          c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
+      std::uint64_t cut[PlaneWords::most], back[PlaneWords::most], any = 0, any_narrow = 0;
+      moved(bits.body + at, step, plane.count, cut);
+      for (int w = 0; w < plane.count; ++w) cut[w] &= open[w], any |= cut[w];
+      if (!any) continue;
+      if (bits.reads_behind) {
+        moved(bits.solid + at, -step, plane.count, back);
+        for (int w = 0; w < plane.count; ++w) back[w] &= cut[w], any_narrow |= back[w];
       }
-    counts[i] = {n, narrow};
-    fill(n);
-    for (std::uint32_t k = 0; k < narrow; ++k) place[used + k] = apart[k];
-    fill(narrow);
+      if (any_narrow) {
+        for (int w = 0; w < plane.count; ++w) cut[w] &= ~back[w];
+        n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
+      }
+      n.clear += list_bits(frame, plane, cut, i, place + n.clear);
+    }
   }
-  return used;
+  return n;
 }
 
 /// q of |r + q c| = radius: the smaller root, within [0, 1].
 template <class T>
 void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
-                      lbm::Int3 corner, int direction, double radius, T* q) {
-  const lbm::Int3 c = lbm::c[direction], far = corner - frame.cell;
-  const T ox = T(frame.offset[0]), oy = T(frame.offset[1]), oz = T(frame.offset[2]);
-  const T a = T(lbm::norm2(direction)), inverse = T(1) / a, r2 = T(radius * radius);
-  const T cx = T(c.x), cy = T(c.y), cz = T(c.z);
-  constexpr std::uint32_t low = (1u << lbm::place_bits) - 1;
-  for (int l = 0; l < padded; ++l) {
-    const std::int32_t px = place[l] & low, py = place[l] >> lbm::place_bits & low,
-                       pz = place[l] >> (2 * lbm::place_bits);
-    const T x = T(px + far.x) + ox, y = T(py + far.y) + oy, z = T(pz + far.z) + oz;
-    const T b = x * cx + y * cy + z * cz;
-    const T discriminant = b * b - a * ((x * x + y * y + z * z) - r2);
-    const T root = (-b - std::sqrt(discriminant < T(0) ? T(0) : discriminant)) * inverse;
-    q[l] = root < T(0) ? T(0) : root > T(1) ? T(1) : root;
+                      lbm::Int3 corner, double radius, T* q) {
+  const lbm::Int3 far = corner - frame.cell;
+  const T ox = T(frame.offset[0]), oy = T(frame.offset[1]), z = T(far.z) + T(frame.offset[2]);
+  const T r2 = T(radius * radius);
+  constexpr int most = 64;
+  static constexpr lbm::DirectionCodes codes;
+  for (int first = 0; first < padded; first += most) {
+    const int n = std::min(most, padded - first);
+    std::int32_t direction[most], code[most];
+    for (int l = 0; l < n; ++l) direction[l] = lbm::place_direction(place[first + l]);
+    lbm::SILT_ISA::look_up(codes.of, direction, n, code);
+    for (int l = 0; l < n; ++l) {
+      const std::uint32_t p = place[first + l];
+      const T x = T(lbm::place_x(p) + far.x) + ox, y = T(lbm::place_y(p) + far.y) + oy;
+      const T cx = T(lbm::DirectionCodes::x(code[l])), cy = T(lbm::DirectionCodes::y(code[l])),
+              cz = T(lbm::DirectionCodes::z(code[l]));
+      const T a = cx * cx + cy * cy + cz * cz, b = x * cx + y * cy + z * cz;
+      const T discriminant = b * b - a * ((x * x + y * y + z * z) - r2);
+      const T root = (-b - std::sqrt(discriminant < T(0) ? T(0) : discriminant)) / a;
+      q[first + l] = root < T(0) ? T(0) : root > T(1) ? T(1) : root;
+    }
   }
 }
 
-template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, int, double,
+template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, double,
                                float*);
-template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, int, double,
+template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, double,
                                double*);
 
 }  // namespace silt::coupler::SILT_ISA

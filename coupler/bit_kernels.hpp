@@ -24,10 +24,10 @@ struct LinkBits {
   const std::uint64_t* body;   // with margins
   const std::uint64_t* solid;  // with margins
   const std::uint64_t* open;   // fluid cells whose links are wanted
-  bool reads_behind;           // put links apart whose cell behind is solid
+  bool reads_behind;           // links whose cell behind is solid are narrow
 };
 
-/// Of one direction: links in the list, then those whose cell behind is solid.
+/// Links listed: those whose cell behind is no matter, and the narrow ones.
 struct LinkCounts {
   std::uint32_t clear, narrow;
 };
@@ -37,11 +37,11 @@ struct LinkCounts {
 #define SILT_BIT_KERNELS(isa)                                                                               \
   namespace silt::coupler::isa {                                                                            \
   void mark_sphere(const BitFrame&, const SphereInFrame&, std::uint64_t* words);                            \
-  std::uint32_t list_links(const BitFrame&, int z0, int z1, const LinkBits&, std::uint32_t* place,          \
-                           std::uint32_t* apart, LinkCounts* counts);                                       \
+  LinkCounts list_links(const BitFrame&, int z, int y0, int y1, const LinkBits&, std::uint32_t* place,      \
+                        std::uint32_t* narrow);                                                             \
   template <class T>                                                                                        \
   void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&, lbm::Int3 corner, \
-                        int direction, double radius, T* q);                                                \
+                        double radius, T* q);                                                               \
   }
 
 SILT_BIT_KERNELS(portable)

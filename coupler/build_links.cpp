@@ -4,10 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <stdexcept>
 
 #include "coupler/bit_kernels.hpp"
+#include "lbm/sweep.hpp"
 #include "rigid/ray_interval.hpp"
 
 namespace silt::coupler {
@@ -17,14 +17,14 @@ using rigid::Vec3;
 
 namespace {
 
-std::uint32_t list_of(const BitFrame& frame, int z0, int z1, const LinkBits& bits, std::uint32_t* place,
-                      std::uint32_t* apart, LinkCounts* counts) {
-  SILT_DISPATCH(list_links, frame, z0, z1, bits, place, apart, counts)
+LinkCounts list_of(const BitFrame& frame, int z, int y0, int y1, const LinkBits& bits, std::uint32_t* place,
+                   std::uint32_t* narrow) {
+  SILT_DISPATCH(list_links, frame, z, y0, y1, bits, place, narrow)
 }
 template <class T>
-void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner, int i,
+void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
                   double radius,
-                  T* q){SILT_DISPATCH(sphere_distances, place, padded, frame, corner, i, radius, q)}
+                  T* q){SILT_DISPATCH(sphere_distances, place, padded, frame, corner, radius, q)}
 
 std::uint32_t filled_up(std::uint32_t n) {
   return (n + lbm::link_lanes - 1) & ~std::uint32_t(lbm::link_lanes - 1);
@@ -122,58 +122,106 @@ template <class T>
 class LinkWriter {
  public:
   LinkWriter(const BlockMap& map, WallScheme scheme, lbm::CutLinks<T>& links)
-      : map_(map), scheme_(scheme), links_(links) {}
+      : map_(map), scheme_(scheme), sweep_(map.box.size, sizeof(T)), links_(links) {}
 
   void body(int surface, const BodyMask& mask, const rigid::Shape& shape) {
     surface_ = surface, mask_ = &mask;
     ball_ = std::get_if<rigid::Sphere>(&shape);
     if (!mask.any) return;
     const BitFrame& frame = mask.frame();
-    if (frame.pitch > 1 << lbm::place_bits || frame.size.y > 1 << lbm::place_bits)
-      throw std::invalid_argument("a body of more than 16384 cells; use smaller domain.blocks");
+    if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
+      throw std::invalid_argument("a body of more than 8192 cells; use smaller domain.blocks");
     std::optional<SurfaceDistance> distance;
     if (!ball_ && scheme_ != WallScheme::bounce_back) distance.emplace(shape, mask.pose);
     distance_ = distance ? &*distance : nullptr;
-    solid_.reset(frame), inner_.reset(frame), rim_.reset(frame);
     const Int3 n = map_.box.size;
+    solid_.reset(frame);
     fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
     const bool at_rim = touches_rim(frame, n);
-    fill_rows(inner_, n, [&](int x, int y, int z) {
-      if (y < 1 || z < 1 || y >= n.y - 1 || z >= n.z - 1) return std::uint64_t{0};
-      return ~map_.solid.from(x, y, z) & cells_between(x, 1, n.x - 1);
-    });
-    if (at_rim)
-      fill_rows(rim_, n, [&](int x, int y, int z) {
-        if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
-        const bool side = y == 0 || z == 0 || y == n.y - 1 || z == n.z - 1;
-        const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, 1, n.x - 1);
-        return ~map_.solid.from(x, y, z) & (side ? all : all & ~inner);
-      });
-    for (int z0 = 0; z0 < frame.size.z; z0 += lbm::place_planes) {
-      const int z1 = std::min(z0 + lbm::place_planes, frame.size.z);
-      group(z0, z1, inner_, std::min(frame.low.z + z1, n.z - 1));
-      if (at_rim) group(z0, z1, rim_, -1);
+    find_open(at_rim);
+    for (int z = 1; z < frame.size.z - 1; ++z) {
+      const std::size_t most = bits_in(z - 1, z + 2);
+      if (most == 0) continue;
+      const int block_z = frame.low.z + z;
+      if (block_z >= 1 && block_z < n.z - 1) inner_groups(z, most);
+      if (at_rim) group(z, 1, frame.size.y - 1, rim_, most, -1);
     }
   }
 
  private:
-  void group(int z0, int z1, const BitWindow& open, int ready) {
+  /// Fluid cells inside the block, those at its rim apart. Cells of other blocks are in neither.
+  void find_open(bool at_rim) {
     const BitFrame& frame = mask_->frame();
-    const std::size_t room = lbm::directions * (bits_in(z0 - 1, z1 + 1) + 3 * lbm::link_lanes);
-    if (listed_.size() < room) listed_.resize(room), apart_.resize(room), apart_q_.resize(room);
-    links_.reserve(room);
-    LinkCounts counts[lbm::directions];
-    const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
-    list_of(frame, z0, z1, bits, listed_.data(), apart_.data(), counts);
-    lbm::LinkGroup g{std::uint32_t(links_.runs.size()), 0, surface_, frame.low + Int3{0, 0, z0}, ready};
-    const std::uint32_t* list = listed_.data();
-    for (int i = 1; i < lbm::directions; ++i) {
-      const std::uint32_t* const narrow = list + filled_up(counts[i].clear);
-      runs(g, i, {list, counts[i].clear}, {narrow, counts[i].narrow});
-      list = narrow + filled_up(counts[i].narrow);
+    const Int3 n = map_.box.size;
+    inner_.reset(frame);
+    if (!at_rim) {
+      for (std::size_t k = 0; k < frame.words(); ++k) inner_.words()[k] = ~solid_.words()[k];
+      return;
     }
-    g.end_run = std::uint32_t(links_.runs.size());
-    if (g.end_run > g.first_run) links_.groups.push_back(g);
+    rim_.reset(frame);
+    fill_rows(inner_, n, [&](int x, int y, int z) {
+      if (y < 1 || z < 1 || y >= n.y - 1 || z >= n.z - 1) return std::uint64_t{0};
+      return ~map_.solid.from(x, y, z) & cells_between(x, 1, n.x - 1);
+    });
+    fill_rows(rim_, n, [&](int x, int y, int z) {
+      if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
+      const bool side = y == 0 || z == 0 || y == n.y - 1 || z == n.z - 1;
+      const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, 1, n.x - 1);
+      return ~map_.solid.from(x, y, z) & (side ? all : all & ~inner);
+    });
+  }
+
+  /// A group for each strip of the dense pass.
+  void inner_groups(int z, std::size_t most) {
+    const BitFrame& frame = mask_->frame();
+    const int first = std::max(frame.low.y + 1, 1),
+              end = std::min(frame.low.y + frame.size.y, map_.box.size.y) - 1;
+    for (int y = first; y < end;) {
+      const int next = std::min(sweep_.next_row(y), end);
+      group(z, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, frame.low.z + z));
+      y = next;
+    }
+  }
+
+  /// The links of the open cells in rows [y0, y1) of a plane of the frame; `most`: of one direction.
+  void group(int z, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
+    const BitFrame& frame = mask_->frame();
+    const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
+    if (narrow_.size() < room) narrow_.resize(room), narrow_q_.resize(room);
+    links_.reserve(room);
+    std::uint32_t* const place = links_.place.data() + links_.used;
+    const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
+    const LinkCounts found = list_of(frame, z, y0, y1, bits, place, narrow_.data());
+    const std::uint32_t n = found.clear + found.narrow, end = filled_up(n);
+    if (n == 0) return;
+    std::copy_n(narrow_.data(), found.narrow, place + found.clear);
+    std::fill(place + n, place + end, place[n - 1]);
+    T* const q = links_.q.data() + links_.used;
+    const Int3 corner = frame.low + Int3{0, 0, z};
+    set_distances(corner, place, n, q);
+    std::uint32_t clear = n,
+                  apart = 0;  // narrow ones for which the scheme would read the cell behind go apart
+    for (std::uint32_t k = found.clear; k < clear;)
+      if (lbm::reads_behind(scheme_, q[k]))
+        narrow_[apart] = place[k], narrow_q_[apart++] = q[k], --clear, place[k] = place[clear],
+        q[k] = q[clear];
+      else
+        ++k;
+    end_group(clear, corner, scheme_, ready);
+    std::copy_n(narrow_.data(), apart, links_.place.data() + links_.used);
+    std::copy_n(narrow_q_.data(), apart, links_.q.data() + links_.used);
+    end_group(apart, corner, WallScheme::narrow, ready);
+  }
+
+  /// What stands at `used` becomes a group, filled up.
+  void end_group(std::uint32_t n, Int3 corner, WallScheme scheme, int ready) {
+    if (n == 0) return;
+    std::uint32_t* const place = links_.place.data() + links_.used;
+    T* const q = links_.q.data() + links_.used;
+    const std::uint32_t end = filled_up(n);
+    std::fill(place + n, place + end, place[n - 1]), std::fill(q + n, q + end, q[n - 1]);
+    links_.groups.push_back({links_.used, n, surface_, scheme, corner, ready});
+    links_.used += end, links_.count += n;
   }
 
   /// Set bits of the planes [z0, z1) of the mask's frame, as far as there are such: no direction has more
@@ -188,73 +236,35 @@ class LinkWriter {
     return n;
   }
 
-  using List = std::span<const std::uint32_t>;
-
-  /// Wall distances, and runs: narrow links for which the scheme would read the cell behind go apart.
-  void runs(const lbm::LinkGroup& g, int i, List clear, List narrow) {
-    copy(clear, 0), copy(narrow, clear.size());
-    std::uint32_t n = std::uint32_t(clear.size() + narrow.size());
-    if (scheme_ != WallScheme::bounce_back) set_distances(g, i, n);
-    std::uint32_t* const place = links_.place.data() + links_.used;
-    T* const q = links_.q.data() + links_.used;
-    std::uint32_t apart = 0;
-    for (std::uint32_t k = std::uint32_t(clear.size()); k < n;)
-      if (lbm::reads_behind(scheme_, q[k]))
-        apart_[apart] = place[k], apart_q_[apart++] = q[k], --n, place[k] = place[n], q[k] = q[n];
-      else
-        ++k;
-    run(i, n, scheme_);
-    copy({apart_.data(), apart}, 0);
-    std::copy_n(apart_q_.begin(), apart, links_.q.begin() + links_.used);
-    run(i, apart, WallScheme::narrow);
+  void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
+    if (scheme_ == WallScheme::bounce_back)
+      std::fill_n(q, n, T(0.5));
+    else if (ball_)
+      distances_of(place, int(filled_up(n)), links_.surfaces[surface_], corner, ball_->radius, q);
+    else
+      set_distances_one_by_one(corner, place, n, q);
   }
 
-  void copy(List from, std::size_t at) {
-    std::copy(from.begin(), from.end(), links_.place.begin() + links_.used + at);
-  }
-
-  void set_distances(const lbm::LinkGroup& g, int i, std::uint32_t n) {
-    if (n == 0) return;
-    std::uint32_t* const place = links_.place.data() + links_.used;
-    T* const q = links_.q.data() + links_.used;
-    if (ball_) {
-      std::fill(place + n, place + filled_up(n), place[n - 1]);
-      distances_of(place, int(filled_up(n)), links_.surfaces[surface_], g.corner, i, ball_->radius, q);
-      return;
-    }
-    distance_->point(i);
-    constexpr std::uint32_t low = (1u << lbm::place_bits) - 1;
+  void set_distances_one_by_one(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
+    int direction = 0;
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t p = place[k];
-      const Int3 cell =
-          g.corner + Int3{int(p & low), int(p >> lbm::place_bits & low), int(p >> (2 * lbm::place_bits))};
+      if (const int i = lbm::place_direction(place[k]); i != direction) distance_->point(direction = i);
+      const Int3 cell = corner + Int3{lbm::place_x(place[k]), lbm::place_y(place[k]), 0};
       q[k] = T((*distance_)(mask_->arm(map_.box.lower + cell)));
     }
   }
 
-  /// What stands at `used` becomes a run, filled up.
-  void run(int i, std::uint32_t n, WallScheme scheme) {
-    if (n == 0) return;
-    std::uint32_t* const place = links_.place.data() + links_.used;
-    T* const q = links_.q.data() + links_.used;
-    const std::uint32_t end = filled_up(n);
-    std::fill(place + n, place + end, place[n - 1]);
-    if (scheme == WallScheme::bounce_back) std::fill(q, q + end, T(0.5));
-    std::fill(q + n, q + end, q[n - 1]);
-    links_.runs.push_back({links_.used, n, std::uint8_t(i), scheme});
-    links_.used += end, links_.count += n;
-  }
-
   const BlockMap& map_;
   WallScheme scheme_;
+  lbm::Sweep sweep_;
   lbm::CutLinks<T>& links_;
   std::int32_t surface_ = 0;
   const BodyMask* mask_ = nullptr;
   const rigid::Sphere* ball_ = nullptr;
   SurfaceDistance* distance_ = nullptr;
   BitWindow solid_, inner_, rim_;
-  std::vector<std::uint32_t> listed_, apart_;
-  std::vector<T> apart_q_;
+  std::vector<std::uint32_t> narrow_;
+  std::vector<T> narrow_q_;
 };
 
 /// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.

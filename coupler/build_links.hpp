@@ -10,7 +10,7 @@
 namespace silt::coupler {
 
 /// Rebuilds all links of the block; the surface of a group is the index of the body's mask. Links whose
-/// formula would read the cell behind where that is not fluid (a narrow gap) go into runs of `narrow`.
+/// formula would read the cell behind where that is not fluid (a narrow gap) go into groups of `narrow`.
 template <class T>
 void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme, lbm::CutLinks<T>&);
 

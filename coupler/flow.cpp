@@ -52,14 +52,15 @@ class FlowOf final : public Flow {
         std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
     if (changed) remap(bodies);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
-    forces_.begin(map_.blocks(), links_, bodies);
+    forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
   void stream_collide(const Vec3& gravity) override {
     if (anchored_) set_anchor_density();
     if (world_.shapes.empty()) return fluid_.stream_collide();
-    fluid_.stream_collide([&](int b, int z, lbm::Parity parity) {
+    fluid_.stream_collide([&](int b, int part, lbm::Parity) {
+      if (!forces_.waiting(links_[b], part)) return;
       const auto begin = std::chrono::steady_clock::now();
-      forces_.after_plane(fluid_.blocks()[b], parity, map_.blocks()[b], links_[b], z, gravity);
+      forces_.after_part(fluid_.blocks()[b], map_.blocks()[b], links_[b], part, gravity);
       link_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     });
   }
@@ -189,13 +190,21 @@ class FlowOf final : public Flow {
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
         build_links(map, world_, bodies, coupling_.wall_scheme, block.links);
-        order_groups(block);
-        block.stiffness.assign(map.masks.size(), {});
-        if (coupling_.time == TimeCoupling::implicit_)
-          for (const lbm::LinkGroup& group : block.links.groups)
-            lbm::sum_stiffness(block.links, group, block.stiffness[group.surface]);
+        order_groups(block, fluid_.sweep_of(int(b)));
+        if (coupling_.time == TimeCoupling::implicit_) sum_stiffness(map, bodies, block);
       }
       counts_.links += block.links.count;
+    }
+  }
+
+  void sum_stiffness(const BlockMap& map, const rigid::BodySet& bodies, BlockLinks<T>& block) const {
+    block.stiffness.assign(map.masks.size(), {});
+    for (const lbm::LinkGroup& group : block.links.groups) {
+      const std::size_t row = map.masks[group.surface].row;
+      if (bodies.is_free(row))
+        lbm::sum_stiffness(block.links, group,
+                           lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]),
+                           block.stiffness[group.surface]);
     }
   }
 

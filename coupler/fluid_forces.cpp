@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -27,11 +28,12 @@ Vec6 force_of(const std::int64_t* row) {
   return f;
 }
 
-Mat6 stiffness_of(const std::int64_t* row) {
+Mat6 stiffness_of(const std::int64_t* row, double quantum, int exponent) {
   Mat6 h;
   int e = force_width;
   for (int r = 0; r < 6; ++r)
-    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(row[e]) * lbm::stiffness_quantum;
+    for (int c = r; c < 6; ++c, ++e)
+      h(r, c) = h(c, r) = std::ldexp(double(row[e]) * quantum, exponent * ((r >= 3) + (c >= 3)));
   return h;
 }
 
@@ -69,9 +71,11 @@ void add_sums(std::int64_t* row, const BlockLinks<T>& links, int surface, bool s
 }
 
 /// Solves (M + H) delta = F + F_ext, gives the body the force of the links at that change, and returns it.
-Vec6 take_velocity_change(rigid::BodySet& bodies, std::size_t row, const std::int64_t* sums,
-                          const Vec3& gravity, int substeps) {
-  const Mat6 m = mass_matrix(bodies, row), h = stiffness_of(sums);
+template <class T>
+Vec6 take_velocity_change(rigid::BodySet& bodies, const rigid::World& world, std::size_t row,
+                          const std::int64_t* sums, const Vec3& gravity, int substeps) {
+  const int exponent = lbm::stiffness_exponent(world.bounding_radii[bodies.shape[row]]);
+  const Mat6 m = mass_matrix(bodies, row), h = stiffness_of(sums, lbm::stiffness_quantum<T>, exponent);
   const Vec6 f = force_of(sums);
   Vec6 external;
   external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * gravity,
@@ -145,30 +149,25 @@ void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec
 }
 
 template <class T>
-void order_groups(BlockLinks<T>& block) {
+void order_groups(BlockLinks<T>& block, const lbm::Sweep& sweep) {
   const auto& groups = block.links.groups;
-  const std::size_t surfaces = block.links.surfaces.size();
-  std::vector<std::int32_t> last(surfaces, -1);  // group that is ready last
-  block.inner.clear();
-  block.first_group.assign(surfaces + 1, 0);
-  for (std::uint32_t k = 0; k < groups.size(); ++k) {
-    const auto& g = groups[k];
-    block.first_group[g.surface + 1] = k + 1;
-    if (g.ready >= 0) block.inner.push_back({k, false});
-    std::int32_t& l = last[g.surface];
-    if (block.links.surfaces[g.surface].whole && (l < 0 || groups[l].ready <= g.ready)) l = std::int32_t(k);
+  block.first_inner.assign(sweep.parts() + 2, 0);
+  block.first_group.assign(block.links.surfaces.size() + 1, 0);
+  for (const lbm::LinkGroup& g : groups) {
+    ++block.first_group[g.surface + 1];
+    if (g.ready >= 0) ++block.first_inner[g.ready + 2];
   }
-  for (std::size_t s = 0; s < surfaces; ++s)
-    block.first_group[s + 1] = std::max(block.first_group[s + 1], block.first_group[s]);
-  for (auto& w : block.inner) w.completes = last[groups[w.group].surface] == std::int32_t(w.group);
-  std::stable_sort(block.inner.begin(), block.inner.end(), [&](const auto& a, const auto& b) {
-    return groups[a.group].ready < groups[b.group].ready;
-  });
+  std::partial_sum(block.first_group.begin(), block.first_group.end(), block.first_group.begin());
+  std::partial_sum(block.first_inner.begin(), block.first_inner.end(), block.first_inner.begin());
+  block.inner.resize(block.first_inner.back());
+  for (std::uint32_t k = 0; k < groups.size(); ++k)
+    if (groups[k].ready >= 0) block.inner[block.first_inner[groups[k].ready + 1]++] = k;
+  block.first_inner.pop_back();
 }
 
 template <class T>
-void FluidForces<T>::begin(std::span<const BlockMap> maps, std::span<BlockLinks<T>> links,
-                           rigid::BodySet& bodies) {
+void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
+                           std::span<BlockLinks<T>> links, rigid::BodySet& bodies) {
   bodies_ = &bodies;
   rows_.assign(bodies.size() * width_, 0);
   for (const auto& h : handed_over_)
@@ -180,7 +179,10 @@ void FluidForces<T>::begin(std::span<const BlockMap> maps, std::span<BlockLinks<
     links[b].motions.resize(masks.size());
     links[b].sums.assign(masks.size(), {});
     links[b].finished.assign(masks.size(), 0);
-    links[b].applied = 0;
+    links[b].slots = lbm::link_slots(fluid.blocks()[b], lbm::flipped(fluid.parity()));
+    links[b].left.resize(masks.size());
+    for (std::size_t k = 0; k < masks.size(); ++k)
+      links[b].left[k] = links[b].first_group[k + 1] - links[b].first_group[k];
     if (spec_.force == ForceForm::exact)
       for (const BodyMask& mask : masks)
         add_cells(cells_of(maps[b].box, mask), rows_.data() + mask.row * width_ + cells_begin_);
@@ -190,39 +192,39 @@ void FluidForces<T>::begin(std::span<const BlockMap> maps, std::span<BlockLinks<
 }
 
 template <class T>
-void FluidForces<T>::apply(lbm::Block<T>& block, lbm::Parity parity, BlockLinks<T>& links,
-                           const lbm::LinkGroup& group) const {
+void FluidForces<T>::apply(lbm::Block<T>& block, BlockLinks<T>& links, const lbm::LinkGroup& group) const {
   const auto form = spec_.force == ForceForm::galilean ? lbm::ForceForm::galilean : lbm::ForceForm::exact;
-  lbm::apply_cut_links(block, parity, links.links, group, links.motions[group.surface], form,
+  lbm::apply_cut_links(block, links.slots, links.links, group, links.motions[group.surface], form,
                        links.sums[group.surface]);
 }
 
 template <class T>
-void FluidForces<T>::after_plane(lbm::Block<T>& block, lbm::Parity parity, const BlockMap& map,
-                                 BlockLinks<T>& links, int z, const Vec3& gravity) {
-  for (; links.applied < links.inner.size(); ++links.applied) {
-    const auto [k, completes] = links.inner[links.applied];
-    const lbm::LinkGroup& group = links.links.groups[k];
-    if (group.ready > z) return;
-    apply(block, parity, links, group);
-    if (completes && spec_.time == TimeCoupling::implicit_)
-      finish_body(block, parity, map.masks[group.surface], links, group.surface, gravity);
+void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links, int part,
+                                const Vec3& gravity) {
+  for (std::uint32_t k = links.first_inner[part]; k < links.first_inner[part + 1]; ++k) {
+    const lbm::LinkGroup& group = links.links.groups[links.inner[k]];
+    if (k + 2 < links.inner.size()) links.links.prefetch(links.links.groups[links.inner[k + 2]]);
+    apply(block, links, group);
+    if (--links.left[group.surface] == 0 && links.links.surfaces[group.surface].whole &&
+        spec_.time == TimeCoupling::implicit_)
+      finish_body(block, map.masks[group.surface], links, group.surface, gravity);
   }
 }
 
 /// Nobody else has links on this body: what solve_implicit would do for it later.
 template <class T>
-void FluidForces<T>::finish_body(lbm::Block<T>& block, lbm::Parity parity, const BodyMask& mask,
-                                 BlockLinks<T>& links, int surface, const Vec3& gravity) {
+void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, BlockLinks<T>& links,
+                                 int surface, const Vec3& gravity) {
   if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || links.sums[surface].invalid) return;
   std::int64_t* const row = rows_.data() + mask.row * width_;
   add_sums(row, links, surface);
   settle_owed(*bodies_, mask.row);
-  const Vec6 d = take_velocity_change(*bodies_, mask.row, row, gravity, substeps_);
+  const Vec6 d = take_velocity_change<T>(*bodies_, exchange_.world(), mask.row, row, gravity, substeps_);
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
   for (std::uint32_t g = links.first_group[surface]; g < links.first_group[surface + 1]; ++g)
-    lbm::correct_cut_links(block, parity, links.links, links.links.groups[g], increment, links.sums[surface]);
+    lbm::correct_cut_links(block, links.slots, links.links, links.links.groups[g], increment,
+                           links.sums[surface]);
   links.finished[surface] = 1;
 }
 
@@ -233,7 +235,7 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const Bl
   rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
   for (std::size_t b = 0; b < maps.size(); ++b) {
     for (const lbm::LinkGroup& group : links[b].links.groups)
-      if (group.ready < 0) apply(fluid.blocks()[b], fluid.parity(), links[b], group);
+      if (group.ready < 0) apply(fluid.blocks()[b], links[b], group);
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
       mass += links[b].sums[k].mass;
       if (links[b].sums[k].invalid) bad = std::min(bad, maps[b].masks[k].id);
@@ -303,7 +305,8 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
     settle_owed(bodies, row);
     const std::int64_t* const sums = rows_.data() + row * width_;
     if (bodies.is_free(row)) {
-      Eigen::Map<Vec6>(delta.data() + row * 6) = take_velocity_change(bodies, row, sums, gravity, substeps_);
+      Eigen::Map<Vec6>(delta.data() + row * 6) =
+          take_velocity_change<T>(bodies, exchange_.world(), row, sums, gravity, substeps_);
     } else {
       const Vec6 f = force_of(sums);
       bodies.add_force(row, f.template head<3>()), bodies.add_torque(row, f.template tail<3>());
@@ -320,7 +323,7 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
     }
     for (const lbm::LinkGroup& group : block.links.groups)
       if (!block.finished[group.surface] && bodies.is_free(maps[b].masks[group.surface].row))
-        lbm::correct_cut_links(fluid.blocks()[b], fluid.parity(), block.links, group,
+        lbm::correct_cut_links(fluid.blocks()[b], block.slots, block.links, group,
                                block.motions[group.surface], block.sums[group.surface]);
     for (const auto& s : block.sums) mass += s.mass;
   }
@@ -340,8 +343,8 @@ std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const Bl
   return mass;
 }
 
-template void order_groups(BlockLinks<float>&);
-template void order_groups(BlockLinks<double>&);
+template void order_groups(BlockLinks<float>&, const lbm::Sweep&);
+template void order_groups(BlockLinks<double>&, const lbm::Sweep&);
 template class FluidForces<float>;
 template class FluidForces<double>;
 

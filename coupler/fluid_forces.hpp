@@ -43,22 +43,20 @@ struct BlockLinks {
   std::vector<lbm::SurfaceMotion> motions;
   std::vector<lbm::LinkSums> sums;
   std::vector<lbm::StiffnessSums> stiffness;  // implicit coupling only; renewed with the links
-  struct Waiting {
-    std::uint32_t group;
-    bool completes;  // with it all links of its surface are applied, and no other block has any
-  };
-  std::vector<Waiting> inner;              // groups in the order of the planes they wait for
-  std::vector<std::uint32_t> first_group;  // of a surface; the last one's end
-  std::vector<std::uint8_t> finished;      // surfaces whose bodies have been solved for in this step
-  std::size_t applied = 0;                 // of `inner`, in this step
+  lbm::LinkSlots slots;                       // of the step under way
+  std::vector<std::uint32_t> inner;           // groups in the order of the parts they wait for
+  std::vector<std::uint32_t> first_inner;     // of a part; the last one's end
+  std::vector<std::uint32_t> first_group;     // of a surface; the last one's end
+  std::vector<std::uint32_t> left;            // groups of a surface yet to be applied in this step
+  std::vector<std::uint8_t> finished;         // surfaces whose bodies have been solved for in this step
 };
 
-/// Fills inner and first_group; call when links were built.
+/// Fills inner, first_inner and first_group; call when links were built.
 template <class T>
-void order_groups(BlockLinks<T>&);
+void order_groups(BlockLinks<T>&, const lbm::Sweep&);
 
 /// Of a row: force (3) and torque (3) in quanta of lbm::link_quantum; with implicit coupling the stiffness
-/// (21) in lbm::stiffness_quantum; with the form `exact` the body's cells (4, CellSums).
+/// (21) in the quanta of lbm::StiffnessSums; with the form `exact` the body's cells (4, CellSums).
 inline constexpr int force_width = 6, stiffness_width = 21, cells_width = 4;
 
 /// Impulse that a body is still owed for cells that changed sides, lattice units, world frame.
@@ -78,11 +76,14 @@ class FluidForces {
   // ---- a step ----
   /// Before the fluid's passes: the velocities with which surfaces return. The bodies stay where they are in
   /// memory until the step's last call.
-  void begin(std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&);
-  /// The dense pass is done with plane z of a block: what its links wait for is applied, and bodies all of
+  void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&);
+  /// The dense pass is done with a part of a block: what its links wait for is applied, and bodies all of
   /// whose links have been are solved for, while their populations are in cache.
-  void after_plane(lbm::Block<T>&, lbm::Parity, const BlockMap&, BlockLinks<T>&, int z,
-                   const rigid::Vec3& gravity);
+  void after_part(lbm::Block<T>&, const BlockMap&, BlockLinks<T>&, int part, const rigid::Vec3& gravity);
+  static bool waiting(const BlockLinks<T>& links, int part) {
+    return std::size_t(part) + 1 < links.first_inner.size() &&
+           links.first_inner[part] < links.first_inner[part + 1];
+  }
   /// All other links and bodies, after the halo exchange.
   /// Collective. Returns the density that fluid cells of this rank gained through links, in mass quanta.
   std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
@@ -93,10 +94,9 @@ class FluidForces {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
 
  private:
-  void apply(lbm::Block<T>&, lbm::Parity, BlockLinks<T>&, const lbm::LinkGroup&) const;
+  void apply(lbm::Block<T>&, BlockLinks<T>&, const lbm::LinkGroup&) const;
   std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
-  void finish_body(lbm::Block<T>&, lbm::Parity, const BodyMask&, BlockLinks<T>&, int surface,
-                   const rigid::Vec3& gravity);
+  void finish_body(lbm::Block<T>&, const BodyMask&, BlockLinks<T>&, int surface, const rigid::Vec3& gravity);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void settle_owed(rigid::BodySet&, std::size_t row);
   void add_explicit(rigid::BodySet&);

@@ -78,6 +78,8 @@ class Block {
   std::ptrdiff_t slot(int i) const {
     return direction_ * i - cell(std::min(c[i].x, 0), std::min(c[i].y, 0), std::min(c[i].z, 0));
   }
+  /// Middle of the slots, for offsets of 32 bits.
+  std::ptrdiff_t middle() const { return slot(directions / 2); }
   std::ptrdiff_t arriving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) : slot(opposite(i)) - step(i);
   }

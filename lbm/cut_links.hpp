@@ -3,13 +3,13 @@
 // 1]. The dense kernel ignores them; this sparse pass then overwrites what the surface returns (NUMERICS: one
 // link owns the two slots it uses, so the order of links cannot matter).
 //
-// What comes back is the formula of lbm/wall_scheme.hpp. All links of a run are of one scheme: where x - c_i
-// is not fluid (a narrow gap) a link is put into a run of a scheme that does not read there.
+// What comes back is the formula of lbm/wall_scheme.hpp. All links of a group are of one scheme: where x -
+// c_i is not fluid (a narrow gap) a link is put into a group of a scheme that does not read there.
 //
-// A group is what is applied at a time: links of one surface in a slab of planes, a run a direction. It may
-// be applied once its cells and their neighbours have collided: inner groups as soon as the dense pass is
-// done with plane `ready`, while the populations are still in cache; groups at the rim of the block, which
-// touch ghost cells, after the halo exchange.
+// A group is what is applied at a time: links of one surface whose fluid cells lie in one plane, of all
+// directions. It may be applied once its cells and their neighbours have collided: inner groups as soon as
+// the dense pass is done with part `ready` (sweep.hpp), while the populations are still in cache; groups at
+// the rim of the block, which touch ghost cells, after the halo exchange.
 #include <cstdint>
 #include <vector>
 
@@ -18,28 +18,32 @@
 
 namespace silt::lbm {
 
-/// Runs are filled up to a multiple of this with copies of their last link (which then is written twice, with
-/// the same value, and counted once).
+/// Groups are filled up to a multiple of this with copies of their last link (which then is written twice,
+/// with the same value, and counted once).
 inline constexpr int link_lanes = 16;
 
-/// Links of one direction and scheme: `count` of the arrays of CutLinks from `begin`.
-struct LinkRun {
-  std::uint32_t begin, count;
-  std::uint8_t direction;
-  WallScheme scheme;
-};
-
-/// Where a link's fluid cell is, counted from its group's corner: x, y below 2^14, z below 2^4.
-inline constexpr int place_bits = 14, place_planes = 16;
-inline constexpr std::uint32_t link_place(int x, int y, int z) {
-  return std::uint32_t(x) | std::uint32_t(y) << place_bits | std::uint32_t(z) << (2 * place_bits);
+/// Where a link's fluid cell is, counted from its group's corner, and its direction.
+inline constexpr int place_x_bits = 14, place_y_bits = 13;
+inline constexpr std::uint32_t link_place(int x, int y, int direction) {
+  return std::uint32_t(x) | std::uint32_t(y) << place_x_bits |
+         std::uint32_t(direction) << (place_x_bits + place_y_bits);
+}
+inline constexpr int place_x(std::uint32_t p) {
+  return int(p & ((1u << place_x_bits) - 1));
+}
+inline constexpr int place_y(std::uint32_t p) {
+  return int(p >> place_x_bits & ((1u << place_y_bits) - 1));
+}
+inline constexpr int place_direction(std::uint32_t p) {
+  return int(p >> (place_x_bits + place_y_bits));
 }
 
 struct LinkGroup {
-  std::uint32_t first_run, end_run;
+  std::uint32_t begin, count;  // of the arrays of CutLinks
   std::int32_t surface;
-  Int3 corner;         // cell of the block that places count from (may lie outside of it)
-  std::int32_t ready;  // last plane that the links read or write; -1: at the rim
+  WallScheme scheme;
+  Int3 corner;         // cell of the block that places count from (may lie outside of it); z: the plane
+  std::int32_t ready;  // last part of the dense pass that the links read or write; -1: at the rim
 };
 
 /// Reference point of a surface: the centre of block cell `cell` is at `offset` from it.
@@ -55,20 +59,38 @@ template <class T>
 struct CutLinks {
   WallFluid<T> fluid;  // that the links stand in; not cleared
   std::vector<SurfaceFrame> surfaces;
-  std::vector<LinkGroup> groups;
-  std::vector<LinkRun> runs;
+  std::vector<LinkGroup> groups;     // a surface's follow one another
   std::vector<std::uint32_t> place;  // kept longer than `used`: grown, never shrunk
   std::vector<T> q;
   std::uint32_t used = 0;
   std::size_t count = 0;  // of links, filling not counted
 
-  void clear() { surfaces.clear(), groups.clear(), runs.clear(), used = 0, count = 0; }
+  void clear() { surfaces.clear(), groups.clear(), used = 0, count = 0; }
   /// Room for `more` links beyond `used`.
   void reserve(std::size_t more) {
     if (used + more <= place.size()) return;
     place.resize((used + more) * 3 / 2), q.resize(place.size());
   }
+  /// A hint that a group will be wanted soon.
+  void prefetch(const LinkGroup& g) const {
+    constexpr std::uint32_t line = 16;  // places
+    for (std::uint32_t l = 0; l < g.count; l += line) {
+      __builtin_prefetch(place.data() + g.begin + l);
+      __builtin_prefetch(reinterpret_cast<const char*>(q.data() + g.begin) + l * sizeof(T));
+    }
+  }
 };
+
+/// Where the four populations of a link along i lie, from its cell at Block::middle(); by direction.
+struct LinkSlots {
+  std::int32_t out[32] = {};      // f*_i(x)
+  std::int32_t behind[32] = {};   // f*_i(x - c_i)
+  std::int32_t against[32] = {};  // f*_opp(x)
+  std::int32_t back[32] = {};     // f_opp(x, t + 1): what the surface returns
+};
+/// `parity`: the block's after the pass.
+template <class T>
+LinkSlots link_slots(const Block<T>&, Parity);
 
 /// Rigid motion of a surface: velocity of its reference point, angular velocity. Cells a step, radians a
 /// step.
@@ -77,10 +99,10 @@ struct SurfaceMotion {
 };
 
 /// Fixed point: sums that do not depend on the order or the partition of links. Each term is rounded once to
-/// a whole number of quanta: force and torque 2^-44 (a term below 2^6 in magnitude, a sum below 2^19),
-/// stiffness 2^-30 (2^20, 2^33), mass 2^-40 (2^10, 2^23); lattice units. A term that might be out of range,
-/// or not a number, sets `invalid`. Sums wrap on the way without harm: only the result must be in range.
-inline constexpr double link_quantum = 0x1p-44, stiffness_quantum = 0x1p-30, mass_quantum = 0x1p-40;
+/// a whole number of quanta: force and torque 2^-44 (a term below 2^6 in magnitude, a sum below 2^19), mass
+/// 2^-40 (2^10, 2^23); lattice units. A term that might be out of range, or not a number, sets `invalid`.
+/// Sums wrap on the way without harm: only the result must be in range. Stiffness: see StiffnessSums.
+inline constexpr double link_quantum = 0x1p-44, mass_quantum = 0x1p-40;
 
 /// Momentum exchange (equation 6 of Goetz et al.) with deviations, on one surface in one step.
 struct LinkSums {
@@ -90,27 +112,36 @@ struct LinkSums {
 };
 
 /// Sum of k J J^T, J = [c, r x c]: how force and torque fall with the surface's velocity (implicit coupling).
-/// Upper triangle, rows vx vy vz wx wy wz.
+/// Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum for the first three rows and
+/// columns, and 2^exponent times that for each of the others: 2^exponent is no less than |r x c|. In single
+/// precision the terms of 64 links fit 32 bits.
 struct StiffnessSums {
   std::int64_t h[21] = {};
 };
+template <class T>
+inline constexpr double stiffness_quantum = sizeof(T) == 4 ? 0x1p-24 : 0x1p-44;
+/// For a surface no cell of which is further than `radius` from its reference point.
+inline int stiffness_exponent(double radius) {
+  int e = 0;
+  while (double(1 << e) < 1.5 * (radius + 2)) ++e;
+  return e;
+}
 
 /// `galilean`: Wen et al. 2014, F = sum c (f* + f_opp) - u_w (f* - f_opp). `exact`: equation 6 alone.
 enum class ForceForm : std::uint8_t { galilean, exact };
 
-/// Writes what the surface returns along the group's links, and adds force, torque and mass. `parity` is the
-/// block's parity after the pass.
+/// Writes what the surface returns along the group's links, and adds force, torque and mass.
 template <class T>
-void apply_cut_links(Block<T>&, Parity, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&, ForceForm,
-                     LinkSums&);
+void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&,
+                     ForceForm, LinkSums&);
 
 /// Changes what was returned as if the surface had moved faster by `increment`; adds the mass only.
 template <class T>
-void correct_cut_links(Block<T>&, Parity, const CutLinks<T>&, const LinkGroup&,
+void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,
                        const SurfaceMotion& increment, LinkSums&);
 
-/// Adds the group's share; depends on geometry only.
+/// Adds the group's share; depends on geometry only. `exponent`: of the surface (StiffnessSums).
 template <class T>
-void sum_stiffness(const CutLinks<T>&, const LinkGroup&, StiffnessSums&);
+void sum_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);
 
 }  // namespace silt::lbm

@@ -9,6 +9,7 @@
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
 #include "lbm/stream_collide.hpp"
+#include "lbm/sweep.hpp"
 
 namespace silt::lbm {
 
@@ -37,17 +38,20 @@ class Fluid {
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Then exchange().
   void stream_collide();
-  /// The same, plane by plane: calls after_plane(block, z, parity after the pass) when plane z of a block is
-  /// done, in the order of blocks and planes.
-  template <class AfterPlane>
-  void stream_collide(AfterPlane&& after_plane) {
-    for (int b = 0; b < int(blocks_.size()); ++b)
-      for (int z = 0; !idle_[b] && z < blocks_[b].size().z; ++z) {
-        lbm::stream_collide(blocks_[b], parity_, rates_, RowRange{0, blocks_[b].size().y, z, z + 1});
-        after_plane(b, z, flipped(parity_));
+  /// The same, part by part (sweep.hpp): calls after_part(block, part, parity after the pass) when a part of
+  /// a block is done, in the order of blocks and parts.
+  template <class AfterPart>
+  void stream_collide(AfterPart&& after_part) {
+    for (int b = 0; b < int(blocks_.size()); ++b) {
+      const Sweep sweep = sweep_of(b);
+      for (int part = 0; !idle_[b] && part < sweep.parts(); ++part) {
+        lbm::stream_collide(blocks_[b], parity_, rates_, sweep.rows_of(part));
+        after_part(b, part, flipped(parity_));
       }
+    }
     parity_ = flipped(parity_);
   }
+  Sweep sweep_of(int b) const { return Sweep(blocks_[b].size(), sizeof(T)); }
   /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
 

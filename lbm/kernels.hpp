@@ -5,18 +5,18 @@
 #include "lbm/cut_links.hpp"
 #include "lbm/stream_collide.hpp"
 
-#define SILT_KERNELS(isa)                                                                                    \
-  namespace silt::lbm::isa {                                                                                 \
-  template <class T>                                                                                         \
-  void stream_collide_rows(Block<T>&, Parity, const CollisionRates<T>&, RowRange);                           \
-  template <class T>                                                                                         \
-  void apply_group(Block<T>&, Parity, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&, ForceForm, \
-                   LinkSums&);                                                                               \
-  template <class T>                                                                                         \
-  void correct_group(Block<T>&, Parity, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&,          \
-                     LinkSums&);                                                                             \
-  template <class T>                                                                                         \
-  void group_stiffness(const CutLinks<T>&, const LinkGroup&, StiffnessSums&);                                \
+#define SILT_KERNELS(isa)                                                                                   \
+  namespace silt::lbm::isa {                                                                                \
+  template <class T>                                                                                        \
+  void stream_collide_rows(Block<T>&, Parity, const CollisionRates<T>&, RowRange);                          \
+  template <class T>                                                                                        \
+  void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&, \
+                   ForceForm, LinkSums&);                                                                   \
+  template <class T>                                                                                        \
+  void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,                     \
+                     const SurfaceMotion&, LinkSums&);                                                      \
+  template <class T>                                                                                        \
+  void group_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);                 \
   }
 
 SILT_KERNELS(portable)

@@ -1,7 +1,7 @@
 // Whole coupled steps over the fluid alone on one core: layers of spheres moving through a periodic box.
 // Case a: 6 % solid; case b: 17 %. The fluid alone and the scenes of a case take turns, so that what disturbs
 // the machine disturbs all of them; medians. --quick: a smaller box, fewer turns. --only TEXT: only scenes
-// whose key contains it.
+// whose key contains it (TEXT$: is it).
 #include <mpi.h>
 
 #include <cmath>
@@ -184,7 +184,7 @@ int main(int argc, char** argv) {
     group.clear();
   };
   for (const Setup& s : all_setups()) {
-    if (s.key().find(only) == std::string::npos) continue;
+    if (only.ends_with("$") ? s.key() + "$" != only : s.key().find(only) == std::string::npos) continue;
     if (!group.empty() && (s.name != group[0].name || s.diameter != group[0].diameter)) flush();
     group.push_back(s);
   }

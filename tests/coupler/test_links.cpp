@@ -6,6 +6,7 @@
 
 #include "coupler/build_links.hpp"
 #include "coupler/map_bodies.hpp"
+#include "lbm/sweep.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 
 namespace silt::coupler {
@@ -60,34 +61,32 @@ struct Link {
 };
 using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
 
+/// After a part of the dense pass, a cell and all around it have collided.
+void expect_all_done(const lbm::Sweep& sweep, Int3 x, int part) {
+  for (int z = x.z - 1; z <= x.z + 1; ++z)
+    for (int y = x.y - 1; y <= x.y + 1; ++y) EXPECT_LE(sweep.part_of(y, z), part);
+}
+
 template <class T>
 Links listed(const BlockMap& map, const lbm::CutLinks<T>& links, WallScheme scheme) {
+  const lbm::Sweep sweep(map.box.size, sizeof(T));
   Links found;
   for (const lbm::LinkGroup& g : links.groups) {
     const lbm::SurfaceFrame& frame = links.surfaces[g.surface];
-    for (std::uint32_t k = g.first_run; k < g.end_run; ++k) {
-      const lbm::LinkRun& run = links.runs[k];
-      EXPECT_EQ(run.begin % lbm::link_lanes, 0u);
-      for (std::uint32_t l = run.begin; l < run.begin + run.count; ++l) {
-        const std::uint32_t p = links.place[l];
-        const Int3 x = g.corner + Int3{int(p & 0x3fff), int(p >> 14 & 0x3fff), int(p >> 28)};
-        const Int3 n = map.box.size;
-        bool rim = false;
-        for (int d = 0; d < 3; ++d) rim |= x[d] == 0 || x[d] == n[d] - 1;
-        EXPECT_EQ(rim, g.ready < 0);
-        if (!rim) {
-          EXPECT_LE(x.z + 1, g.ready);
-        }
-        Vec3 arm;
-        for (int d = 0; d < 3; ++d) arm[d] = x[d] - frame.cell[d] + frame.offset[d];
-        EXPECT_LE(arm.norm(), frame.reach);
-        const bool narrow = run.scheme != scheme;
-        const bool first = found
-                               .insert({{x.x, x.y, x.z, run.direction},
-                                        {map.masks[g.surface].row, narrow, double(links.q[l]), arm}})
-                               .second;
-        EXPECT_TRUE(first) << "a link is listed twice";
-      }
+    EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
+    for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {
+      const std::uint32_t p = links.place[l];
+      const Int3 x = g.corner + Int3{lbm::place_x(p), lbm::place_y(p), 0};
+      bool rim = false;
+      for (int d = 0; d < 3; ++d) rim |= x[d] == 0 || x[d] == map.box.size[d] - 1;
+      EXPECT_EQ(rim, g.ready < 0);
+      if (!rim) expect_all_done(sweep, x, g.ready);
+      Vec3 arm;
+      for (int d = 0; d < 3; ++d) arm[d] = x[d] - frame.cell[d] + frame.offset[d];
+      EXPECT_LE(arm.norm(), frame.reach);
+      const Link link{map.masks[g.surface].row, g.scheme != scheme, double(links.q[l]), arm};
+      EXPECT_TRUE(found.insert({{x.x, x.y, x.z, lbm::place_direction(p)}, link}).second)
+          << "a link is listed twice";
     }
   }
   EXPECT_EQ(found.size(), links.count);

@@ -33,21 +33,19 @@ class Walled {
     links_.fluid = WallFluid<double>(collision);
     for (int surface = 0; surface < 2; ++surface) {
       links_.surfaces.push_back({{0, 0, 0}, {0, 0, 0}, 1, false});
-      const auto first = std::uint32_t(links_.runs.size());
-      for (int i = 1; i < directions; ++i)
-        for (const bool narrow : {false, true}) add_run(scheme, surface, i, narrow);
-      links_.groups.push_back({first, std::uint32_t(links_.runs.size()), surface, {0, 0, 0}, -1});
+      for (int z = 0; z < scene.cells.z; ++z)
+        for (const bool narrow : {false, true}) add_group(scheme, surface, z, narrow);
     }
   }
 
   void step() {
     fluid_.stream_collide();
     fluid_.exchange();
-    for (const LinkGroup& g : links_.groups) {
-      sums_[g.surface] = {};
-      apply_cut_links(fluid_.blocks()[0], fluid_.parity(), links_, g, motions[g.surface], ForceForm::galilean,
+    sums_ = {};
+    const LinkSlots slots = link_slots(fluid_.blocks()[0], fluid_.parity());
+    for (const LinkGroup& g : links_.groups)
+      apply_cut_links(fluid_.blocks()[0], slots, links_, g, motions[g.surface], ForceForm::galilean,
                       sums_[g.surface]);
-    }
   }
   template <class F>
   void for_fluid(F&& f) {
@@ -64,18 +62,20 @@ class Walled {
   std::array<SurfaceMotion, 2> motions{};
 
  private:
-  void add_run(WallScheme scheme, int surface, int i, bool narrow) {
+  void add_group(WallScheme scheme, int surface, int z, bool narrow) {
     const std::uint32_t begin = links_.used;
     for_fluid([&](Int3 x) {
-      const Hit h = scene_.hit(x.x + 0.5, x.y + 0.5, c[i]);
-      if (h.q >= 1 || h.surface != surface) return;
-      const bool blocked = scene_.hit(x.x + 0.5, x.y + 0.5, c[opposite(i)]).q < 1;
-      if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place(x.x, x.y, x.z), h.q);
+      for (int i = 1; i < directions && x.z == z; ++i) {
+        const Hit h = scene_.hit(x.x + 0.5, x.y + 0.5, c[i]);
+        if (h.q >= 1 || h.surface != surface) continue;
+        const bool blocked = scene_.hit(x.x + 0.5, x.y + 0.5, c[opposite(i)]).q < 1;
+        if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place(x.x, x.y, i), h.q);
+      }
     });
     const std::uint32_t count = links_.used - begin;
     if (count == 0) return;
     while (links_.used % link_lanes != 0) push(links_.place[links_.used - 1], links_.q[links_.used - 1]);
-    links_.runs.push_back({begin, count, std::uint8_t(i), narrow ? WallScheme::narrow : scheme});
+    links_.groups.push_back({begin, count, surface, narrow ? WallScheme::narrow : scheme, {0, 0, z}, -1});
     if (narrow) narrow_links_ += count;
   }
   void push(std::uint32_t place, double q) {

@@ -24,20 +24,19 @@ Int3 cell_of(int n, int layer) {
   return {n % width, n / width, layer};
 }
 
-/// The links of the layer whose neighbour at side -1 or +1 is solid, one run a direction, to one surface.
+/// The links of the layer whose neighbour at side -1 or +1 is solid, a group a scheme, to one surface.
 void add_links(CutLinks<double>& links, int surface, int layer, int side, double q, WallScheme scheme) {
   links.surfaces.push_back({{0, 0, layer}, {0, 0, 0}, 2.0 * width, false});
-  LinkGroup group{std::uint32_t(links.runs.size()), 0, surface, {0, 0, 0}, -1};
+  LinkGroup group{links.used, 0, surface, scheme, {0, 0, layer}, -1};
   for (int i = 1; i < directions; ++i) {
     if (c[i].z != side) continue;
     links.reserve(link_lanes);
-    links.runs.push_back({links.used, link_lanes, std::uint8_t(i), scheme});
     for (int n = 0; n < link_lanes; ++n, ++links.used) {
       const Int3 x = cell_of(n, layer);
-      links.place[links.used] = link_place(x.x, x.y, x.z), links.q[links.used] = q;
+      links.place[links.used] = link_place(x.x, x.y, i), links.q[links.used] = q;
     }
   }
-  group.end_run = std::uint32_t(links.runs.size());
+  group.count = links.used - group.begin;
   links.groups.push_back(group);
 }
 
@@ -60,9 +59,9 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     fluid.stream_collide();
     fluid.exchange();
     LinkSums sums;
+    const LinkSlots slots = link_slots(fluid.blocks()[0], fluid.parity());
     for (const LinkGroup& g : links.groups)
-      apply_cut_links(fluid.blocks()[0], fluid.parity(), links, g, motions[g.surface], ForceForm::exact,
-                      sums);
+      apply_cut_links(fluid.blocks()[0], slots, links, g, motions[g.surface], ForceForm::exact, sums);
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
