@@ -41,7 +41,8 @@ class FlowOf final : public Flow {
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps),
         anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {
-    for (BlockLinks<T>& block : links_) block.links.fluid = lbm::WallFluid<T>(fluid_.spec());
+    for (BlockLinks<T>& block : links_)
+      block.links.fluid = lbm::WallFluid<T>(fluid_.spec(), coupling_.wall_scheme);
   }
 
   void map_bodies(rigid::BodySet& bodies) override {

@@ -47,16 +47,19 @@ constexpr double best_magic(WallScheme scheme) {
   return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
 }
 
-/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
+/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid; and what
+/// `narrow` knows of the scheme it stands in for.
 template <class T>
 struct WallFluid {
   T magic = T(1.0 / 6), inverse_rate = T(2);
   T force[3] = {};
+  T narrow_parabola = 0;  // T / q^2 that `narrow` tries to reach
   WallFluid() = default;
-  explicit WallFluid(const CollisionSpec& s)
+  WallFluid(const CollisionSpec& s, WallScheme scheme)
       : magic(T(s.bgk ? (s.relaxation_time - 0.5) * (s.relaxation_time - 0.5) : s.magic)),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
-        force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
+        force{T(s.force[0]), T(s.force[1]), T(s.force[2])},
+        narrow_parabola(scheme == WallScheme::parabolic ? T(parabola) : T(0)) {}
 };
 
 template <class T>
@@ -77,11 +80,14 @@ constexpr LinkCoefficients<T> central(T q, T excess, T weight6, const WallFluid<
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
-/// c of `narrow` for T = 5/8 q^2, as far as there is an odd half that relaxes to take it from.
+/// c of `narrow`: 0, when its T = 2 q magic does not depend on viscosity; under `parabolic`, whose magic is
+/// so small that a gap would resist too much, what makes T = 5/8 q^2, as far as there is an odd half that
+/// relaxes to take it from (not below tau - 1/2 = 2 magic).
 template <class T>
 constexpr T narrow_share(T q, const WallFluid<T>& fluid) {
   const T s = T(1) / (T(0.5) + fluid.magic * fluid.inverse_rate);  // rate of the odd half
-  const T wanted = T(parabola / 2) * q / fluid.magic - T(1), most = s - T(1) < T(0.5) ? s - T(1) : T(0.5);
+  const T wanted = fluid.narrow_parabola / T(2) * q / fluid.magic - T(1),
+          most = s - T(1) < T(0.5) ? s - T(1) : T(0.5);
   if (wanted <= T(0) || most <= T(0)) return T(0);
   const T c = wanted * (T(2) - s) / (T(2) * (s - T(1)));
   return c < most ? c : most;

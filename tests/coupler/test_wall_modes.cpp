@@ -137,7 +137,8 @@ TEST(WallModes, FluidInNarrowGapsComesToRest) {
     }
 }
 
-/// Force over velocity of a dense array of spheres, most links of which are narrow.
+/// Force over velocity of a dense array of spheres, most links of which are narrow: of cli, whose narrow
+/// links are all of the cell's velocity.
 double resistance(double tau) {
   CaseText c = periodic_box(8);
   const double nu = (tau - 0.5) / 3;
@@ -145,7 +146,7 @@ double resistance(double tau) {
                         tau, 1e-6 * nu);
   c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\ndiameter = 7.1\n";
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [4.13, 4.31, 3.87]\n";
-  Simulation s(c.read(), MPI_COMM_SELF);
+  Simulation s(c.read({"coupling.wall_scheme=cli"}), MPI_COMM_SELF);
   s.run(int(400 / nu));
   const FlowTotals t = s.look_at_flow();
   return 1 / (t.momentum[0] / (1e-6 * nu) + 0.5 * double(t.fluid_cells)) / nu;

@@ -30,7 +30,7 @@ class Walled {
  public:
   Walled(const Scene& scene, WallScheme scheme, const CollisionSpec& collision)
       : scene_(scene), fluid_(Domain(scene.cells, {}, std::nullopt, 1), collision, MPI_COMM_SELF) {
-    links_.fluid = WallFluid<double>(collision);
+    links_.fluid = WallFluid<double>(collision, scheme);
     for (int surface = 0; surface < 2; ++surface) {
       links_.surfaces.push_back({{0, 0, 0}, {0, 0, 0}, 1, false});
       for (int z = 0; z < scene.cells.z; ++z)
@@ -267,7 +267,7 @@ TEST(CutLinks, CoefficientsAreConsistent) {
     }
   };
   for (const double tau : {0.501, 0.51, 1.0, 2.0, 10.0}) {
-    const WallFluid<double> fluid(CollisionSpec{tau, 1.0 / 6, false, {}});
+    const WallFluid<double> fluid({tau, 1.0 / 6, false, {}}, WallScheme::cli);
     check(std::integral_constant<WallScheme, WallScheme::cli>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::bouzidi>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::parabolic>{}, fluid);

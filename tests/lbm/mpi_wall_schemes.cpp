@@ -48,7 +48,7 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
                       MPI_COMM_SELF);
   CutLinks<double> links;
-  links.fluid = WallFluid<double>(spec);
+  links.fluid = WallFluid<double>(spec, WallScheme::parabolic);
   add_links(links, 0, 1, -1, channel.below, scheme);
   add_links(links, 1, channel.layers, +1, channel.above, scheme);
   const SurfaceMotion motions[2] = {{}, {{channel.speed, 0, 0}, {}}};
@@ -79,7 +79,8 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   if (scheme == WallScheme::narrow) {
     const double h = std::max(q, least_narrow);
     const double s = 1 / (0.5 + channel.magic / rate),
-                 c = narrow_share(h, WallFluid<double>({channel.tau, channel.magic, false, {}}));
+                 c = narrow_share(
+                     h, WallFluid<double>({channel.tau, channel.magic, false, {}}, WallScheme::parabolic));
     return {2 * h * channel.magic * (1 - 2 * c * (1 - s) / (2 - s)), h};
   }
   if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
