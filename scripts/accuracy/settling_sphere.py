@@ -9,7 +9,7 @@ from problem import Found, Goal, Run
 
 DIAMETER = 20                                # cells; with 8 the relaxation time would be 0.51: unstable
 RATIO, GALILEO, REFERENCE = 1.5, 144.0, 1.2855
-WIDTH, NARROW = 5, 4                         # diameters
+WIDTH, NARROW = 7, 5                         # diameters
 BELOW, ABOVE = 3, 7                          # diameters from the sphere to inlet and outlet
 VELOCITY = 0.08                              # cells a step
 TIMES = 30                                   # diameters the sphere settles
