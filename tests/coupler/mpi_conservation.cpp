@@ -1,0 +1,161 @@
+// Fluid and bodies together: what is kept, momentum and mass, and what a body that drifts along feels.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/derived_table.hpp"
+#include "tests/coupler/coupled_scenes.hpp"
+#include "tests/coupler/world.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Vec3;
+
+double momentum_drift(const std::vector<std::string>& overrides, int steps) {
+  Simulation s(free_spheres(overrides), MPI_COMM_WORLD);
+  const Balance before = s.balance();
+  double scale = 0;  // sum of |m v| of the bodies at the start
+  for (std::size_t row = 0; row < s.bodies().owned; ++row)
+    scale += s.bodies().mass[row] * s.bodies().velocity[row].norm();
+  scale = sum_over_ranks(scale);
+  while (s.steps_done() < steps) s.step();
+  EXPECT_GT(s.counters().uncovered, 0u);
+  return (s.balance().momentum - before.momentum).norm() / scale;
+}
+
+TEST(CoupledStep, ExactFormConservesMomentum) {
+  // explicit: heavier bodies; those of density 1.5 and 2 stir the fluid to 1.2 cells a step (unstable)
+  const std::vector<std::string> heavy{"bodies[0].density=4", "bodies[1].density=4", "bodies[2].density=4",
+                                       "coupling.time=explicit"};
+  for (const auto& overrides : {std::vector<std::string>{"coupling.time=implicit"}, heavy}) {
+    std::vector<std::string> single = overrides;
+    single.push_back("fluid.precision=single");
+    const double in_double = momentum_drift(overrides, 1000), in_single = momentum_drift(single, 1000);
+    if (rank_of_world() == 0)
+      printf("%s: exact form, drift %.2g in double, %.2g in single\n", overrides.back().c_str(), in_double,
+             in_single);
+    EXPECT_LT(in_double, 1e-11) << overrides.back();
+    EXPECT_LT(in_single, 1e-6) << overrides.back();
+  }
+}
+
+/// A closed box full of spheres that a turning rod stirs: the mass of the fluid but for what the pressure
+/// anchor takes out in the next step, as a share.
+double unseen_mass(const std::string& precision, int steps) {
+  const Case scene = read_case_text(R"(
+title = "stirred"
+[units]
+system = "lattice"
+[domain]
+size = [20, 20, 20]
+boundary = "no-slip"
+[fluid]
+relaxation_time = 0.6
+[gravity]
+acceleration = [0, 0, -1e-4]
+[[shapes]]
+name = "rod"
+type = "capsule"
+radius = 2
+length = 7
+[[shapes]]
+name = "ball"
+type = "sphere"
+diameter = 5
+[[bodies]]
+shape = "rod"
+density = 2
+motion = "prescribed"
+position = [10.1, 10.2, 10.3]
+axis_angle = { axis = [0, 1, 0], degrees = 90 }
+angular_velocity = [0, 0, 0.008]
+[[fill]]
+name = "balls"
+shape = "ball"
+density = 1.3
+count = 12
+seed = 3
+[run]
+steps = 1
+)",
+                                    "stirred", {"fluid.precision=" + precision});
+  Simulation s(scene, MPI_COMM_WORLD);
+  const FlowTotals before = s.look_at_flow();
+  s.run(steps);
+  EXPECT_GT(sum_over_ranks(double(s.counters().uncovered)), 100);
+  const FlowTotals now = s.look_at_flow();
+  const double known = double(s.scene().flow->anchor().mass) * 0x1p-40;
+  return (now.mass_deviation - before.mass_deviation - known) / double(now.fluid_cells);
+}
+
+TEST(CoupledStep, AnchorKnowsTheMassOfTheFluid) {
+  const double in_double = unseen_mass("double", 500), in_single = unseen_mass("single", 500);
+  if (rank_of_world() == 0)
+    printf("mass the anchor does not know: %.2g in double, %.2g in single\n", in_double, in_single);
+  EXPECT_LT(std::fabs(in_double), 1e-11);
+  EXPECT_LT(std::fabs(in_single), 1e-9);
+}
+
+/// Largest force or torque over 100 steps on a star that moves with a fluid that moves as a whole.
+double largest_load_in_still_fluid(const std::string& form) {
+  Simulation s(read_case_text(R"(
+title = "with the stream"
+[units]
+system = "lattice"
+[domain]
+size = [20, 18, 16]
+boundary = "periodic"
+[fluid]
+relaxation_time = 0.8
+precision = "double"
+initial = { type = "uniform", velocity = [0.05, 0.03, -0.02] }
+[coupling]
+pressure_anchor = false
+[[shapes]]
+name = "star"
+type = "compound"
+parts = [ { type = "capsule", radius = 2, length = 6, axis = [1, 0.2, 0] },
+          { type = "capsule", radius = 2, length = 6, axis = [0, 1, 0.3] } ]
+[[bodies]]
+shape = "star"
+density = 1
+motion = "prescribed"
+velocity = [0.05, 0.03, -0.02]
+position = [8.2, 7.7, 8.4]
+[run]
+steps = 100
+)",
+                              "stream", {"coupling.force=" + form}),
+               MPI_COMM_WORLD);
+  double largest = 0;
+  for (int t = 0; t < 100; ++t) {
+    s.step();
+    for (const BodyLoad& load : s.last_loads())
+      largest = std::max({largest, load.force.norm(), load.torque.norm()});
+  }
+  EXPECT_GT(s.counters().uncovered, 0u);
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  return largest;
+}
+
+// Whatever cells it covers and leaves: 0.06 a cell would be felt if their momentum were handed over as it
+// is.
+TEST(CoupledStep, ABodyThatMovesWithTheFluidFeelsNothing) {
+  EXPECT_LT(largest_load_in_still_fluid("exact"), 1e-9);
+  EXPECT_LT(largest_load_in_still_fluid("galilean"), 0.03);
+}
+
+TEST(CoupledStep, DefaultFormDriftIsSmallButNotZero) {
+  const double drift = momentum_drift({"coupling.force=galilean"}, 1000);
+  if (rank_of_world() == 0)
+    printf("galilean form: drift %.3g of the bodies' momentum in 1000 steps\n", drift);
+  EXPECT_LT(drift, 0.05);
+  EXPECT_GT(drift, 1e-9);  // else the two forms would be the same code
+}
+
+// Zick and Homsy 1982, simple cubic array, phi = 0.064: K = 2.810.
+
+}  // namespace
+}  // namespace silt::coupler
