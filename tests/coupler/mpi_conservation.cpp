@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/derived_table.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/world.hpp"
 
