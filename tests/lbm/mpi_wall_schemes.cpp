@@ -159,5 +159,14 @@ TEST(WallSchemes, OneLayerOfCellsBetweenTwoWalls) {
           << "tau " << r[0] << " q " << q[0] << " " << q[1];
 }
 
+// Between two walls at the same distance u' is 0: u = -2/3 T u'', T = 5/8 q^2 where the odd half suffices.
+TEST(WallSchemes, OneLayerOfCellsHasRoomForAParabola) {
+  for (const double q : {0.6, 0.75, 0.9}) {
+    const Channel channel{3, 1. / 16, q, q, 1};
+    const double bend = channel.force / ((channel.tau - 0.5) / 3);
+    EXPECT_NEAR(velocities(channel, WallScheme::narrow)[0] / (2. / 3 * 5. / 8 * q * q * bend), 1, 1e-9) << q;
+  }
+}
+
 }  // namespace
 }  // namespace silt::lbm
