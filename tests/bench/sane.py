@@ -17,22 +17,30 @@ share = (1e-3, 3)
 expected = {
     "fluid": {f"fluid.{p}.{k}": r for p in ("single", "double")
               for k, r in (("share", share), ("share_80", share), ("mlups", anything))},
-    "coupled": {"coupled.a.cli.over_fluid": (1, 100)},
+    "coupled": {f"coupled.a.cli{body}.{k}": r for body in ("", ".box")
+                for k, r in (("over_fluid", (1, 100)), ("ns_per_link", anything))},
     "bed": {f"bed.{n}.{p}.mlups": anything for n in (63, 225) for p in ("single", "double")},
     # populations alone: 76 bytes; a small block has much padding
     "memory": {"memory.bytes_per_cell": (76, 400), "memory.population_bytes_per_cell": (76, 200)},
 }
-only = {"coupled": ["--only", "coupled.a.cli$"]}
+only = {"coupled": ["--only", "coupled.a.cli$,coupled.a.cli.box$"]}
 
+table = {}
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, keys in expected.items():
         subprocess.run([bench / f"bench_{name}", "--quick", "--json", folder / f"{name}.json", *only.get(name, [])], check=True)
-        figures = json.loads((folder / f"{name}.json").read_text())["figures"]
+        result = json.loads((folder / f"{name}.json").read_text())
+        figures, table[name] = result["figures"], result["table"]
         for key, (low, high) in keys.items():
             assert low < figures[key] < high, f"{key} is {figures[key]}"
     subprocess.run([root / "tests" / "bench" / "summary.py", folder], check=True)
     page = (folder / "README.md").read_text()
     for name, keys in expected.items():
         assert all(f"`{key}`" in page for key in keys), f"README.md lacks figures of {name}"
-    assert (folder / "fluid.png").stat().st_size > 1000 and (folder / "bed.png").stat().st_size > 1000
+    for picture in "fluid.png", "bed.png", "coupled-stages.png":
+        assert (folder / picture).stat().st_size > 1000, f"{picture} is empty"
+    solid = {row["scene"]: row["solid"] for row in table["coupled"] if "solid" in row}
+    assert all(abs(s - 0.063) < 0.002 for s in solid.values()), f"the paper's case A has 6.3 % solid, these have {solid}"
+    for row in table["coupled"]:
+        assert all(share[0] < row.get(k, 1) < share[1] for k in ("share_of_bound", "share_of_peak")), row

@@ -2,8 +2,6 @@
 // beside it a driver that calls only the passes the scene needs. Instructions (callgrind, 256-bit build) are
 // exact; times, taken in turn, say what caches add.
 //   scripts/bench skip [--quick] [--json FILE]
-#include <mpi.h>
-
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -12,10 +10,10 @@
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case_file.hpp"
 #include "coupler/simulation.hpp"
-#include "lbm/isa.hpp"
 #include "rigid/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
 #include "tests/bench/instruction_count.hpp"
+#include "tests/bench/main.hpp"
 #include "tests/bench/spread.hpp"
 
 namespace silt::bench {
@@ -216,7 +214,6 @@ Spread times(Row& row, bool quick) {
 }
 
 void run(const Options& o) {
-  lbm::flush_denormals_to_zero();
   if (o.others == std::vector<std::string>{"--pieces"}) return pieces();
   require_no_others(o);
   const auto counts = count_instructions("--pieces");
@@ -241,15 +238,5 @@ void run(const Options& o) {
 }  // namespace silt::bench
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
-  setvbuf(stdout, nullptr, _IOLBF, 0);
-  int code = 0;
-  try {
-    silt::bench::run(silt::bench::options_of(argc, argv));
-  } catch (const std::exception& e) {
-    fprintf(stderr, "%s\n", e.what());
-    code = 2;
-  }
-  MPI_Finalize();
-  return code;
+  return silt::bench::main_of(argc, argv, silt::bench::run);
 }

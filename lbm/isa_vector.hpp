@@ -1,0 +1,20 @@
+#pragma once
+// The vectors of the instruction set a kernel is being built for. Only for *_kernel.cpp files, which are
+// built once each (SILT_ISA).
+
+namespace silt::lbm::SILT_ISA {
+
+#if defined(SILT_ISA_avx512)
+inline constexpr int vector_bytes = 64;
+#elif defined(SILT_ISA_avx2)
+inline constexpr int vector_bytes = 32;
+#else
+inline constexpr int vector_bytes = 16;
+#endif
+
+template <class T>
+struct VectorOf {
+  typedef T type __attribute__((vector_size(vector_bytes)));
+};
+
+}  // namespace silt::lbm::SILT_ISA
