@@ -263,7 +263,7 @@ std::string wanted_scenes(Options& options) {
 void run(Options options) {
   const std::string only = wanted_scenes(options);
   require_no_others(options);
-  const Plan plan = options.quick ? Plan{96, 5} : Plan{160, 7};
+  const Plan plan = options.quick ? Plan{96, 3} : Plan{160, 5};
   Report report(plan, peak_gflops<float>());
   std::map<std::string, std::vector<Layers>> groups;  // by case, body and box
   std::vector<std::string> order;

@@ -1,7 +1,7 @@
 // What a scene does not contain costs nothing: each row of a table (skip_rows.cpp) runs a scene through the
 // program, and beside it a driver that calls only the passes the scene needs. Instructions (callgrind,
 // 256-bit build) are exact, and those of the start do not count; times, taken in turn, say what caches add.
-//   scripts/bench skip [--quick] [--json FILE]
+//   scripts/bench skip [--quick] [--instructions] [--json FILE]      (--instructions: no times)
 #include <cstdio>
 #include <string>
 
@@ -40,7 +40,8 @@ Spread times(Row& row, bool quick) {
 
 void run(const Options& o) {
   if (o.others == std::vector<std::string>{"--pieces"}) return pieces();
-  require_no_others(o);
+  const bool timed = o.others != std::vector<std::string>{"--instructions"};
+  if (timed) require_no_others(o);
   const auto counts = count_instructions("--pieces");
   Figures out;
   for (Row& row : skip_rows()) {
@@ -52,7 +53,7 @@ void run(const Options& o) {
     out.figures["skip." + row.key + ".ratio"] = instructions;
     adapters::Json line =
         adapters::Json::object({{"without", row.without}, {"instructions_scene_over_driver", instructions}});
-    if (row.timed) {
+    if (timed && row.timed) {
       const Spread time = times(row, o.quick);
       printf("  time %.3f (%.3f to %.3f)", time.middle(), time.lowest(), time.highest());
       out.figures["skip." + row.key + ".time_ratio"] = time.middle();
