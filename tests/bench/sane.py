@@ -29,7 +29,8 @@ expected = {
 if shutil.which("valgrind"):  # instructions are the same on every machine: here figures do gate
     rows = ["bodies", "fluid", "moving_bodies", "moved", "near_block", "solid_block", "non_spheres", "neighbour_ranks", "outputs"]
     expected["skip"] = {f"skip.{row}.ratio": (0.95, 1.05) for row in rows} | \
-                       {f"skip.{row}.ratio": (0.95, 1.15) for row in ("contacts", "external_force")}
+                       {f"skip.{row}.ratio": (0.95, 1.15) for row in ("contacts", "external_force")} | \
+                       {"skip.friction.ratio": (0.5, 0.9)}
 only = {"skip": ["--instructions"], "coupled": ["--only", "coupled.a.cli$,coupled.a.cli.box$"]}
 
 on_two_ranks = ["mpirun", "-n", "2", "--oversubscribe", "--quiet", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]

@@ -220,6 +220,32 @@ Row no_neighbour_ranks() {
              [alone] { alone->step.advance(alone->passes.scene.bodies, 1); });
 }
 
+/// Spheres stacked on a floor. No driver knows their sweeps without friction: the same stack with friction
+/// stands in for it, and the figure says what is left of a step.
+Row no_friction() {
+  const auto stack = [](double friction) {
+    SceneText text;
+    text.fluid = "";
+    text.domain =
+        "size = [48, 48, 48]\nboundary = { x = \"periodic\", y = \"periodic\", z = [\"no-slip\", "
+        "\"no-slip\"] }";
+    text.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n[contacts]\nrestitution = 0\nfriction = " +
+                std::to_string(friction);
+    text.bodies =
+        "[[shapes]]\nname = \"sphere\"\ntype = \"sphere\"\ndiameter = 6\n[[bodies]]\nshape = "
+        "\"sphere\"\ndensity = 1.5\npositions = [";
+    for (int n = 0; n < 256; ++n) {
+      const std::string x = std::to_string(3 + 6 * (n % 8)), y = std::to_string(3 + 6 * (n / 8 % 8));
+      text.bodies += "[" + x + ", " + y + ", " + std::to_string(3 + 6 * (n / 64)) + "], ";
+    }
+    text.bodies += "]\n";
+    return text;
+  };
+  auto rubbing = std::make_shared<Passes>(stack(0.4));
+  return row("friction", "friction: the same stack with it (no driver)", stack(0),
+             [rubbing] { rubbing->rigid_step(); });
+}
+
 /// The whole program, and its steps alone.
 Row no_outputs() {
   namespace fs = std::filesystem;
@@ -246,7 +272,7 @@ std::vector<Row> skip_rows() {
   std::vector<Row> rows;
   for (auto make :
        {no_bodies, no_fluid, no_moving_bodies, no_body_moved, no_body_near_a_block, no_fluid_in_a_block,
-        no_contacts, no_force, no_other_shapes, no_neighbour_ranks, no_outputs})
+        no_contacts, no_force, no_friction, no_other_shapes, no_neighbour_ranks, no_outputs})
     rows.push_back(make());
   return rows;
 }
