@@ -44,18 +44,23 @@ def save(figure, name):
     return name
 
 
+def label(row):
+    """What a row is about, in words."""
+    words = {"cells_an_edge": "{}³", "ranks": "{} ranks", "spheres": "{} spheres"}
+    return ", ".join(words.get(key, "{}").format(value) for key, value in row.items() if isinstance(value, str) or key in words)
+
+
 def plot_rates(name, rows):
     rows = [row for row in rows if "mlups" in row]
     if not rows:
         return None
-    label = lambda row: ", ".join(str(v) for v in row.values() if not isinstance(v, float))
     figure, axes = plt.subplots(figsize=(9, 1 + 0.22 * len(rows)), layout="constrained")
     middle = [row["mlups"] for row in rows]
     spread = [[row["mlups"] - row.get("mlups_lowest", row["mlups"]) for row in rows],
               [row.get("mlups_highest", row["mlups"]) - row["mlups"] for row in rows]]
     axes.barh(range(len(rows)), middle, xerr=spread, color="#0072B2", error_kw={"elinewidth": 1})
     axes.set_yticks(range(len(rows)), [label(row) for row in rows], fontsize=7)
-    axes.invert_yaxis()
+    axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlabel("million cells a second")
     return save(figure, f"{name}.png")
 
