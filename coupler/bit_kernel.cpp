@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "coupler/bit_kernels.hpp"
-#include "lbm/link_lanes.hpp"
+#include "lbm/link_places.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -171,26 +171,18 @@ LinkCounts list_links(const BitFrame& frame, int z, int y0, int y1, const LinkBi
 template <class T>
 void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
                       lbm::Int3 corner, double radius, T* q) {
-  const lbm::Int3 far = corner - frame.cell;
-  const T ox = T(frame.offset[0]), oy = T(frame.offset[1]), z = T(far.z) + T(frame.offset[2]);
+  using L = lbm::SILT_ISA::Lanes<T>;
+  using V = typename L::Real;
+  const lbm::SILT_ISA::PlaceOrigin<T> origin(0, corner, frame);
   const T r2 = T(radius * radius);
-  constexpr int most = 64;
-  static constexpr lbm::DirectionCodes codes;
-  for (int first = 0; first < padded; first += most) {
-    const int n = std::min(most, padded - first);
-    std::int32_t direction[most], code[most];
-    for (int l = 0; l < n; ++l) direction[l] = lbm::place_direction(place[first + l]);
-    lbm::SILT_ISA::look_up(codes.of, direction, n, code);
-    for (int l = 0; l < n; ++l) {
-      const std::uint32_t p = place[first + l];
-      const T x = T(lbm::place_x(p) + far.x) + ox, y = T(lbm::place_y(p) + far.y) + oy;
-      const T cx = T(lbm::DirectionCodes::x(code[l])), cy = T(lbm::DirectionCodes::y(code[l])),
-              cz = T(lbm::DirectionCodes::z(code[l]));
-      const T a = cx * cx + cy * cy + cz * cz, b = x * cx + y * cy + z * cz;
-      const T discriminant = b * b - a * ((x * x + y * y + z * z) - r2);
-      const T root = (-b - std::sqrt(discriminant < T(0) ? T(0) : discriminant)) / a;
-      q[first + l] = root < T(0) ? T(0) : root > T(1) ? T(1) : root;
-    }
+  for (int l = 0; l < padded; l += L::count) {
+    const lbm::SILT_ISA::Places<T> at(place + l, origin);
+    const V &x = at.r[0], &y = at.r[1], &z = at.r[2];
+    const V a = at.length_squared(), b = at.along(x, y, z);
+    const V discriminant = b * b - a * ((x * x + y * y + z * z) - r2);
+    const V root = (-b - L::root(discriminant < T(0) ? V{} : discriminant)) / a;
+    const V found = root < T(0) ? V{} : root > T(1) ? V{} + T(1) : root;
+    __builtin_memcpy(q + l, &found, sizeof found);
   }
 }
 

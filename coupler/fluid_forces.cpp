@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -71,11 +70,11 @@ bool is_at_rest(const lbm::SurfaceMotion& m) {
 }
 
 template <class T>
-void add_sums(std::int64_t* row, const BlockLinks<T>& links, int surface, bool stiffness = true) {
-  const lbm::LinkSums& sums = links.sums[surface];
+void add_sums(std::int64_t* row, const SurfaceLinks<T>& surface, bool stiffness = true) {
+  const lbm::LinkSums& sums = surface.sums;
   for (int d = 0; d < 3; ++d) row[d] += sums.force[d], row[3 + d] += sums.torque[d];
   if (stiffness)
-    for (int e = 0; e < stiffness_width; ++e) row[force_width + e] += links.stiffness[surface].h[e];
+    for (int e = 0; e < stiffness_width; ++e) row[force_width + e] += surface.stiffness.h[e];
 }
 
 /// Whether the force at the present velocity may move the body: the largest eigenvalue of M^-1 H is at most
@@ -176,23 +175,6 @@ void FluidForces<T>::hand_over(rigid::BodyId id, const Vec3& momentum, const Vec
 }
 
 template <class T>
-void order_groups(BlockLinks<T>& block, const lbm::Sweep& sweep) {
-  const auto& groups = block.links.groups;
-  block.first_inner.assign(sweep.parts() + 2, 0);
-  block.first_group.assign(block.links.surfaces.size() + 1, 0);
-  for (const lbm::LinkGroup& g : groups) {
-    ++block.first_group[g.surface + 1];
-    if (g.ready >= 0) ++block.first_inner[g.ready + 2];
-  }
-  std::partial_sum(block.first_group.begin(), block.first_group.end(), block.first_group.begin());
-  std::partial_sum(block.first_inner.begin(), block.first_inner.end(), block.first_inner.begin());
-  block.inner.resize(block.first_inner.back());
-  for (std::uint32_t k = 0; k < groups.size(); ++k)
-    if (groups[k].ready >= 0) block.inner[block.first_inner[groups[k].ready + 1]++] = k;
-  block.first_inner.pop_back();
-}
-
-template <class T>
 void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
                            std::span<BlockLinks<T>> links, rigid::BodySet& bodies) {
   bodies_ = &bodies;
@@ -204,58 +186,59 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
   handed_over_.clear();
   for (std::size_t b = 0; b < maps.size(); ++b) {
     const auto& masks = maps[b].masks;
-    links[b].motions.resize(masks.size());
-    links[b].sums.assign(masks.size(), {});
-    links[b].finished.assign(masks.size(), 0);
     links[b].slots = lbm::link_slots(fluid.blocks()[b], lbm::flipped(fluid.parity()));
-    links[b].left.resize(masks.size());
-    for (std::size_t k = 0; k < masks.size(); ++k)
-      links[b].left[k] = links[b].first_group[k + 1] - links[b].first_group[k];
     if (spec_.force == ForceForm::exact)
       for (const BodyMask& mask : masks)
         add_cells(cells_of(maps[b].box, mask), rows_.data() + mask.row * width_ + cells_begin_);
-    for (std::size_t k = 0; k < masks.size(); ++k)
-      set_motion(links[b].motions[k], bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
+    for (std::size_t k = 0; k < masks.size(); ++k) {
+      SurfaceLinks<T>& surface = links[b].surfaces[k];
+      surface.sums = {}, surface.finished = false;
+      surface.left = std::uint32_t(surface.links.groups.size());
+      set_motion(surface.motion, bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
+    }
   }
 }
 
 template <class T>
-void FluidForces<T>::apply(lbm::Block<T>& block, BlockLinks<T>& links, const lbm::LinkGroup& group) const {
+void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, SurfaceLinks<T>& surface,
+                           const lbm::LinkGroup& group) const {
   const auto form = spec_.force == ForceForm::galilean ? lbm::ForceForm::galilean : lbm::ForceForm::exact;
-  lbm::apply_cut_links(block, links.slots, links.links, group, links.motions[group.surface], form,
-                       links.sums[group.surface]);
+  lbm::apply_cut_links(block, slots, surface.links, group, surface.motion, form, surface.sums);
 }
 
 template <class T>
 void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links, int part,
                                 const Vec3& gravity) {
+  constexpr std::uint32_t ahead = 2;  // groups
+  const auto& inner = links.inner;
   for (std::uint32_t k = links.first_inner[part]; k < links.first_inner[part + 1]; ++k) {
-    const lbm::LinkGroup& group = links.links.groups[links.inner[k]];
-    if (k + 2 < links.inner.size()) links.links.prefetch(links.links.groups[links.inner[k + 2]]);
-    apply(block, links, group);
-    if (--links.left[group.surface] == 0 && links.links.surfaces[group.surface].whole &&
-        spec_.time == TimeCoupling::implicit_)
-      finish_body(block, map.masks[group.surface], links, group.surface, gravity);
+    if (k + ahead < inner.size()) {
+      const lbm::CutLinks<T>& next = links.surfaces[inner[k + ahead].surface].links;
+      next.prefetch(next.groups[inner[k + ahead].number]);
+    }
+    SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
+    apply(block, links.slots, surface, surface.links.groups[inner[k].number]);
+    if (--surface.left == 0 && surface.links.frame.whole && spec_.time == TimeCoupling::implicit_)
+      finish_body(block, map.masks[inner[k].surface], links.slots, surface, gravity);
   }
 }
 
 /// Nobody else has links on this body: what solve_implicit would do for it later.
 template <class T>
-void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, BlockLinks<T>& links,
-                                 int surface, const Vec3& gravity) {
-  if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || links.sums[surface].invalid) return;
+void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, const lbm::LinkSlots& slots,
+                                 SurfaceLinks<T>& surface, const Vec3& gravity) {
+  if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || surface.sums.invalid) return;
   std::int64_t* const row = rows_.data() + mask.row * width_;
-  add_sums(row, links, surface);
+  add_sums(row, surface);
   settle_owed(*bodies_, mask.row);
-  links.finished[surface] = 1;
+  surface.finished = true;
   const Vec6 d =
       take_velocity_change<T>(*bodies_, exchange_.world(), mask.row, row, gravity, substeps_, heavy_);
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
-  for (std::uint32_t g = links.first_group[surface]; g < links.first_group[surface + 1]; ++g)
-    lbm::correct_cut_links(block, links.slots, links.links, links.links.groups[g], increment,
-                           links.sums[surface]);
+  for (const lbm::LinkGroup& group : surface.links.groups)
+    lbm::correct_cut_links(block, slots, surface.links, group, increment, surface.sums);
 }
 
 template <class T>
@@ -264,11 +247,13 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const Bl
   std::int64_t mass = 0;
   rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
   for (std::size_t b = 0; b < maps.size(); ++b) {
-    for (const lbm::LinkGroup& group : links[b].links.groups)
-      if (group.ready < 0) apply(fluid.blocks()[b], links[b], group);
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
-      mass += links[b].sums[k].mass;
-      if (links[b].sums[k].invalid) bad = std::min(bad, maps[b].masks[k].id);
+      SurfaceLinks<T>& surface = links[b].surfaces[k];
+      if (surface.left > 0)
+        for (const lbm::LinkGroup& group : surface.links.groups)
+          if (group.ready < 0) apply(fluid.blocks()[b], links[b].slots, surface, group);
+      mass += surface.sums.mass;
+      if (surface.sums.invalid) bad = std::min(bad, maps[b].masks[k].id);
     }
   }
   require_in_range(exchange_.comm(), bad);
@@ -281,8 +266,8 @@ void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const Bloc
                             const rigid::BodySet& bodies) {
   for (std::size_t b = 0; b < maps.size(); ++b)
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
-      if (!links[b].finished[k])
-        add_sums(rows_.data() + maps[b].masks[k].row * width_, links[b], int(k),
+      if (const SurfaceLinks<T>& surface = links[b].surfaces[k]; !surface.finished)
+        add_sums(rows_.data() + maps[b].masks[k].row * width_, surface,
                  spec_.time == TimeCoupling::implicit_);
   wall_loads_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
@@ -328,7 +313,7 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
   std::vector<std::uint8_t> finished(bodies.size(), 0);
   for (std::size_t b = 0; b < maps.size(); ++b)
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
-      if (links[b].finished[k]) finished[maps[b].masks[k].row] = 1;
+      if (links[b].surfaces[k].finished) finished[maps[b].masks[k].row] = 1;
   std::vector<double> delta(bodies.size() * 6, 0.0);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
@@ -345,17 +330,20 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
   exchange_.share_with_copies(bodies, delta, 6);
   std::int64_t mass = 0;
   for (std::size_t b = 0; b < maps.size(); ++b) {
-    BlockLinks<T>& block = links[b];
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
-      const double* const d = delta.data() + maps[b].masks[k].row * 6;
-      set_motion(block.motions[k], Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
-      block.sums[k] = {};
+      SurfaceLinks<T>& surface = links[b].surfaces[k];
+      const std::size_t row = maps[b].masks[k].row;
+      if (!surface.finished) surface.sums = {};
+      if (!surface.finished && bodies.is_free(row)) {
+        const double* const d = delta.data() + row * 6;
+        set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
+        if (is_at_rest(surface.motion)) continue;
+        for (const lbm::LinkGroup& group : surface.links.groups)
+          lbm::correct_cut_links(fluid.blocks()[b], links[b].slots, surface.links, group, surface.motion,
+                                 surface.sums);
+        mass += surface.sums.mass;
+      }
     }
-    for (const lbm::LinkGroup& group : block.links.groups)
-      if (!block.finished[group.surface] && !is_at_rest(block.motions[group.surface]))
-        lbm::correct_cut_links(fluid.blocks()[b], block.slots, block.links, group,
-                               block.motions[group.surface], block.sums[group.surface]);
-    for (const auto& s : block.sums) mass += s.mass;
   }
   return mass;
 }
@@ -373,8 +361,6 @@ std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const Bl
   return mass;
 }
 
-template void order_groups(BlockLinks<float>&, const lbm::Sweep&);
-template void order_groups(BlockLinks<double>&, const lbm::Sweep&);
 template class FluidForces<float>;
 template class FluidForces<double>;
 

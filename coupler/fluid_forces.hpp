@@ -30,6 +30,7 @@
 #include <array>
 #include <span>
 
+#include "coupler/block_links.hpp"
 #include "coupler/body_exchange.hpp"
 #include "coupler/case.hpp"
 #include "coupler/solid_map.hpp"
@@ -37,25 +38,6 @@
 #include "lbm/fluid.hpp"
 
 namespace silt::coupler {
-
-/// The links of one block with what is summed over them; surface k is mask k of the block.
-template <class T>
-struct BlockLinks {
-  lbm::CutLinks<T> links;
-  std::vector<lbm::SurfaceMotion> motions;
-  std::vector<lbm::LinkSums> sums;
-  std::vector<lbm::StiffnessSums> stiffness;  // implicit coupling only; renewed with the links
-  lbm::LinkSlots slots;                       // of the step under way
-  std::vector<std::uint32_t> inner;           // groups in the order of the parts they wait for
-  std::vector<std::uint32_t> first_inner;     // of a part; the last one's end
-  std::vector<std::uint32_t> first_group;     // of a surface; the last one's end
-  std::vector<std::uint32_t> left;            // groups of a surface yet to be applied in this step
-  std::vector<std::uint8_t> finished;         // surfaces whose bodies have been solved for in this step
-};
-
-/// Fills inner, first_inner and first_group; call when links were built.
-template <class T>
-void order_groups(BlockLinks<T>&, const lbm::Sweep&);
 
 /// Of a row: force (3) and torque (3) in quanta of lbm::link_quantum; with implicit coupling the stiffness
 /// (21) in the quanta of lbm::StiffnessSums; with the form `exact` the body's cells (4, CellSums).
@@ -96,9 +78,10 @@ class FluidForces {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
 
  private:
-  void apply(lbm::Block<T>&, BlockLinks<T>&, const lbm::LinkGroup&) const;
+  void apply(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const lbm::LinkGroup&) const;
   std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
-  void finish_body(lbm::Block<T>&, const BodyMask&, BlockLinks<T>&, int surface, const rigid::Vec3& gravity);
+  void finish_body(lbm::Block<T>&, const BodyMask&, const lbm::LinkSlots&, SurfaceLinks<T>&,
+                   const rigid::Vec3& gravity);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void settle_owed(rigid::BodySet&, std::size_t row);
   void add_explicit(rigid::BodySet&);

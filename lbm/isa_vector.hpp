@@ -12,9 +12,10 @@ inline constexpr int vector_bytes = 32;
 inline constexpr int vector_bytes = 16;
 #endif
 
-template <class T>
+/// n elements; without n as many as a register has.
+template <class E, int n = vector_bytes / int(sizeof(E))>
 struct VectorOf {
-  typedef T type __attribute__((vector_size(vector_bytes)));
+  typedef E type __attribute__((vector_size(n * sizeof(E))));
 };
 
 }  // namespace silt::lbm::SILT_ISA

@@ -1,0 +1,51 @@
+#pragma once
+// The cut links of a block, surface by surface, with what a step sums over them.
+#include <cstdint>
+#include <vector>
+
+#include "lbm/cut_links.hpp"
+#include "lbm/sweep.hpp"
+
+namespace silt::coupler {
+
+/// One periodic image of a body, or a wall.
+template <class T>
+struct SurfaceLinks {
+  lbm::CutLinks<T> links;
+  lbm::StiffnessSums stiffness;  // implicit coupling only; renewed with the links
+  // of the step under way:
+  lbm::SurfaceMotion motion;
+  lbm::LinkSums sums;
+  std::uint32_t left = 0;  // groups yet to be applied
+  bool finished = false;   // the body has been solved for
+};
+
+/// Surface k is mask k of the block.
+template <class T>
+struct BlockLinks {
+  struct Group {
+    std::uint32_t surface, number;
+  };
+  std::vector<SurfaceLinks<T>> surfaces;
+  std::vector<Group> inner;                // groups in the order of the parts they wait for
+  std::vector<std::uint32_t> first_inner;  // of a part; the last one's end
+  lbm::LinkSlots slots;                    // of the step under way
+
+  /// Fills inner and first_inner; call when links were built.
+  void order_groups(const lbm::Sweep& sweep) {
+    first_inner.assign(sweep.parts() + 2, 0);
+    for (const auto& surface : surfaces)
+      for (const lbm::LinkGroup& g : surface.links.groups)
+        if (g.ready >= 0) ++first_inner[g.ready + 2];
+    for (std::size_t part = 1; part < first_inner.size(); ++part) first_inner[part] += first_inner[part - 1];
+    inner.resize(first_inner.back());
+    for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
+      const auto& groups = surfaces[k].links.groups;
+      for (std::uint32_t g = 0; g < groups.size(); ++g)
+        if (groups[g].ready >= 0) inner[first_inner[groups[g].ready + 1]++] = {k, g};
+    }
+    first_inner.pop_back();
+  }
+};
+
+}  // namespace silt::coupler
