@@ -270,6 +270,7 @@ void all_ranks(int n, int ranks, const Plan& plan, double peak, bool loud, Figur
   out.figures[key + ".two_rank_share"] = share.middle();
   out.figures[key + ".two_rank_efficiency"] = efficiency;
   out.figures[key + ".two_rank_speed_up"] = speed_up;
+  if (key == "fluid.single") out.figures["fluid.two_rank_efficiency"] = efficiency;
 }
 
 void run(const Options& o) {
