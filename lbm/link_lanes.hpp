@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "lbm/cut_links.hpp"
+#include "lbm/isa_vector.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -14,22 +15,9 @@
 
 namespace silt::lbm::SILT_ISA {
 
-#if defined(SILT_ISA_avx512)
-inline constexpr int link_vector_bytes = 64;
-#elif defined(SILT_ISA_avx2)
-inline constexpr int link_vector_bytes = 32;
-#else
-inline constexpr int link_vector_bytes = 16;
-#endif
-
-template <class E, int n>
-struct VectorOf {
-  typedef E type __attribute__((vector_size(n * sizeof(E))));
-};
-
 template <class T>
 struct Lanes {
-  static constexpr int count = link_vector_bytes / int(sizeof(T));
+  static constexpr int count = vector_bytes / int(sizeof(T));
   static_assert(link_lanes % count == 0);
   using Real = typename VectorOf<T, count>::type;
   using Whole = typename VectorOf<std::int32_t, count>::type;
