@@ -32,11 +32,11 @@ Vec6 force_of(const std::int64_t* row) {
 }
 
 Mat6 stiffness_of(const std::int64_t* row, double quantum, int exponent) {
+  const double quanta[3] = {quantum, std::ldexp(quantum, exponent), std::ldexp(quantum, 2 * exponent)};
   Mat6 h;
   int e = force_width;
   for (int r = 0; r < 6; ++r)
-    for (int c = r; c < 6; ++c, ++e)
-      h(r, c) = h(c, r) = std::ldexp(double(row[e]) * quantum, exponent * ((r >= 3) + (c >= 3)));
+    for (int c = r; c < 6; ++c, ++e) h(r, c) = h(c, r) = double(row[e]) * quanta[(r >= 3) + (c >= 3)];
   return h;
 }
 
@@ -109,7 +109,7 @@ Vec6 take_velocity_change(rigid::BodySet& bodies, const rigid::World& world, std
   external.head<3>() += substeps * rigid::impulse_of_films(bodies, row);
   Vec6 load = f + external;
   load.head<3>() += held_by_contacts(bodies, row, substeps, load.head<3>());
-  const Vec6 delta = (m + h).ldlt().solve(load);
+  const Vec6 delta = (m + h).llt().solve(load);
   const Vec6 applied = f - h * delta;
   bodies.add_force(row, applied.head<3>()), bodies.add_torque(row, applied.tail<3>());
   return delta;
@@ -209,13 +209,9 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, Su
 template <class T>
 void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links, int part,
                                 const Vec3& gravity) {
-  constexpr std::uint32_t ahead = 2;  // groups
   const auto& inner = links.inner;
   for (std::uint32_t k = links.first_inner[part]; k < links.first_inner[part + 1]; ++k) {
-    if (k + ahead < inner.size()) {
-      const lbm::CutLinks<T>& next = links.surfaces[inner[k + ahead].surface].links;
-      next.prefetch(next.groups[inner[k + ahead].number]);
-    }
+    links.prefetch(k);
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
     apply(block, links.slots, surface, surface.links.groups[inner[k].number]);
     if (--surface.left == 0 && surface.links.frame.whole && spec_.time == TimeCoupling::implicit_)

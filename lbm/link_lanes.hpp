@@ -44,9 +44,16 @@ struct Lanes {
     return r;
   }
   static bool all(const Mask& m) {
+#if defined(SILT_ISA_avx512)
+    if constexpr (sizeof(T) == 4)
+      return _mm512_movepi32_mask(__m512i(m)) == 0xffff;
+    else
+      return _mm512_movepi64_mask(__m512i(m)) == 0xff;
+#else
     bool yes = true;
     for (int l = 0; l < count; ++l) yes &= m[l] != 0;
     return yes;
+#endif
   }
 
 #if defined(SILT_ISA_avx512)
@@ -105,9 +112,10 @@ class FixedSum {
     sum_ -= rounded(Real(x * inverse_quantum));
   }
   std::int64_t total() const {
-    std::int64_t all = 0;
-    for (int l = 0; l < 8; ++l) all += sum_[l];
-    return all;
+    const auto four =
+        __builtin_shufflevector(sum_, sum_, 0, 1, 2, 3) + __builtin_shufflevector(sum_, sum_, 4, 5, 6, 7);
+    const auto two = __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
+    return two[0] + two[1];
   }
 
  private:
