@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "coupler/bit_kernels.hpp"
-#include "lbm/link_places.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -170,29 +169,5 @@ LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, 
   }
   return n;
 }
-
-/// q of |r + q c| = radius: the smaller root, within [0, 1].
-template <class T>
-void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
-                      lbm::Int3 corner, double radius, T* q) {
-  using L = lbm::SILT_ISA::Lanes<T>;
-  using V = typename L::Real;
-  const lbm::SILT_ISA::PlaceOrigin<T> origin(corner, frame);
-  const T r2 = T(radius * radius);
-  for (int l = 0; l < padded; l += L::count) {
-    const lbm::SILT_ISA::Places<T> at(place + l, origin);
-    const V &x = at.r[0], &y = at.r[1], &z = at.r[2];
-    const V a = at.length_squared(), b = at.along(x, y, z);
-    const V discriminant = b * b - a * ((x * x + y * y + z * z) - r2);
-    const V root = (-b - L::root(discriminant < T(0) ? V{} : discriminant)) / a;
-    const V found = root < T(0) ? V{} : root > T(1) ? V{} + T(1) : root;
-    __builtin_memcpy(q + l, &found, sizeof found);
-  }
-}
-
-template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, double,
-                               float*);
-template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, double,
-                               double*);
 
 }  // namespace silt::coupler::SILT_ISA

@@ -1,6 +1,6 @@
 #pragma once
 // The kernels of object mapping, built once an instruction set: bits of spheres, bits of cut links and their
-// lists, wall distances of spheres.
+// lists.
 #include <cstdint>
 
 #include "coupler/bit_window.hpp"
@@ -34,14 +34,11 @@ struct LinkCounts {
 
 }  // namespace silt::coupler
 
-#define SILT_BIT_KERNELS(isa)                                                                               \
-  namespace silt::coupler::isa {                                                                            \
-  void mark_sphere(const BitFrame&, const SphereInFrame&, std::uint64_t* words);                            \
-  LinkCounts list_links(const BitFrame&, int z, int planes, int y0, int y1, const LinkBits&,                \
-                        std::uint32_t* place, std::uint32_t* narrow);                                       \
-  template <class T>                                                                                        \
-  void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&, lbm::Int3 corner, \
-                        double radius, T* q);                                                               \
+#define SILT_BIT_KERNELS(isa)                                                                \
+  namespace silt::coupler::isa {                                                             \
+  void mark_sphere(const BitFrame&, const SphereInFrame&, std::uint64_t* words);             \
+  LinkCounts list_links(const BitFrame&, int z, int planes, int y0, int y1, const LinkBits&, \
+                        std::uint32_t* place, std::uint32_t* narrow);                        \
   }
 
 SILT_BIT_KERNELS(portable)
