@@ -9,7 +9,7 @@ namespace {
 /// Where lines whose points at 0 are outside enter, within [0, 1]; 1 where they do not. A line that has a
 /// convex part behind it, or leaves it just now, has the middle of its way through it behind.
 template <class T>
-auto entry(const IntervalLanes<T>& i) {
+auto first_inside(const IntervalLanes<T>& i) {
   using V = typename IntervalLanes<T>::V;
   const V t = (i.enter <= i.leave) & (i.enter + i.leave > T(0)) ? i.enter : V{} + T(1);
   return V(t < T(0) ? V{} : t > T(1) ? V{} + T(1) : t);
@@ -17,7 +17,7 @@ auto entry(const IntervalLanes<T>& i) {
 
 /// Where lines from the hollow of a tube leave it, within [0, 1].
 template <class T>
-auto exit(const IntervalLanes<T>& i) {
+auto last_inside(const IntervalLanes<T>& i) {
   using V = typename IntervalLanes<T>::V;
   return V(i.leave > T(0) ? i.leave > T(1) ? V{} + T(1) : i.leave : V{});
 }
@@ -40,7 +40,7 @@ void surface_distances(const std::uint32_t* place, int padded, const lbm::Surfac
       const LineLanes<Real> lines(part, at.r, at.c);
       if (surface.count > 1 && lines.all_beyond(part)) continue;
       const auto inside = lines.inside(part, surface.planes);
-      const V found = part.kind == SurfacePart<Real>::Kind::hollow ? exit(inside) : entry(inside);
+      const V found = part.kind == SurfacePart<Real>::Kind::hollow ? last_inside(inside) : first_inside(inside);
       nearest = IntervalLanes<Real>::smaller(found, nearest);
     }
     const Stored stored = __builtin_convertvector(nearest, Stored);
