@@ -146,32 +146,42 @@ void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius,
   }
 }
 
-/// The same for parts of any kind, a row a lane. Spheres, which need neither turning nor a division, keep
-/// their own.
-void mark_parts(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
-                std::uint64_t* words) {
-  using Line = LineLanes<double>;
-  using V = Line::V;
+namespace {
+
+/// The same for a part of any kind, a row a lane.
+template <PartKind kind>
+void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
+               const Plane<double>* planes, std::uint64_t* words) {
+  using Lines = LineLanes<double, kind>;
+  using V = typename Lines::V;
+  constexpr int lanes = Lines::L::count;
   const double x = centre.x - 0.5;
   V lane;
-  for (int l = 0; l < Line::L::count; ++l) lane[l] = l;
+  for (int l = 0; l < lanes; ++l) lane[l] = l;
   for (int z = 2; z < frame.size.z - 2; ++z) {
     const V rz = V{} + ((centre.low.z + z + 0.5) - centre.z);
-    for (int y = 2; y < frame.size.y - 2; y += Line::L::count) {
+    for (int y = 2; y < frame.size.y - 2; y += lanes) {
       const V ry = ((centre.low.y + y + 0.5) + lane) - centre.y;
-      const int rows = std::min(Line::L::count, frame.size.y - 2 - y);
-      for (int k = 0; k < surface.count; ++k) {
-        const auto in = Line(surface.parts[k], {V{}, ry, rz}, {V{} + 1.0, V{}, V{}})
-                            .inside(surface.parts[k], surface.planes);
-        for (int l = 0; l < rows; ++l) {
-          if (in.enter[l] > in.leave[l]) continue;
-          const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
-          set_cells(frame, row, std::ceil(x + in.enter[l]) - centre.low.x,
-                    std::floor(x + in.leave[l]) - centre.low.x, words);
-        }
+      const auto in = Lines(part, {V{}, ry, rz}, {V{} + 1.0, V{}, V{}}).inside(part, planes);
+      for (int l = 0; l < std::min(lanes, frame.size.y - 2 - y); ++l) {
+        if (in.enter[l] > in.leave[l]) continue;
+        const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
+        set_cells(frame, row, std::ceil(x + in.enter[l]) - centre.low.x,
+                  std::floor(x + in.leave[l]) - centre.low.x, words);
       }
     }
   }
+}
+
+}  // namespace
+
+/// The cells inside any part. Bodies that are spheres, which need neither turning nor a division, have their
+/// own.
+void mark_parts(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
+                std::uint64_t* words) {
+  for (int k = 0; k < surface.count; ++k)
+    with_kind(surface.parts[k].kind,
+              [&](auto kind) { mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words); });
 }
 
 /// The links of rows [y0, y1) of some planes of the frame. Both lists need link_lanes of room more than they

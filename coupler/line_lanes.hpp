@@ -4,6 +4,7 @@
 // and with care for lines from afar; here lines start within a few cells of the part, and every branch is a
 // selection.
 #include <limits>
+#include <type_traits>
 
 #include "coupler/surface_kernels.hpp"
 #include "lbm/link_lanes.hpp"
@@ -31,7 +32,7 @@ struct IntervalLanes {
 };
 
 /// Lines o + t d in the axes of a part, from its centre.
-template <class T>
+template <class T, PartKind kind>
 class LineLanes {
  public:
   using L = lbm::SILT_ISA::Lanes<T>;
@@ -41,11 +42,14 @@ class LineLanes {
 
   /// r and c: the same in the axes of the world, from the body's reference point.
   LineLanes(const Part& part, const V (&r)[3], const V (&c)[3]) {
-    for (int k = 0; k < 3; ++k) {
-      const T *const axis = part.axes[k], centre = part.centre[k];
-      o_[k] = (axis[0] * r[0] + axis[1] * r[1] + axis[2] * r[2]) - centre;
-      d_[k] = axis[0] * c[0] + axis[1] * c[1] + axis[2] * c[2];
-    }
+    for (int k = 0; k < 3; ++k)
+      if constexpr (kind == PartKind::sphere) {
+        o_[k] = r[k] - part.centre[k], d_[k] = c[k];
+      } else {
+        const T *const axis = part.axes[k], centre = part.centre[k];
+        o_[k] = (axis[0] * r[0] + axis[1] * r[1] + axis[2] * r[2]) - centre;
+        d_[k] = axis[0] * c[0] + axis[1] * c[1] + axis[2] * c[2];
+      }
   }
 
   /// Whether none of the points 0 <= t <= 1 of any of the lines is in the box around the part.
@@ -58,24 +62,17 @@ class LineLanes {
 
   Interval inside(const Part& part, const Plane<T>* planes) const {
     const T* const size = part.size;
-    switch (part.kind) {
-      case Part::Kind::ball:
-        return ball(T(0), size[0]);
-      case Part::Kind::box:
-        return slab(0, size[0]).within(slab(1, size[1])).within(slab(2, size[2]));
-      case Part::Kind::capsule:
-        return barrel(size[0])
-            .within(slab(2, size[2]))
-            .joined(ball(size[2], size[0]))
-            .joined(ball(-size[2], size[0]));
-      case Part::Kind::cylinder:
-        return barrel(size[0]).within(slab(2, size[2]));
-      case Part::Kind::planes:
-        return clipped(planes + part.first_plane, part.planes);
-      case Part::Kind::hollow:
-        return barrel(size[0]);
-    }
-    __builtin_unreachable();
+    if constexpr (kind == PartKind::sphere || kind == PartKind::ellipsoid) return ball(T(0), size[0]);
+    if constexpr (kind == PartKind::box)
+      return slab(0, size[0]).within(slab(1, size[1])).within(slab(2, size[2]));
+    if constexpr (kind == PartKind::capsule)
+      return barrel(size[0])
+          .within(slab(2, size[2]))
+          .joined(ball(size[2], size[0]))
+          .joined(ball(-size[2], size[0]));
+    if constexpr (kind == PartKind::cylinder) return barrel(size[0]).within(slab(2, size[2]));
+    if constexpr (kind == PartKind::planes) return clipped(planes + part.first_plane, part.planes);
+    if constexpr (kind == PartKind::hollow) return barrel(size[0]);
   }
 
  private:
@@ -84,8 +81,8 @@ class LineLanes {
   /// a t^2 + 2 b t + c <= 0, a >= 0.
   static Interval between_roots(const V& a, const V& b, const V& c) {
     const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
-    const V parallel = c > T(0) ? V{} + infinity : V{} - infinity;  // where a is 0
-    const V enter = a > T(0) ? (-b - s) / a : parallel, leave = a > T(0) ? (s - b) / a : -parallel;
+    const V parallel = c > T(0) ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
+    const V enter = a > T(0) ? (-b - s) * per_a : parallel, leave = a > T(0) ? (s - b) * per_a : -parallel;
     return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};
   }
   /// About the point at height z of the third axis.
@@ -122,5 +119,27 @@ class LineLanes {
 
   V o_[3], d_[3];
 };
+
+/// Calls use(std::integral_constant<PartKind, kind>{}).
+template <class F>
+void with_kind(PartKind kind, F&& use) {
+  using enum PartKind;
+  switch (kind) {
+    case sphere:
+      return use(std::integral_constant<PartKind, sphere>{});
+    case ellipsoid:
+      return use(std::integral_constant<PartKind, ellipsoid>{});
+    case box:
+      return use(std::integral_constant<PartKind, box>{});
+    case capsule:
+      return use(std::integral_constant<PartKind, capsule>{});
+    case cylinder:
+      return use(std::integral_constant<PartKind, cylinder>{});
+    case planes:
+      return use(std::integral_constant<PartKind, planes>{});
+    case hollow:
+      return use(std::integral_constant<PartKind, hollow>{});
+  }
+}
 
 }  // namespace silt::coupler::SILT_ISA

@@ -22,6 +22,29 @@ auto last_inside(const IntervalLanes<T>& i) {
   return V(i.leave > T(0) ? i.leave > T(1) ? V{} + T(1) : i.leave : V{});
 }
 
+/// Of a vector of links, to one part.
+template <PartKind kind, class T>
+auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part, const Plane<T>* planes) {
+  const auto inside = lines.inside(part, planes);
+  if constexpr (kind == PartKind::hollow)
+    return last_inside(inside);
+  else
+    return first_inside(inside);
+}
+
+/// To the nearest part.
+template <class T>
+auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface) {
+  auto nearest = typename IntervalLanes<T>::V{} + T(1);
+  for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
+    with_kind(part->kind, [&](auto kind) {
+      const LineLanes<T, kind()> lines(*part, at.r, at.c);
+      if (!lines.all_beyond(*part))
+        nearest = IntervalLanes<T>::smaller(distance_to(lines, *part, surface.planes), nearest);
+    });
+  return nearest;
+}
+
 }  // namespace
 
 /// Of each link, in units of it: to the first part of the surface that it enters.
@@ -29,23 +52,24 @@ template <class Real, class T>
 void surface_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
                        lbm::Int3 corner, const SurfaceView<Real>& surface, T* q) {
   using L = lbm::SILT_ISA::Lanes<Real>;
-  using V = typename L::Real;
+  using Places = lbm::SILT_ISA::Places<Real>;
   using Stored = typename lbm::SILT_ISA::VectorOf<T, L::count>::type;
   const lbm::SILT_ISA::PlaceOrigin<Real> origin(corner, frame);
-  for (int l = 0; l < padded; l += L::count) {
-    const lbm::SILT_ISA::Places<Real> at(place + l, origin);
-    V nearest = V{} + Real(1);
-    for (int k = 0; k < surface.count; ++k) {
-      const SurfacePart<Real>& part = surface.parts[k];
-      const LineLanes<Real> lines(part, at.r, at.c);
-      if (surface.count > 1 && lines.all_beyond(part)) continue;
-      const auto inside = lines.inside(part, surface.planes);
-      const V found = part.kind == SurfacePart<Real>::Kind::hollow ? last_inside(inside) : first_inside(inside);
-      nearest = IntervalLanes<Real>::smaller(found, nearest);
+  const auto set = [&](auto&& distance) {
+    for (int l = 0; l < padded; l += L::count) {
+      const Stored found = __builtin_convertvector(distance(Places(place + l, origin)), Stored);
+      __builtin_memcpy(q + l, &found, sizeof found);
     }
-    const Stored stored = __builtin_convertvector(nearest, Stored);
-    __builtin_memcpy(q + l, &stored, sizeof stored);
-  }
+  };
+  const SurfacePart<Real>& part = surface.parts[0];
+  if (surface.count == 1)
+    with_kind(part.kind, [&](auto kind) {
+      set([&](const Places& at) {
+        return distance_to(LineLanes<Real, kind()>(part, at.r, at.c), part, surface.planes);
+      });
+    });
+  else
+    set([&](const Places& at) { return distance_to_any(at, surface); });
 }
 
 template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,

@@ -17,10 +17,13 @@ struct Plane {
   T normal[3], offset;
 };
 
+/// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
+enum class PartKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, planes, hollow };
+
 /// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
 template <class T>
 struct SurfacePart {
-  enum class Kind : std::uint8_t { ball, box, capsule, cylinder, planes, hollow } kind;
+  PartKind kind;
   T axes[3][3];  // rows: the part's axes in the world
   T centre[3];   // from the body's reference point
   T size[3];     // half edges; or radius, radius, half length

@@ -23,49 +23,49 @@ class Preparation {
       std::visit([&](const auto& shape) { (*this)(shape); }, part.shape);
     }
   }
-  void operator()(const rigid::Sphere& s) {  // alike in all axes: those of the world
-    add(Kind::ball, Mat3::Identity(), to_body_.transpose() * part_.position, Vec3::Constant(s.radius));
+  void operator()(const rigid::Sphere& s) {
+    add(PartKind::sphere, Mat3::Identity(), to_body_.transpose() * part_.position, Vec3::Constant(s.radius));
   }
   /// In its half axes it is the unit ball.
   void operator()(const rigid::Ellipsoid& e) {
     const auto scale = e.half_axes.cwiseInverse().asDiagonal();
-    add(Kind::ball, scale * axes(), scale * centre(), Vec3::Ones());
+    add(PartKind::ellipsoid, scale * axes(), scale * centre(), Vec3::Ones());
   }
-  void operator()(const rigid::Box& b) { add(Kind::box, axes(), centre(), b.half_edges); }
+  void operator()(const rigid::Box& b) { add(PartKind::box, axes(), centre(), b.half_edges); }
   void operator()(const rigid::Capsule& c) {
-    add(Kind::capsule, axes(), centre(), {c.radius, c.radius, c.half_length},
+    add(PartKind::capsule, axes(), centre(), {c.radius, c.radius, c.half_length},
         {c.radius, c.radius, c.radius + c.half_length});
   }
   void operator()(const rigid::Cylinder& c) {
-    add(Kind::cylinder, axes(), centre(), {c.radius, c.radius, c.half_length});
+    add(PartKind::cylinder, axes(), centre(), {c.radius, c.radius, c.half_length});
   }
   void operator()(const rigid::Polyhedron& p) {
     Vec3 low = p.mesh->vertices.front(), high = low;
     for (const Vec3& v : p.mesh->vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
     const Vec3 middle = 0.5 * (low + high);
-    SurfacePart<T>& part = add(Kind::planes, axes(), centre() + middle, 0.5 * (high - low));
+    SurfacePart<T>& part = add(PartKind::planes, axes(), centre() + middle, 0.5 * (high - low));
     for (const auto& face : p.mesh->faces)
       add_plane(part, face.normal, face.offset - face.normal.dot(middle));
   }
   void operator()(const rigid::HalfSpace& h) {
-    add_plane(add(Kind::planes, axes(), centre(), endless), h.normal, 0);
+    add_plane(add(PartKind::planes, axes(), centre(), endless), h.normal, 0);
   }
   void operator()(const rigid::Tube& t) {
-    add(Kind::hollow, axes(), centre(), {t.radius, t.radius, 0}, endless);
+    add(PartKind::hollow, axes(), centre(), {t.radius, t.radius, 0}, endless);
   }
 
  private:
-  using Kind = typename SurfacePart<T>::Kind;
   static inline const Vec3 endless = Vec3::Constant(std::numeric_limits<double>::infinity());
 
   Mat3 to_part() const { return part_.orientation.toRotationMatrix().transpose(); }
   Mat3 axes() const { return to_part() * to_body_; }
   Vec3 centre() const { return to_part() * part_.position; }
 
-  SurfacePart<T>& add(Kind kind, const Mat3& axes, const Vec3& centre, const Vec3& size) {
+  SurfacePart<T>& add(PartKind kind, const Mat3& axes, const Vec3& centre, const Vec3& size) {
     return add(kind, axes, centre, size, size);
   }
-  SurfacePart<T>& add(Kind kind, const Mat3& axes, const Vec3& centre, const Vec3& size, const Vec3& extent) {
+  SurfacePart<T>& add(PartKind kind, const Mat3& axes, const Vec3& centre, const Vec3& size,
+                      const Vec3& extent) {
     SurfacePart<T> part{};
     part.kind = kind, part.first_plane = std::uint32_t(planes_.size());
     for (int k = 0; k < 3; ++k) {
