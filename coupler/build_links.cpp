@@ -17,9 +17,14 @@ using rigid::Vec3;
 
 namespace {
 
-LinkCounts list_of(const BitFrame& frame, int z, int y0, int y1, const LinkBits& bits, std::uint32_t* place,
-                   std::uint32_t* narrow) {
-  SILT_DISPATCH(list_links, frame, z, y0, y1, bits, place, narrow)
+/// Planes [z, z + count) of a frame.
+struct Planes {
+  int z, count;
+};
+
+LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const LinkBits& bits,
+                   std::uint32_t* place, std::uint32_t* narrow) {
+  SILT_DISPATCH(list_links, frame, planes.z, planes.count, y0, y1, bits, place, narrow)
 }
 template <class T>
 void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
@@ -121,34 +126,44 @@ bool touches_rim(const BitFrame& f, Int3 block) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, WallScheme scheme, lbm::CutLinks<T>& links)
-      : map_(map), scheme_(scheme), sweep_(map.box.size, sizeof(T)), links_(links) {}
+  LinkWriter(const BlockMap& map, WallScheme scheme)
+      : map_(map), scheme_(scheme), sweep_(map.box.size, sizeof(T)) {}
 
-  void body(int surface, const BodyMask& mask, const rigid::Shape& shape) {
-    surface_ = surface, mask_ = &mask;
+  /// The links' frame is set already.
+  void body(const BodyMask& mask, const rigid::Shape& shape, lbm::CutLinks<T>& links) {
+    mask_ = &mask, links_ = &links;
+    links.groups.clear(), used_ = 0;
+    if (mask.any) write(shape);
+    links.place.assign(place_.begin(), place_.begin() + used_);
+    links.q.assign(q_.begin(), q_.begin() + used_);
+  }
+
+ private:
+  void write(const rigid::Shape& shape) {
     ball_ = std::get_if<rigid::Sphere>(&shape);
-    if (!mask.any) return;
-    const BitFrame& frame = mask.frame();
+    const BitFrame& frame = mask_->frame();
     if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
-      throw std::invalid_argument("a body of more than 8192 cells; use smaller domain.blocks");
+      throw std::invalid_argument(
+          "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     std::optional<SurfaceDistance> distance;
-    if (!ball_ && scheme_ != WallScheme::bounce_back) distance.emplace(shape, mask.pose);
+    if (!ball_ && scheme_ != WallScheme::bounce_back) distance.emplace(shape, mask_->pose);
     distance_ = distance ? &*distance : nullptr;
     const Int3 n = map_.box.size;
     solid_.reset(frame);
     fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
     const bool at_rim = touches_rim(frame, n);
     find_open(at_rim);
-    for (int z = 1; z < frame.size.z - 1; ++z) {
-      const std::size_t most = bits_in(z - 1, z + 2);
+    constexpr int words_a_group = 8;  // of small bodies: enough links to be worth a group
+    const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
+    for (int z = 1; z < frame.size.z - 1; z += step) {
+      const Planes planes{z, std::min(step, frame.size.z - 1 - z)};
+      const std::size_t most = bits_in(z - 1, z + planes.count + 1);
       if (most == 0) continue;
-      const int block_z = frame.low.z + z;
-      if (block_z >= 1 && block_z < n.z - 1) inner_groups(z, most);
-      if (at_rim) group(z, 1, frame.size.y - 1, rim_, most, -1);
+      inner_groups(planes, most);
+      if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
     }
   }
 
- private:
   /// Fluid cells inside the block, those at its rim apart. Cells of other blocks are in neither.
   void find_open(bool at_rim) {
     const BitFrame& frame = mask_->frame();
@@ -172,32 +187,34 @@ class LinkWriter {
   }
 
   /// A group for each strip of the dense pass.
-  void inner_groups(int z, std::size_t most) {
+  void inner_groups(Planes planes, std::size_t most) {
     const BitFrame& frame = mask_->frame();
+    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - 1) - 1;
+    if (last < 1) return;
     const int first = std::max(frame.low.y + 1, 1),
               end = std::min(frame.low.y + frame.size.y, map_.box.size.y) - 1;
     for (int y = first; y < end;) {
       const int next = std::min(sweep_.next_row(y), end);
-      group(z, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, frame.low.z + z));
+      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last));
       y = next;
     }
   }
 
-  /// The links of the open cells in rows [y0, y1) of a plane of the frame; `most`: of one direction.
-  void group(int z, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
+  /// The links of the open cells in rows [y0, y1) of some planes; `most`: of one direction.
+  void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
     const BitFrame& frame = mask_->frame();
     const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
     if (narrow_.size() < room) narrow_.resize(room), narrow_q_.resize(room);
-    links_.reserve(room);
-    std::uint32_t* const place = links_.place.data() + links_.used;
+    if (place_.size() < used_ + room) place_.resize((used_ + room) * 3 / 2), q_.resize(place_.size());
+    std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
-    const LinkCounts found = list_of(frame, z, y0, y1, bits, place, narrow_.data());
+    const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
     const std::uint32_t n = found.clear + found.narrow, end = filled_up(n);
     if (n == 0) return;
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
-    T* const q = links_.q.data() + links_.used;
-    const Int3 corner = frame.low + Int3{0, 0, z};
+    T* const q = q_.data() + used_;
+    const Int3 corner = frame.low + Int3{0, 0, planes.z};
     set_distances(corner, place, n, q);
     std::uint32_t clear = n,
                   apart = 0;  // narrow ones for which the scheme would read the cell behind go apart
@@ -208,20 +225,20 @@ class LinkWriter {
       else
         ++k;
     end_group(clear, corner, scheme_, ready);
-    std::copy_n(narrow_.data(), apart, links_.place.data() + links_.used);
-    std::copy_n(narrow_q_.data(), apart, links_.q.data() + links_.used);
+    std::copy_n(narrow_.data(), apart, place_.data() + used_);
+    std::copy_n(narrow_q_.data(), apart, q_.data() + used_);
     end_group(apart, corner, WallScheme::narrow, ready);
   }
 
-  /// What stands at `used` becomes a group, filled up.
+  /// What stands at `used_` becomes a group, filled up.
   void end_group(std::uint32_t n, Int3 corner, WallScheme scheme, int ready) {
     if (n == 0) return;
-    std::uint32_t* const place = links_.place.data() + links_.used;
-    T* const q = links_.q.data() + links_.used;
+    std::uint32_t* const place = place_.data() + used_;
+    T* const q = q_.data() + used_;
     const std::uint32_t end = filled_up(n);
     std::fill(place + n, place + end, place[n - 1]), std::fill(q + n, q + end, q[n - 1]);
-    links_.groups.push_back({links_.used, n, surface_, scheme, corner, ready});
-    links_.used += end, links_.count += n;
+    links_->groups.push_back({used_, n, scheme, corner, ready});
+    used_ += end;
   }
 
   /// Set bits of the planes [z0, z1) of the mask's frame, as far as there are such: no direction has more
@@ -240,7 +257,7 @@ class LinkWriter {
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
     else if (ball_)
-      distances_of(place, int(filled_up(n)), links_.surfaces[surface_], corner, ball_->radius, q);
+      distances_of(place, int(filled_up(n)), links_->frame, corner, ball_->radius, q);
     else
       set_distances_one_by_one(corner, place, n, q);
   }
@@ -249,7 +266,7 @@ class LinkWriter {
     int direction = 0;
     for (std::uint32_t k = 0; k < n; ++k) {
       if (const int i = lbm::place_direction(place[k]); i != direction) distance_->point(direction = i);
-      const Int3 cell = corner + Int3{lbm::place_x(place[k]), lbm::place_y(place[k]), 0};
+      const Int3 cell = corner + lbm::place_cell(place[k]);
       q[k] = T((*distance_)(mask_->arm(map_.box.lower + cell)));
     }
   }
@@ -257,14 +274,14 @@ class LinkWriter {
   const BlockMap& map_;
   WallScheme scheme_;
   lbm::Sweep sweep_;
-  lbm::CutLinks<T>& links_;
-  std::int32_t surface_ = 0;
+  lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
   const rigid::Sphere* ball_ = nullptr;
   SurfaceDistance* distance_ = nullptr;
   BitWindow solid_, inner_, rim_;
-  std::vector<std::uint32_t> narrow_;
-  std::vector<T> narrow_q_;
+  std::vector<std::uint32_t> place_, narrow_;
+  std::vector<T> q_, narrow_q_;
+  std::uint32_t used_ = 0;  // of place_ and q_
 };
 
 /// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.
@@ -289,19 +306,23 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
 
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 WallScheme scheme, lbm::CutLinks<T>& links) {
-  links.clear();
-  LinkWriter<T> writer(map, scheme, links);
-  for (int k = 0; k < int(map.masks.size()); ++k) {
+                 WallScheme scheme, const lbm::WallFluid<T>& fluid, std::vector<SurfaceLinks<T>>& surfaces) {
+  std::vector<SurfaceLinks<T>> before(map.masks.size());
+  before.swap(surfaces);
+  LinkWriter<T> writer(map, scheme);
+  for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
-    links.surfaces.push_back(surface_frame(map, mask));
-    writer.body(k, mask, world.shapes[bodies.shape[mask.row]]);
+    if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
+    if (mask.kept) continue;
+    lbm::CutLinks<T>& links = surfaces[k].links;
+    links.fluid = fluid, links.frame = surface_frame(map, mask);
+    writer.body(mask, world.shapes[bodies.shape[mask.row]], links);
   }
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
-                          lbm::CutLinks<float>&);
+                          const lbm::WallFluid<float>&, std::vector<SurfaceLinks<float>>&);
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
-                          lbm::CutLinks<double>&);
+                          const lbm::WallFluid<double>&, std::vector<SurfaceLinks<double>>&);
 
 }  // namespace silt::coupler

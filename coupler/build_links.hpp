@@ -1,6 +1,7 @@
 #pragma once
 // From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
 // is.
+#include "coupler/block_links.hpp"
 #include "coupler/case.hpp"
 #include "coupler/solid_map.hpp"
 #include "lbm/cut_links.hpp"
@@ -9,9 +10,11 @@
 
 namespace silt::coupler {
 
-/// Rebuilds all links of the block; the surface of a group is the index of the body's mask. Links whose
-/// formula would read the cell behind where that is not fluid (a narrow gap) go into groups of `narrow`.
+/// Builds the links of the block's masks, surface by surface; those that the last mapping kept are kept,
+/// given the surfaces of the mapping before. Links whose formula would read the cell behind where that is not
+/// fluid (a narrow gap) go into groups of `narrow`.
 template <class T>
-void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme, lbm::CutLinks<T>&);
+void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
+                 const lbm::WallFluid<T>&, std::vector<SurfaceLinks<T>>&);
 
 }  // namespace silt::coupler

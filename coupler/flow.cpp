@@ -41,10 +41,7 @@ class FlowOf final : public Flow {
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps),
-        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {
-    for (BlockLinks<T>& block : links_)
-      block.links.fluid = lbm::WallFluid<T>(fluid_.spec(), coupling_.wall_scheme);
-  }
+        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
@@ -186,28 +183,30 @@ class FlowOf final : public Flow {
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {
+    const lbm::WallFluid<T> fluid(fluid_.spec(), coupling_.wall_scheme);
     counts_.links = 0;
     for (std::size_t b = 0; b < links_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_.wall_scheme, block.links);
-        order_groups(block, fluid_.sweep_of(int(b)));
+        build_links(map, world_, bodies, coupling_.wall_scheme, fluid, block.surfaces);
+        block.order_groups(fluid_.sweep_of(int(b)));
         if (coupling_.time == TimeCoupling::implicit_) sum_stiffness(map, bodies, block);
       }
-      counts_.links += block.links.count;
+      for (const auto& surface : block.surfaces) counts_.links += surface.links.count();
     }
   }
 
   void sum_stiffness(const BlockMap& map, const rigid::BodySet& bodies, BlockLinks<T>& block) const {
-    block.stiffness.assign(map.masks.size(), {});
-    for (const lbm::LinkGroup& group : block.links.groups) {
-      const std::size_t row = map.masks[group.surface].row;
-      if (bodies.is_free(row))
-        lbm::sum_stiffness(block.links, group,
-                           lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]),
-                           block.stiffness[group.surface]);
+    for (std::size_t k = 0; k < map.masks.size(); ++k) {
+      const std::size_t row = map.masks[k].row;
+      SurfaceLinks<T>& surface = block.surfaces[k];
+      if (map.masks[k].kept || !bodies.is_free(row)) continue;
+      surface.stiffness = {};
+      const int exponent = lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]);
+      for (const lbm::LinkGroup& group : surface.links.groups)
+        lbm::sum_stiffness(surface.links, group, exponent, surface.stiffness);
     }
   }
 

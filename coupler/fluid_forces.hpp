@@ -5,10 +5,12 @@
 // `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are
 // linear in the wall velocity, so the owner solves (M + H) delta = F + F_ext for the change of velocity of
 // this step, H = sum k J J^T, and the links return as if the surface had moved with v + delta already. Fixed
-// and prescribed bodies: delta = 0. The force handed to the rigid step is F - H delta, what the links then
-// give: with the external force it makes the kick delta. Contacts act after it. Where they held a body in the
-// step before, F_ext includes what they will hold again, for the links only: else the surface of a body at
-// rest would return as if it fell, step after step, and pump the fluid beneath it.
+// and prescribed bodies: delta = 0. So have free ones that are heavy and large enough for the explicit step,
+// body by body and step by step: it is as good there, and saves them the solve and the second pass. The force
+// handed to the rigid step is F - H delta, what the links then give: with the external force it makes the
+// kick delta. Contacts act after it. Where they held a body in the step before, F_ext includes what they will
+// hold again, for the links only: else the surface of a body at rest would return as if it fell, step after
+// step, and pump the fluid beneath it.
 //
 // Films in narrow gaps (lubrication) act after that, on the true mass. The external force of the implicit
 // solve counts what they gave in the step before: else the links would return as if a body that a film holds
@@ -28,6 +30,7 @@
 #include <array>
 #include <span>
 
+#include "coupler/block_links.hpp"
 #include "coupler/body_exchange.hpp"
 #include "coupler/case.hpp"
 #include "coupler/solid_map.hpp"
@@ -35,25 +38,6 @@
 #include "lbm/fluid.hpp"
 
 namespace silt::coupler {
-
-/// The links of one block with what is summed over them; surface k is mask k of the block.
-template <class T>
-struct BlockLinks {
-  lbm::CutLinks<T> links;
-  std::vector<lbm::SurfaceMotion> motions;
-  std::vector<lbm::LinkSums> sums;
-  std::vector<lbm::StiffnessSums> stiffness;  // implicit coupling only; renewed with the links
-  lbm::LinkSlots slots;                       // of the step under way
-  std::vector<std::uint32_t> inner;           // groups in the order of the parts they wait for
-  std::vector<std::uint32_t> first_inner;     // of a part; the last one's end
-  std::vector<std::uint32_t> first_group;     // of a surface; the last one's end
-  std::vector<std::uint32_t> left;            // groups of a surface yet to be applied in this step
-  std::vector<std::uint8_t> finished;         // surfaces whose bodies have been solved for in this step
-};
-
-/// Fills inner, first_inner and first_group; call when links were built.
-template <class T>
-void order_groups(BlockLinks<T>&, const lbm::Sweep&);
 
 /// Of a row: force (3) and torque (3) in quanta of lbm::link_quantum; with implicit coupling the stiffness
 /// (21) in the quanta of lbm::StiffnessSums; with the form `exact` the body's cells (4, CellSums).
@@ -94,9 +78,10 @@ class FluidForces {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
 
  private:
-  void apply(lbm::Block<T>&, BlockLinks<T>&, const lbm::LinkGroup&) const;
+  void apply(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const lbm::LinkGroup&) const;
   std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
-  void finish_body(lbm::Block<T>&, const BodyMask&, BlockLinks<T>&, int surface, const rigid::Vec3& gravity);
+  void finish_body(lbm::Block<T>&, const BodyMask&, const lbm::LinkSlots&, SurfaceLinks<T>&,
+                   const rigid::Vec3& gravity);
   void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void settle_owed(rigid::BodySet&, std::size_t row);
   void add_explicit(rigid::BodySet&);
@@ -109,6 +94,7 @@ class FluidForces {
   std::vector<std::int64_t> rows_;    // width a row
   int cells_begin_, width_;           // of a row
   int substeps_;                      // of the rigid step: stored impulses are those of one
+  double heavy_ = 0;                  // largest eigenvalue of M^-1 H that the explicit step takes
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
   struct HandedOver {
     rigid::BodyId id;

@@ -41,6 +41,11 @@ void set_interval(BitWindow& window, std::size_t row, double first, double last)
   for (int x = from; x <= to; ++x) window.words()[(row + x) >> 6] |= std::uint64_t{1} << ((row + x) & 63);
 }
 
+/// The first n of some cells (all, if there are more).
+std::uint64_t first_cells(std::uint64_t cells, int n) {
+  return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
+}
+
 /// Gives the mask those of its cells that no one has yet.
 void take_cells(CellBits& solid, BodyMask& mask) {
   const BitFrame& f = mask.inside.frame();
@@ -218,13 +223,39 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))
       ++match;
     const bool known = match != block.masks_before.end() && match->id == mask.id;
-    if (known && same(match->pose, mask.pose)) {
+    mask.before = known ? int(match - block.masks_before.begin()) : -1;
+    mask.kept = known && same(match->pose, mask.pose);
+    if (mask.kept) {
       mask.inside = match->inside;
     } else {
       mask.inside.reset(image.frame);
       mark(block, world_.shapes[bodies.shape[mask.row]], mask);
     }
     take_cells(block.solid, mask);
+    mask.kept = mask.kept && mask.bits == match->bits;
+  }
+  find_kept(block);
+}
+
+/// Of the masks that are what they were, those around which others changed cells are not kept.
+void MapBodies::find_kept(BlockMap& block) {
+  const int rows = block.box.size.y + 2, words = block.solid.words();
+  changed_rows_.assign(std::size_t(rows) * (block.box.size.z + 2), 0);
+  for (int z = -1; z <= block.box.size.z; ++z)
+    for (int y = -1; y <= block.box.size.y; ++y)
+      changed_rows_[std::size_t(z + 1) * rows + (y + 1)] =
+          !std::equal(block.solid.at(y, z), block.solid.at(y, z) + words, block.before.at(y, z));
+  for (BodyMask& mask : block.masks) {
+    const BitFrame& f = mask.frame();
+    const int low = std::max(f.low.y, -1), high = std::min(f.low.y + f.size.y, block.box.size.y + 1);
+    for (int z = std::max(f.low.z, -1); mask.kept && z < std::min(f.low.z + f.size.z, block.box.size.z + 1);
+         ++z)
+      for (int y = low; mask.kept && y < high; ++y)
+        if (changed_rows_[std::size_t(z + 1) * rows + (y + 1)])
+          for (int x = 0; x < f.pitch; x += 64)
+            mask.kept &=
+                first_cells(block.solid.from(f.low.x + x, y, z) ^ block.before.from(f.low.x + x, y, z),
+                            f.size.x - x) == 0;
   }
 }
 

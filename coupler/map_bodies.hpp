@@ -37,6 +37,7 @@ class MapBodies {
   void find_images(const BlockMap&, const rigid::BodySet&);
   void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
+  void find_kept(BlockMap&);
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&) const;
   void mark_around(const BlockMap&, const rigid::Tube&, BodyMask&) const;
 
@@ -45,6 +46,7 @@ class MapBodies {
   std::vector<std::vector<rigid::Part>> parts_;  // of each shape
   std::vector<BlockMap> blocks_;
   std::vector<Image> found_;  // in the block at work
+  std::vector<std::uint8_t> changed_rows_;
 };
 
 }  // namespace silt::coupler

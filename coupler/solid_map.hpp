@@ -74,6 +74,8 @@ struct BodyMask {
   BitWindow inside;     // centre inside the body
   BitWindow bits;       // the same less what walls and lower ids have
   bool any = false;     // in bits
+  int before = -1;      // index in masks_before of the same image; -1: it is new
+  bool kept = false;    // neither its cells nor others around it have changed sides, nor has it moved
 
   const BitFrame& frame() const { return bits.frame(); }
   /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner +

@@ -1,72 +1,26 @@
-// Built once an instruction set. The links of a group are taken 64 at a time: places, gather, arithmetic,
-// scatter, sums, each a loop over whole vectors (groups are filled up).
+// Built once an instruction set. A vector of links at a time: place, gather, formula, scatter, sums, all in
+// registers (groups are filled up to whole vectors).
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "lbm/kernels.hpp"
-#include "lbm/link_lanes.hpp"
+#include "lbm/link_places.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-inline constexpr int chunk = 64;
-static_assert(chunk % link_lanes == 0);
-
-/// The sum of terms rounded to whole quanta: x / quantum + 3 * 2^51 has the rounded integer in its low
-/// mantissa bits. |x| < 2^51 quanta. The constant's own bits are taken off once for all terms.
-struct FixedSum {
-  static constexpr double magic = 0x1.8p52;
-  std::uint64_t bits = 0;
-  void add(double x, double inverse_quantum) {
-    bits += std::bit_cast<std::uint64_t>(x * inverse_quantum + magic);
-  }
-  std::int64_t sum(int terms) const {
-    return std::int64_t(bits - std::uint64_t(terms) * std::bit_cast<std::uint64_t>(magic));
-  }
-};
-
-inline constexpr DirectionCodes codes;
-
-/// Of the links [first, first + chunk) of a group: directions, arms from the reference point, c.
-template <class T>
-struct Places {
-  std::int32_t cell[chunk], direction[chunk];  // cell: offset within the plane from the group's corner
-  T r[3][chunk], c[3][chunk];
-
-  Places(const std::uint32_t* place, int padded, std::int32_t row, const SurfaceFrame& frame,
-         const LinkGroup& group) {
-    const Int3 far = group.corner - frame.cell;
-    const T ox = T(frame.offset[0]), oy = T(frame.offset[1]), z = T(far.z) + T(frame.offset[2]);
-    for (int l = 0; l < padded; ++l) {
-      const std::int32_t x = place_x(place[l]), y = place_y(place[l]);
-      cell[l] = x + row * y, direction[l] = place_direction(place[l]);
-      r[0][l] = T(x + far.x) + ox, r[1][l] = T(y + far.y) + oy, r[2][l] = z;
-    }
-    std::int32_t code[chunk];
-    look_up(codes.of, direction, padded, code);
-    for (int l = 0; l < padded; ++l) {
-      c[0][l] = T(DirectionCodes::x(code[l])), c[1][l] = T(DirectionCodes::y(code[l])),
-      c[2][l] = T(DirectionCodes::z(code[l]));
-    }
-  }
-  /// Where a population of each link is: its slot at the link's cell.
-  void slots(const std::int32_t (&table)[32], int padded, std::int32_t* at) const {
-    look_up(table, direction, padded, at);
-    for (int l = 0; l < padded; ++l) at[l] += cell[l];
-  }
-};
-
 /// Velocity of a rigid surface.
 template <class T>
 struct Motion {
+  using V = typename Lanes<T>::Real;
   T v[3], o[3];
   explicit Motion(const SurfaceMotion& m) {
     for (int k = 0; k < 3; ++k) v[k] = T(m.v[k]), o[k] = T(m.omega[k]);
   }
-  T x(T y, T z) const { return v[0] + (o[1] * z - o[2] * y); }
-  T y(T z, T x) const { return v[1] + (o[2] * x - o[0] * z); }
-  T z(T x, T y) const { return v[2] + (o[0] * y - o[1] * x); }
+  V x(const V& y, const V& z) const { return v[0] + (o[1] * z - o[2] * y); }
+  V y(const V& z, const V& x) const { return v[1] + (o[2] * x - o[0] * z); }
+  V z(const V& x, const V& y) const { return v[2] + (o[0] * y - o[1] * x); }
 };
 
 /// Calls f with the scheme as a constant of the type.
@@ -87,20 +41,6 @@ void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-template <class T>
-T weight6_of(T cx, T cy, T cz) {
-  return cx * cx + cy * cy + cz * cz > T(1) ? T(6 * w(7)) : T(6 * w(1));
-}
-
-/// Calls f(first, valid, padded) for the chunks of a group: `padded` a multiple of link_lanes.
-template <class F>
-void for_chunks(const LinkGroup& group, F&& f) {
-  for (std::uint32_t first = 0; first < group.count; first += chunk) {
-    const int n = int(std::min<std::uint32_t>(chunk, group.count - first));
-    f(group.begin + first, n, (n + link_lanes - 1) & ~(link_lanes - 1));
-  }
-}
-
 /// The largest |f* + f_opp| for which no term leaves its range.
 double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   double u = 0;
@@ -110,141 +50,162 @@ double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
 
 /// c_i.u of the links' cells, from what left them.
 template <class T>
-void velocity_along(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
-                    int padded, T* cu) {
-  T momentum[3][chunk], out[chunk];
-  std::int32_t slot[chunk];
-  for (int d = 0; d < 3; ++d) std::fill_n(momentum[d], padded, T(-0.5) * fluid.force[d]);
+typename Lanes<T>::Real velocity_along(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid,
+                                       const Places<T>& at) {
+  typename Lanes<T>::Real momentum[3];
+  for (int d = 0; d < 3; ++d) momentum[d] = typename Lanes<T>::Real{} + T(-0.5) * fluid.force[d];
   for (int j = 1; j < directions; ++j) {
-    for (int l = 0; l < padded; ++l) slot[l] = at.cell[l] + slots.out[j];
-    gather(data, slot, padded, out);
+    const auto out = Lanes<T>::gather(data, at.cell + slots.out[j]);
     for (int d = 0; d < 3; ++d)
-      if (lbm::c[j][d] != 0)
-        for (int l = 0; l < padded; ++l) momentum[d][l] += T(lbm::c[j][d]) * out[l];
+      if (lbm::c[j][d] != 0) momentum[d] += T(lbm::c[j][d]) * out;
   }
-  for (int l = 0; l < padded; ++l)
-    cu[l] = at.c[0][l] * momentum[0][l] + at.c[1][l] * momentum[1][l] + at.c[2][l] * momentum[2][l];
+  return at.along(momentum[0], momentum[1], momentum[2]);
 }
+
+/// What a vector of links sends to the surface, and what comes back.
+template <class T>
+struct Exchange {
+  typename Lanes<T>::Real out, back;
+};
+
+template <WallScheme scheme, class T>
+Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
+                     const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu) {
+  using L = Lanes<T>;
+  const auto s = coefficients<scheme>(q, at.weight6(), fluid);
+  const auto out = L::gather(data, at.slots(slots.out));
+  auto back = s.a * out - s.k * cu;
+  if constexpr (reads_behind(scheme) || scheme == WallScheme::narrow) {
+    const auto against = L::gather(data, at.slots(slots.against));
+    const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
+    if constexpr (reads_behind(scheme)) {
+      const auto behind = L::gather(data, at.slots(slots.behind));
+      back += s.b * behind + s.c * against + T(0.5) * (s.k - at.weight6() * (s.a - s.c)) * cf;
+    } else {
+      const auto along = velocity_along(data, slots, fluid, at);
+      back += s.c * (against + T(0.5) * at.weight6() * cf) - (at.weight6() * s.a - s.k) * along;
+    }
+  }
+  return {out, back};
+}
+
+/// The sums of one group, kept in registers.
+template <class T>
+class GroupSums {
+ public:
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  /// `galilean`: 1 or 0; `limit`: of |f* + f_opp|.
+  GroupSums(T galilean, T limit) : galilean_(galilean), limit_(limit) {}
+
+  void add(const Exchange<T>& e, const typename L::Mask& counted, const Places<T>& at, const V& ux,
+           const V& uy, const V& uz) {
+    const V in = counted ? e.out : V{}, returned = counted ? e.back : V{};
+    const V sum = in + returned, difference = (in - returned) * galilean_;
+    const V g[3] = {at.c[0] * sum - ux * difference, at.c[1] * sum - uy * difference,
+                    at.c[2] * sum - uz * difference};
+    const auto& r = at.r;
+    constexpr T scale = T(1 / link_quantum), mass_scale = T(1 / mass_quantum);
+    for (int d = 0; d < 3; ++d) force_[d].add(g[d], scale);
+    torque_[0].add(r[1] * g[2] - r[2] * g[1], scale), torque_[1].add(r[2] * g[0] - r[0] * g[2], scale);
+    torque_[2].add(r[0] * g[1] - r[1] * g[0], scale);
+    mass_.add(returned, mass_scale), mass_.take_off(in, mass_scale);
+    good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
+  }
+  void add_to(LinkSums& sums) const {
+    for (int d = 0; d < 3; ++d) sums.force[d] += force_[d].total(), sums.torque[d] += torque_[d].total();
+    sums.mass += mass_.total();
+    if (!L::all(good_)) sums.invalid = true;
+  }
+
+ private:
+  T galilean_, limit_;
+  FixedSum<T> force_[3], torque_[3], mass_;
+  typename L::Mask good_ = V{} == V{};
+};
 
 template <WallScheme scheme, class T>
 void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
            const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
-  const SurfaceFrame& frame = links.surfaces[group.surface];
+  using L = Lanes<T>;
+  const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
-  const T limit = T(largest_exchange(frame, motion));
-  const T* const push = links.fluid.force;
-  const T galilean = form == ForceForm::galilean ? T(1) : T(0);
+  const PlaceOrigin<T> origin(block, group.corner, frame);
+  const std::uint32_t* const place = links.place.data() + group.begin;
+  const T* const distance = links.q.data() + group.begin;
+  const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
-  std::int64_t force[3] = {}, torque[3] = {}, mass = 0;
-  int bad = 0;
-
-  for_chunks(group, [&](std::uint32_t first, int n, int padded) {
-    const Places<T> at(links.place.data() + first, padded, std::int32_t(block.row_stride()), frame, group);
-    const T* const q = links.q.data() + first;
-    std::int32_t slot[chunk];
-    T o[chunk], f[chunk], b[chunk], r[chunk];
-    at.slots(slots.out, padded, slot), gather(data, slot, padded, o);
-    if constexpr (reads_behind(scheme)) {
-      at.slots(slots.behind, padded, slot), gather(data, slot, padded, f);
-      at.slots(slots.against, padded, slot), gather(data, slot, padded, b);
-    }
-    if constexpr (scheme == WallScheme::narrow) {
-      at.slots(slots.against, padded, slot), gather(data, slot, padded, b);
-      velocity_along(data, slots, links.fluid, at, padded, f);
-    }
-    T ux[chunk], uy[chunk], uz[chunk];
-    for (int l = 0; l < padded; ++l) {
-      const T x = at.r[0][l], y = at.r[1][l], z = at.r[2][l], cx = at.c[0][l], cy = at.c[1][l],
-              cz = at.c[2][l];
-      ux[l] = u.x(y, z), uy[l] = u.y(z, x), uz[l] = u.z(x, y);
-      const T weight6 = weight6_of(cx, cy, cz);
-      const auto s = coefficients<scheme>(q[l], weight6, links.fluid);
-      const T cu = cx * ux[l] + cy * uy[l] + cz * uz[l];
-      r[l] = s.a * o[l] - s.k * cu;
-      if constexpr (reads_behind(scheme)) {
-        const T cf = cx * push[0] + cy * push[1] + cz * push[2];
-        r[l] += s.b * f[l] + s.c * b[l] + T(0.5) * (s.k - weight6 * (s.a - s.c)) * cf;
-      } else if constexpr (scheme == WallScheme::narrow) {
-        const T cf = cx * push[0] + cy * push[1] + cz * push[2];
-        r[l] += s.c * (b[l] + T(0.5) * weight6 * cf) - (weight6 * s.a - s.k) * f[l];
-      }
-    }
-    at.slots(slots.back, padded, slot), scatter(data, slot, padded, r);
-
-    FixedSum fx, fy, fz, tx, ty, tz, m;
-    for (int l = 0; l < padded; ++l) {
-      const T x = at.r[0][l], y = at.r[1][l], z = at.r[2][l];
-      const T in = l < n ? o[l] : T(0), returned = l < n ? r[l] : T(0);
-      const T sum = in + returned, difference = (in - returned) * galilean;
-      const T gx = at.c[0][l] * sum - ux[l] * difference;
-      const T gy = at.c[1][l] * sum - uy[l] * difference;
-      const T gz = at.c[2][l] * sum - uz[l] * difference;
-      constexpr double scale = 1 / link_quantum;
-      fx.add(gx, scale), fy.add(gy, scale), fz.add(gz, scale);
-      tx.add(y * gz - z * gy, scale), ty.add(z * gx - x * gz, scale), tz.add(x * gy - y * gx, scale);
-      m.add(double(returned) - double(in), 1 / mass_quantum);
-      bad |= !(std::fabs(in) + std::fabs(returned) < limit);
-    }
-    force[0] += fx.sum(padded), force[1] += fy.sum(padded), force[2] += fz.sum(padded);
-    torque[0] += tx.sum(padded), torque[1] += ty.sum(padded), torque[2] += tz.sum(padded);
-    mass += m.sum(padded);
-  });
-  for (int k = 0; k < 3; ++k) sums.force[k] += force[k], sums.torque[k] += torque[k];
-  sums.mass += mass;
-  if (bad) sums.invalid = true;
+  GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame, motion)));
+  for (int l = 0; l < count; l += L::count) {
+    const Places<T> at(place + l, origin);
+    const auto q = L::template load<typename L::Real>(distance + l);
+    const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
+    const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz));
+    L::scatter(data, at.slots(slots.back), e.back);
+    total.add(e, L::below(count - l), at, ux, uy, uz);
+  }
+  total.add_to(sums);
 }
 
 template <WallScheme scheme, class T>
 void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
              const SurfaceMotion& increment, LinkSums& sums) {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);
+  const PlaceOrigin<T> origin(block, group.corner, frame);
+  const std::uint32_t* const place = links.place.data() + group.begin;
+  const T* const distance = links.q.data() + group.begin;
+  const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
-  std::int64_t mass = 0;
-  for_chunks(group, [&](std::uint32_t first, int n, int padded) {
-    const Places<T> at(links.place.data() + first, padded, std::int32_t(block.row_stride()),
-                       links.surfaces[group.surface], group);
-    const T* const q = links.q.data() + first;
-    std::int32_t slot[chunk];
-    T before[chunk], after[chunk];
-    at.slots(slots.back, padded, slot), gather(data, slot, padded, before);
-    FixedSum m;
-    for (int l = 0; l < padded; ++l) {
-      const T x = at.r[0][l], y = at.r[1][l], z = at.r[2][l], cx = at.c[0][l], cy = at.c[1][l],
-              cz = at.c[2][l];
-      const T cu = cx * u.x(y, z) + cy * u.y(z, x) + cz * u.z(x, y);
-      after[l] = before[l] - coefficients<scheme>(q[l], weight6_of(cx, cy, cz), links.fluid).k * cu;
-      m.add(l < n ? double(after[l]) - double(before[l]) : 0.0, 1 / mass_quantum);
-    }
-    scatter(data, slot, padded, after);
-    mass += m.sum(padded);
-  });
-  sums.mass += mass;
+  FixedSum<T> mass;
+  for (int l = 0; l < count; l += L::count) {
+    const Places<T> at(place + l, origin);
+    const V q = L::template load<V>(distance + l);
+    const V cu = at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
+    const auto slot = at.slots(slots.back);
+    const V before = L::gather(data, slot);
+    const V after = before - coefficients<scheme>(q, at.weight6(), links.fluid).k * cu;
+    L::scatter(data, slot, after);
+    const auto counted = L::below(count - l);
+    mass.add(counted ? after : V{}, T(1 / mass_quantum));
+    mass.take_off(counted ? before : V{}, T(1 / mass_quantum));
+  }
+  sums.mass += mass.total();
 }
 
 /// 21 sums: the upper triangle of k J J^T. In single precision of 32-bit terms.
 template <WallScheme scheme, class T>
 void stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, StiffnessSums& sums) {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
+  constexpr int chunk = 64;  // links whose terms may be summed in a lane
+  const SurfaceFrame& frame = links.frame;
+  const PlaceOrigin<T> origin(group.corner, frame);
+  const std::uint32_t* const place = links.place.data() + group.begin;
+  const T* const distance = links.q.data() + group.begin;
+  const int count = int(group.count);
   const T unit = T(1 / stiffness_quantum<T>), arm = T(std::ldexp(1.0, -exponent));
-  for_chunks(group, [&](std::uint32_t first, int n, int padded) {
-    const Places<T> at(links.place.data() + first, padded, 0, links.surfaces[group.surface], group);
-    const T* const q = links.q.data() + first;
-    T j[6][chunk], kj[6][chunk];
-    for (int l = 0; l < padded; ++l) {
-      const T cx = at.c[0][l], cy = at.c[1][l], cz = at.c[2][l];
-      const T x = at.r[0][l] * arm, y = at.r[1][l] * arm, z = at.r[2][l] * arm;
-      const T k = l < n ? coefficients<scheme>(q[l], weight6_of(cx, cy, cz), links.fluid).k * unit : T(0);
-      j[0][l] = cx, j[1][l] = cy, j[2][l] = cz;
-      j[3][l] = y * cz - z * cy, j[4][l] = z * cx - x * cz, j[5][l] = x * cy - y * cx;
-      for (int d = 0; d < 6; ++d) kj[d][l] = k * j[d][l];
-    }
-    int e = 0;
-    for (int row = 0; row < 6; ++row)
-      for (int column = row; column < 6; ++column, ++e) {
-        std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t> sum = 0;
-        for (int l = 0; l < padded; ++l) sum += decltype(sum)(kj[row][l] * j[column][l]);
-        sums.h[e] += sum;
+  for (int first = 0; first < count; first += chunk) {
+    Terms h[21] = {};
+    for (int l = first; l < std::min(first + chunk, count); l += L::count) {
+      const Places<T> at(place + l, origin);
+      const V q = L::template load<V>(distance + l);
+      const V k = coefficients<scheme>(q, at.weight6(), links.fluid).k * unit;
+      const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm, weight = L::below(count - l) ? k : V{};
+      const auto& c = at.c;
+      const V j[6] = {c[0], c[1], c[2], y * c[2] - z * c[1], z * c[0] - x * c[2], x * c[1] - y * c[0]};
+      int e = 0;
+      for (int a = 0; a < 6; ++a) {
+        const V kj = weight * j[a];
+        for (int b = a; b < 6; ++b, ++e) h[e] += __builtin_convertvector(kj * j[b], Terms);
       }
-  });
+    }
+    for (int e = 0; e < 21; ++e)
+      for (int l = 0; l < L::count; ++l) sums.h[e] += h[e][l];
+  }
 }
 
 }  // namespace

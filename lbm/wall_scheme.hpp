@@ -62,9 +62,10 @@ struct WallFluid {
         narrow_parabola(scheme == WallScheme::parabolic ? T(parabola) : T(0)) {}
 };
 
-template <class T>
+/// V: a population's type, or a vector of it.
+template <class V>
 struct LinkCoefficients {
-  T a, b, c, k;
+  V a, b, c, k;
 };
 
 /// Least T - magic of interpolated schemes, over 1/2 + q.
@@ -74,42 +75,43 @@ inline constexpr double least_excess = 0.0005;
 inline constexpr double least_narrow = 1 / 1.98;
 
 /// Of the scheme that holds the velocity at T = magic + excess, on both sides of the cell.
-template <class T>
-constexpr LinkCoefficients<T> central(T q, T excess, T weight6, const WallFluid<T>& fluid) {
-  const T g = excess * fluid.inverse_rate, s = T(1) / (T(0.5) + q + g);
+template <class V, class T>
+constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<T>& fluid) {
+  const V g = excess * fluid.inverse_rate, s = T(1) / (T(0.5) + q + g);
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
 /// c of `narrow`: 0, when its T = 2 q magic does not depend on viscosity; under `parabolic`, whose magic is
 /// so small that a gap would resist too much, what makes T = 5/8 q^2, as far as there is an odd half that
 /// relaxes to take it from (not below tau - 1/2 = 2 magic).
-template <class T>
-constexpr T narrow_share(T q, const WallFluid<T>& fluid) {
+template <class V, class T>
+constexpr V narrow_share(V q, const WallFluid<T>& fluid) {
   const T s = T(1) / (T(0.5) + fluid.magic * fluid.inverse_rate);  // rate of the odd half
-  const T wanted = fluid.narrow_parabola / T(2) * q / fluid.magic - T(1),
-          most = s - T(1) < T(0.5) ? s - T(1) : T(0.5);
-  if (wanted <= T(0) || most <= T(0)) return T(0);
-  const T c = wanted * (T(2) - s) / (T(2) * (s - T(1)));
-  return c < most ? c : most;
+  const T most = s - T(1) < T(0.5) ? s - T(1) : T(0.5);
+  const V none{};
+  if (most <= T(0)) return none;
+  const V wanted = fluid.narrow_parabola / T(2) * q / fluid.magic - T(1);
+  const V c = wanted * (T(2) - s) / (T(2) * (s - T(1)));
+  return wanted > none ? (c < most ? c : none + most) : none;
 }
 
 /// `weight6`: 6 w_i. Cheap enough for the inner loop: one division, no branch.
-template <WallScheme scheme, class T>
-constexpr LinkCoefficients<T> coefficients(T q, T weight6, const WallFluid<T>& fluid) {
-  const T least = T(least_excess) * (T(0.5) + q);
+template <WallScheme scheme, class V, class T>
+constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& fluid) {
+  const V none{}, one = none + T(1), least = T(least_excess) * (T(0.5) + q);
   if constexpr (scheme == WallScheme::cli) {
     return central(q, least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::parabolic) {
-    const T wanted = T(parabola) * q * q - fluid.magic;
-    return central(q, wanted > least ? wanted : least, weight6, fluid);
+    const V wanted = T(parabola) * q * q - fluid.magic;
+    return central(q, V(wanted > least ? wanted : least), weight6, fluid);
   } else if constexpr (scheme == WallScheme::bouzidi) {
-    const T near = T(2) * q, s = T(1) / (near < T(1) ? T(1) : near);  // q < 1/2: s = 1
-    return {near < T(1) ? near : s, near < T(1) ? T(1) - near : T(0), T(1) - s, weight6 * s};
+    const V near = T(2) * q, s = T(1) / (near < T(1) ? one : near);  // q < 1/2: s = 1
+    return {near < T(1) ? near : s, near < T(1) ? T(1) - near : none, T(1) - s, weight6 * s};
   } else if constexpr (scheme == WallScheme::narrow) {
-    const T h = q < T(least_narrow) ? T(least_narrow) : q, c = narrow_share(h, fluid);
-    return {T(1) - c, T(0), c, weight6 * T(0.5) / h};
+    const V h = q < T(least_narrow) ? none + T(least_narrow) : q, c = narrow_share(h, fluid);
+    return {T(1) - c, none, c, weight6 * T(0.5) / h};
   } else {
-    return {T(1), T(0), T(0), weight6};
+    return {one, none, none, weight6};
   }
 }
 

@@ -30,9 +30,9 @@ class Walled {
  public:
   Walled(const Scene& scene, WallScheme scheme, const CollisionSpec& collision)
       : scene_(scene), fluid_(Domain(scene.cells, {}, std::nullopt, 1), collision, MPI_COMM_SELF) {
-    links_.fluid = WallFluid<double>(collision, scheme);
     for (int surface = 0; surface < 2; ++surface) {
-      links_.surfaces.push_back({{0, 0, 0}, {0, 0, 0}, 1, false});
+      links_[surface].fluid = WallFluid<double>(collision, scheme);
+      links_[surface].frame = {{0, 0, 0}, {0, 0, 0}, 1, false};
       for (int z = 0; z < scene.cells.z; ++z)
         for (const bool narrow : {false, true}) add_group(scheme, surface, z, narrow);
     }
@@ -43,9 +43,9 @@ class Walled {
     fluid_.exchange();
     sums_ = {};
     const LinkSlots slots = link_slots(fluid_.blocks()[0], fluid_.parity());
-    for (const LinkGroup& g : links_.groups)
-      apply_cut_links(fluid_.blocks()[0], slots, links_, g, motions[g.surface], ForceForm::galilean,
-                      sums_[g.surface]);
+    for (int k = 0; k < 2; ++k)
+      for (const LinkGroup& g : links_[k].groups)
+        apply_cut_links(fluid_.blocks()[0], slots, links_[k], g, motions[k], ForceForm::galilean, sums_[k]);
   }
   template <class F>
   void for_fluid(F&& f) {
@@ -63,29 +63,29 @@ class Walled {
 
  private:
   void add_group(WallScheme scheme, int surface, int z, bool narrow) {
-    const std::uint32_t begin = links_.used;
+    CutLinks<double>& links = links_[surface];
+    const std::uint32_t begin = std::uint32_t(links.place.size());
+    const auto push = [&](std::uint32_t place, double q) {
+      links.place.push_back(place), links.q.push_back(q);
+    };
     for_fluid([&](Int3 x) {
       for (int i = 1; i < directions && x.z == z; ++i) {
         const Hit h = scene_.hit(x.x + 0.5, x.y + 0.5, c[i]);
         if (h.q >= 1 || h.surface != surface) continue;
         const bool blocked = scene_.hit(x.x + 0.5, x.y + 0.5, c[opposite(i)]).q < 1;
-        if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place(x.x, x.y, i), h.q);
+        if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place({x.x, x.y, 0}, i), h.q);
       }
     });
-    const std::uint32_t count = links_.used - begin;
+    const std::uint32_t count = std::uint32_t(links.place.size()) - begin;
     if (count == 0) return;
-    while (links_.used % link_lanes != 0) push(links_.place[links_.used - 1], links_.q[links_.used - 1]);
-    links_.groups.push_back({begin, count, surface, narrow ? WallScheme::narrow : scheme, {0, 0, z}, -1});
+    while (links.place.size() % link_lanes != 0) push(links.place.back(), links.q.back());
+    links.groups.push_back({begin, count, narrow ? WallScheme::narrow : scheme, {0, 0, z}, -1});
     if (narrow) narrow_links_ += count;
-  }
-  void push(std::uint32_t place, double q) {
-    links_.reserve(1);
-    links_.place[links_.used] = place, links_.q[links_.used++] = q;
   }
 
   Scene scene_;
   Fluid<double> fluid_;
-  CutLinks<double> links_;
+  std::array<CutLinks<double>, 2> links_;
   std::array<LinkSums, 2> sums_{};
   std::size_t narrow_links_ = 0;
 };

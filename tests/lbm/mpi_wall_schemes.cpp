@@ -24,20 +24,18 @@ Int3 cell_of(int n, int layer) {
   return {n % width, n / width, layer};
 }
 
-/// The links of the layer whose neighbour at side -1 or +1 is solid, a group a scheme, to one surface.
-void add_links(CutLinks<double>& links, int surface, int layer, int side, double q, WallScheme scheme) {
-  links.surfaces.push_back({{0, 0, layer}, {0, 0, 0}, 2.0 * width, false});
-  LinkGroup group{links.used, 0, surface, scheme, {0, 0, layer}, -1};
+/// The links of the layer whose neighbour at side -1 or +1 is solid.
+CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, const WallFluid<double>& fluid) {
+  CutLinks<double> links{fluid, {{0, 0, layer}, {0, 0, 0}, 2.0 * width, false}, {}, {}, {}};
   for (int i = 1; i < directions; ++i) {
     if (c[i].z != side) continue;
-    links.reserve(link_lanes);
-    for (int n = 0; n < link_lanes; ++n, ++links.used) {
+    for (int n = 0; n < link_lanes; ++n) {
       const Int3 x = cell_of(n, layer);
-      links.place[links.used] = link_place(x.x, x.y, i), links.q[links.used] = q;
+      links.place.push_back(link_place({x.x, x.y, 0}, i)), links.q.push_back(q);
     }
   }
-  group.count = links.used - group.begin;
-  links.groups.push_back(group);
+  links.groups.push_back({0, std::uint32_t(links.place.size()), scheme, {0, 0, layer}, -1});
+  return links;
 }
 
 /// Velocity along x of every layer, steady.
@@ -47,10 +45,9 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   const CollisionSpec spec{channel.tau, channel.magic, false, {channel.force, 0, 0}};
   Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
                       MPI_COMM_SELF);
-  CutLinks<double> links;
-  links.fluid = WallFluid<double>(spec, WallScheme::parabolic);
-  add_links(links, 0, 1, -1, channel.below, scheme);
-  add_links(links, 1, channel.layers, +1, channel.above, scheme);
+  const WallFluid<double> wall(spec, WallScheme::parabolic);
+  const CutLinks<double> links[2] = {links_of(1, -1, channel.below, scheme, wall),
+                                     links_of(channel.layers, +1, channel.above, scheme, wall)};
   const SurfaceMotion motions[2] = {{}, {{channel.speed, 0, 0}, {}}};
   const double height = channel.layers + 1, viscosity = (channel.tau - 0.5) / 3;
   // 160 e-foldings; at large tau and small magic the odd modes last longer than the flow
@@ -60,8 +57,9 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     fluid.exchange();
     LinkSums sums;
     const LinkSlots slots = link_slots(fluid.blocks()[0], fluid.parity());
-    for (const LinkGroup& g : links.groups)
-      apply_cut_links(fluid.blocks()[0], slots, links, g, motions[g.surface], ForceForm::exact, sums);
+    for (int k = 0; k < 2; ++k)
+      apply_cut_links(fluid.blocks()[0], slots, links[k], links[k].groups[0], motions[k], ForceForm::exact,
+                      sums);
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
