@@ -1,10 +1,11 @@
 // Whole coupled steps over the fluid alone on one core, stage by stage: the paper's Figure 7 and Table III.
 //
-// Layers of moving bodies (layers.hpp), cases a and b: 6.3 and 20 % solid; spheres of 6 cells in boxes of
-// about 160, 80 and 40 cells an edge under every wall scheme, and spheres of 10 and 20 cells, boxes, capsules
-// and stars. The fluid alone, the bandwidth bound (bound.hpp) and the scenes of a box take turns, so that
-// what disturbs the machine disturbs all of them; medians. GFlop/s and GB/s of the stages that have a count
-// of operations and bytes (work.hpp), against a loop of additions and multiplications and that bound.
+// Layers of bodies that move by 0.01 cells a step (layers.hpp), cases a and b: 6.3 and 20 % solid; spheres of
+// 6 cells in boxes of about 160, 80 and 40 cells an edge under every wall scheme, and spheres of 10 and 20
+// cells, boxes, capsules and stars. The fluid alone, the bandwidth bound (bound.hpp) and the scenes of a box
+// take turns, so that what disturbs the machine disturbs all of them; medians. GFlop/s and GB/s of the stages
+// that have a count of operations and bytes (work.hpp), against a loop of additions and multiplications and
+// that bound.
 //   scripts/bench coupled [--quick] [--only TEXT[,TEXT...]] [--json FILE]      (--only: scenes whose key
 //   contains a TEXT, TEXT$: is it; --quick: 96 cells an edge, fewer turns)
 #include <array>
@@ -28,7 +29,7 @@ namespace {
 
 using coupler::Stage, coupler::StageSeconds, coupler::stage_names;
 
-constexpr double resting_speed = 0.0005;  // cells a step: below the tolerance for remapping
+constexpr double resting_speed = 0.0005;  // cells a step: hardly ever mapped anew
 
 struct Plan {
   int large, turns;  // cells an edge of the boxes that count
