@@ -53,6 +53,7 @@ std::uint64_t hash_of(const rigid::BodyRecord& r) {
   h.add(r.velocity), h.add(r.angular_velocity), h.add(r.angular_momentum);
   h.add(r.mapping_position), h.add(r.mapping_orientation);
   for (const std::int64_t x : r.owed) h.add(static_cast<std::uint64_t>(x));
+  h.add(r.pending_blow);
   return h.value();
 }
 

@@ -10,6 +10,7 @@
 
 #include "coupler/body_exchange.hpp"
 #include "coupler/build_links.hpp"
+#include "coupler/entrained_fluid.hpp"
 #include "coupler/fluid_forces.hpp"
 #include "coupler/map_bodies.hpp"
 #include "coupler/refill.hpp"
@@ -50,6 +51,7 @@ class FlowOf final : public Flow {
         std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
     if (changed) remap(bodies);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
+    give_pending_blows(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
   void stream_collide(const Vec3& gravity) override {

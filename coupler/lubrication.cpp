@@ -76,34 +76,45 @@ double cells_in_gap(const rigid::FilmGap& gap) {
   return sum * std::sqrt(product) / (2 * std::numbers::pi);
 }
 
-ResolvedFlow resolved_flow(WallScheme scheme) {
-  if (scheme == WallScheme::parabolic) return {0.332, 1.082, 4.324, 0.443, 0.287};
-  if (scheme == WallScheme::cli) return {0.820, 0.600, 2.104, 0.407, 0.272};
-  return {1.063, 0.286, 1.491, 0.401, 0.264};
+ResolvedFlows resolved_flows(WallScheme scheme) {
+  if (scheme == WallScheme::parabolic)
+    return {{0.369, 0.857, 3.498, 0.496, 0.324}, {0.088, 1.983, 4.138, 0.496, 0.324}};
+  if (scheme == WallScheme::cli)
+    return {{0.510, 0.739, 2.688, 0.487, 0.329}, {0.560, 1.383, 1.658, 0.487, 0.329}};
+  return {{1.063, 0.286, 1.491, 0.401, 0.264}, {0.612, 1.389, 1.592, 0.401, 0.264}};
 }
 
-Lubrication::Lubrication(double viscosity, const ResolvedFlow& resolved, double least_gap)
-    : viscosity_(viscosity), resolved_(resolved), least_gap_(least_gap) {
-  const double b = resolved.base, w = resolved.width;  // 1 = (b + w h) h
+namespace {
+
+/// The gap at which even without a cell in it the lattice resolves all: 1 = (b + w h) h.
+double reach_of(const ResolvedFlow& resolved) {
+  const double b = resolved.base, w = resolved.width;
   const double squeeze = w == 0 ? 1 / b : (std::sqrt(b * b + 4 * w) - b) / (2 * w);
-  reach_ = std::max({squeeze, resolved.slip_gap, resolved.rolling_gap});
+  return std::max({squeeze, resolved.slip_gap, resolved.rolling_gap});
 }
+
+}  // namespace
+
+Lubrication::Lubrication(double viscosity, const ResolvedFlows& resolved, double least_gap)
+    : viscosity_(viscosity),
+      resolved_(resolved),
+      least_gap_(least_gap),
+      reach_(std::max(reach_of(resolved.bodies), reach_of(resolved.side))) {}
 
 rigid::Film Lubrication::operator()(const rigid::FilmGap& gap) const {
   const double radius = 1 / std::sqrt(gap.curvature_product());
   const double least = std::min(least_gap_ > 0 ? least_gap_ : relative_least_gap * radius, reach_);
   const double width = std::max(gap.width, least), drag = std::numbers::pi * viscosity_ * radius;
-  const double resolved =
-      resolved_.base + resolved_.width * width + resolved_.cells * std::sqrt(cells_in_gap(gap));
+  const ResolvedFlow& of = gap.at_side ? resolved_.side : resolved_.bodies;
+  const double resolved = of.base + of.width * width + of.cells * std::sqrt(cells_in_gap(gap));
   return {12 * drag / gap.curvature_sum() * mean_squeeze(gap, least, 1 / resolved),
-          2 * drag * log_excess(width, resolved_.slip_gap),
-          1.2 * drag * log_excess(width, resolved_.rolling_gap)};
+          2 * drag * log_excess(width, of.slip_gap), 1.2 * drag * log_excess(width, of.rolling_gap)};
 }
 
 std::shared_ptr<const rigid::FilmLaw> make_lubrication(const Case& scene) {
   if (!scene.has_lubrication()) return nullptr;
   return std::make_shared<Lubrication>(scene.fluid->kinematic_viscosity,
-                                       resolved_flow(scene.coupling.wall_scheme),
+                                       resolved_flows(scene.coupling.wall_scheme),
                                        scene.coupling.lubrication_min_gap);
 }
 

@@ -12,7 +12,8 @@
 // a layer of cells in its middle it sees one of a cell's width. So 1/h - G stands in the place of 1/h, with
 //   G = base + width h + cells sqrt(S),   S = sum over the cells of the gap of (1 - H)^2 / (2 pi R),
 // H < 1 the gap's width at the cell. A surface that fills every other place has S = 1/6, whatever R.
-// The three numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate.
+// The three numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate; and
+// once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
 #include <memory>
 
 #include "coupler/case.hpp"
@@ -25,7 +26,11 @@ struct ResolvedFlow {
   double base, width, cells;     // of the squeeze flow: G, 1/cells
   double slip_gap, rolling_gap;  // gaps at which it resolves these motions
 };
-ResolvedFlow resolved_flow(WallScheme);
+/// Of gaps between bodies, and of a body and a side of the domain.
+struct ResolvedFlows {
+  ResolvedFlow bodies, side;
+};
+ResolvedFlows resolved_flows(WallScheme);
 
 /// S of the gap.
 double cells_in_gap(const rigid::FilmGap&);
@@ -33,7 +38,7 @@ double cells_in_gap(const rigid::FilmGap&);
 class Lubrication final : public rigid::FilmLaw {
  public:
   /// least_gap: below it the film resists no more, in cells; 0: relative_least_gap of the reduced radius.
-  Lubrication(double viscosity, const ResolvedFlow&, double least_gap);
+  Lubrication(double viscosity, const ResolvedFlows&, double least_gap);
   /// Where the lattice resolves the squeeze flow even with no cell in the gap.
   double reach() const override { return reach_; }
   rigid::Film operator()(const rigid::FilmGap&) const override;
@@ -42,7 +47,7 @@ class Lubrication final : public rigid::FilmLaw {
 
  private:
   double viscosity_;
-  ResolvedFlow resolved_;
+  ResolvedFlows resolved_;
   double least_gap_, reach_;
 };
 

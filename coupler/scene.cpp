@@ -4,6 +4,7 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/entrained_fluid.hpp"
 #include "coupler/fill.hpp"
 #include "coupler/lubrication.hpp"
 #include "rigid/walls.hpp"
@@ -109,7 +110,9 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
   exchange->distribute(bodies);
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
-    resolver = rigid::make_resolver(setup.contacts.resolver, setup.contacts.resolver_settings);
+    rigid::ResolverSettings settings = setup.contacts.resolver_settings;
+    if (setup.fluid) settings.entrained = entrained_at_contact;
+    resolver = rigid::make_resolver(setup.contacts.resolver, settings);
     rigid_step = std::make_unique<rigid::RigidStep>(
         world, *backend, *resolver, *exchange,
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));

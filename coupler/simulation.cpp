@@ -178,7 +178,7 @@ Balance Simulation::balance() const {
     if (!bodies.is_free(row)) continue;
     Vec3 p = bodies.mass[row] * bodies.velocity[row];
     sums[3] += rigid::to_fixed(p.norm());
-    p += owed_impulse(bodies, row);
+    p += owed_impulse(bodies, row) + bodies.pending_blow[row];
     for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
   }
   sum_over_ranks(scene_.comm, sums);

@@ -45,6 +45,7 @@ std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
     bytes.add(bodies.velocity[row]);
     bytes.add(bodies.angular_momentum[row]);
     for (const std::int64_t x : bodies.owed[row]) bytes.add(x);
+    bytes.add(bodies.pending_blow[row]);
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
       bytes.add(s.partner, s.image.x, s.image.y, s.image.z, s.feature);
       bytes.add(s.impulse);

@@ -13,7 +13,7 @@ void for_each_array(BodySet& b, F f) {
   f(b.id), f(b.shape), f(b.material), f(b.kind), f(b.motion);
   f(b.position), f(b.image), f(b.orientation), f(b.velocity), f(b.angular_velocity), f(b.angular_momentum);
   f(b.mass), f(b.weight_factor), f(b.inertia_B);
-  f(b.force), f(b.torque), f(b.mapping_pose), f(b.owed), f(b.stored_impulses);
+  f(b.force), f(b.torque), f(b.mapping_pose), f(b.owed), f(b.pending_blow), f(b.stored_impulses);
 }
 
 /// A value to start from; Eigen's own default is uninitialised memory.
@@ -70,6 +70,7 @@ BodyRecord BodySet::record(std::size_t row) const {
   store(mapping_pose[row].position, r.mapping_position);
   store(mapping_pose[row].orientation, r.mapping_orientation);
   std::copy(owed[row].begin(), owed[row].end(), r.owed);
+  store(pending_blow[row], r.pending_blow);
   return r;
 }
 
@@ -87,6 +88,7 @@ void BodySet::assign(std::size_t row, const BodyRecord& r) {
   angular_momentum[row] = vec(r.angular_momentum);
   mapping_pose[row] = {vec(r.mapping_position), quat(r.mapping_orientation)};
   std::copy(r.owed, r.owed + 6, owed[row].begin());
+  pending_blow[row] = vec(r.pending_blow);
 }
 
 void BodySet::insert(std::size_t row, const BodyRecord& r) {

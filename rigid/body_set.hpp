@@ -43,6 +43,7 @@ struct BodyRecord {
   double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
   double mapping_position[3] = {}, mapping_orientation[4] = {1, 0, 0, 0};
   std::int64_t owed[6] = {};
+  double pending_blow[3] = {};
 };
 
 struct BodySet {
@@ -72,6 +73,9 @@ struct BodySet {
   // impulse and angular impulse about the centre of mass, W, that the fluid has still to give the body (the
   // coupler's, in its quanta; travels with the body)
   std::vector<std::array<std::int64_t, 6>> owed;
+  // impulse, W, that blows give to what is around the body and moves with it, still to be passed on by the
+  // body (by the coupler; travels with the body)
+  std::vector<Vec3> pending_blow;
   // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
   std::vector<std::vector<StoredImpulse>> stored_impulses;
 

@@ -17,7 +17,9 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
-  int impact_sweeps = 0;   // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  double entrained = 0;   // sffd: mass around a body that moves with it, over the mass it displaces; takes
+                         // part in every blow (BodySet::pending_blow), but not in those of the impact phase
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
 

@@ -135,7 +135,8 @@ void DetectContacts::put_film(const FilmLaw& law, const BodySet& bodies, const C
   if (!of_a || !of_b) return;
   const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
   const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
-  const FilmGap gap{point.gap, dt * opening, *of_a, *of_b, middle, n};
+  const FilmGap gap{
+      point.gap, dt * opening, *of_a, *of_b, middle, n, shapes_[bodies.shape[p.row_b]].half_space};
   const double sum = gap.curvature_sum();
   if (gap.curvature_product() >= least_roundness * sum * sum) c.film = law(gap);
   if (c.film) c.feature |= film_feature;

@@ -20,11 +20,12 @@ struct Film {
 
 /// The gap between two surfaces around the points where they are closest.
 struct FilmGap {
-  double width;         // there; < 0: overlap
-  double travel;        // its change over the step at the velocities before it
-  Mat3 bend_a, bend_b;  // curvature of either surface (curvature.hpp); W
-  Vec3 middle;          // canonical position, W
-  Vec3 normal;          // unit, from a to b, W
+  double width;          // there; < 0: overlap
+  double travel;         // its change over the step at the velocities before it
+  Mat3 bend_a, bend_b;   // curvature of either surface (curvature.hpp); W
+  Vec3 middle;           // canonical position, W
+  Vec3 normal;           // unit, from a to b, W
+  bool at_side = false;  // b is a side of the domain
 
   /// Of the gap's two principal curvatures.
   double curvature_sum() const { return (bend_a + bend_b).trace(); }

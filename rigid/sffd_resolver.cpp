@@ -38,11 +38,17 @@ std::span<double> as_doubles(std::vector<BodyState>& state) {
 /// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
 /// of a contact that would be reached, from the velocities before the kick (so that a body at rest does not
 /// bounce) and what a film leaves of them.
-double target_velocity(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
+struct Target {
+  double velocity;
+  double blow = 0;  // change of the velocity, where the contact is hit
+};
+Target target_of(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
   const double closing = c.gap > 0 ? -c.gap / dt : 0.0;
   const double speed = c.normal.dot(before) / (1 + dt * c.film.normal / reduced_mass);
   const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
-  return hits ? std::max(closing, -c.restitution * speed) : closing;
+  if (!hits) return {closing};
+  const double target = std::max(closing, -c.restitution * speed);
+  return {target, target - speed};
 }
 
 double lever_arms(const Contact& c) {
@@ -111,6 +117,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
   };
   impulses_.resize(contacts.size());
   targets_.resize(contacts.size());
+  blows_.resize(contacts.size());
   state_.resize(bodies.size() + 1);
   sums_.resize(bodies.size() + 1);
   state_.back() = {};
@@ -123,7 +130,8 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
-      targets_[k] = target_velocity(c, dt, p.reduced_mass, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
+      const Target t = target_of(c, dt, p.reduced_mass, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
+      targets_[k] = t.velocity, blows_[k] = t.blow;
       impulses_[k] = {};
     }
     if (settings_.warm_start) warm_start(p, of_pair, dt, recall);
@@ -217,6 +225,18 @@ void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
   }
 }
 
+/// What is around a struck body turns round with it, by its share of the blow: equal and opposite for both.
+void SffdResolver::keep_blow(BodySet& bodies, const Pair& p, std::size_t contact, const Vec3& normal) const {
+  const auto compliance = [&](std::size_t row) {
+    return bodies.inverse_mass(row) / (1 + settings_.entrained * (1 - bodies.weight_factor[row]));
+  };
+  const double share = 1 / (p.reduced_mass * (compliance(p.row_a) + compliance(p.row_b))) - 1;
+  const double blow = std::min(impulses_[contact].normal, p.reduced_mass * blows_[contact]);
+  const Vec3 impulse = share * blow * normal;
+  if (bodies_[p.row_a].moves) bodies.pending_blow[p.row_a] -= impulse;
+  if (bodies_[p.row_b].moves) bodies.pending_blow[p.row_b] += impulse;
+}
+
 /// Reads the impulses, for the next step and for the statistics. Returns the deepest overlap that a
 /// correction is worth, of the pairs solved here; 0: none.
 double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
@@ -234,6 +254,7 @@ double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contact
       if (i.normal > 0 && !c.film)
         statistics.cone_excess =
             std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
+      if (settings_.entrained > 0 && blows_[p.first + k] > 0) keep_blow(bodies, p, p.first + k, c.normal);
       if (c.film && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
         impulses[k] = {};  // mostly a blow, which does not last
       if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))

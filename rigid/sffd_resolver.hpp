@@ -42,6 +42,7 @@ class SffdResolver : public ContactResolver {
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
   void take_sum(BodyState&, std::size_t row, double number) const;
   void lay_out(const std::vector<Contact>&, double dt);
+  void keep_blow(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
   double least_scale(const Pair&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
                     double& residual);
@@ -60,6 +61,7 @@ class SffdResolver : public ContactResolver {
   // one a contact
   std::vector<ContactImpulse> impulses_;
   std::vector<double> targets_;
+  std::vector<double> blows_;  // change of the normal velocity by a blow; 0: none
 };
 
 }  // namespace silt::rigid

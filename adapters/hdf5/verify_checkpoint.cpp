@@ -28,7 +28,8 @@ const std::vector<Column>& record_columns() {
       {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3},
       {"mapping_position", offsetof(R, mapping_position), Column::float64, 3},
       {"mapping_orientation", offsetof(R, mapping_orientation), Column::float64, 4},
-      {"owed", offsetof(R, owed), Column::int64, 6}};
+      {"owed", offsetof(R, owed), Column::int64, 6},
+      {"pending_blow", offsetof(R, pending_blow), Column::float64, 3}};
   return columns;
 }
 

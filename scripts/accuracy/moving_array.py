@@ -21,11 +21,13 @@ TRAVEL = 4               # cells
 POSITION = (0.13, 0.31, 0.87)
 DIRECTIONS = {"axis": (1, 0, 0), "oblique": (1, 0.6, 0.35)}
 METHODS = {"default": "", "bounce-back": 'wall_scheme = "bounce-back"', "equilibrium": 'refill = "equilibrium"',
-           "exact": 'force = "exact"'}
+           "exact": 'force = "exact"', "double": ""}
+FLUID = {"double": 'precision = "double"\n'}
 SIZES = (6, 8, 12)
 
 GOALS = [Goal("accuracy.moving_array.d8.oblique.error", 1.2), Goal("accuracy.moving_array.d12.oblique.error", 0.3),
          Goal("accuracy.moving_array.d8.oblique.noise", 0.5), Goal("accuracy.moving_array.d12.oblique.noise", 0.5),
+         Goal("accuracy.moving_array.single_share", 10),  # of the discretisation error
          Goal("accuracy.moving_array.d8.boost_shift", 0.4), Goal("accuracy.moving_array.d12.boost_shift", 0.4)]
 SHORT_GOALS = [Goal("accuracy.moving_array.d6.oblique.error", 2.2), Goal("accuracy.moving_array.d6.oblique.noise", 1.5)]
 
@@ -56,6 +58,7 @@ steps = {steps}
 [output]
 bodies = {{ every = 1 }}
 """
+INITIAL = 'initial = {{ type = "uniform", velocity = {velocity} }}'
 MEAN_FLOW = """[[quantities]]
 name = "flow_{axis}"
 type = "superficial-velocity"
@@ -87,7 +90,7 @@ def run_of(D, direction, method="default", boosted=False):
     text = CASE.format(edge=edge, diameter=diameter, relaxation_time=RELAXATION_TIME, coupling=METHODS[method],
                        force=(-drive(edge, diameter) * way).tolist(), velocity=(VELOCITY * way + boost).tolist(),
                        position=[edge // 2 + o for o in POSITION], steps=sum(durations(edge)),
-                       fluid=f'initial = {{ type = "uniform", velocity = {boost.tolist()} }}' if boosted else "")
+                       fluid=FLUID.get(method, "") + (INITIAL.format(velocity=boost.tolist()) if boosted else ""))
     text += "".join(MEAN_FLOW.format(axis=axis) for axis in "xyz")
     key = f"d{D}.{direction}.{method}" + (".boosted" if boosted else "")
     return Run(key, text, dict(D=D, direction=direction, method=method, boosted=boosted))
@@ -123,7 +126,15 @@ def figures(measured):
         if all(key in measured for key in keys):
             shift = measured[keys[1]]["error"] - measured[keys[0]]["error"]
             found[f"accuracy.moving_array.d{D}.boost_shift"] = Found(shift, tuple(keys))
-    return found
+    return {**found, **share_of_single(measured)}
+
+
+def share_of_single(measured):
+    """The largest difference between single and double, in percent of the error of the discretisation there."""
+    pairs = [(run_of(D, "oblique").key, run_of(D, "oblique", "double").key) for D in SIZES]
+    done = [pair for pair in pairs if all(key in measured for key in pair)]
+    shares = [abs(measured[single]["error"] / measured[double]["error"] - 1) for single, double in done]
+    return {"accuracy.moving_array.single_share": Found(100 * max(shares), sum(done, ()))} if done else {}
 
 
 def curves(measured):

@@ -30,6 +30,7 @@ LIMITS = {"e1": 3.5, "e2": 1.5, "e4": 1.0}
 
 GOALS = [Goal(f"accuracy.tencate.{e}.d{d}.error", LIMITS[e]) for e in RESOLUTIONS for d in RESOLUTIONS[e]]
 GOALS += [Goal(f"accuracy.tencate.e1.d{d}.to_finest", 0.5) for d in (6, 9, 12)]
+GOALS += [Goal("accuracy.tencate.single_share", 10)]  # of the discretisation error
 SHORT_GOALS = [Goal("accuracy.tencate.e4.d6.error", 1.0)]
 
 CASE = """\
@@ -44,6 +45,7 @@ boundary = "no-slip"
 [fluid]
 density = {density!r}
 kinematic_viscosity = {kinematic_viscosity!r}
+precision = "{precision}"
 [gravity]
 acceleration = [0, 0, {gravity!r}]
 [[shapes]]
@@ -66,23 +68,24 @@ def numbers(values):
     return ", ".join(repr(float(v)) for v in values)
 
 
-def run_of(experiment, cells, offset):
+def run_of(experiment, cells, offset, precision="single"):
     e = EXPERIMENTS[experiment]
     cell = SPHERE / cells
     text = CASE.format(experiment=experiment.upper(), cells=cells, cell=cell, size=numbers(TANK), density=e["density"],
-                       time_step=e["lattice_velocity"] * cell / e["velocity"], time=e["time"], diameter=SPHERE,
+                       precision=precision, time_step=e["lattice_velocity"] * cell / e["velocity"], time=e["time"], diameter=SPHERE,
                        kinematic_viscosity=e["viscosity"] / e["density"], gravity=-GRAVITY, sphere_density=DENSITY,
                        position=numbers((START[0] + offset[0] * cell, START[1] + offset[1] * cell, START[2])))
     name = "on_cells" if offset == ON_CELLS else OFFSETS.index(offset)
-    return Run(f"{experiment}.d{cells}.{name}", text,
-               dict(experiment=experiment, D=cells, offset=str(offset)))
+    suffix = "" if precision == "single" else f".{precision}"
+    return Run(f"{experiment}.d{cells}.{name}{suffix}", text,
+               dict(experiment=experiment, D=cells, offset=str(offset), precision=precision))
 
 
 def runs(level):
     if level == "short":
         return [run_of("e4", 6, OFFSETS[0])]
     return [run_of(e, d, offset) for e in RESOLUTIONS for d in RESOLUTIONS[e]
-            for offset in (*OFFSETS, ON_CELLS)[:4 if d == 6 else 1]]
+            for offset in (*OFFSETS, ON_CELLS)[:4 if d == 6 else 1]] + [run_of("e4", 6, OFFSETS[0], "double")]
 
 
 def measure(run, outcome):
@@ -92,6 +95,10 @@ def measure(run, outcome):
 
 def figures(measured):
     found = {}
+    single, double = measured.get("e4.d6.0"), measured.get("e4.d6.0.double")
+    if single and double:
+        share = 100 * abs(single["error"] / double["error"] - 1)
+        found["accuracy.tencate.single_share"] = Found(share, ("e4.d6.0", "e4.d6.0.double"))
     finest = measured.get(f"e1.d{FINEST}.0")
     for e in RESOLUTIONS:
         for d in RESOLUTIONS[e]:

@@ -15,6 +15,7 @@ import hindered_settling  # noqa: E402
 import jeffery  # noqa: E402
 import settling_array  # noqa: E402
 import tencate  # noqa: E402
+import wet_rebound  # noqa: E402
 
 
 def outcome(step, time=None, **arrays):
@@ -74,6 +75,30 @@ class SettlingArray(unittest.TestCase):
         before, settling_array.PHI = settling_array.PHI, 0.064
         self.assertAlmostEqual(settling_array.drag_factor(), 2.810198, places=5)  # Zick and Homsy: 2.81
         settling_array.PHI = before
+
+
+class WetRebound(unittest.TestCase):
+    def bounce(self, start):
+        """Free flight by tenths of the diameter: down at 1, up at 0.6."""
+        time = np.arange(0, 2 * start, 0.03)
+        gap = np.where(time < start, start - time, 0.6 * (time - start))
+        return gap, np.where(time < start, -1.0, 0.6)
+
+    def test_speeds_at_the_gap(self):
+        before, after = wet_rebound.rebound(*self.bounce(1.0))
+        self.assertAlmostEqual(before, 1.0)
+        self.assertAlmostEqual(after, 0.6)
+
+    def test_no_way_back(self):
+        gap, velocity = self.bounce(1.0)
+        shown = slice(0, int(np.argmin(gap)) + 2)
+        self.assertEqual(wet_rebound.rebound(gap[shown], velocity[shown])[1], 0.0)
+
+    def test_terminal_velocity_of_gondrets_ball(self):
+        # Reynolds number 110 in the list of reference/04_wet_rebound.toml
+        ball, diameter, density, mu = wet_rebound.BALLS["st90"]
+        reynolds = density * wet_rebound.terminal_velocity(ball, diameter, density, mu) * diameter / mu
+        self.assertAlmostEqual(reynolds, 110, delta=6)
 
 
 class TenCate(unittest.TestCase):

@@ -1,13 +1,13 @@
 // What the lattice gives of the flow between close surfaces: the force on a sphere that is made to approach a
 // plate, or its equal, or to slide along a plate, so slowly that nothing moves, against Stokes flow.
 //
-//   bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX < SAMPLES
+//   bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] < SAMPLES
 //
-// BOX: edge of the periodic box in diameters. Samples: a line each, the normal of the gap and the place of
-// its middle in its cell (three numbers each, 0: the cell's centre), gap in cells. "wall": the domain's,
-// across z. Prints them with force / (6 pi mu a U) of the lattice and of theory, U the speed of either
-// sphere, the gap's cells_in_gap (coupler/lubrication), and torque / (8 pi mu a^2 U) of the lattice and of
-// theory.
+// BOX: edge of the periodic box in diameters. RELAXATION_TIME: 2. Samples: a line each, the normal of the gap
+// and the place of its middle in its cell (three numbers each, 0: the cell's centre), gap in cells. "wall":
+// the domain's, across z. Prints them with force / (6 pi mu a U) of the lattice and of theory, U the speed of
+// either sphere, the gap's cells_in_gap (coupler/lubrication), and torque / (8 pi mu a^2 U) of the lattice
+// and of theory.
 #include <mpi.h>
 
 #include <cmath>
@@ -28,10 +28,18 @@ using rigid::Vec3;
 
 namespace {
 
-constexpr double speed = 1e-6, relaxation_time = 2, viscosity = 0.5;
-constexpr int look_every = 50, most_steps = 1500;
+constexpr double speed = 1e-6;
+double relaxation_time = 2, viscosity = 0.5;
+int look_every = 50, most_steps = 1500;
 constexpr double settled = 4e-4;  // relative change between looks
 constexpr double plate_thickness = 8;
+
+/// The flow settles in so many times more steps as it is less viscous.
+void set_relaxation_time(double tau) {
+  const double slower = viscosity / ((tau - 0.5) / 3);
+  relaxation_time = tau, viscosity /= slower;
+  look_every = static_cast<int>(look_every * slower), most_steps = static_cast<int>(most_steps * slower);
+}
 
 std::string vec(const Vec3& x) {
   return fmt::format("[{:.15g}, {:.15g}, {:.15g}]", x[0], x[1], x[2]);
@@ -144,10 +152,13 @@ Resistance exact(const std::string& kind, double gap, double radius) {
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
-  if (argc != 5)
-    return std::fputs("usage: bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX < SAMPLES\n",
-                      stderr),
+  if (argc != 5 && argc != 6)
+    return std::fputs(
+               "usage: bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] "
+               "< SAMPLES\n",
+               stderr),
            2;
+  if (argc == 6) set_relaxation_time(std::stod(argv[5]));
   const std::string kind = argv[1], scheme = argv[2];
   const double diameter = std::stod(argv[3]), radius = diameter / 2;
   const int box = static_cast<int>(std::round(std::stod(argv[4]) * diameter));

@@ -11,7 +11,8 @@ namespace silt::coupler::testing {
 namespace {
 
 constexpr double mu = 0.1, pi = std::numbers::pi;
-constexpr ResolvedFlow resolved = {1.5, 0, 0, 0.5, 0.5};  // the same everywhere in the lattice
+constexpr ResolvedFlow everywhere = {1.5, 0, 0, 0.5, 0.5};  // in the lattice
+constexpr ResolvedFlows resolved = {everywhere, everywhere};
 
 rigid::FilmGap spheres(double width, double a, double b) {
   rigid::Mat3 across = rigid::Mat3::Identity();
@@ -25,8 +26,8 @@ rigid::FilmGap wall(double width, double a) {
 TEST(Lubrication, NormalIsTheLeadingTermLessThatOfTheCutoff) {
   const Lubrication law(mu, resolved, 1e-9);
   const double a = 6, h = 0.1;
-  EXPECT_NEAR(law(wall(h, a)).normal, 6 * pi * mu * a * a * (1 / h - resolved.base), 1e-9);
-  EXPECT_NEAR(law(spheres(h, a, a)).normal, 6 * pi * mu * a * a / 4 * (1 / h - resolved.base), 1e-9);
+  EXPECT_NEAR(law(wall(h, a)).normal, 6 * pi * mu * a * a * (1 / h - everywhere.base), 1e-9);
+  EXPECT_NEAR(law(spheres(h, a, a)).normal, 6 * pi * mu * a * a / 4 * (1 / h - everywhere.base), 1e-9);
   EXPECT_FALSE(law(wall(0.71, a)));
 }
 

@@ -84,6 +84,7 @@ BodyRecord record(std::uint64_t id) {
     r.image[d] = int(id) - d;
     r.velocity[d] = -0.0;
     r.angular_momentum[d] = 5e-324 * double(id);
+    r.pending_blow[d] = std::cos(id + d);
   }
   r.mapping_orientation[3] = 0.1 * double(id);
   for (int d = 0; d < 6; ++d) r.owed[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
@@ -108,7 +109,8 @@ void expect_equal(const BodyRecord& a, const BodyRecord& b) {
               same(a.position, b.position) && same(a.orientation, b.orientation) && same(a.image, b.image) &&
               same(a.velocity, b.velocity) && same(a.angular_velocity, b.angular_velocity) &&
               same(a.angular_momentum, b.angular_momentum) && same(a.mapping_position, b.mapping_position) &&
-              same(a.mapping_orientation, b.mapping_orientation) && same(a.owed, b.owed))
+              same(a.mapping_orientation, b.mapping_orientation) && same(a.owed, b.owed) &&
+              same(a.pending_blow, b.pending_blow))
       << "body " << b.id;
 }
 

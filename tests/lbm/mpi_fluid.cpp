@@ -274,5 +274,56 @@ TEST(Fluid, CouetteAcrossRowsIsLinear) {
   EXPECT_LT(largest(error), 1e-12);
 }
 
+/// Largest deviation of what arrives after one step from rest in a closed box whose side moves along another
+/// axis: 6 w u along the links that met its face, nothing along those that met an edge.
+double wrong_at_first(int axis, bool upper, int along) {
+  constexpr double speed = 0.01;
+  std::array<SideCondition, 6> s;
+  s.fill(no_slip);
+  s[2 * axis + upper].velocity[along] = speed;
+  const Int3 n{6, 7, 5};
+  Fluid<double> fluid(Domain(n, s, std::nullopt, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
+  step(fluid);
+  double wrong = 0;
+  for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+    for (int i = 1; i < directions; ++i) {
+      const Int3 from = at - c[i];
+      int met = 0;
+      for (int d = 0; d < 3; ++d) met += from[d] < 0 || from[d] >= n[d];
+      const bool off_lid = upper ? from[axis] >= n[axis] : from[axis] < 0;
+      const double expected = off_lid && met == 1 ? 6 * w(i) * c[i][along] * speed : 0;
+      wrong = std::max(wrong, std::fabs(fluid.arriving(b, x, i) - expected));
+    }
+  });
+  return largest(wrong);
+}
+
+TEST(Fluid, ASideThatSlidesLeavesItsEdgesAtRest) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int along : {(axis + 1) % 3, (axis + 2) % 3})
+      for (const bool upper : {false, true})
+        EXPECT_LT(wrong_at_first(axis, upper, along), 1e-15) << axis << upper << along;
+}
+
+// What flows in through a side does so up to its edges.
+TEST(Fluid, AnInletReachesItsEdges) {
+  for (int axis = 0; axis < 3; ++axis) {
+    std::array<SideCondition, 6> s;
+    s.fill(no_slip);
+    s[2 * axis].velocity[axis] = 0.01;
+    const Int3 n{6, 7, 5};
+    Fluid<double> fluid(Domain(n, s, std::nullopt, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
+    step(fluid);
+    double wrong = 0;
+    for_cells(fluid, [&](int b, Int3 x, Int3 at) {
+      for (int i = 1; i < directions; ++i) {
+        const double expected = at[axis] - c[i][axis] < 0 ? 6 * w(i) * 0.01 : 0;
+        wrong = std::max(wrong, std::fabs(fluid.arriving(b, x, i) - expected));
+      }
+    });
+    EXPECT_LT(largest(wrong), 1e-15) << axis;
+  }
+}
+
 }  // namespace
 }  // namespace silt::lbm

@@ -97,6 +97,7 @@ TEST(BodySet, RecordsCarryEverything) {
   s.bodies.image[0] = {1, -2, 3};
   s.bodies.mapping_pose[0].position = {9, 8, 7};
   s.bodies.owed[0] = {1, -2, 3, 4, 5, -6};
+  s.bodies.pending_blow[0] = {3, 1, 4};
   BodySet other;
   other.add(s.bodies.record(0));
   other.reindex();
@@ -107,6 +108,7 @@ TEST(BodySet, RecordsCarryEverything) {
   EXPECT_EQ(other.image[0], s.bodies.image[0]);
   EXPECT_EQ(other.mapping_pose[0].position, Vec3(9, 8, 7));
   EXPECT_EQ(other.owed[0], s.bodies.owed[0]);
+  EXPECT_EQ(other.pending_blow[0], Vec3(3, 1, 4));
 }
 
 TEST(BodySet, AngularVelocityAndMomentumStayConsistent) {
