@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "coupler/bit_kernels.hpp"
 #include "coupler/line_lanes.hpp"
@@ -148,13 +149,14 @@ void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius,
 
 namespace {
 
-/// The same for a part of any kind, a row a lane.
+/// The same for a part of any kind, a row a lane; round about a hollow, the cells outside of it.
 template <PartKind kind>
 void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
                const Plane<double>* planes, std::uint64_t* words) {
   using Lines = LineLanes<double, kind>;
   using V = typename Lines::V;
   constexpr int lanes = Lines::L::count;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   const double x = centre.x - 0.5;
   V lane;
   for (int l = 0; l < lanes; ++l) lane[l] = l;
@@ -164,10 +166,14 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfaceP
       const V ry = ((centre.low.y + y + 0.5) + lane) - centre.y;
       const auto in = Lines(part, {V{}, ry, rz}, {V{} + 1.0, V{}, V{}}).inside(part, planes);
       for (int l = 0; l < std::min(lanes, frame.size.y - 2 - y); ++l) {
-        if (in.enter[l] > in.leave[l]) continue;
         const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
-        set_cells(frame, row, std::ceil(x + in.enter[l]) - centre.low.x,
-                  std::floor(x + in.leave[l]) - centre.low.x, words);
+        const double enter = x + in.enter[l], leave = x + in.leave[l];
+        if constexpr (kind == PartKind::hollow) {
+          set_cells(frame, row, -infinity, std::floor(enter) - centre.low.x, words);
+          set_cells(frame, row, std::ceil(leave) - centre.low.x, infinity, words);
+        } else if (enter <= leave) {
+          set_cells(frame, row, std::ceil(enter) - centre.low.x, std::floor(leave) - centre.low.x, words);
+        }
       }
     }
   }

@@ -52,12 +52,12 @@ class LineLanes {
       }
   }
 
-  /// Whether none of the points 0 <= t <= 1 of any of the lines is in the box around the part.
-  bool all_beyond(const Part& part) const {
-    const auto beyond = [&](int k) {
+  /// Lines none of whose points 0 <= t <= 1 is in the box around the part, as one of its axes shows.
+  typename L::Mask beyond(const Part& part) const {
+    const auto along = [&](int k) {
       return L::magnitude(o_[k] + T(0.5) * d_[k]) > part.extent[k] + T(0.5) * L::magnitude(d_[k]);
     };
-    return L::all(beyond(0) | beyond(1) | beyond(2));
+    return along(0) | along(1) | along(2);
   }
 
   Interval inside(const Part& part, const Plane<T>* planes) const {
@@ -81,7 +81,8 @@ class LineLanes {
   /// a t^2 + 2 b t + c <= 0, a >= 0.
   static Interval between_roots(const V& a, const V& b, const V& c) {
     const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
-    const V parallel = c > T(0) ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
+    const auto outside = kind == PartKind::hollow ? c >= T(0) : c > T(0);            // the surface is solid
+    const V parallel = outside ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
     const V enter = a > T(0) ? (-b - s) * per_a : parallel, leave = a > T(0) ? (s - b) * per_a : -parallel;
     return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};
   }

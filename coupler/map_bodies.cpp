@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "coupler/bit_kernels.hpp"
-#include "rigid/ray_interval.hpp"
 
 namespace silt::coupler {
 
@@ -32,18 +31,7 @@ void mark_ball(const BitFrame& frame, const PointInFrame& centre, double radius,
   SILT_DISPATCH(mark_sphere, frame, centre, radius, words)
 }
 void mark_others(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
-                 std::uint64_t* words) {
-  SILT_DISPATCH(mark_parts, frame, centre, surface, words)
-}
-
-/// Sets the bits of the cells first..last of a row, counted from the window's first cell, that lie in the
-/// block and its ghost layer (all but two cells at either end of the window).
-void set_interval(BitWindow& window, std::size_t row, double first, double last) {
-  first = std::max(first, 2.0), last = std::min(last, window.frame().size.x - 3.0);
-  if (!(first <= last)) return;
-  const int from = int(first), to = int(last);
-  for (int x = from; x <= to; ++x) window.words()[(row + x) >> 6] |= std::uint64_t{1} << ((row + x) & 63);
-}
+                 std::uint64_t* words){SILT_DISPATCH(mark_parts, frame, centre, surface, words)}
 
 /// The first n of some cells (all, if there are more).
 std::uint64_t first_cells(std::uint64_t cells, int n) {
@@ -146,26 +134,8 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
       }
 }
 
-/// The cells outside the hollow of a tube.
-void MapBodies::mark_around(const BlockMap& block, const rigid::Tube& tube, BodyMask& mask) const {
-  const BitFrame& frame = mask.inside.frame();
-  const rigid::Mat3 to_tube = mask.pose.orientation.toRotationMatrix().transpose();
-  const double centre = mask.pose.position[0] - 0.5;
-  const int low = block.box.lower.x + frame.low.x;
-  constexpr double beyond = 1e9;  // all cells of a row
-  for (int z = frame.low.z + 2; z < frame.low.z + frame.size.z - 2; ++z)
-    for (int y = frame.low.y + 2; y < frame.low.y + frame.size.y - 2; ++y) {
-      const Vec3 r = mask.arm(block.box.lower + Int3{0, y, z});
-      const auto hollow = rigid::hollow_interval(tube, to_tube * Vec3(0, r[1], r[2]), to_tube.col(0));
-      const std::size_t row = frame.row(y, z);
-      set_interval(mask.inside, row, -beyond, hollow ? std::floor(centre + hollow->enter) - low : beyond);
-      if (hollow) set_interval(mask.inside, row, std::ceil(centre + hollow->leave) - low, beyond);
-    }
-}
-
 /// Row by row: where the line of cell centres is inside, in closed form, relative to the body's centre.
 void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) {
-  if (const auto* tube = std::get_if<rigid::Tube>(&shape)) return mark_around(block, *tube, mask);
   const BitFrame& frame = mask.inside.frame();
   const Vec3& x = mask.pose.position;
   const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};

@@ -40,7 +40,6 @@ class MapBodies {
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&);
-  void mark_around(const BlockMap&, const rigid::Tube&, BodyMask&) const;
 
   const lbm::Domain& domain_;
   const rigid::World& world_;

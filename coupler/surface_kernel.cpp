@@ -32,15 +32,17 @@ auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part, co
     return first_inside(inside);
 }
 
-/// To the nearest part.
+/// To the nearest part. Each lane by itself leaves out what is beyond it: what the others do cannot matter.
 template <class T>
 auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface) {
   auto nearest = typename IntervalLanes<T>::V{} + T(1);
   for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
     with_kind(part->kind, [&](auto kind) {
       const LineLanes<T, kind()> lines(*part, at.r, at.c);
-      if (!lines.all_beyond(*part))
-        nearest = IntervalLanes<T>::smaller(distance_to(lines, *part, surface.planes), nearest);
+      const auto beyond = lines.beyond(*part);
+      if (lbm::SILT_ISA::Lanes<T>::all(beyond)) return;
+      const auto found = distance_to(lines, *part, surface.planes);
+      nearest = beyond | (nearest < found) ? nearest : found;
     });
   return nearest;
 }

@@ -171,8 +171,8 @@ TEST(Links, AreThoseOfTheDefinition) {
 }
 
 // Wider than a word, taller than a slab of planes.
-TEST(Links, OfALargeBody) {
-  Simulation s(read_case_text(R"(
+Case large_bodies() {
+  return read_case_text(R"(
 title = "large"
 [units]
 system = "lattice"
@@ -201,13 +201,7 @@ position = [90.1371, 3.2713, 1.3197]
 [run]
 steps = 1
 )",
-                              "large"),
-               MPI_COMM_SELF);
-  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {96, 40, 44}}});
-  map(s.bodies());
-  std::vector<SurfaceLinks<double>> surfaces;
-  int narrow = 0;
-  expect_all_links<double>(s, map.blocks()[0], WallScheme::cli, 1e-9, surfaces, narrow);
+                        "large");
 }
 
 /// One body of every shape, oblique and in line with the axes, across the sides of the box.
@@ -266,8 +260,8 @@ steps = 1
 using Distances = std::map<std::tuple<int, int, int, int>, double>;
 
 template <class T>
-Distances check_one_of_each(Int3 block, double rounding) {
-  Simulation s(one_of_each(), MPI_COMM_SELF);
+Distances check_case(const Case& scene, Int3 block, double rounding) {
+  Simulation s(scene, MPI_COMM_SELF);
   std::vector<lbm::CellBox> boxes;
   const Int3 n = s.scene().flow->domain().cells();
   for (int z = 0; z < n.z; z += block.z)
@@ -291,15 +285,27 @@ Distances check_one_of_each(Int3 block, double rounding) {
   return all;
 }
 
-TEST(Links, OfEveryShape) {
-  const Distances whole = check_one_of_each<double>({45, 30, 26}, 1e-9);
-  EXPECT_EQ(whole, check_one_of_each<double>({15, 10, 13}, 1e-9));
-  const Distances single = check_one_of_each<float>({15, 15, 13}, 1e-4);
-  EXPECT_EQ(single, check_one_of_each<float>({9, 10, 26}, 1e-4));
-  EXPECT_EQ(whole.size(), single.size());
+/// Root of the mean square of what single precision takes away. For one link it is up to 1e-7 R^2 over its
+/// way through the body: much where it grazes the surface.
+void expect_close(const Distances& single, const Distances& exact, double bound) {
+  EXPECT_EQ(single.size(), exact.size());
   double squares = 0;
-  for (const auto& [link, q] : whole) squares += std::pow(single.at(link) - q, 2);
-  EXPECT_LT(std::sqrt(squares / double(whole.size())), 1e-6);
+  for (const auto& [link, q] : exact) squares += std::pow(single.at(link) - q, 2);
+  EXPECT_LT(std::sqrt(squares / double(exact.size())), bound);
+}
+
+TEST(Links, OfEveryShape) {
+  const Case scene = one_of_each();
+  const Distances whole = check_case<double>(scene, {45, 30, 26}, 1e-9);
+  EXPECT_EQ(whole, check_case<double>(scene, {15, 10, 13}, 1e-9));
+  const Distances single = check_case<float>(scene, {15, 15, 13}, 3e-5);
+  EXPECT_EQ(single, check_case<float>(scene, {9, 10, 26}, 3e-5));
+  expect_close(single, whole, 1e-6);
+}
+
+TEST(Links, OfLargeBodies) {
+  const Distances exact = check_case<double>(large_bodies(), {96, 40, 44}, 1e-9);
+  expect_close(check_case<float>(large_bodies(), {96, 40, 44}, 5e-4), exact, 4e-6);
 }
 
 }  // namespace
