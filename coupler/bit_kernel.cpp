@@ -15,19 +15,21 @@ namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Words [first, first + count) of a plane that lie in rows [y0, y1), and the place of each one's first cell.
+/// Some words of a stream, from the `first` one of plane z0 on: the place of each one's first cell, and the
+/// bits of rows [y0, y1).
 struct PlaneWords {
   static constexpr int most = 64;
-  int first, count;
+  int count;
   std::uint32_t place[most];
-  std::uint64_t rows[most];  // bits of the rows wanted
+  std::uint64_t rows[most];
 
-  PlaneWords(const BitFrame& frame, int first, int y0, int y1)
-      : first(first), count(std::min(most, frame.plane - first)) {
+  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1)
+      : count(std::min(most, planes * frame.plane - first)) {
     const int words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
     for (int w = 0; w < count; ++w) {
-      const int x = (first + w) % words_a_row * 64, y = (first + w) / words_a_row * rows_a_word;
-      place[w] = lbm::link_place(x, y, 0);
+      const int z = (first + w) / frame.plane, in_plane = (first + w) % frame.plane;
+      const int x = in_plane % words_a_row * 64, y = in_plane / words_a_row * rows_a_word;
+      place[w] = lbm::link_place({x, y, z}, 0);
       const int from = std::clamp(y0 - y, 0, rows_a_word), to = std::clamp(y1 - y, 0, rows_a_word);
       const int bits = 64 / rows_a_word;
       rows[w] = from < to ? ~std::uint64_t{0} >> (64 - (to - from) * bits) << (from * bits) : 0;
@@ -44,7 +46,8 @@ std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, co
   for (int w = 0; w < plane.count; ++w)
     for (std::uint64_t bits = words[w]; bits; bits &= bits - 1) {
       const int b = std::countr_zero(bits);
-      out[n++] = plane.place[w] + direction + lbm::link_place(b & ((1 << log_pitch) - 1), b >> log_pitch, 0);
+      out[n++] =
+          plane.place[w] + direction + lbm::link_place({b & ((1 << log_pitch) - 1), b >> log_pitch, 0}, 0);
     }
   return n;
 }
@@ -87,7 +90,7 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
 
 std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
                         int direction, std::uint32_t* out) {
-  const std::uint32_t along = lbm::link_place(0, 0, direction);
+  const std::uint32_t along = lbm::link_place({}, direction);
 #if defined(SILT_ISA_avx512)
   static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
   if (compresses) return list_bits_compressed(frame, plane, words, along, out);
@@ -136,12 +139,13 @@ void mark_sphere(const BitFrame& frame, const SphereInFrame& ball, std::uint64_t
   }
 }
 
-/// The links of rows [y0, y1) of a plane of the frame. Both lists need link_lanes of room more than they get.
-LinkCounts list_links(const BitFrame& frame, int z, int y0, int y1, const LinkBits& bits,
+/// The links of rows [y0, y1) of some planes of the frame. Both lists need link_lanes of room more than they
+/// get.
+LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, const LinkBits& bits,
                       std::uint32_t* place, std::uint32_t* narrow) {
   LinkCounts n{};
-  for (int first = 0; first < frame.plane; first += PlaneWords::most) {
-    const PlaneWords plane(frame, first, y0, y1);
+  for (int first = 0; first < planes * frame.plane; first += PlaneWords::most) {
+    const PlaneWords plane(frame, first, planes, y0, y1);
     const std::size_t at = std::size_t(z) * frame.plane + first;
     std::uint64_t open[PlaneWords::most];
     for (int w = 0; w < plane.count; ++w) open[w] = bits.open[at + w] & plane.rows[w];
@@ -173,7 +177,7 @@ void sphere_distances(const std::uint32_t* place, int padded, const lbm::Surface
                       lbm::Int3 corner, double radius, T* q) {
   using L = lbm::SILT_ISA::Lanes<T>;
   using V = typename L::Real;
-  const lbm::SILT_ISA::PlaceOrigin<T> origin(0, corner, frame);
+  const lbm::SILT_ISA::PlaceOrigin<T> origin(corner, frame);
   const T r2 = T(radius * radius);
   for (int l = 0; l < padded; l += L::count) {
     const lbm::SILT_ISA::Places<T> at(place + l, origin);

@@ -37,8 +37,8 @@ struct LinkCounts {
 #define SILT_BIT_KERNELS(isa)                                                                               \
   namespace silt::coupler::isa {                                                                            \
   void mark_sphere(const BitFrame&, const SphereInFrame&, std::uint64_t* words);                            \
-  LinkCounts list_links(const BitFrame&, int z, int y0, int y1, const LinkBits&, std::uint32_t* place,      \
-                        std::uint32_t* narrow);                                                             \
+  LinkCounts list_links(const BitFrame&, int z, int planes, int y0, int y1, const LinkBits&,                \
+                        std::uint32_t* place, std::uint32_t* narrow);                                       \
   template <class T>                                                                                        \
   void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&, lbm::Int3 corner, \
                         double radius, T* q);                                                               \

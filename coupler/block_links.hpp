@@ -61,6 +61,22 @@ struct BlockLinks {
   lbm::LinkSlots slots;                    // of the step under way
   NarrowGaps<T> gaps;                      // under `parabolic`
 
+  /// A hint that the inner groups after the k-th will be wanted soon, one after the other: first their
+  /// surface, then where the group is, then its links.
+  void prefetch(std::uint32_t k) const {
+    constexpr std::uint32_t ahead = 2;
+    if (k + 3 * ahead < inner.size()) {
+      const char* const surface = reinterpret_cast<const char*>(&surfaces[inner[k + 3 * ahead].surface]);
+      for (std::size_t line = 0; line < sizeof(SurfaceLinks<T>); line += 64)
+        __builtin_prefetch(surface + line);
+    }
+    if (k + 2 * ahead < inner.size())
+      __builtin_prefetch(&surfaces[inner[k + 2 * ahead].surface].links.groups[inner[k + 2 * ahead].number]);
+    if (k + ahead < inner.size()) {
+      const lbm::CutLinks<T>& next = surfaces[inner[k + ahead].surface].links;
+      next.prefetch(next.groups[inner[k + ahead].number]);
+    }
+  }
   /// Fills inner and first_inner; call when links were built.
   void order_groups(const lbm::Sweep& sweep) {
     first_inner.assign(sweep.parts() + 2, 0);

@@ -17,9 +17,14 @@ using rigid::Vec3;
 
 namespace {
 
-LinkCounts list_of(const BitFrame& frame, int z, int y0, int y1, const LinkBits& bits, std::uint32_t* place,
-                   std::uint32_t* narrow) {
-  SILT_DISPATCH(list_links, frame, z, y0, y1, bits, place, narrow)
+/// Planes [z, z + count) of a frame.
+struct Planes {
+  int z, count;
+};
+
+LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const LinkBits& bits,
+                   std::uint32_t* place, std::uint32_t* narrow) {
+  SILT_DISPATCH(list_links, frame, planes.z, planes.count, y0, y1, bits, place, narrow)
 }
 template <class T>
 void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
@@ -138,7 +143,8 @@ class LinkWriter {
     ball_ = std::get_if<rigid::Sphere>(&shape);
     const BitFrame& frame = mask_->frame();
     if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
-      throw std::invalid_argument("a body of more than 8192 cells; use smaller domain.blocks");
+      throw std::invalid_argument(
+          "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     std::optional<SurfaceDistance> distance;
     if (!ball_ && scheme_ != WallScheme::bounce_back) distance.emplace(shape, mask_->pose);
     distance_ = distance ? &*distance : nullptr;
@@ -147,12 +153,14 @@ class LinkWriter {
     fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
     const bool at_rim = touches_rim(frame, n);
     find_open(at_rim);
-    for (int z = 1; z < frame.size.z - 1; ++z) {
-      const std::size_t most = bits_in(z - 1, z + 2);
+    constexpr int words_a_group = 8;  // of small bodies: enough links to be worth a group
+    const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
+    for (int z = 1; z < frame.size.z - 1; z += step) {
+      const Planes planes{z, std::min(step, frame.size.z - 1 - z)};
+      const std::size_t most = bits_in(z - 1, z + planes.count + 1);
       if (most == 0) continue;
-      const int block_z = frame.low.z + z;
-      if (block_z >= 1 && block_z < n.z - 1) inner_groups(z, most);
-      if (at_rim) group(z, 1, frame.size.y - 1, rim_, most, -1);
+      inner_groups(planes, most);
+      if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
     }
   }
 
@@ -179,32 +187,34 @@ class LinkWriter {
   }
 
   /// A group for each strip of the dense pass.
-  void inner_groups(int z, std::size_t most) {
+  void inner_groups(Planes planes, std::size_t most) {
     const BitFrame& frame = mask_->frame();
+    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - 1) - 1;
+    if (last < 1) return;
     const int first = std::max(frame.low.y + 1, 1),
               end = std::min(frame.low.y + frame.size.y, map_.box.size.y) - 1;
     for (int y = first; y < end;) {
       const int next = std::min(sweep_.next_row(y), end);
-      group(z, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, frame.low.z + z));
+      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last));
       y = next;
     }
   }
 
-  /// The links of the open cells in rows [y0, y1) of a plane of the frame; `most`: of one direction.
-  void group(int z, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
+  /// The links of the open cells in rows [y0, y1) of some planes; `most`: of one direction.
+  void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
     const BitFrame& frame = mask_->frame();
     const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
     if (narrow_.size() < room) narrow_.resize(room), narrow_q_.resize(room);
     if (place_.size() < used_ + room) place_.resize((used_ + room) * 3 / 2), q_.resize(place_.size());
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
-    const LinkCounts found = list_of(frame, z, y0, y1, bits, place, narrow_.data());
+    const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
     const std::uint32_t n = found.clear + found.narrow, end = filled_up(n);
     if (n == 0) return;
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
     T* const q = q_.data() + used_;
-    const Int3 corner = frame.low + Int3{0, 0, z};
+    const Int3 corner = frame.low + Int3{0, 0, planes.z};
     set_distances(corner, place, n, q);
     std::uint32_t clear = n,
                   apart = 0;  // narrow ones for which the scheme would read the cell behind go apart
@@ -256,7 +266,7 @@ class LinkWriter {
     int direction = 0;
     for (std::uint32_t k = 0; k < n; ++k) {
       if (const int i = lbm::place_direction(place[k]); i != direction) distance_->point(direction = i);
-      const Int3 cell = corner + Int3{lbm::place_x(place[k]), lbm::place_y(place[k]), 0};
+      const Int3 cell = corner + lbm::place_cell(place[k]);
       q[k] = T((*distance_)(mask_->arm(map_.box.lower + cell)));
     }
   }

@@ -5,10 +5,12 @@
 // `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are
 // linear in the wall velocity, so the owner solves (M + H) delta = F + F_ext for the change of velocity of
 // this step, H = sum k J J^T, and the links return as if the surface had moved with v + delta already. Fixed
-// and prescribed bodies: delta = 0. The force handed to the rigid step is F - H delta, what the links then
-// give: with the external force it makes the kick delta. Contacts act after it. Where they held a body in the
-// step before, F_ext includes what they will hold again, for the links only: else the surface of a body at
-// rest would return as if it fell, step after step, and pump the fluid beneath it.
+// and prescribed bodies: delta = 0. So have free ones that are heavy and large enough for the explicit step,
+// body by body and step by step: it is as good there, and saves them the solve and the second pass. The force
+// handed to the rigid step is F - H delta, what the links then give: with the external force it makes the
+// kick delta. Contacts act after it. Where they held a body in the step before, F_ext includes what they will
+// hold again, for the links only: else the surface of a body at rest would return as if it fell, step after
+// step, and pump the fluid beneath it.
 //
 // Films in narrow gaps (lubrication) act after that, on the true mass. The external force of the implicit
 // solve counts what they gave in the step before: else the links would return as if a body that a film holds
@@ -92,6 +94,7 @@ class FluidForces {
   std::vector<std::int64_t> rows_;    // width a row
   int cells_begin_, width_;           // of a row
   int substeps_;                      // of the rigid step: stored impulses are those of one
+  double heavy_ = 0;                  // largest eigenvalue of M^-1 H that the explicit step takes
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
   struct HandedOver {
     rigid::BodyId id;

@@ -67,7 +67,7 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
       g.far = room, room += filled_up(g.count);
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const std::uint32_t p = links.place[g.begin + l];
-        const Int3 cell = g.corner + Int3{lbm::place_x(p), lbm::place_y(p), 0};
+        const Int3 cell = g.corner + lbm::place_cell(p);
         const int i = lbm::place_direction(p);
         links_.push_back({key_of(cell, i), k, g.far + l, i, cell, links.q[g.begin + l]});
       }

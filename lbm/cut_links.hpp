@@ -6,10 +6,10 @@
 // What comes back is the formula of lbm/wall_scheme.hpp. All links of a group are of one scheme: where x -
 // c_i is not fluid (a narrow gap) a link is put into a group of a scheme that does not read there.
 //
-// A group is what is applied at a time: links of a surface whose fluid cells lie in one plane, of all
-// directions. It may be applied once its cells and their neighbours have collided: inner groups as soon as
-// the dense pass is done with part `ready` (sweep.hpp), while the populations are still in cache; groups at
-// the rim of the block, which touch ghost cells, after the halo exchange.
+// A group is what is applied at a time: links of a surface whose fluid cells lie in a plane, or a few of
+// small ones, of all directions. It may be applied once its cells and their neighbours have collided: inner
+// groups as soon as the dense pass is done with part `ready` (sweep.hpp), while the populations are still in
+// cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
 #include <cstdint>
 #include <vector>
 
@@ -23,10 +23,12 @@ namespace silt::lbm {
 inline constexpr int link_lanes = 16;
 
 /// Where a link's fluid cell is, counted from its group's corner, and its direction.
-inline constexpr int place_x_bits = 14, place_y_bits = 13;
-inline constexpr std::uint32_t link_place(int x, int y, int direction) {
-  return std::uint32_t(x) | std::uint32_t(y) << place_x_bits |
-         std::uint32_t(direction) << (place_x_bits + place_y_bits);
+inline constexpr int place_x_bits = 12, place_y_bits = 12, place_z_bits = 3;
+inline constexpr int place_z_shift = place_x_bits + place_y_bits,
+                     place_direction_shift = place_z_shift + place_z_bits;
+inline constexpr std::uint32_t link_place(Int3 cell, int direction) {
+  return std::uint32_t(cell.x) | std::uint32_t(cell.y) << place_x_bits |
+         std::uint32_t(cell.z) << place_z_shift | std::uint32_t(direction) << place_direction_shift;
 }
 inline constexpr int place_x(std::uint32_t p) {
   return int(p & ((1u << place_x_bits) - 1));
@@ -34,14 +36,20 @@ inline constexpr int place_x(std::uint32_t p) {
 inline constexpr int place_y(std::uint32_t p) {
   return int(p >> place_x_bits & ((1u << place_y_bits) - 1));
 }
+inline constexpr int place_z(std::uint32_t p) {
+  return int(p >> place_z_shift & ((1u << place_z_bits) - 1));
+}
+inline constexpr Int3 place_cell(std::uint32_t p) {
+  return {place_x(p), place_y(p), place_z(p)};
+}
 inline constexpr int place_direction(std::uint32_t p) {
-  return int(p >> (place_x_bits + place_y_bits));
+  return int(p >> place_direction_shift);
 }
 
 struct LinkGroup {
   std::uint32_t begin, count;  // of the arrays of CutLinks
   WallScheme scheme;
-  Int3 corner;            // cell of the block that places count from (may lie outside of it); z: the plane
+  Int3 corner;            // cell of the block that places count from (may lie outside of it)
   std::int32_t ready;     // last part of the dense pass that the links read or write; -1: at the rim
   std::uint32_t far = 0;  // of `narrow`: of CutLinks::far_q and far_u
 };

@@ -129,7 +129,7 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
   using L = Lanes<T>;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
-  const PlaceOrigin<T> origin(block.row_stride(), group.corner, frame);
+  const PlaceOrigin<T> origin(block, group.corner, frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
   const T* const distance = links.q.data() + group.begin;
   const int count = int(group.count);
@@ -160,7 +160,7 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);
-  const PlaceOrigin<T> origin(block.row_stride(), group.corner, frame);
+  const PlaceOrigin<T> origin(block, group.corner, frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
   const T* const distance = links.q.data() + group.begin;
   const int count = int(group.count);
@@ -189,7 +189,7 @@ void stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, S
   using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
   constexpr int chunk = 64;  // links whose terms may be summed in a lane
   const SurfaceFrame& frame = links.frame;
-  const PlaceOrigin<T> origin(0, group.corner, frame);
+  const PlaceOrigin<T> origin(group.corner, frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
   const T* const distance = links.q.data() + group.begin;
   const int count = int(group.count);

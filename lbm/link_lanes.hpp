@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "lbm/cut_links.hpp"
+#include "lbm/isa_vector.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -14,22 +15,9 @@
 
 namespace silt::lbm::SILT_ISA {
 
-#if defined(SILT_ISA_avx512)
-inline constexpr int link_vector_bytes = 64;
-#elif defined(SILT_ISA_avx2)
-inline constexpr int link_vector_bytes = 32;
-#else
-inline constexpr int link_vector_bytes = 16;
-#endif
-
-template <class E, int n>
-struct VectorOf {
-  typedef E type __attribute__((vector_size(n * sizeof(E))));
-};
-
 template <class T>
 struct Lanes {
-  static constexpr int count = link_vector_bytes / int(sizeof(T));
+  static constexpr int count = vector_bytes / int(sizeof(T));
   static_assert(link_lanes % count == 0);
   using Real = typename VectorOf<T, count>::type;
   using Whole = typename VectorOf<std::int32_t, count>::type;
@@ -56,9 +44,16 @@ struct Lanes {
     return r;
   }
   static bool all(const Mask& m) {
+#if defined(SILT_ISA_avx512)
+    if constexpr (sizeof(T) == 4)
+      return _mm512_movepi32_mask(__m512i(m)) == 0xffff;
+    else
+      return _mm512_movepi64_mask(__m512i(m)) == 0xff;
+#else
     bool yes = true;
     for (int l = 0; l < count; ++l) yes &= m[l] != 0;
     return yes;
+#endif
   }
 
 #if defined(SILT_ISA_avx512)
@@ -117,9 +112,10 @@ class FixedSum {
     sum_ -= rounded(Real(x * inverse_quantum));
   }
   std::int64_t total() const {
-    std::int64_t all = 0;
-    for (int l = 0; l < 8; ++l) all += sum_[l];
-    return all;
+    const auto four =
+        __builtin_shufflevector(sum_, sum_, 0, 1, 2, 3) + __builtin_shufflevector(sum_, sum_, 4, 5, 6, 7);
+    const auto two = __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
+    return two[0] + two[1];
   }
 
  private:

@@ -17,30 +17,31 @@ inline constexpr Components components;
 /// What a group's places count from.
 template <class T>
 struct PlaceOrigin {
-  std::int32_t row;  // elements between rows of cells
-  Int3 far;          // cells from that of the surface's reference point to the group's corner
-  T offset[2], z;    // of a cell's centre from the reference point: beyond the cell's; all
-  PlaceOrigin(std::ptrdiff_t row_stride, Int3 corner, const SurfaceFrame& frame)
-      : row(std::int32_t(row_stride)),
-        far(corner - frame.cell),
-        offset{T(frame.offset[0]), T(frame.offset[1])},
-        z(T(far.z) + T(frame.offset[2])) {}
+  std::int32_t row = 0, plane = 0;  // elements between rows and planes of cells
+  Int3 far;                         // cells from that of the surface's reference point to the group's corner
+  T offset[3];                      // of that cell's centre from the reference point
+  PlaceOrigin(Int3 corner, const SurfaceFrame& frame)
+      : far(corner - frame.cell), offset{T(frame.offset[0]), T(frame.offset[1]), T(frame.offset[2])} {}
+  PlaceOrigin(const Block<T>& block, Int3 corner, const SurfaceFrame& frame) : PlaceOrigin(corner, frame) {
+    row = std::int32_t(block.row_stride()), plane = std::int32_t(block.plane_stride());
+  }
 };
 
 template <class T>
 struct Places {
   using L = Lanes<T>;
   using V = typename L::Real;
-  typename L::Whole cell, direction;  // cell: offset within the plane from the group's corner
+  typename L::Whole cell, direction;  // cell: offset from the group's corner
   V r[3], c[3];                       // arm from the reference point; components of the direction
 
   Places(const std::uint32_t* places, const PlaceOrigin<T>& origin) {
     const auto place = L::template load<typename L::Whole>(places);
-    const auto x = place & ((1 << place_x_bits) - 1), y = (place >> place_x_bits) & ((1 << place_y_bits) - 1);
-    direction = (place >> (place_x_bits + place_y_bits)) & 31;
-    cell = x + origin.row * y;
+    const auto x = place & ((1 << place_x_bits) - 1), y = (place >> place_x_bits) & ((1 << place_y_bits) - 1),
+               z = (place >> place_z_shift) & ((1 << place_z_bits) - 1);
+    direction = (place >> place_direction_shift) & 31;
+    cell = x + origin.row * y + origin.plane * z;
     r[0] = L::real(x + origin.far.x) + origin.offset[0], r[1] = L::real(y + origin.far.y) + origin.offset[1];
-    r[2] = V{} + origin.z;
+    r[2] = L::real(z + origin.far.z) + origin.offset[2];
     for (int d = 0; d < 3; ++d) c[d] = L::real(L::look_up(components.of[d], direction));
   }
   /// Where a population of each link is: its slot at the link's cell.

@@ -3,24 +3,13 @@
 // The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
 // goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
 // serves the even and the odd step.
+#include "lbm/isa_vector.hpp"
 #include "lbm/kernels.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-#if defined(SILT_ISA_avx512)
-inline constexpr int vector_bytes = 64;
-#elif defined(SILT_ISA_avx2)
-inline constexpr int vector_bytes = 32;
-#else
-inline constexpr int vector_bytes = 16;
-#endif
 inline constexpr int prefetch_bytes = 512;  // best of 256 to 1536 for large blocks, 640 for 80^3
-
-template <class T>
-struct VectorOf {
-  typedef T type __attribute__((vector_size(vector_bytes)));
-};
 
 template <class V, class T>
 inline V load(const T* p) {

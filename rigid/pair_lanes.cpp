@@ -277,7 +277,7 @@ void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
 void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) const {
   const auto read = [&](const auto& lanes, ContactImpulse& p) {
     p.normal = lanes.normal_impulse[at.lane];
-    for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane];
+    for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane] + 0.0;  // no -0
   };
   if (at.film) return read(films_[at.group], out[0]);
   if (at.central) return read(central_[at.group], out[0]);

@@ -2,8 +2,6 @@
 // million cells a second, all cells counted. In turn in one run, with the bandwidth bound of the same number
 // of cells.
 //   scripts/bench bed [--quick] [--json FILE]
-#include <mpi.h>
-
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -11,6 +9,7 @@
 #include "coupler/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/bench/bound.hpp"
+#include "tests/bench/main.hpp"
 
 namespace silt::bench {
 namespace {
@@ -110,15 +109,5 @@ void run(const Options& o) {
 }  // namespace silt::bench
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
-  setvbuf(stdout, nullptr, _IOLBF, 0);
-  int code = 0;
-  try {
-    silt::bench::run(silt::bench::options_of(argc, argv));
-  } catch (const std::exception& e) {
-    fprintf(stderr, "%s\n", e.what());
-    code = 2;
-  }
-  MPI_Finalize();
-  return code;
+  return silt::bench::main_of(argc, argv, silt::bench::run);
 }

@@ -1,7 +1,7 @@
 #pragma once
-// The bound of every in-place kernel: cells a second whose 19 populations can be read once and written once,
-// for the best of several ways to walk through them (which one is best depends on the machine and on the
-// size).
+// What the machine can do. The bound of every in-place kernel: cells a second whose 19 populations can be
+// read once and written once, for the best of several ways to walk through them (which one is best depends on
+// the machine and on the size). And operations a second without memory.
 #include <algorithm>
 #include <array>
 
@@ -46,5 +46,18 @@ class Bound {
   lbm::LargeMemory<T> data_;  // as production's
   std::array<Spread, shapes.size()> mlups_;
 };
+
+/// Additions and multiplications of one core, the best of some tries; 10^9 a second.
+template <class T>
+double peak_gflops() {
+  Spread rate;
+  T sink;
+  for (int r = 0; r < 5; ++r) {
+    double flops = 0;
+    const double t = seconds([&] { flops = add_and_multiply(&sink, 2'000'000); });
+    rate.add(flops / t * 1e-9);
+  }
+  return rate.highest();
+}
 
 }  // namespace silt::bench

@@ -1,26 +1,13 @@
 // What the machine can do: memory updated in place, and arithmetic without memory.
 #include <algorithm>
 
+#include "lbm/isa_vector.hpp"
 #include "tests/bench/fluid_kernels.hpp"
 
 namespace silt::bench::SILT_ISA {
-namespace {
 
-#if defined(SILT_ISA_avx512)
-inline constexpr int vector_bytes = 64;
-#elif defined(SILT_ISA_avx2)
-inline constexpr int vector_bytes = 32;
-#else
-inline constexpr int vector_bytes = 16;
-#endif
+using lbm::SILT_ISA::vector_bytes, lbm::SILT_ISA::VectorOf;
 inline constexpr int line_bytes = 64;
-
-template <class T>
-struct VectorOf {
-  typedef T type __attribute__((vector_size(vector_bytes)));
-};
-
-}  // namespace
 
 template <class T>
 void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape shape) {

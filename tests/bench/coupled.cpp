@@ -1,194 +1,287 @@
-// Whole coupled steps over the fluid alone on one core: layers of spheres moving through a periodic box.
-// Case a: 6 % solid; case b: 17 %. The fluid alone and the scenes of a case take turns, so that what disturbs
-// the machine disturbs all of them; medians. --quick: a smaller box, fewer turns. --only TEXT: only scenes
-// whose key contains it (TEXT$: is it).
-#include <mpi.h>
-
+// Whole coupled steps over the fluid alone on one core, stage by stage: the paper's Figure 7 and Table III.
+//
+// Layers of bodies that move by 0.01 cells a step (layers.hpp), cases a and b: 6.3 and 20 % solid; spheres of
+// 6 cells in boxes of about 160, 80 and 40 cells an edge under every wall scheme, and spheres of 10 and 20
+// cells, boxes, capsules and stars. The fluid alone, the bandwidth bound (bound.hpp) and the scenes of a box
+// take turns, so that what disturbs the machine disturbs all of them; medians. GFlop/s and GB/s of the stages
+// that have a count of operations and bytes (work.hpp), against a loop of additions and multiplications and
+// that bound.
+//   scripts/bench coupled [--quick] [--only TEXT[,TEXT...]] [--json FILE]      (--only: scenes whose key
+//   contains a TEXT, TEXT$: is it; --quick: 96 cells an edge, fewer turns)
+#include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
+#include <map>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "coupler/case_file.hpp"
 #include "coupler/simulation.hpp"
-#include "lbm/fluid.hpp"
-#include "tests/bench/figures.hpp"
+#include "tests/bench/bound.hpp"
+#include "tests/bench/layers.hpp"
+#include "tests/bench/main.hpp"
+#include "tests/bench/work.hpp"
 
-using namespace silt;
-
+namespace silt::bench {
 namespace {
 
-constexpr int steps_a_turn = 8;
-const rigid::Vec3 course =
-    rigid::Vec3(0.6, 0.5, 0.62).normalized();  // so that no lattice direction is special
+using coupler::Stage, coupler::StageSeconds, coupler::stage_names;
 
-struct Size {
-  int cells, turns;
-};
+constexpr double resting_speed = 0.0005;  // cells a step: hardly ever mapped anew
 
-struct Setup {
-  char name;  // a or b
-  int diameter;
-  std::string wall_scheme, time;
-  double speed;
+struct Plan {
+  int large, turns;  // cells an edge of the boxes that count
 
-  std::string key() const {
-    return std::string("coupled.") + name + "." + wall_scheme + (diameter == 6 ? "" : ".d10") +
-           (time == "explicit" ? ".explicit" : "") + (speed < 0.001 ? ".resting" : "");
+  std::string key(const Layers& l) const {
+    return std::string("coupled.") + l.name + "." + l.scheme + (l.body == "d6" ? "" : "." + l.body) +
+           (l.edge == large ? "" : ".n" + std::to_string(l.edge)) +
+           (l.time == "explicit" ? ".explicit" : "") + (l.speed == resting_speed ? ".resting" : "");
+  }
+  /// Those that share a box follow one another.
+  std::vector<Layers> scenes() const {
+    std::vector<Layers> all;
+    for (const char name : {'a', 'b'}) {
+      for (const int edge : {large, 80, 40})
+        for (const char* scheme : {"cli", "parabolic", "bouzidi", "bounce-back"}) {
+          all.push_back({name, "d6", edge, scheme});
+          if (edge == large) all.push_back({name, "d6", edge, scheme, "explicit"});
+        }
+      for (const char* body : {"d10", "d20", "box", "capsule", "star"})
+        for (const char* scheme : {"cli", "parabolic"}) all.push_back({name, body, large, scheme});
+      all.push_back({name, "d10", large, "cli", "explicit"});
+      for (const char* body : {"d6", "d10"})
+        for (const char* time : {"implicit", "explicit"})
+          all.push_back({name, body, large, "cli", time, resting_speed});
+    }
+    return all;
   }
 };
 
-std::string centres(const Setup& setup, int n) {
-  const double scale = setup.diameter / 6.0, across = (setup.name == 'a' ? 16 : 9) * scale, up = 7 * scale;
-  unsigned random = 1;
-  const auto shift = [&] {
-    return random = random * 1664525u + 1013904223u, (random >> 8) / double(1 << 24);
-  };
-  std::string text;
-  for (double z = 4 * scale; z + up / 2 < n; z += up)
-    for (double y = across / 2; y + across / 2 <= n; y += across)
-      for (double x = across / 2; x + across / 2 <= n; x += across)
-        text += "[" + std::to_string(x + shift()) + ", " + std::to_string(y + shift()) + ", " +
-                std::to_string(z + 0.5 * shift()) + "], ";
-  return text;
+double count_of(lbm::Int3 n) {
+  return double(n.x) * n.y * n.z;
 }
 
-std::string case_text(const Setup& setup, int n) {
-  const std::string edge = std::to_string(n);
-  return "title = \"bench\"\n[units]\nsystem = \"lattice\"\n[domain]\nsize = [" + edge + ", " + edge + ", " +
-         edge + "]\nboundary = \"periodic\"\n[fluid]\nrelaxation_time = 1.2\n[coupling]\nwall_scheme = \"" +
-         setup.wall_scheme + "\"\ntime = \"" + setup.time +
-         "\"\n[[shapes]]\nname = \"sphere\"\ntype = \"sphere\"\ndiameter = " +
-         std::to_string(setup.diameter) + "\n[[bodies]]\nshape = \"sphere\"\ndensity = 1.2\npositions = [" +
-         centres(setup, n) + "]\n[run]\nsteps = 1000\n";
+/// Even and odd steps alike; long enough for a clock.
+int steps_a_turn(double cells) {
+  return 2 * std::max(4, int(4e6 / cells));
 }
 
 /// A scene, and the seconds a step of it took: all, and stage by stage.
 class Scene {
  public:
-  Scene(const Setup& setup, int n)
-      : setup_(setup), simulation_(coupler::read_case_text(case_text(setup, n), "bench"), MPI_COMM_SELF) {
+  explicit Scene(const Layers& layers)
+      : layers_(layers), simulation_(coupler::read_case_text(layers.text(), "bench"), MPI_COMM_SELF) {
     for (int t = 0; t < 4; ++t) step();
   }
-  void take_turn() {
-    const coupler::StageSeconds before = simulation_.stage_seconds();
-    for (int t = 0; t < steps_a_turn; ++t) step();
-    coupler::StageSeconds stages;
+  void take_turn(int steps) {
+    const StageSeconds before = simulation_.stage_seconds();
+    for (int t = 0; t < steps; ++t) step();
     double all = 0;
-    for (std::size_t k = 0; k < stages.size(); ++k)
-      all += stages[k] = (simulation_.stage_seconds()[k] - before[k]) / steps_a_turn;
-    seconds.push_back(all);
-    for (std::size_t k = 0; k < stages.size(); ++k) stage_seconds[k].push_back(stages[k]);
+    for (std::size_t k = 0; k < stages_.size(); ++k) {
+      const double seconds = (simulation_.stage_seconds()[k] - before[k]) / steps;
+      all += seconds;
+      stages_[k].add(seconds);
+    }
+    whole_.add(all);
   }
-  const Setup& setup() const { return setup_; }
-  coupler::Simulation& simulation() { return simulation_; }
-
-  std::vector<double> seconds;
-  std::array<std::vector<double>, int(coupler::Stage::count)> stage_seconds;
+  const Layers& layers() const { return layers_; }
+  double links() const { return double(simulation_.links()); }
+  double fluid_cells() { return double(simulation_.look_at_flow().fluid_cells); }
+  const Spread& whole() const { return whole_; }
+  double seconds_of(Stage stage) const { return stages_[int(stage)].middle(); }
 
  private:
-  /// The fluid would slow the spheres down: they are set going again before every step (not timed).
+  /// The fluid would slow the bodies down: they are set going again before every step (not timed).
   void step() {
+    const auto v = layers_.velocity();
     rigid::BodySet& bodies = simulation_.bodies();
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      bodies.set_velocity(row, setup_.speed * course, rigid::Vec3::Zero());
+      bodies.set_velocity(row, {v[0], v[1], v[2]}, rigid::Vec3::Zero());
     simulation_.step();
   }
-  Setup setup_;
+  Layers layers_;
   coupler::Simulation simulation_;
+  Spread whole_;
+  std::array<Spread, std::size_t(Stage::count)> stages_;
 };
 
-class FluidAlone {
+/// What all scenes of one box are measured against.
+class Machine {
  public:
-  explicit FluidAlone(int n)
-      : fluid_(lbm::Domain({n, n, n}, {}, std::nullopt, 1), {1.2, 1. / 6, false, {}}, MPI_COMM_SELF) {
+  explicit Machine(lbm::Int3 n)
+      : cells_(count_of(n)),
+        fluid_(lbm::Domain(n, {}, std::nullopt, 1), {1.2, 1. / 6, false, {}}, MPI_COMM_SELF),
+        bound_(std::ptrdiff_t(cells_)) {
     take_turn();
-    seconds.clear();
+    alone_ = {}, bound_.forget();
   }
   void take_turn() {
-    seconds.push_back(bench::seconds([&] {
-                        for (int t = 0; t < steps_a_turn; ++t) fluid_.stream_collide(), fluid_.exchange();
-                      }) /
-                      steps_a_turn);
+    const int steps = steps_a_turn(cells_);
+    alone_.add(seconds([&] {
+                 for (int t = 0; t < steps; ++t) fluid_.stream_collide(), fluid_.exchange();
+               }) /
+               steps);
+    bound_.sample(std::max(1, steps / 8), [] {});
   }
-  std::vector<double> seconds;
+  double cells() const { return cells_; }
+  const Spread& alone() const { return alone_; }  // seconds a step
+  double gbytes() const { return bound_.best().middle() * bytes_per_cell<float> * 1e-3; }
 
  private:
+  double cells_;
   lbm::Fluid<float> fluid_;
+  Bound<float> bound_;
+  Spread alone_;
 };
 
-void report(Scene& scene, const FluidAlone& fluid, int n, bench::Figures& figures) {
-  const double cells = double(n) * n * n, alone = bench::median(fluid.seconds);
-  const double links = double(scene.simulation().links());
-  const double solid = 1 - double(scene.simulation().look_at_flow().fluid_cells) / cells;
-  std::vector<double> ratios;
-  for (std::size_t t = 0; t < scene.seconds.size(); ++t)
-    ratios.push_back(scene.seconds[t] / fluid.seconds[t]);
-  const double ratio = bench::median(ratios), all = bench::median(scene.seconds);
-  const double link_ns = (all - alone) / links * 1e9;
-  const std::string key = scene.setup().key();
-  printf("%-34s %.3f of the fluid (%.0f MLUPS alone); %.1f %% solid, %.2f links a cell, %.1f ns a link\n",
-         key.c_str(), ratio, cells / alone * 1e-6, 100 * solid, links / cells, link_ns);
-  figures.figures[key + ".over_fluid"] = ratio;
-  adapters::Json row = adapters::Json::object(
-      {{"scene", key}, {"over_fluid", ratio}, {"links_per_cell", links / cells}, {"ns_per_link", link_ns}});
-  for (std::size_t k = 0; k < scene.stage_seconds.size(); ++k) {
-    const double share = bench::median(scene.stage_seconds[k]) / alone;
-    printf("    %-22s %.3f\n", std::string(coupler::stage_names[k]).c_str(), share);
-    row[std::string(coupler::stage_names[k])] = share;
+/// Of a step, where they are known.
+struct Work {
+  double flops = 0, bytes = 0;
+};
+
+std::map<Stage, Work> work_of(const Scene& scene, double cells) {
+  const LinkWork link = link_work(scene.layers().scheme, scene.layers().time == "implicit", sizeof(float));
+  return {{Stage::stream_collide, {cells * flops_per_cell_with_force, cells * bytes_per_cell<float>}},
+          {Stage::force_evaluation, {scene.links() * link.flops, scene.links() * link.bytes}}};
+}
+
+struct Rates {
+  double seconds, gflops, gbytes;
+  Rates(const Work& work, double time)
+      : seconds(time), gflops(work.flops / time * 1e-9), gbytes(work.bytes / time * 1e-9) {}
+};
+
+/// A row of Table III; printed as well.
+adapters::Json rates_row(const std::string& key, const std::string& stage, const Rates& r,
+                         const Machine& machine, double peak) {
+  printf("    %-22s %6.1f GFlop/s, %2.0f %% of peak %6.1f GB/s, %3.0f %% of the bound\n", stage.c_str(),
+         r.gflops, 100 * r.gflops / peak, r.gbytes, 100 * r.gbytes / machine.gbytes());
+  return adapters::Json::object({{"scene", key},
+                                 {"stage", stage},
+                                 {"ns_per_cell", r.seconds / machine.cells() * 1e9},
+                                 {"gflops", r.gflops},
+                                 {"share_of_peak", r.gflops / peak},
+                                 {"gbytes_per_second", r.gbytes},
+                                 {"share_of_bound", r.gbytes / machine.gbytes()}});
+}
+
+class Report {
+ public:
+  Report(const Plan& plan, double peak) : plan_(plan), peak_(peak) {}
+
+  void add(const Machine& machine, lbm::Int3 n) {
+    const double alone = machine.alone().middle(), cells = machine.cells();
+    printf("%d x %d x %d cells: the fluid alone %.0f MLUPS; bound %.1f GB/s, peak %.0f GFlop/s\n", n.x, n.y,
+           n.z, cells / alone * 1e-6, machine.gbytes(), peak_);
+    const std::string box = std::to_string(n.x) + "x" + std::to_string(n.y) + "x" + std::to_string(n.z);
+    rates_.push_back(rates_row(box, "fluid alone",
+                               Rates({cells * flops_per_cell, cells * bytes_per_cell<float>}, alone), machine,
+                               peak_));
   }
-  figures.table.push_back(row);
-  fflush(stdout);
-}
+  void add(Scene& scene, const Machine& machine) {
+    const double cells = machine.cells(), links = scene.links(), alone = machine.alone().middle();
+    const Spread over = ratio(scene.whole(), machine.alone());
+    const std::string key = plan_.key(scene.layers());
+    const double ns = (scene.whole().middle() - alone) / links * 1e9, solid = 1 - scene.fluid_cells() / cells;
+    printf(
+        "%-34s %.2f of the fluid (%.2f to %.2f), %.0f MLUPS; %.1f %% solid, %.2f links a cell, %.1f ns a "
+        "link\n",
+        key.c_str(), over.middle(), over.lowest(), over.highest(), cells / scene.whole().middle() * 1e-6,
+        100 * solid, links / cells, ns);
+    figures_.figures[key + ".over_fluid"] = over.middle();
+    figures_.figures[key + ".ns_per_link"] = ns;
+    adapters::Json row = adapters::Json::object({{"scene", key},
+                                                 {"over_fluid", over.middle()},
+                                                 {"over_fluid_lowest", over.lowest()},
+                                                 {"over_fluid_highest", over.highest()},
+                                                 {"solid", solid},
+                                                 {"links_per_cell", links / cells},
+                                                 {"ns_per_link", ns}});
+    printf("   ");
+    for (int k = 0; k < int(Stage::count); ++k) {
+      const double share = scene.seconds_of(Stage(k)) / alone;
+      const std::string stage(stage_names[k]);
+      row[stage] = share;
+      if (share >= 0.005) printf(" %s %.2f", stage.c_str(), share);
+    }
+    printf("\n");
+    figures_.table.push_back(row);
+    add_rates(scene, machine, key);
+  }
+  void write(const std::string& file) {
+    for (const auto& row : rates_) figures_.table.push_back(row);
+    figures_.write(file);
+  }
 
-std::vector<Setup> all_setups() {
-  std::vector<Setup> setups;
-  for (const char name : {'a', 'b'})
-    for (const int diameter : {6, 10})
-      for (const char* scheme : {"cli", "bounce-back"})
-        for (const char* time : {"explicit", "implicit"})
-          for (const double speed : {0.01, 0.0005})
-            if (scheme == std::string("cli") || (diameter == 6 && speed > 0.001))
-              setups.push_back({name, diameter, scheme, time, speed});
-  return setups;
-}
+ private:
+  void add_rates(const Scene& scene, const Machine& machine, const std::string& key) {
+    Work all;
+    for (const auto& [stage, work] : work_of(scene, machine.cells())) {
+      all.flops += work.flops, all.bytes += work.bytes;
+      rates_.push_back(rates_row(key, std::string(stage_names[int(stage)]),
+                                 Rates(work, scene.seconds_of(stage)), machine, peak_));
+    }
+    rates_.push_back(rates_row(key, "whole step", Rates(all, scene.whole().middle()), machine, peak_));
+  }
+  Plan plan_;
+  double peak_;
+  Figures figures_;
+  std::vector<adapters::Json> rates_;
+};
 
-/// Scenes of one case and diameter take turns; together they must fit into memory.
-void measure(const std::vector<Setup>& setups, const Size& size, bench::Figures& figures) {
-  FluidAlone fluid(size.cells);
+/// Scenes of one box take turns; together they must fit into memory.
+void measure(const std::vector<Layers>& group, const Plan& plan, Report& report) {
+  const lbm::Int3 n = group[0].cells();
+  Machine machine(n);
   std::vector<std::unique_ptr<Scene>> scenes;
-  for (const Setup& s : setups) scenes.push_back(std::make_unique<Scene>(s, size.cells));
-  for (int turn = 0; turn < size.turns; ++turn) {
-    fluid.take_turn();
-    for (auto& scene : scenes) scene->take_turn();
+  for (const Layers& l : group) scenes.push_back(std::make_unique<Scene>(l));
+  for (int turn = 0; turn < plan.turns; ++turn) {
+    machine.take_turn();
+    for (auto& scene : scenes) scene->take_turn(steps_a_turn(machine.cells()));
   }
-  for (auto& scene : scenes) report(*scene, fluid, size.cells, figures);
+  report.add(machine, n);
+  for (auto& scene : scenes) report.add(*scene, machine);
+}
+
+/// `only` as the option has it; empty: all.
+bool wanted(const std::string& key, const std::string& only) {
+  std::istringstream texts(only);
+  for (std::string text; std::getline(texts, text, ',');)
+    if (text.ends_with("$") ? key + "$" == text : key.find(text) != std::string::npos) return true;
+  return only.empty();
+}
+
+/// Takes --only TEXT from the options.
+std::string wanted_scenes(Options& options) {
+  if (options.others.size() != 2 || options.others[0] != "--only") return "";
+  const std::string only = options.others[1];
+  options.others.clear();
+  return only;
+}
+
+void run(Options options) {
+  const std::string only = wanted_scenes(options);
+  require_no_others(options);
+  const Plan plan = options.quick ? Plan{96, 3} : Plan{160, 5};
+  Report report(plan, peak_gflops<float>());
+  std::map<std::string, std::vector<Layers>> groups;  // by case, body and box
+  std::vector<std::string> order;
+  for (const Layers& l : plan.scenes()) {
+    const std::string key = plan.key(l);
+    if (!wanted(key, only)) continue;
+    const std::string box = std::string(1, l.name) + l.body + std::to_string(l.edge);
+    if (!groups.count(box)) order.push_back(box);
+    groups[box].push_back(l);
+  }
+  for (const std::string& box : order) measure(groups[box], plan, report);
+  report.write(options.json);
 }
 
 }  // namespace
+}  // namespace silt::bench
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
-  bench::Options options = bench::options_of(argc, argv);
-  std::string only;
-  if (options.others.size() == 2 && options.others[0] == "--only")
-    only = options.others[1], options.others.clear();
-  bench::require_no_others(options);
-  const Size size = options.quick ? Size{96, 5} : Size{160, 9};
-  bench::Figures figures;
-  std::vector<Setup> group;
-  const auto flush = [&] {
-    if (!group.empty()) measure(group, size, figures);
-    group.clear();
-  };
-  for (const Setup& s : all_setups()) {
-    if (only.ends_with("$") ? s.key() + "$" != only : s.key().find(only) == std::string::npos) continue;
-    if (!group.empty() && (s.name != group[0].name || s.diameter != group[0].diameter)) flush();
-    group.push_back(s);
-  }
-  flush();
-  figures.write(options.json);
-  MPI_Finalize();
+  return silt::bench::main_of(argc, argv, silt::bench::run);
 }

@@ -3,27 +3,25 @@
 // Everything that is compared is measured in turn in one run; figures are medians of the repetitions, with
 // the lowest and the highest. `share` is production over the in-place bandwidth bound (bound.hpp) of the same
 // working set; production's time includes its ghost layers, the bound and the textbook kernels have none.
-// Sizes are cells an edge.
+// GFlop/s count the operations of production's cell (work.hpp) for every kernel, those of the bound its own.
+// Two ranks: the same box for each, against the bound of both at the same time; their efficiency is that
+// share over the share of one rank alone, taken in turn. Sizes are cells an edge.
 //   scripts/bench fluid [--quick] [--json FILE]       (mpirun -n 2: without, the figures of two ranks are
 //   left out)
-#include <mpi.h>
-
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <string>
 #include <thread>
 
 #include "lbm/fluid.hpp"
-#include "lbm/isa.hpp"
 #include "tests/bench/bound.hpp"
+#include "tests/bench/main.hpp"
+#include "tests/bench/work.hpp"
 
 namespace silt::bench {
 namespace {
-
-/// Additions and multiplications of a cell in lbm/stream_collide_kernel.cpp, each expression once.
-constexpr double flops_per_cell = 140;
-constexpr double values_per_cell = 2 * lbm::directions;  // read and written
 
 struct Variant {
   const char* name;
@@ -124,31 +122,22 @@ void require_same_flow(const Variant& variant) {
 
 template <class T>
 constexpr const char* precision = sizeof(T) == 4 ? "single" : "double";
-
-template <class T>
-double peak_gflops() {
-  Spread rate;
-  T sink;
-  for (int r = 0; r < 5; ++r) {
-    double flops = 0;
-    const double t = seconds([&] { flops = add_and_multiply(&sink, 2'000'000); });
-    rate.add(flops / t * 1e-9);
-  }
-  return rate.highest();
-}
+constexpr const char *production_name = "production, in place", *bound_name = "bound";
 
 /// Prints a row and adds it to the table.
 template <class T>
-void report(Figures& out, const char* kernel, int n, int ranks, const Spread& mlups, const Spread& bound,
-            double peak) {
-  const double gflops = mlups.middle() * flops_per_cell * 1e-3;
-  const double gbytes = mlups.middle() * values_per_cell * sizeof(T) * 1e-3;
+void report(Figures& out, const std::string& kernel, int n, int ranks, const Spread& mlups,
+            const Spread& bound, double peak) {
+  const double flops = kernel == bound_name ? lbm::directions : flops_per_cell;
+  const double gflops = mlups.middle() * flops * 1e-3;
+  const double gbytes = mlups.middle() * bytes_per_cell<T> * 1e-3;
   const Spread share = ratio(mlups, bound);
   printf(
       "%s %3d^3 %d core%s  %-38s %6.1f MLUPS (%.1f to %.1f)  %5.1f GB/s  %5.1f GFlop/s, %2.0f %% of peak  "
       "share %.2f (%.2f to %.2f)\n",
-      precision<T>, n, ranks, ranks > 1 ? "s" : " ", kernel, mlups.middle(), mlups.lowest(), mlups.highest(),
-      gbytes, gflops, 100 * gflops / (ranks * peak), share.middle(), share.lowest(), share.highest());
+      precision<T>, n, ranks, ranks > 1 ? "s" : " ", kernel.c_str(), mlups.middle(), mlups.lowest(),
+      mlups.highest(), gbytes, gflops, 100 * gflops / (ranks * peak), share.middle(), share.lowest(),
+      share.highest());
   out.table.push_back(adapters::Json::object({{"kernel", kernel},
                                               {"precision", precision<T>},
                                               {"cells_an_edge", n},
@@ -182,53 +171,27 @@ void one_core(int n, const Plan& plan, double peak, Figures& out) {
   for (const Variant& v : variants) books.emplace_back(n, v, 0.8);
   Spread production;
   std::vector<Spread> textbook(std::size(variants));
-  const int fast = steps_of(n, plan.updates), slow = steps_of(n, plan.updates / 8);
+  const int fast = steps_of(n, plan.updates), slow = std::max(1, fast / 8);
   for (int r = 0; r <= plan.repetitions; ++r) {  // the first one warms up
-    if (r == 1) production = {}, textbook.assign(std::size(variants), {}), bound.forget();
+    if (r == 1) production = {}, bound.forget();
     bound.sample(fast, [] {});
     production.add(fast * cells * 1e-6 / seconds([&] {
                      for (int t = 0; t < fast; ++t) step(fluid);
                    }));
-    for (std::size_t k = 0; k < books.size() && r % 3 <= 1; ++k)  // they are slow: in fewer repetitions
+    for (std::size_t k = 0; k < books.size() && r % 2 == 1; ++k)  // they are slow: in fewer repetitions
       textbook[k].add(slow * cells * 1e-6 / seconds([&] {
                         for (int t = 0; t < slow; ++t) books[k].collide();
                       }));
   }
   for (std::size_t k = 0; k < books.size(); ++k)
     report<T>(out, variants[k].name, n, 1, textbook[k], bound.best(), peak);
-  report<T>(out, "production, in place", n, 1, production, bound.best(), peak);
-  report<T>(out, "bound", n, 1, bound.best(), bound.best(), peak);
+  report<T>(out, production_name, n, 1, production, bound.best(), peak);
+  report<T>(out, bound_name, n, 1, bound.best(), bound.best(), peak);
   const std::string key = std::string("fluid.") + precision<T>;
   const double share = ratio(production, bound.best()).middle();
   if (n == plan.sizes[0])
     out.figures[key + ".share"] = share, out.figures[key + ".mlups"] = production.middle();
   if (n == plan.sizes[1]) out.figures[key + ".share_80"] = share;
-}
-
-/// Blocks of n^3 on each of all ranks against the bound of all of them at the same time. Returns the
-/// efficiency.
-template <class T>
-double all_ranks(int n, int ranks, const Plan& plan, double peak, bool loud, Figures& out) {
-  const double cells = double(n) * n * n * ranks;
-  auto fluid = periodic_box<T>({n, n, n * ranks}, false, ranks, MPI_COMM_WORLD);
-  Bound<T> bound(std::ptrdiff_t(n) * n * n);
-  const auto together = [] { MPI_Barrier(MPI_COMM_WORLD); };
-  const int fast = steps_of(n, plan.updates);
-  Spread production;
-  for (int r = 0; r <= plan.repetitions; ++r) {
-    if (r == 1) production = {}, bound.forget();
-    bound.sample(fast, together);
-    together();
-    production.add(fast * cells * 1e-6 / seconds([&] {
-                     for (int t = 0; t < fast; ++t) step(fluid);
-                     together();
-                   }));
-  }
-  Spread total = bound.best();
-  MPI_Allreduce(MPI_IN_PLACE, total.samples.data(), int(total.samples.size()), MPI_DOUBLE, MPI_SUM,
-                MPI_COMM_WORLD);
-  if (loud) report<T>(out, "production, in place", n, ranks, production, total, peak);
-  return ratio(production, total).middle();
 }
 
 /// A barrier that leaves the machine to those who still work.
@@ -239,9 +202,82 @@ void wait_asleep() {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
-void run(const Options& o, int rank, int ranks) {
+/// Blocks of n^3, one a rank, on so many ranks of the world, and the bound of all of them at the same time.
+template <class T>
+class Side {
+ public:
+  Side(int n, int ranks, MPI_Comm comm)
+      : cells_(double(n) * n * n * ranks),
+        ranks_(ranks),
+        comm_(comm),
+        fluid_(periodic_box<T>({n, n, n * ranks}, false, ranks, comm)),
+        bound_(std::ptrdiff_t(n) * n * n) {}
+  void sample(int steps) {
+    const auto together = [&] { MPI_Barrier(comm_); };
+    bound_.sample(steps, together);
+    together();
+    mlups_.add(steps * cells_ * 1e-6 / seconds([&] {
+                 for (int t = 0; t < steps; ++t) step(fluid_);
+                 together();
+               }));
+  }
+  void forget() { mlups_ = {}, bound_.forget(); }
+  int ranks() const { return ranks_; }
+  const Spread& mlups() const { return mlups_; }
+  /// Of all ranks together. Collective.
+  Spread bound() const {
+    Spread total = bound_.best();
+    MPI_Allreduce(MPI_IN_PLACE, total.samples.data(), int(total.samples.size()), MPI_DOUBLE, MPI_SUM, comm_);
+    return total;
+  }
+
+ private:
+  double cells_;
+  int ranks_;
+  MPI_Comm comm_;
+  lbm::Fluid<T> fluid_;
+  Bound<T> bound_;
+  Spread mlups_;
+};
+
+/// All ranks and the first one alone, in turn.
+template <class T>
+void all_ranks(int n, int ranks, const Plan& plan, double peak, bool loud, Figures& out) {
+  Side<T> all(n, ranks, MPI_COMM_WORLD);
+  std::unique_ptr<Side<T>> one;
+  if (loud) one = std::make_unique<Side<T>>(n, 1, MPI_COMM_SELF);
+  const int steps = steps_of(n, plan.updates);
+  for (int r = 0; r <= plan.repetitions; ++r) {  // the first one warms up
+    if (r == 1) all.forget();
+    if (r == 1 && one) one->forget();
+    all.sample(steps);
+    if (one) one->sample(steps);
+    wait_asleep();
+  }
+  const Spread bound = all.bound();
+  if (!loud) return;
+  report<T>(out, production_name, n, ranks, all.mlups(), bound, peak);
+  const Spread share = ratio(all.mlups(), bound), alone = ratio(one->mlups(), one->bound());
+  const double efficiency = ratio(share, alone).middle(),
+               speed_up = ratio(all.mlups(), one->mlups()).middle();
+  printf(
+      "%s %3d^3 a core: share of the bound on %d cores over that on one %.2f; speed-up %.2f, of the bound "
+      "%.2f\n",
+      precision<T>, n, ranks, efficiency, speed_up, ratio(bound, one->bound()).middle());
+  if (ranks != 2) return;
+  const std::string key =
+      std::string("fluid.") + precision<T> + (n == plan.sizes[0] ? "" : "_" + std::to_string(n));
+  out.figures[key + ".two_rank_share"] = share.middle();
+  out.figures[key + ".two_rank_efficiency"] = efficiency;
+  out.figures[key + ".two_rank_speed_up"] = speed_up;
+  if (key == "fluid.single") out.figures["fluid.two_rank_efficiency"] = efficiency;
+}
+
+void run(const Options& o) {
   require_no_others(o);
-  lbm::flush_denormals_to_zero();
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   const bool loud = rank == 0;
   const Plan plan = o.quick ? Plan{{48, 32, 16}, 3, 1} : Plan{{160, 80, 40}, 7, 25};
   Figures out;
@@ -254,13 +290,9 @@ void run(const Options& o, int rank, int ranks) {
       one_core<float>(n, plan, peak[0], out), one_core<double>(n, plan, peak[1], out);
   }
   wait_asleep();
-  if (ranks > 1) {
-    const int n = plan.sizes[0], small = plan.sizes[1];
-    const double single = all_ranks<float>(n, ranks, plan, peak[0], loud, out);
-    all_ranks<double>(n, ranks, plan, peak[1], loud, out);
-    all_ranks<float>(small, ranks, plan, peak[0], loud, out);
-    all_ranks<double>(small, ranks, plan, peak[1], loud, out);
-    if (ranks == 2) out.figures["fluid.two_rank_efficiency"] = single;
+  for (int size = 0; size < 2 && ranks > 1; ++size) {
+    all_ranks<float>(plan.sizes[size], ranks, plan, peak[0], loud, out);
+    all_ranks<double>(plan.sizes[size], ranks, plan, peak[1], loud, out);
   }
   if (loud) out.write(o.json);
 }
@@ -269,16 +301,5 @@ void run(const Options& o, int rank, int ranks) {
 }  // namespace silt::bench
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
-  setvbuf(stdout, nullptr, _IOLBF, 0);
-  int rank = 0, ranks = 1;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  try {
-    silt::bench::run(silt::bench::options_of(argc, argv), rank, ranks);
-  } catch (const std::exception& e) {
-    fprintf(stderr, "%s\n", e.what());
-    MPI_Abort(MPI_COMM_WORLD, 2);
-  }
-  MPI_Finalize();
+  return silt::bench::main_of(argc, argv, silt::bench::run);
 }

@@ -1,16 +1,14 @@
 // Bytes a cell, everything included: by how much the resident set grows when a coupled scene is built and has
 // run for some steps (6 % of the volume in spheres of 6 cells, single precision), over its cells.
 //   scripts/bench memory [--quick] [--json FILE]
-#include <mpi.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <string>
 
 #include "coupler/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/bench/figures.hpp"
-#include "tests/bench/layers_of_spheres.hpp"
+#include "tests/bench/layers.hpp"
+#include "tests/bench/main.hpp"
 
 namespace silt::bench {
 namespace {
@@ -30,16 +28,18 @@ double resident(const char* line) {
 void run(const Options& o) {
   require_no_others(o);
   const int n = o.quick ? 64 : 160;
-  const double cells = double(n) * n * n, before = resident("VmRSS:");
-  coupler::Simulation s(coupler::read_case_text(layers_of_spheres(16, n, "cli", "implicit"), "memory"),
-                        MPI_COMM_SELF);
+  const Layers layers{.edge = n};
+  const auto [nx, ny, nz] = layers.cells();
+  const double cells = double(nx) * ny * nz, before = resident("VmRSS:");
+  coupler::Simulation s(coupler::read_case_text(layers.text(), "memory"), MPI_COMM_SELF);
   for (int t = 0; t < 10; ++t) s.step();
   const double bytes = (resident("VmRSS:") - before) / cells, peak = (resident("VmHWM:") - before) / cells;
   const double populations = double(s.scene().flow->bytes()) / cells;
   printf(
-      "%d^3 cells, %llu bodies: %.1f bytes a cell (populations %.1f, of them padding and ghosts %.1f); at "
+      "%d x %d x %d cells, %llu bodies: %.1f bytes a cell (populations %.1f, of them padding and ghosts "
+      "%.1f); at "
       "most %.1f\n",
-      n, static_cast<unsigned long long>(s.scene().body_count), bytes, populations,
+      nx, ny, nz, static_cast<unsigned long long>(s.scene().body_count), bytes, populations,
       populations - 4 * lbm::directions, peak);
   Figures out;
   out.figures["memory.bytes_per_cell"] = bytes;
@@ -52,14 +52,5 @@ void run(const Options& o) {
 }  // namespace silt::bench
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
-  int code = 0;
-  try {
-    silt::bench::run(silt::bench::options_of(argc, argv));
-  } catch (const std::exception& e) {
-    fprintf(stderr, "%s\n", e.what());
-    code = 2;
-  }
-  MPI_Finalize();
-  return code;
+  return silt::bench::main_of(argc, argv, silt::bench::run);
 }

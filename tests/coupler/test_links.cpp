@@ -79,7 +79,7 @@ void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>
     EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
     for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {
       const std::uint32_t p = links.place[l];
-      const Int3 x = g.corner + Int3{lbm::place_x(p), lbm::place_y(p), 0};
+      const Int3 x = g.corner + lbm::place_cell(p);
       bool rim = false;
       for (int d = 0; d < 3; ++d) rim |= x[d] == 0 || x[d] == map.box.size[d] - 1;
       EXPECT_EQ(rim, g.ready < 0);
@@ -180,7 +180,7 @@ std::map<std::array<int, 4>, NarrowLink<T>> narrow_links(const std::vector<Surfa
     for (const lbm::LinkGroup& g : links.groups)
       for (std::uint32_t l = 0; g.scheme == WallScheme::narrow && (l < g.count || l % lbm::link_lanes); ++l) {
         const std::uint32_t p = links.place[g.begin + l];
-        const Int3 x = g.corner + Int3{lbm::place_x(p), lbm::place_y(p), 0};
+        const Int3 x = g.corner + lbm::place_cell(p);
         auto& link = found[{x.x, x.y, x.z, lbm::place_direction(p)}];
         link.surface = k, link.q = links.q[g.begin + l], link.far.push_back(g.far + l);
       }

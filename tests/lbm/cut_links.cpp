@@ -73,7 +73,7 @@ class Walled {
         const Hit h = scene_.hit(x.x + 0.5, x.y + 0.5, c[i]);
         if (h.q >= 1 || h.surface != surface) continue;
         const bool blocked = scene_.hit(x.x + 0.5, x.y + 0.5, c[opposite(i)]).q < 1;
-        if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place(x.x, x.y, i), h.q);
+        if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place({x.x, x.y, 0}, i), h.q);
       }
     });
     const std::uint32_t count = std::uint32_t(links.place.size()) - begin;

@@ -32,7 +32,7 @@ CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, cons
     if (c[i].z != side) continue;
     for (int n = 0; n < link_lanes; ++n) {
       const Int3 x = cell_of(n, layer);
-      links.place.push_back(link_place(x.x, x.y, i)), links.q.push_back(q);
+      links.place.push_back(link_place({x.x, x.y, 0}, i)), links.q.push_back(q);
     }
   }
   links.groups.push_back({0, std::uint32_t(links.place.size()), scheme, {0, 0, layer}, -1});

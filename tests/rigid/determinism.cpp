@@ -54,6 +54,32 @@ Scene tumble_of_impacts(unsigned order) {
   return s;
 }
 
+/// Balls of two materials, slippery between equals and rough between unequals, so that groups of contacts
+/// with friction, without, and of both come about.
+Scene partly_slippery(unsigned order) {
+  Scene s(0.4, 0, {3, 3, 8});
+  s.extent.periodic = {true, true, false};
+  s.world.materials = {{0.4, 0}, {0.4, 0.5}, {0.4, 0.5}, {0.4, 0}};
+  s.world.material_count = 2;
+  s.world.gravity = {0.5, 0, -9.81};
+  s.world.contact_margin = 0.1;
+  s.settings.max_sweeps = 6;
+  const int ball = s.shape(Sphere{0.35});
+  std::vector<int> ids(bodies_in_scene);
+  for (int i = 0; i < bodies_in_scene; ++i) ids[i] = i;
+  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
+  for (int id : ids) {
+    std::mt19937 random(id);
+    std::uniform_real_distribution<> u(-1, 1);
+    const Vec3 x(0.4 + 0.75 * (id % 4), 0.4 + 0.75 * (id / 4 % 4), 0.4 + 0.75 * (id / 16));
+    s.add_with_id(10 + 3 * id, ball, x, {u(random), u(random), u(random)}, {5 * u(random), 5 * u(random), 0},
+                  1);
+    s.bodies.material[s.row(10 + 3 * id)] = id % 3 == 0;
+  }
+  s.floor();
+  return s;
+}
+
 /// Balls, boxes and stars on a turning plate, prescribed, much larger than a rank's slab, with a beam across
 /// it (a compound) that sweeps them along.
 Scene carousel(unsigned order) {
@@ -209,6 +235,13 @@ TEST(Determinism, TheBroadPhaseDoesNotShow) {
     for (int ranks : {1, 3}) expect_same(reference, on_ranks("sffd", ranks, 200));
     testing::broad_phase_name = "auto";
   }
+}
+
+TEST(Determinism, WhatIsSolvedBesideAContactDoesNotShow) {
+  const Outcome reference = on_one_rank("sffd", 1, 300, partly_slippery);
+  EXPECT_GT(reference.contacts, 10000u);
+  expect_same(reference, on_one_rank("sffd", 2, 300, partly_slippery));
+  for (int ranks : {2, 3, 5}) expect_same(reference, on_ranks("sffd", ranks, 300, partly_slippery));
 }
 
 TEST(Determinism, ImpactsToo) {

@@ -1,0 +1,30 @@
+#pragma once
+// What the benchmarks' programs begin and end with.
+#include <mpi.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "lbm/isa.hpp"
+#include "tests/bench/figures.hpp"
+
+namespace silt::bench {
+
+/// main() of a benchmark: run(options) with MPI up, numbers treated as in production, lines shown as they
+/// come. What it throws is said, and the exit code is then 2 (on several ranks for all of them).
+template <class Run>
+int main_of(int argc, char** argv, Run&& run) {
+  MPI_Init(&argc, &argv);
+  setvbuf(stdout, nullptr, _IOLBF, 0);
+  lbm::flush_denormals_to_zero();
+  try {
+    run(options_of(argc, argv));
+  } catch (const std::exception& e) {
+    fprintf(stderr, "%s\n", e.what());
+    MPI_Abort(MPI_COMM_WORLD, 2);
+  }
+  MPI_Finalize();
+  return 0;
+}
+
+}  // namespace silt::bench
