@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "coupler/bit_kernels.hpp"
-#include "lbm/link_places.hpp"
+#include "coupler/line_lanes.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -108,10 +108,23 @@ inline void moved(const std::uint64_t* stream, std::ptrdiff_t shift, int n, std:
     for (int w = 0; w < n; ++w) out[w] = from[w] >> s | from[w + 1] << (64 - s);
 }
 
+/// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
+/// layer: all but two at either end of the frame.
+inline void set_cells(const BitFrame& frame, std::size_t row, double first, double last,
+                      std::uint64_t* words) {
+  first = std::max(first, 2.0), last = std::min(last, frame.size.x - 3.0);
+  if (!(first <= last)) return;
+  const std::size_t from = row + std::size_t(first), to = row + std::size_t(last);
+  for (std::size_t w = from >> 6; w <= to >> 6; ++w) {
+    const std::size_t low = w * 64 < from ? from - w * 64 : 0, high = std::min<std::size_t>(to - w * 64, 63);
+    words[w] |= ~std::uint64_t{0} >> (63 - (high - low)) << low;
+  }
+}
+
 }  // namespace
 
 /// Row by row, where the line of cell centres is inside, in closed form.
-void mark_sphere(const BitFrame& frame, const SphereInFrame& ball, std::uint64_t* words) {
+void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius, std::uint64_t* words) {
   constexpr int most = 64;  // rows at a time
   double first[most], last[most];
   for (int z = 2; z < frame.size.z - 2; ++z) {
@@ -120,23 +133,55 @@ void mark_sphere(const BitFrame& frame, const SphereInFrame& ball, std::uint64_t
       const int n = std::min(most, frame.size.y - 2 - y0);
       for (int k = 0; k < n; ++k) {
         const double ry = (ball.low.y + (y0 + k) + 0.5) - ball.y;
-        const double h2 = ball.radius * ball.radius - ry * ry - rz * rz;
+        const double h2 = radius * radius - ry * ry - rz * rz;
         const double half = std::sqrt(h2 < 0 ? 0 : h2), centre = ball.x - 0.5;
         first[k] = h2 < 0 ? 1 : std::ceil(centre - half) - ball.low.x;
         last[k] = h2 < 0 ? 0 : std::floor(centre + half) - ball.low.x;
       }
       for (int k = 0; k < n; ++k) {
-        const int from = int(std::max(first[k], 2.0)), to = int(std::min(last[k], frame.size.x - 3.0));
-        if (from > to) continue;
         const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y0 + k) * frame.pitch;
-        if (frame.pitch <= 64) {
-          words[row >> 6] |= (~std::uint64_t{0} >> (63 - (to - from))) << ((row & 63) + from);
-        } else {
-          for (int x = from; x <= to; ++x) words[(row + x) >> 6] |= std::uint64_t{1} << (x & 63);
-        }
+        set_cells(frame, row, first[k], last[k], words);
       }
     }
   }
+}
+
+namespace {
+
+/// The same for a part of any kind, a row a lane.
+template <PartKind kind>
+void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
+               const Plane<double>* planes, std::uint64_t* words) {
+  using Lines = LineLanes<double, kind>;
+  using V = typename Lines::V;
+  constexpr int lanes = Lines::L::count;
+  const double x = centre.x - 0.5;
+  V lane;
+  for (int l = 0; l < lanes; ++l) lane[l] = l;
+  for (int z = 2; z < frame.size.z - 2; ++z) {
+    const V rz = V{} + ((centre.low.z + z + 0.5) - centre.z);
+    for (int y = 2; y < frame.size.y - 2; y += lanes) {
+      const V ry = ((centre.low.y + y + 0.5) + lane) - centre.y;
+      const auto in = Lines(part, {V{}, ry, rz}, {V{} + 1.0, V{}, V{}}).inside(part, planes);
+      for (int l = 0; l < std::min(lanes, frame.size.y - 2 - y); ++l) {
+        if (in.enter[l] > in.leave[l]) continue;
+        const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
+        set_cells(frame, row, std::ceil(x + in.enter[l]) - centre.low.x,
+                  std::floor(x + in.leave[l]) - centre.low.x, words);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+/// The cells inside any part. Bodies that are spheres, which need neither turning nor a division, have their
+/// own.
+void mark_parts(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
+                std::uint64_t* words) {
+  for (int k = 0; k < surface.count; ++k)
+    with_kind(surface.parts[k].kind,
+              [&](auto kind) { mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words); });
 }
 
 /// The links of rows [y0, y1) of some planes of the frame. Both lists need link_lanes of room more than they
@@ -170,29 +215,5 @@ LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, 
   }
   return n;
 }
-
-/// q of |r + q c| = radius: the smaller root, within [0, 1].
-template <class T>
-void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
-                      lbm::Int3 corner, double radius, T* q) {
-  using L = lbm::SILT_ISA::Lanes<T>;
-  using V = typename L::Real;
-  const lbm::SILT_ISA::PlaceOrigin<T> origin(corner, frame);
-  const T r2 = T(radius * radius);
-  for (int l = 0; l < padded; l += L::count) {
-    const lbm::SILT_ISA::Places<T> at(place + l, origin);
-    const V &x = at.r[0], &y = at.r[1], &z = at.r[2];
-    const V a = at.length_squared(), b = at.along(x, y, z);
-    const V discriminant = b * b - a * ((x * x + y * y + z * z) - r2);
-    const V root = (-b - L::root(discriminant < T(0) ? V{} : discriminant)) / a;
-    const V found = root < T(0) ? V{} : root > T(1) ? V{} + T(1) : root;
-    __builtin_memcpy(q + l, &found, sizeof found);
-  }
-}
-
-template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, double,
-                               float*);
-template void sphere_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3, double,
-                               double*);
 
 }  // namespace silt::coupler::SILT_ISA

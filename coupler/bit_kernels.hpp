@@ -1,22 +1,17 @@
 #pragma once
-// The kernels of object mapping, built once an instruction set: bits of spheres, bits of cut links and their
-// lists, wall distances of spheres.
+// The kernels of object mapping, built once an instruction set: bits of bodies, bits of cut links and their
+// lists.
 #include <cstdint>
 
 #include "coupler/bit_window.hpp"
-#include "lbm/cut_links.hpp"
-#include "lbm/isa.hpp"
+#include "coupler/surface_kernels.hpp"
 
 namespace silt::coupler {
 
-using lbm::chosen_isa;
-using lbm::Isa;
-
-/// A sphere seen from a frame: `centre` from the centre of the frame's first cell.
-struct SphereInFrame {
+/// The reference point of a body seen from a frame.
+struct PointInFrame {
   double x, y, z;  // canonical: the same for every frame, to the bit, once whole cells are taken off
-  double radius;
-  lbm::Int3 low;  // cell of the frame's bit 0, in the coordinates of the centre
+  lbm::Int3 low;   // cell of the frame's bit 0, in the coordinates of the point
 };
 
 /// What the links of one surface are made of; streams of one frame.
@@ -34,14 +29,12 @@ struct LinkCounts {
 
 }  // namespace silt::coupler
 
-#define SILT_BIT_KERNELS(isa)                                                                               \
-  namespace silt::coupler::isa {                                                                            \
-  void mark_sphere(const BitFrame&, const SphereInFrame&, std::uint64_t* words);                            \
-  LinkCounts list_links(const BitFrame&, int z, int planes, int y0, int y1, const LinkBits&,                \
-                        std::uint32_t* place, std::uint32_t* narrow);                                       \
-  template <class T>                                                                                        \
-  void sphere_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&, lbm::Int3 corner, \
-                        double radius, T* q);                                                               \
+#define SILT_BIT_KERNELS(isa)                                                                              \
+  namespace silt::coupler::isa {                                                                           \
+  void mark_sphere(const BitFrame&, const PointInFrame&, double radius, std::uint64_t* words);             \
+  void mark_parts(const BitFrame&, const PointInFrame&, const SurfaceView<double>&, std::uint64_t* words); \
+  LinkCounts list_links(const BitFrame&, int z, int planes, int y0, int y1, const LinkBits&,               \
+                        std::uint32_t* place, std::uint32_t* narrow);                                      \
   }
 
 SILT_BIT_KERNELS(portable)

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 
 #include "coupler/bit_kernels.hpp"
+#include "coupler/surface_parts.hpp"
 #include "lbm/sweep.hpp"
-#include "rigid/ray_interval.hpp"
 
 namespace silt::coupler {
 
@@ -26,74 +25,14 @@ LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const L
                    std::uint32_t* place, std::uint32_t* narrow) {
   SILT_DISPATCH(list_links, frame, planes.z, planes.count, y0, y1, bits, place, narrow)
 }
-template <class T>
+template <class Real, class T>
 void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
-                  double radius,
-                  T* q){SILT_DISPATCH(sphere_distances, place, padded, frame, corner, radius, q)}
+                  const SurfaceView<Real>& surface,
+                  T* q){SILT_DISPATCH(surface_distances, place, padded, frame, corner, surface, q)}
 
 std::uint32_t filled_up(std::uint32_t n) {
   return (n + lbm::link_lanes - 1) & ~std::uint32_t(lbm::link_lanes - 1);
 }
-
-/// Distance of the inside of a tube along one link direction, in units of it.
-class TubeDistance {
- public:
-  TubeDistance(double radius, const rigid::Mat3& to_tube) : radius_(radius), across_(to_tube.topRows<2>()) {}
-  void point(const Vec3& c) { direction_ = across_ * c, a_ = direction_.squaredNorm(); }
-  /// The larger root of |o + q d| = radius, seen along the axis, without cancellation; r is in the hollow.
-  double operator()(const Vec3& r) const {
-    const Eigen::Vector2d o = across_ * r;
-    const double rho = o.norm(), b = o.dot(direction_), c = (rho - radius_) * (rho + radius_);
-    const double s = std::sqrt(std::max(b * b - a_ * c, 0.0));
-    return b > 0 ? -c / (b + s) : (s - b) / a_;
-  }
-
- private:
-  double radius_, a_ = 0;
-  Eigen::Matrix<double, 2, 3> across_;
-  Eigen::Vector2d direction_ = Eigen::Vector2d::Zero();
-};
-
-/// Distance of a body's surface along one link direction, prepared once a body and direction.
-class SurfaceDistance {
- public:
-  SurfaceDistance(const rigid::Shape& shape, const rigid::Pose& pose) {
-    const rigid::Mat3 to_body = pose.orientation.toRotationMatrix().transpose();
-    if (const auto* tube = std::get_if<rigid::Tube>(&shape)) tube_.emplace(tube->radius, to_body);
-    for (const auto& part : rigid::convex_parts(shape)) {
-      const rigid::Mat3 to_part = part.pose.orientation.toRotationMatrix().transpose();
-      parts_.push_back({part.shape, rigid::reach({part.shape, rigid::Pose{}}), to_part * to_body,
-                        to_part * part.pose.position, Vec3::Zero()});
-    }
-  }
-  void point(int i) {
-    const Int3 c = lbm::c[i];
-    if (tube_) tube_->point(Vec3(c.x, c.y, c.z));
-    for (auto& p : parts_) p.direction = p.rotation * Vec3(c.x, c.y, c.z);
-  }
-  double operator()(const Vec3& r) const {
-    if (tube_) return std::clamp((*tube_)(r), 0.0, 1.0);
-    double q = 1;
-    for (const auto& p : parts_) {
-      const Vec3 origin = p.rotation * r - p.centre;
-      const double reach = p.radius + std::sqrt(2.0);  // of the part and the longest link
-      if (origin.squaredNorm() > reach * reach) continue;
-      const auto inside = rigid::ray_interval(p.shape, origin, p.direction);
-      if (inside && inside->leave >= 0) q = std::min(q, inside->enter);
-    }
-    return std::clamp(q, 0.0, 1.0);
-  }
-
- private:
-  struct PreparedPart {
-    rigid::ConvexShape shape;
-    double radius;
-    rigid::Mat3 rotation;    // world to part
-    Vec3 centre, direction;  // of the part from the centre of mass, and of the link; in the part's frame
-  };
-  std::optional<TubeDistance> tube_;
-  std::vector<PreparedPart> parts_;
-};
 
 /// Reads rows of 64 bits and writes them as the rows of a window.
 template <class Row>
@@ -140,14 +79,11 @@ class LinkWriter {
 
  private:
   void write(const rigid::Shape& shape) {
-    ball_ = std::get_if<rigid::Sphere>(&shape);
     const BitFrame& frame = mask_->frame();
     if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
       throw std::invalid_argument(
           "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
-    std::optional<SurfaceDistance> distance;
-    if (!ball_ && scheme_ != WallScheme::bounce_back) distance.emplace(shape, mask_->pose);
-    distance_ = distance ? &*distance : nullptr;
+    if (scheme_ != WallScheme::bounce_back) prepare_surface(shape);
     const Int3 n = map_.box.size;
     solid_.reset(frame);
     fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
@@ -253,22 +189,23 @@ class LinkWriter {
     return n;
   }
 
-  void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
-    if (scheme_ == WallScheme::bounce_back)
-      std::fill_n(q, n, T(0.5));
-    else if (ball_)
-      distances_of(place, int(filled_up(n)), links_->frame, corner, ball_->radius, q);
+  /// Tubes in double: they may be far longer than anything else is wide.
+  void prepare_surface(const rigid::Shape& shape) {
+    is_tube_ = std::holds_alternative<rigid::Tube>(shape);
+    if (is_tube_)
+      tube_.reset(shape, mask_->pose.orientation);
     else
-      set_distances_one_by_one(corner, place, n, q);
+      surface_.reset(shape, mask_->pose.orientation);
   }
 
-  void set_distances_one_by_one(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
-    int direction = 0;
-    for (std::uint32_t k = 0; k < n; ++k) {
-      if (const int i = lbm::place_direction(place[k]); i != direction) distance_->point(direction = i);
-      const Int3 cell = corner + lbm::place_cell(place[k]);
-      q[k] = T((*distance_)(mask_->arm(map_.box.lower + cell)));
-    }
+  void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
+    const int padded = int(filled_up(n));
+    if (scheme_ == WallScheme::bounce_back)
+      std::fill_n(q, n, T(0.5));
+    else if (is_tube_)
+      distances_of(place, padded, links_->frame, corner, tube_.view(), q);
+    else
+      distances_of(place, padded, links_->frame, corner, surface_.view(), q);
   }
 
   const BlockMap& map_;
@@ -276,8 +213,9 @@ class LinkWriter {
   lbm::Sweep sweep_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
-  const rigid::Sphere* ball_ = nullptr;
-  SurfaceDistance* distance_ = nullptr;
+  SurfaceParts<T> surface_;
+  SurfaceParts<double> tube_;
+  bool is_tube_ = false;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> place_, narrow_;
   std::vector<T> q_, narrow_q_;

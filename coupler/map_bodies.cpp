@@ -28,8 +28,12 @@ bool same(const rigid::Pose& a, const rigid::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-void mark_ball(const BitFrame& frame, const SphereInFrame& ball, std::uint64_t* words) {
-  SILT_DISPATCH(mark_sphere, frame, ball, words)
+void mark_ball(const BitFrame& frame, const PointInFrame& centre, double radius, std::uint64_t* words) {
+  SILT_DISPATCH(mark_sphere, frame, centre, radius, words)
+}
+void mark_others(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
+                 std::uint64_t* words) {
+  SILT_DISPATCH(mark_parts, frame, centre, surface, words)
 }
 
 /// Sets the bits of the cells first..last of a row, counted from the window's first cell, that lie in the
@@ -70,7 +74,6 @@ void take_cells(CellBits& solid, BodyMask& mask) {
 MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
                      std::span<const lbm::CellBox> boxes)
     : domain_(domain), world_(world) {
-  for (const auto& shape : world.shapes) parts_.push_back(rigid::convex_parts(shape));
   for (const auto& box : boxes) {
     BlockMap map;
     map.box = box;
@@ -161,31 +164,15 @@ void MapBodies::mark_around(const BlockMap& block, const rigid::Tube& tube, Body
 }
 
 /// Row by row: where the line of cell centres is inside, in closed form, relative to the body's centre.
-void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) const {
-  const BitFrame& frame = mask.inside.frame();
-  const Int3 low = block.box.lower + frame.low - mask.shift;  // of the frame, where the body is canonical
-  if (const auto* ball = std::get_if<rigid::Sphere>(&shape)) {
-    const Vec3& x = mask.pose.position;
-    mark_ball(frame, {x[0], x[1], x[2], ball->radius, low}, mask.inside.words());
-    return;
-  }
+void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) {
   if (const auto* tube = std::get_if<rigid::Tube>(&shape)) return mark_around(block, *tube, mask);
-  const auto& parts = parts_[&shape - world_.shapes.data()];
-  const rigid::Mat3 to_body = mask.pose.orientation.toRotationMatrix().transpose();
-  const Vec3 direction_B = to_body.col(0);
-  const double centre = mask.pose.position[0] - 0.5;
-  for (int z = frame.low.z + 2; z < frame.low.z + frame.size.z - 2; ++z)
-    for (int y = frame.low.y + 2; y < frame.low.y + frame.size.y - 2; ++y) {
-      const Vec3 r = mask.arm(block.box.lower + Int3{0, y, z});
-      const Vec3 origin_B = to_body * Vec3(0, r[1], r[2]);
-      for (const auto& part : parts) {
-        const auto hit = rigid::ray_interval(part.shape, part.pose.to_body(origin_B),
-                                             part.pose.orientation.conjugate() * direction_B);
-        if (hit)
-          set_interval(mask.inside, frame.row(y, z), std::ceil(centre + hit->enter) - low.x,
-                       std::floor(centre + hit->leave) - low.x);
-      }
-    }
+  const BitFrame& frame = mask.inside.frame();
+  const Vec3& x = mask.pose.position;
+  const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};
+  if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
+    return mark_ball(frame, centre, ball->radius, mask.inside.words());
+  surface_.reset(shape, mask.pose.orientation);
+  mark_others(frame, centre, surface_.view(), mask.inside.words());
 }
 
 bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bodies) const {

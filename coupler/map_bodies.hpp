@@ -5,6 +5,7 @@
 #include <span>
 
 #include "coupler/solid_map.hpp"
+#include "coupler/surface_parts.hpp"
 #include "lbm/domain.hpp"
 #include "rigid/body_set.hpp"
 #include "rigid/world.hpp"
@@ -38,14 +39,14 @@ class MapBodies {
   void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
-  void mark(const BlockMap&, const rigid::Shape&, BodyMask&) const;
+  void mark(const BlockMap&, const rigid::Shape&, BodyMask&);
   void mark_around(const BlockMap&, const rigid::Tube&, BodyMask&) const;
 
   const lbm::Domain& domain_;
   const rigid::World& world_;
-  std::vector<std::vector<rigid::Part>> parts_;  // of each shape
   std::vector<BlockMap> blocks_;
-  std::vector<Image> found_;  // in the block at work
+  std::vector<Image> found_;      // in the block at work
+  SurfaceParts<double> surface_;  // of the body at work
   std::vector<std::uint8_t> changed_rows_;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
-// Where a straight line is inside a convex shape: one interval, in closed form.
+// Where a straight line is inside a convex shape: one interval, in closed form, exact for lines from afar and
+// for grazing ones. (Object mapping asks of vectors of lines from close by: coupler/line_lanes.hpp. Each is
+// tested against the other.)
 #include <optional>
 
 #include "rigid/shape.hpp"

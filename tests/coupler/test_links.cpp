@@ -276,5 +276,97 @@ steps = 1
   expect_all_links<double>(s, map.blocks()[0], WallScheme::cli, 1e-9, surfaces, narrow);
 }
 
+/// One body of every shape, oblique and in line with the axes, across the sides of the box.
+Case one_of_each() {
+  constexpr const char* pyramid =
+      "vertices = [[4, 0, -2], [-1, 4.5, -2], [-4, -1, -2.5], [0, -4, -2], [0.5, 0.3, 5]]";
+  std::string text = R"(
+title = "one of each"
+[units]
+system = "lattice"
+[domain]
+size = [45, 30, 26]
+boundary = "periodic"
+[fluid]
+relaxation_time = 1.0
+[run]
+steps = 1
+)";
+  const std::string shapes[][2] = {
+      {"box", "edges = [8.3, 6.1, 4.7]"},
+      {"capsule", "radius = 2.6\nlength = 5.3"},
+      {"cylinder", "radius = 3.7\nlength = 6.2"},
+      {"ellipsoid", "diameters = [9.1, 6.3, 4.9]"},
+      {"polyhedron", pyramid},
+      {"compound",
+       "parts = [ { type = \"capsule\", radius = 1.6, length = 6, axis = [1, 0, 0] },\n"
+       "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 1, 0] },\n"
+       "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 0, 1] } ]"},
+      {"compound",
+       std::string("parts = [ { type = \"sphere\", radius = 2.2, position = [3, 1, 0] },\n"
+                   "{ type = \"box\", edges = [4, 3, 2.5], position = [-2, 0, 1], axis = [1, 2, 3] },\n"
+                   "{ type = \"cylinder\", radius = 1.1, length = 7, axis = [0, 1, 1] },\n"
+                   "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
+                   "{ type = \"polyhedron\", position = [0, 1, 1], ") +
+           pyramid + " } ]"}};
+  std::string bodies;
+  int n = 0;
+  for (const auto& [type, sizes] : shapes) {
+    const std::string name = type + std::to_string(n / 2);
+    text += "[[shapes]]\nname = \"" + name + "\"\ntype = \"" + type + "\"\n" + sizes + "\n";
+    for (const char* turn : {"[1, 0, 0, 0]", "[0.7, 0.3, -0.5, 0.2]"}) {
+      const auto at = [](int slot, int slots, double size, double shift) {
+        return std::to_string(std::fmod((slot + shift) * size / slots, size));
+      };
+      bodies += "[[bodies]]\nshape = \"" + name + "\"\ndensity = 1\norientation = " + turn +
+                "\nposition = [" + at(n % 4, 4, 45, 0.93 + 0.0041 * n) + ", " +
+                at(n / 4 % 2, 2, 30, 0.9173 + 0.0031 * n) + ", " + at(n / 8, 2, 26, 0.0341 + 0.0017 * n) +
+                "]\n";
+      ++n;
+    }
+  }
+  return read_case_text(text + bodies, "one of each");
+}
+
+/// Every q of the domain, by global cell and direction.
+using Distances = std::map<std::tuple<int, int, int, int>, double>;
+
+template <class T>
+Distances check_one_of_each(Int3 block, double rounding) {
+  Simulation s(one_of_each(), MPI_COMM_SELF);
+  std::vector<lbm::CellBox> boxes;
+  const Int3 n = s.scene().flow->domain().cells();
+  for (int z = 0; z < n.z; z += block.z)
+    for (int y = 0; y < n.y; y += block.y)
+      for (int x = 0; x < n.x; x += block.x) boxes.push_back({{x, y, z}, block});
+  MapBodies map(s.scene().flow->domain(), s.scene().world, boxes);
+  map(s.bodies());
+  Distances all;
+  int narrow = 0;
+  for (const BlockMap& b : map.blocks()) {
+    std::vector<SurfaceLinks<T>> surfaces;
+    expect_all_links<T>(s, b, WallScheme::cli, rounding, surfaces, narrow);
+    for (const auto& surface : surfaces)
+      for (const lbm::LinkGroup& g : surface.links.groups)
+        for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {
+          const std::uint32_t p = surface.links.place[l];
+          const Int3 x = b.box.lower + g.corner + lbm::place_cell(p);
+          all[{x.x, x.y, x.z, lbm::place_direction(p)}] = surface.links.q[l];
+        }
+  }
+  return all;
+}
+
+TEST(Links, OfEveryShape) {
+  const Distances whole = check_one_of_each<double>({45, 30, 26}, 1e-9);
+  EXPECT_EQ(whole, check_one_of_each<double>({15, 10, 13}, 1e-9));
+  const Distances single = check_one_of_each<float>({15, 15, 13}, 1e-4);
+  EXPECT_EQ(single, check_one_of_each<float>({9, 10, 26}, 1e-4));
+  EXPECT_EQ(whole.size(), single.size());
+  double squares = 0;
+  for (const auto& [link, q] : whole) squares += std::pow(single.at(link) - q, 2);
+  EXPECT_LT(std::sqrt(squares / double(whole.size())), 1e-6);
+}
+
 }  // namespace
 }  // namespace silt::coupler
