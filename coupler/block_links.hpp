@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lbm/cut_links.hpp"
+#include "lbm/domain.hpp"
 #include "lbm/sweep.hpp"
 
 namespace silt::coupler {
@@ -20,6 +21,34 @@ struct SurfaceLinks {
   bool finished = false;   // the body has been solved for
 };
 
+/// Links of `narrow` come in pairs, along i and against it from one cell, mostly of two surfaces; or a side
+/// of the domain is there instead. Gives each link what the formula wants of the wall on the other side.
+template <class T>
+class NarrowGaps {
+ public:
+  /// Fills far_q of all links, and far_u where that is a side's; call when the links of the box were built.
+  void pair(std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
+  /// Fills the rest of far_u; call when the motions of a step are set, with the surfaces as they were paired.
+  void set_velocities(std::vector<SurfaceLinks<T>>&) const;
+
+ private:
+  struct Link {
+    std::uint64_t key;             // cell and direction
+    std::uint32_t surface, place;  // of far_q
+    std::int32_t direction;
+    lbm::Int3 cell;
+    T q;
+  };
+  struct Far {
+    std::uint32_t surface, place;  // that wants it
+    std::uint32_t of;              // surface there
+    std::int32_t direction;
+    lbm::Int3 cell;
+  };
+  std::vector<Link> links_;
+  std::vector<Far> fars_;
+};
+
 /// Surface k is mask k of the block.
 template <class T>
 struct BlockLinks {
@@ -30,6 +59,7 @@ struct BlockLinks {
   std::vector<Group> inner;                // groups in the order of the parts they wait for
   std::vector<std::uint32_t> first_inner;  // of a part; the last one's end
   lbm::LinkSlots slots;                    // of the step under way
+  NarrowGaps<T> gaps;                      // under `parabolic`
 
   /// A hint that the inner groups after the k-th will be wanted soon, one after the other: first their
   /// surface, then where the group is, then its links.

@@ -183,7 +183,7 @@ class FlowOf final : public Flow {
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {
-    const lbm::WallFluid<T> fluid(fluid_.spec(), coupling_.wall_scheme);
+    const lbm::WallFluid<T> fluid(fluid_.spec());
     counts_.links = 0;
     for (std::size_t b = 0; b < links_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
@@ -192,6 +192,8 @@ class FlowOf final : public Flow {
         fluid_.set_idle(int(b), !map.has_fluid());
         build_links(map, world_, bodies, coupling_.wall_scheme, fluid, block.surfaces);
         block.order_groups(fluid_.sweep_of(int(b)));
+        if (coupling_.wall_scheme == WallScheme::parabolic)
+          block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
         if (coupling_.time == TimeCoupling::implicit_) sum_stiffness(map, bodies, block);
       }
       for (const auto& surface : block.surfaces) counts_.links += surface.links.count();

@@ -196,6 +196,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       surface.left = std::uint32_t(surface.links.groups.size());
       set_motion(surface.motion, bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
     }
+    links[b].gaps.set_velocities(links[b].surfaces);
   }
 }
 

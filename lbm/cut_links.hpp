@@ -49,8 +49,9 @@ inline constexpr int place_direction(std::uint32_t p) {
 struct LinkGroup {
   std::uint32_t begin, count;  // of the arrays of CutLinks
   WallScheme scheme;
-  Int3 corner;         // cell of the block that places count from (may lie outside of it)
-  std::int32_t ready;  // last part of the dense pass that the links read or write; -1: at the rim
+  Int3 corner;            // cell of the block that places count from (may lie outside of it)
+  std::int32_t ready;     // last part of the dense pass that the links read or write; -1: at the rim
+  std::uint32_t far = 0;  // of `narrow`: of CutLinks::far_q and far_u
 };
 
 /// Reference point of a surface: the centre of block cell `cell` is at `offset` from it.
@@ -69,6 +70,7 @@ struct CutLinks {
   std::vector<LinkGroup> groups;
   std::vector<std::uint32_t> place;  // of whole groups, filled up
   std::vector<T> q;
+  std::vector<T> far_q, far_u;  // FarWall of the links of `narrow`; empty: of none
 
   /// Filling not counted.
   std::size_t count() const {

@@ -70,21 +70,20 @@ struct Exchange {
 
 template <WallScheme scheme, class T>
 Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
-                     const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu) {
+                     const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
+                     const FarWall<typename Lanes<T>::Real>& far) {
   using L = Lanes<T>;
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
   const auto out = L::gather(data, at.slots(slots.out));
   auto back = s.a * out - s.k * cu;
-  if constexpr (reads_behind(scheme) || scheme == WallScheme::narrow) {
-    const auto against = L::gather(data, at.slots(slots.against));
+  if constexpr (reads_behind(scheme)) {
+    const auto against = L::gather(data, at.slots(slots.against)),
+               behind = L::gather(data, at.slots(slots.behind));
     const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
-    if constexpr (reads_behind(scheme)) {
-      const auto behind = L::gather(data, at.slots(slots.behind));
-      back += s.b * behind + s.c * against + T(0.5) * (s.k - at.weight6() * (s.a - s.c)) * cf;
-    } else {
-      const auto along = velocity_along(data, slots, fluid, at);
-      back += s.c * (against + T(0.5) * at.weight6() * cf) - (at.weight6() * s.a - s.k) * along;
-    }
+    back += s.b * behind + s.c * against + T(0.5) * (s.k - at.weight6() * (s.a - s.c)) * cf;
+  } else if constexpr (scheme == WallScheme::narrow) {
+    const auto along = velocity_along(data, slots, fluid, at);
+    back -= (at.weight6() - s.k) * along + at.weight6() * narrow_bend(q, along, cu, far, fluid);
   }
   return {out, back};
 }
@@ -140,7 +139,14 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
     const Places<T> at(place + l, origin);
     const auto q = L::template load<typename L::Real>(distance + l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-    const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz));
+    FarWall<typename L::Real> far;
+    if constexpr (scheme == WallScheme::narrow) {
+      if (!links.far_q.empty()) {
+        far.q = L::template load<typename L::Real>(links.far_q.data() + group.far + l);
+        far.u = L::template load<typename L::Real>(links.far_u.data() + group.far + l);
+      }
+    }
+    const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far);
     L::scatter(data, at.slots(slots.back), e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }

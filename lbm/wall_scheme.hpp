@@ -4,8 +4,8 @@
 // its coefficients functions of the wall distance q and the rates of the collision (x the fluid cell, the
 // surface at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision).
 // a + b + c = 1: fluid at rest stays at rest at any pressure; e = (k - 6 w_i (a - c)) / 2: also where a
-// pressure gradient balances F. `narrow` has b = 0, e = 3 w_i c and a term in the cell's velocity,
-// - (6 w_i a - k) c_i.u(x).
+// pressure gradient balances F. `narrow` has b = c = e = 0 and a term in the cell's velocity u,
+// - (6 w_i - k) c_i.u, and may have one in its second difference (narrow_bend).
 //
 // In steady flow such a scheme holds, with d = c_i.grad and u along c_i, the velocity at
 //   u + q d u + T (d^2 u - (grad p - F).c_i / (tau - 1/2)) = u_w,
@@ -34,7 +34,8 @@ namespace silt::lbm {
 /// 2003), with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i)
 /// - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others
 /// where x - c_i is not fluid; no choice of a case. Bounce-back half-way at the velocity there, interpolated
-/// between the surface's and the cell's own u(x); a surface nearer than that is taken to be half-way.
+/// between the surface's and the cell's own u(x), and under `parabolic` the surface's on the other side; a
+/// surface nearer than half-way is taken to be there.
 enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow };
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic"};
@@ -47,19 +48,16 @@ constexpr double best_magic(WallScheme scheme) {
   return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
 }
 
-/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid; and what
-/// `narrow` knows of the scheme it stands in for.
+/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
 template <class T>
 struct WallFluid {
   T magic = T(1.0 / 6), inverse_rate = T(2);
   T force[3] = {};
-  T narrow_parabola = 0;  // T / q^2 that `narrow` tries to reach
   WallFluid() = default;
-  WallFluid(const CollisionSpec& s, WallScheme scheme)
+  explicit WallFluid(const CollisionSpec& s)
       : magic(T(s.bgk ? (s.relaxation_time - 0.5) * (s.relaxation_time - 0.5) : s.magic)),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
-        force{T(s.force[0]), T(s.force[1]), T(s.force[2])},
-        narrow_parabola(scheme == WallScheme::parabolic ? T(parabola) : T(0)) {}
+        force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };
 
 /// V: a population's type, or a vector of it.
@@ -81,18 +79,29 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
-/// c of `narrow`: 0, when its T = 2 q magic does not depend on viscosity; under `parabolic`, whose magic is
-/// so small that a gap would resist too much, what makes T = 5/8 q^2, as far as there is an odd half that
-/// relaxes to take it from (not below tau - 1/2 = 2 magic).
+/// The surface that a link's opposite hits, when that is cut too: how far it is (0: not known) and c_i.u
+/// there.
+template <class V>
+struct FarWall {
+  V q{}, u{};
+};
+
+/// q of `narrow`. V: T or a vector of it.
+template <class T, class V>
+constexpr V narrow_distance(V q) {
+  return q < T(least_narrow) ? V{} + T(least_narrow) : q;
+}
+
+/// What the velocity half-way has beyond interpolation, - q/4 d^2 u, for a cell between two walls: of its
+/// velocity `u` and theirs (all along c_i) the parabola is known. The links' own T = 2 q magic, of the
+/// bracket above, has part of it: two thirds of d^2 u remain there, as in flow along a gap, which comes out
+/// exactly, at any viscosity, for q of 8/3 magic and more.
 template <class V, class T>
-constexpr V narrow_share(V q, const WallFluid<T>& fluid) {
-  const T s = T(1) / (T(0.5) + fluid.magic * fluid.inverse_rate);  // rate of the odd half
-  const T most = s - T(1) < T(0.5) ? s - T(1) : T(0.5);
-  const V none{};
-  if (most <= T(0)) return none;
-  const V wanted = fluid.narrow_parabola / T(2) * q / fluid.magic - T(1);
-  const V c = wanted * (T(2) - s) / (T(2) * (s - T(1)));
-  return wanted > none ? (c < most ? c : none + most) : none;
+constexpr V narrow_bend(V q, V u, V u_w, const FarWall<V>& far, const WallFluid<T>& fluid) {
+  const V none{}, h = narrow_distance<T>(q), p = narrow_distance<T>(far.q);
+  const V share = h * T(0.25) - T(2.0 / 3) * fluid.magic;
+  const V second = T(2) * ((u_w - u) / h + (far.u - u) / p) / (h + p);
+  return far.q > none ? (share > none ? -share * second : none) : none;
 }
 
 /// `weight6`: 6 w_i. Cheap enough for the inner loop: one division, no branch.
@@ -108,8 +117,7 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
     const V near = T(2) * q, s = T(1) / (near < T(1) ? one : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : none, T(1) - s, weight6 * s};
   } else if constexpr (scheme == WallScheme::narrow) {
-    const V h = q < T(least_narrow) ? none + T(least_narrow) : q, c = narrow_share(h, fluid);
-    return {T(1) - c, none, c, weight6 * T(0.5) / h};
+    return {one, none, none, weight6 * T(0.5) / narrow_distance<T>(q)};
   } else {
     return {one, none, none, weight6};
   }

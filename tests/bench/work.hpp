@@ -31,7 +31,7 @@ struct Counted {
 
 template <lbm::WallScheme scheme>
 int operations_of_coefficients() {
-  const lbm::WallFluid<Counted> fluid({1.2, lbm::best_magic(scheme), false, {}}, scheme);
+  const lbm::WallFluid<Counted> fluid(lbm::CollisionSpec{1.2, lbm::best_magic(scheme), false, {}});
   Counted::operations = 0;
   lbm::coefficients<scheme>(Counted(0.4), Counted(1.0 / 3), fluid);
   return Counted::operations;

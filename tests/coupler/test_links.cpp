@@ -1,8 +1,10 @@
 // Object mapping and cut links against an enumeration cell by cell, link by link.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "coupler/build_links.hpp"
 #include "coupler/map_bodies.hpp"
@@ -160,6 +162,70 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
   EXPECT_EQ(narrow > 0, scheme != WallScheme::bounce_back);
   EXPECT_GT(kept, 0);
   EXPECT_GT(spoilt, 0);
+}
+
+/// Where a link is, its surface, the places of its far wall (those that fill up its group too).
+template <class T>
+struct NarrowLink {
+  std::size_t surface;
+  T q;
+  std::vector<std::uint32_t> far;
+};
+
+template <class T>
+std::map<std::array<int, 4>, NarrowLink<T>> narrow_links(const std::vector<SurfaceLinks<T>>& surfaces) {
+  std::map<std::array<int, 4>, NarrowLink<T>> found;
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const auto& links = surfaces[k].links;
+    for (const lbm::LinkGroup& g : links.groups)
+      for (std::uint32_t l = 0; g.scheme == WallScheme::narrow && (l < g.count || l % lbm::link_lanes); ++l) {
+        const std::uint32_t p = links.place[g.begin + l];
+        const Int3 x = g.corner + lbm::place_cell(p);
+        auto& link = found[{x.x, x.y, x.z, lbm::place_direction(p)}];
+        link.surface = k, link.q = links.q[g.begin + l], link.far.push_back(g.far + l);
+      }
+  }
+  return found;
+}
+
+TEST(Links, NarrowOnesKnowTheWallOnTheOtherSide) {
+  Simulation s(crowd(), MPI_COMM_SELF);
+  const Int3 n = s.scene().flow->domain().cells();
+  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}});
+  map(s.bodies());
+  BlockLinks<double> block;
+  auto& surfaces = block.surfaces;
+  build_links(map.blocks()[0], s.scene().world, s.bodies(), WallScheme::parabolic, {}, surfaces);
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
+  block.gaps.pair(surfaces, s.scene().flow->domain(), {{}, n});
+  block.gaps.set_velocities(surfaces);
+  const auto all = narrow_links(surfaces);
+  int between = 0, sides = 0;
+  for (const auto& [at, link] : all) {
+    const auto other = all.find({at[0], at[1], at[2], lbm::opposite(at[3])});
+    const auto& links = surfaces[link.surface].links;
+    if (other == all.end()) {
+      const Int3 c = lbm::c[at[3]], next{at[0] - c.x, at[1] - c.y, at[2] - c.z};
+      EXPECT_FALSE(s.scene().flow->domain().inside(next)) << "a gap whose other wall is not known";
+      const bool wall = next.z < 0;  // above the fluid slips
+      for (const std::uint32_t far : link.far) EXPECT_EQ(links.far_q[far], wall ? 0.5 : 0);
+      sides += wall;
+      continue;
+    }
+    between += other->second.surface != link.surface;
+    const auto& [frame, motion] =
+        std::tie(surfaces[other->second.surface].links.frame, surfaces[other->second.surface].motion);
+    const Int3 c = lbm::c[at[3]];
+    Vec3 arm, v(motion.v[0], motion.v[1], motion.v[2]), w(motion.omega[0], motion.omega[1], motion.omega[2]);
+    for (int d = 0; d < 3; ++d) arm[d] = at[d] - frame.cell[d] + frame.offset[d];
+    for (const std::uint32_t far : link.far) {
+      EXPECT_EQ(links.far_q[far], other->second.q);
+      EXPECT_NEAR(links.far_u[far], Vec3(c.x, c.y, c.z).dot(v + w.cross(arm)), 1e-12);
+    }
+  }
+  EXPECT_GT(between, 0);
+  EXPECT_GT(sides, 0);
 }
 
 TEST(Links, AreThoseOfTheDefinition) {

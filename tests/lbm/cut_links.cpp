@@ -31,7 +31,7 @@ class Walled {
   Walled(const Scene& scene, WallScheme scheme, const CollisionSpec& collision)
       : scene_(scene), fluid_(Domain(scene.cells, {}, std::nullopt, 1), collision, MPI_COMM_SELF) {
     for (int surface = 0; surface < 2; ++surface) {
-      links_[surface].fluid = WallFluid<double>(collision, scheme);
+      links_[surface].fluid = WallFluid<double>(collision);
       links_[surface].frame = {{0, 0, 0}, {0, 0, 0}, 1, false};
       for (int z = 0; z < scene.cells.z; ++z)
         for (const bool narrow : {false, true}) add_group(scheme, surface, z, narrow);
@@ -267,7 +267,7 @@ TEST(CutLinks, CoefficientsAreConsistent) {
     }
   };
   for (const double tau : {0.501, 0.51, 1.0, 2.0, 10.0}) {
-    const WallFluid<double> fluid({tau, 1.0 / 6, false, {}}, WallScheme::cli);
+    const WallFluid<double> fluid(CollisionSpec{tau, 1.0 / 6, false, {}});
     check(std::integral_constant<WallScheme, WallScheme::cli>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::bouzidi>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::parabolic>{}, fluid);

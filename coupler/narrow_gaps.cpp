@@ -1,0 +1,112 @@
+#include <algorithm>
+
+#include "coupler/block_links.hpp"
+
+namespace silt::coupler {
+
+using lbm::Int3;
+
+namespace {
+
+/// Order of links in a block of less than 2^18 cells a side; cells may lie outside of it.
+std::uint64_t key_of(Int3 cell, int direction) {
+  const auto part = [](int x) { return std::uint64_t(x + (1 << 18)); };
+  return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 5 | std::uint64_t(direction);
+}
+
+/// c_i.u of a rigid surface, at the cell of a link: along c_i it is the same where the link meets it.
+double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& m, Int3 cell, Int3 c) {
+  const Int3 far = cell - frame.cell;
+  const double r[3] = {far.x + frame.offset[0], far.y + frame.offset[1], far.z + frame.offset[2]};
+  double sum = 0;
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    sum += c[d] * (m.v[d] + (m.omega[e] * r[f] - m.omega[f] * r[e]));
+  }
+  return sum;
+}
+
+/// The side of the domain that lies half-way between a cell and its neighbour in a direction. Null: none
+/// does, or one that is no wall.
+const lbm::SideCondition* side_between(const lbm::Domain& domain, Int3 cell, int direction) {
+  const Int3 next = cell + lbm::c[direction];
+  const lbm::SideCondition* found = nullptr;
+  for (int d = 0; d < 3; ++d) {
+    if (domain.periodic(d) || (next[d] >= 0 && next[d] < domain.cells()[d])) continue;
+    const lbm::SideCondition& side = domain.side(d, next[d] > 0);
+    if (side.kind != lbm::SideKind::bounce) return nullptr;
+    if (!found) found = &side;
+  }
+  return found;
+}
+
+std::uint32_t filled_up(std::uint32_t n) {
+  return (n + lbm::link_lanes - 1) / lbm::link_lanes * lbm::link_lanes;
+}
+
+/// What fills up the groups copies their last link.
+template <class T>
+void fill_up(const lbm::CutLinks<T>& links, std::vector<T>& far) {
+  for (const lbm::LinkGroup& g : links.groups)
+    if (g.scheme == lbm::WallScheme::narrow)
+      std::fill(far.begin() + g.far + g.count, far.begin() + g.far + filled_up(g.count),
+                far[g.far + g.count - 1]);
+}
+
+}  // namespace
+
+template <class T>
+void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
+                         const lbm::CellBox& box) {
+  links_.clear(), fars_.clear();
+  for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
+    lbm::CutLinks<T>& links = surfaces[k].links;
+    std::uint32_t room = 0;
+    for (lbm::LinkGroup& g : links.groups) {
+      if (g.scheme != lbm::WallScheme::narrow) continue;
+      g.far = room, room += filled_up(g.count);
+      for (std::uint32_t l = 0; l < g.count; ++l) {
+        const std::uint32_t p = links.place[g.begin + l];
+        const Int3 cell = g.corner + lbm::place_cell(p);
+        const int i = lbm::place_direction(p);
+        links_.push_back({key_of(cell, i), k, g.far + l, i, cell, links.q[g.begin + l]});
+      }
+    }
+    links.far_q.assign(room, T(0)), links.far_u.assign(room, T(0));
+  }
+  std::sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.key < b.key; });
+  for (std::size_t n = 0; n < links_.size(); ++n) {
+    const int direction = links_[n].direction;
+    if (direction % 2 == 0) continue;  // opposite directions follow one another
+    if (n + 1 == links_.size() || links_[n + 1].key != links_[n].key + 1) continue;
+    const Link &a = links_[n], &b = links_[n + 1];
+    surfaces[a.surface].links.far_q[a.place] = b.q, surfaces[b.surface].links.far_q[b.place] = a.q;
+    fars_.push_back({a.surface, a.place, b.surface, direction, a.cell});
+    fars_.push_back({b.surface, b.place, a.surface, lbm::opposite(direction), a.cell});
+  }
+  for (const Link& link : links_)
+    if (const auto* side = side_between(domain, box.lower + link.cell, lbm::opposite(link.direction))) {
+      lbm::CutLinks<T>& links = surfaces[link.surface].links;
+      const Int3 c = lbm::c[link.direction];
+      links.far_q[link.place] = T(0.5);
+      links.far_u[link.place] =
+          T(c.x * side->velocity[0] + c.y * side->velocity[1] + c.z * side->velocity[2]);
+    }
+  for (auto& surface : surfaces) {
+    fill_up(surface.links, surface.links.far_q), fill_up(surface.links, surface.links.far_u);
+  }
+}
+
+template <class T>
+void NarrowGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
+  for (const Far& f : fars_)
+    surfaces[f.surface].links.far_u[f.place] =
+        T(velocity_along(surfaces[f.of].links.frame, surfaces[f.of].motion, f.cell, lbm::c[f.direction]));
+  if (fars_.empty()) return;
+  for (auto& surface : surfaces) fill_up(surface.links, surface.links.far_u);
+}
+
+template class NarrowGaps<float>;
+template class NarrowGaps<double>;
+
+}  // namespace silt::coupler
