@@ -213,6 +213,10 @@ void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, Block
   const auto& inner = links.inner;
   for (std::uint32_t k = links.first_inner[part]; k < links.first_inner[part + 1]; ++k) {
     links.prefetch(k);
+    if (k + 1 < links.first_inner[part + 1]) {
+      const lbm::CutLinks<T>& next = links.surfaces[inner[k + 1].surface].links;
+      lbm::prefetch_cut_links(block, links.slots, next, next.groups[inner[k + 1].number]);
+    }
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
     apply(block, links.slots, surface, surface.links.groups[inner[k].number]);
     if (--surface.left == 0 && surface.links.frame.whole && spec_.time == TimeCoupling::implicit_)

@@ -37,15 +37,22 @@ void correct_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T
 }
 
 template <class T>
+void prefetch_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
+                        const LinkGroup& group) {
+  SILT_DISPATCH(prefetch_group, block, slots, links, group)
+}
+
+template <class T>
 void sum_stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent,
                    StiffnessSums& sums){SILT_DISPATCH(group_stiffness, links, group, exponent, sums)}
 
-#define SILT_INSTANTIATE(T)                                                                          \
-  template LinkSlots link_slots(const Block<T>&, Parity);                                            \
-  template void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
-                                const SurfaceMotion&, ForceForm, LinkSums&);                         \
-  template void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
-                                  const SurfaceMotion&, LinkSums&);                                  \
+#define SILT_INSTANTIATE(T)                                                                            \
+  template LinkSlots link_slots(const Block<T>&, Parity);                                              \
+  template void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,     \
+                                const SurfaceMotion&, ForceForm, LinkSums&);                           \
+  template void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
+                                  const SurfaceMotion&, LinkSums&);                                    \
+  template void prefetch_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&); \
   template void sum_stiffness(const CutLinks<T>&, const LinkGroup&, int, StiffnessSums&);
 SILT_INSTANTIATE(float) SILT_INSTANTIATE(double)
 

@@ -147,6 +147,11 @@ template <class T>
 void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,
                        const SurfaceMotion& increment, LinkSums&);
 
+/// A hint that a group will be applied next: the cache lines of its populations. Hides a tenth of the time of
+/// the links where bodies are many.
+template <class T>
+void prefetch_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&);
+
 /// Adds the group's share; depends on geometry only. `exponent`: of the surface (StiffnessSums).
 template <class T>
 void sum_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);

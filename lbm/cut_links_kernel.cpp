@@ -181,6 +181,25 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
   sums.mass += mass.total();
 }
 
+/// Fetches the lines of some of a group's slots.
+template <class T, int n>
+void prefetch(Block<T>& block, const CutLinks<T>& links, const LinkGroup& group,
+              const std::int32_t (*const (&tables)[n])[32]) {
+  using L = Lanes<T>;
+  const PlaceOrigin<T> origin(block, group.corner, links.frame);
+  const std::uint32_t* const place = links.place.data() + group.begin;
+  T* const data = block.data() + block.middle() + block.cell(group.corner);
+  for (int l = 0; l < int(group.count); l += L::count) {
+    const Places<T> at(place + l, origin);
+    for (const auto* table : tables) {
+      std::int32_t slot[L::count];
+      const auto slots = at.slots(*table);
+      __builtin_memcpy(slot, &slots, sizeof slot);
+      for (const std::int32_t s : slot) __builtin_prefetch(data + s, 1);
+    }
+  }
+}
+
 /// 21 sums: the upper triangle of k J J^T. In single precision of 32-bit terms.
 template <WallScheme scheme, class T>
 void stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, StiffnessSums& sums) {
@@ -231,15 +250,25 @@ void correct_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& l
 }
 
 template <class T>
+void prefetch_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
+                    const LinkGroup& group) {
+  if (reads_behind(group.scheme))
+    prefetch<T, 4>(block, links, group, {&slots.out, &slots.behind, &slots.against, &slots.back});
+  else
+    prefetch<T, 2>(block, links, group, {&slots.out, &slots.back});
+}
+
+template <class T>
 void group_stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, StiffnessSums& sums) {
   with_scheme(group.scheme, [&](auto scheme) { stiffness<scheme()>(links, group, exponent, sums); });
 }
 
-#define SILT_INSTANTIATE(T)                                                                      \
-  template void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
-                            const SurfaceMotion&, ForceForm, LinkSums&);                         \
-  template void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
-                              const SurfaceMotion&, LinkSums&);                                  \
+#define SILT_INSTANTIATE(T)                                                                        \
+  template void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,     \
+                            const SurfaceMotion&, ForceForm, LinkSums&);                           \
+  template void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
+                              const SurfaceMotion&, LinkSums&);                                    \
+  template void prefetch_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&); \
   template void group_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);
 SILT_INSTANTIATE(float)
 SILT_INSTANTIATE(double)

@@ -16,6 +16,8 @@
   void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,                     \
                      const SurfaceMotion&, LinkSums&);                                                      \
   template <class T>                                                                                        \
+  void prefetch_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&);                   \
+  template <class T>                                                                                        \
   void group_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);                 \
   }
 
