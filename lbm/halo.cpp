@@ -305,15 +305,23 @@ template <class T>
 void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
   const bool fill = parity == Parity::crossed;
   T* const p = block.data();
+  const T* out[directions];  // what left a cell, from its Block::slot(0) on
+  for (int i = 1; i < directions; ++i) out[i] = p + (block.leaving(i, parity) - block.slot(0));
+  const auto add = [](double& sum, int factor, double g) {  // factor: -1, 0, 1, known to the compiler
+    if (factor) sum += factor * g;
+  };
   double u[3] = {}, rest = 0;
   for (std::size_t n = 0; n < o.links.size(); ++n) {
     const OutletLink& link = o.links[n];
     if (n == 0 || link.cell != o.links[n - 1].cell) {
-      const std::ptrdiff_t cell = std::ptrdiff_t(link.cell) - block.slot(0);
+      constexpr std::size_t ahead = 5 * 16;  // links: the cells of a cache line
+      if (n + ahead < o.links.size())
+        for (int i = 1; i < directions; ++i) __builtin_prefetch(out[i] + o.links[n + ahead].cell);
       for (int d = 0; d < 3; ++d) u[d] = 0.5 * force_[d];
+#pragma GCC unroll 19
       for (int i = 1; i < directions; ++i) {
-        const double g = p[block.leaving(i, parity) + cell];
-        for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g;
+        const double g = out[i][link.cell];
+        add(u[0], c[i].x, g), add(u[1], c[i].y, g), add(u[2], c[i].z, g);
       }
       rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }
