@@ -54,7 +54,7 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool pressure_anchor = true;
-  double remap_tolerance = 0.03;   // cells a surface may move before its cells and wall distances are renewed
+  double remap_tolerance = 0.02;   // cells a surface may move before its cells and wall distances are renewed
   bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
   double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };
