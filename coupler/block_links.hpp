@@ -1,53 +1,12 @@
 #pragma once
-// The cut links of a block, surface by surface, with what a step sums over them.
+// The cut links of a block, surface by surface, in the order in which they are applied.
 #include <cstdint>
 #include <vector>
 
-#include "lbm/cut_links.hpp"
-#include "lbm/domain.hpp"
+#include "coupler/narrow_gaps.hpp"
 #include "lbm/sweep.hpp"
 
 namespace silt::coupler {
-
-/// One periodic image of a body, or a wall.
-template <class T>
-struct SurfaceLinks {
-  lbm::CutLinks<T> links;
-  lbm::StiffnessSums stiffness;  // implicit coupling only; renewed with the links
-  // of the step under way:
-  lbm::SurfaceMotion motion;
-  lbm::LinkSums sums;
-  std::uint32_t left = 0;  // groups yet to be applied
-  bool finished = false;   // the body has been solved for
-};
-
-/// Links of `narrow` come in pairs, along i and against it from one cell, mostly of two surfaces; or a side
-/// of the domain is there instead. Gives each link what the formula wants of the wall on the other side.
-template <class T>
-class NarrowGaps {
- public:
-  /// Fills far_q of all links, and far_u where that is a side's; call when the links of the box were built.
-  void pair(std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Fills the rest of far_u; call when the motions of a step are set, with the surfaces as they were paired.
-  void set_velocities(std::vector<SurfaceLinks<T>>&) const;
-
- private:
-  struct Link {
-    std::uint64_t key;             // cell and direction
-    std::uint32_t surface, place;  // of far_q
-    std::int32_t direction;
-    lbm::Int3 cell;
-    T q;
-  };
-  struct Far {
-    std::uint32_t surface, place;  // that wants it
-    std::uint32_t of;              // surface there
-    std::int32_t direction;
-    lbm::Int3 cell;
-  };
-  std::vector<Link> links_;
-  std::vector<Far> fars_;
-};
 
 /// Surface k is mask k of the block.
 template <class T>

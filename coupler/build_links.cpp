@@ -27,11 +27,8 @@ LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const L
 }
 template <class Real, class T>
 void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
-                  const SurfaceView<Real>& surface,
-                  T* q){SILT_DISPATCH(surface_distances, place, padded, frame, corner, surface, q)}
-
-std::uint32_t filled_up(std::uint32_t n) {
-  return (n + lbm::link_lanes - 1) & ~std::uint32_t(lbm::link_lanes - 1);
+                  const SurfaceView<Real>& surface, T* q) {
+  SILT_DISPATCH(surface_distances, place, padded, frame, corner, surface, q)
 }
 
 /// Reads rows of 64 bits and writes them as the rows of a window.
@@ -145,7 +142,7 @@ class LinkWriter {
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
     const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
-    const std::uint32_t n = found.clear + found.narrow, end = filled_up(n);
+    const std::uint32_t n = found.clear + found.narrow, end = lbm::filled_up(n);
     if (n == 0) return;
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
@@ -171,7 +168,7 @@ class LinkWriter {
     if (n == 0) return;
     std::uint32_t* const place = place_.data() + used_;
     T* const q = q_.data() + used_;
-    const std::uint32_t end = filled_up(n);
+    const std::uint32_t end = lbm::filled_up(n);
     std::fill(place + n, place + end, place[n - 1]), std::fill(q + n, q + end, q[n - 1]);
     links_->groups.push_back({used_, n, scheme, corner, ready});
     used_ += end;
@@ -199,7 +196,7 @@ class LinkWriter {
   }
 
   void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
-    const int padded = int(filled_up(n));
+    const int padded = int(lbm::filled_up(n));
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
     else if (is_tube_)

@@ -1,9 +1,9 @@
 #pragma once
 // From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
 // is.
-#include "coupler/block_links.hpp"
 #include "coupler/case.hpp"
 #include "coupler/solid_map.hpp"
+#include "coupler/surface_links.hpp"
 #include "lbm/cut_links.hpp"
 #include "rigid/body_set.hpp"
 #include "rigid/world.hpp"

@@ -1,6 +1,6 @@
-#include <algorithm>
+#include "coupler/narrow_gaps.hpp"
 
-#include "coupler/block_links.hpp"
+#include <algorithm>
 
 namespace silt::coupler {
 
@@ -40,16 +40,12 @@ const lbm::SideCondition* side_between(const lbm::Domain& domain, Int3 cell, int
   return found;
 }
 
-std::uint32_t filled_up(std::uint32_t n) {
-  return (n + lbm::link_lanes - 1) / lbm::link_lanes * lbm::link_lanes;
-}
-
 /// What fills up the groups copies their last link.
 template <class T>
 void fill_up(const lbm::CutLinks<T>& links, std::vector<T>& far) {
   for (const lbm::LinkGroup& g : links.groups)
     if (g.scheme == lbm::WallScheme::narrow)
-      std::fill(far.begin() + g.far + g.count, far.begin() + g.far + filled_up(g.count),
+      std::fill(far.begin() + g.far + g.count, far.begin() + g.far + lbm::filled_up(g.count),
                 far[g.far + g.count - 1]);
 }
 
@@ -64,7 +60,7 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
     std::uint32_t room = 0;
     for (lbm::LinkGroup& g : links.groups) {
       if (g.scheme != lbm::WallScheme::narrow) continue;
-      g.far = room, room += filled_up(g.count);
+      g.far = room, room += lbm::filled_up(g.count);
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const std::uint32_t p = links.place[g.begin + l];
         const Int3 cell = g.corner + lbm::place_cell(p);

@@ -21,6 +21,9 @@ namespace silt::lbm {
 /// Groups are filled up to a multiple of this with copies of their last link (which then is written twice,
 /// with the same value, and counted once).
 inline constexpr int link_lanes = 16;
+constexpr std::uint32_t filled_up(std::uint32_t links) {
+  return (links + link_lanes - 1) / link_lanes * link_lanes;
+}
 
 /// Where a link's fluid cell is, counted from its group's corner, and its direction.
 inline constexpr int place_x_bits = 12, place_y_bits = 12, place_z_bits = 3;

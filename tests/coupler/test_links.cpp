@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "coupler/block_links.hpp"
 #include "coupler/build_links.hpp"
 #include "coupler/map_bodies.hpp"
 #include "lbm/sweep.hpp"
