@@ -27,10 +27,10 @@ struct BlockLinks {
     if (k + 3 * ahead < inner.size()) {
       const char* const surface = reinterpret_cast<const char*>(&surfaces[inner[k + 3 * ahead].surface]);
       for (std::size_t line = 0; line < sizeof(SurfaceLinks<T>); line += 64)
-        __builtin_prefetch(surface + line);
+        lbm::prefetch_to_write(surface + line);
     }
     if (k + 2 * ahead < inner.size())
-      __builtin_prefetch(&surfaces[inner[k + 2 * ahead].surface].links.groups[inner[k + 2 * ahead].number]);
+      lbm::prefetch_to_read(&surfaces[inner[k + 2 * ahead].surface].links.groups[inner[k + 2 * ahead].number]);
     if (k + ahead < inner.size()) {
       const lbm::CutLinks<T>& next = surfaces[inner[k + ahead].surface].links;
       next.prefetch(next.groups[inner[k + ahead].number]);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lbm/block.hpp"
+#include "lbm/prefetch.hpp"
 #include "lbm/wall_scheme.hpp"
 
 namespace silt::lbm {
@@ -85,8 +86,8 @@ struct CutLinks {
   void prefetch(const LinkGroup& g) const {
     constexpr std::uint32_t line = 16;  // places
     for (std::uint32_t l = 0; l < g.count; l += line) {
-      __builtin_prefetch(place.data() + g.begin + l);
-      __builtin_prefetch(reinterpret_cast<const char*>(q.data() + g.begin) + l * sizeof(T));
+      prefetch_to_read(place.data() + g.begin + l);
+      prefetch_to_read(reinterpret_cast<const char*>(q.data() + g.begin) + l * sizeof(T));
     }
   }
 };

@@ -6,6 +6,7 @@
 
 #include "lbm/kernels.hpp"
 #include "lbm/link_places.hpp"
+#include "lbm/prefetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -195,7 +196,7 @@ void prefetch(Block<T>& block, const CutLinks<T>& links, const LinkGroup& group,
       std::int32_t slot[L::count];
       const auto slots = at.slots(*table);
       __builtin_memcpy(slot, &slots, sizeof slot);
-      for (const std::int32_t s : slot) __builtin_prefetch(data + s, 1);
+      for (const std::int32_t s : slot) prefetch_to_write(data + s);
     }
   }
 }

@@ -1,5 +1,7 @@
 #include "lbm/fluid.hpp"
 
+#include "lbm/prefetch.hpp"
+
 namespace silt::lbm {
 
 namespace {
@@ -64,7 +66,7 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 template <class T>
 void Fluid<T>::prefetch(int b, Int3 x) const {
   for (int i = 0; i < directions; ++i)
-    __builtin_prefetch(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));
+    prefetch_to_read(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));
 }
 
 template <class T>

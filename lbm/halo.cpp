@@ -5,6 +5,8 @@
 #include <set>
 #include <type_traits>
 
+#include "lbm/prefetch.hpp"
+
 namespace silt::lbm {
 
 namespace {
@@ -316,7 +318,7 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
     if (n == 0 || link.cell != o.links[n - 1].cell) {
       constexpr std::size_t ahead = 5 * 16;  // links: the cells of a cache line
       if (n + ahead < o.links.size())
-        for (int i = 1; i < directions; ++i) __builtin_prefetch(out[i] + o.links[n + ahead].cell);
+        for (int i = 1; i < directions; ++i) prefetch_to_read(out[i] + o.links[n + ahead].cell);
       for (int d = 0; d < 3; ++d) u[d] = 0.5 * force_[d];
 #pragma GCC unroll 19
       for (int i = 1; i < directions; ++i) {
