@@ -17,28 +17,35 @@ struct BlockLinks {
   std::vector<SurfaceLinks<T>> surfaces;
   std::vector<Group> inner;                // groups in the order of the parts they wait for
   std::vector<std::uint32_t> first_inner;  // of a part; the last one's end
+  std::vector<Group> rim;                  // groups that wait for the halo exchange
   lbm::LinkSlots slots;                    // of the step under way
   NarrowGaps<T> gaps;                      // under `parabolic`
 
-  /// A hint that the inner groups after the k-th will be wanted soon, one after the other: first their
+  /// A hint that the groups after the k-th of an order will be wanted soon, one after the other: first their
   /// surface, then where the group is, then its links.
-  void prefetch(std::uint32_t k) const {
-    constexpr std::uint32_t ahead = 2;
-    if (k + 3 * ahead < inner.size()) {
-      const char* const surface = reinterpret_cast<const char*>(&surfaces[inner[k + 3 * ahead].surface]);
+  void prefetch(const std::vector<Group>& order, std::size_t k) const {
+    constexpr std::size_t ahead = 2;
+    if (k + 3 * ahead < order.size()) {
+      const char* const surface = reinterpret_cast<const char*>(&surfaces[order[k + 3 * ahead].surface]);
       for (std::size_t line = 0; line < sizeof(SurfaceLinks<T>); line += 64)
         lbm::prefetch_to_write(surface + line);
     }
-    if (k + 2 * ahead < inner.size())
-      lbm::prefetch_to_read(&surfaces[inner[k + 2 * ahead].surface].links.groups[inner[k + 2 * ahead].number]);
-    if (k + ahead < inner.size()) {
-      const lbm::CutLinks<T>& next = surfaces[inner[k + ahead].surface].links;
-      next.prefetch(next.groups[inner[k + ahead].number]);
+    if (k + 2 * ahead < order.size())
+      lbm::prefetch_to_read(
+          &surfaces[order[k + 2 * ahead].surface].links.groups[order[k + 2 * ahead].number]);
+    if (k + ahead < order.size()) {
+      const lbm::CutLinks<T>& next = surfaces[order[k + ahead].surface].links;
+      next.prefetch(next.groups[order[k + ahead].number]);
     }
   }
-  /// Fills inner and first_inner; call when links were built.
+  lbm::NextGroup<T> next_group(const std::vector<Group>& order, std::size_t k, std::size_t end) const {
+    if (k + 1 >= end) return {};
+    const lbm::CutLinks<T>& links = surfaces[order[k + 1].surface].links;
+    return {&links, &links.groups[order[k + 1].number]};
+  }
+  /// Fills inner, first_inner and rim; call when links were built.
   void order_groups(const lbm::Sweep& sweep) {
-    first_inner.assign(sweep.parts() + 2, 0);
+    first_inner.assign(sweep.parts() + 2, 0), rim.clear();
     for (const auto& surface : surfaces)
       for (const lbm::LinkGroup& g : surface.links.groups)
         if (g.ready >= 0) ++first_inner[g.ready + 2];
@@ -47,7 +54,10 @@ struct BlockLinks {
     for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
       const auto& groups = surfaces[k].links.groups;
       for (std::uint32_t g = 0; g < groups.size(); ++g)
-        if (groups[g].ready >= 0) inner[first_inner[groups[g].ready + 1]++] = {k, g};
+        if (groups[g].ready < 0)
+          rim.push_back({k, g});
+        else
+          inner[first_inner[groups[g].ready + 1]++] = {k, g};
     }
     first_inner.pop_back();
   }

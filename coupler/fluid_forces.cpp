@@ -202,23 +202,21 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
 
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, SurfaceLinks<T>& surface,
-                           const lbm::LinkGroup& group) const {
+                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) const {
   const auto form = spec_.force == ForceForm::galilean ? lbm::ForceForm::galilean : lbm::ForceForm::exact;
-  lbm::apply_cut_links(block, slots, surface.links, group, surface.motion, form, surface.sums);
+  lbm::apply_cut_links(block, slots, surface.links, group, surface.motion, form, surface.sums, next);
 }
 
 template <class T>
 void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links, int part,
                                 const Vec3& gravity) {
   const auto& inner = links.inner;
-  for (std::uint32_t k = links.first_inner[part]; k < links.first_inner[part + 1]; ++k) {
-    links.prefetch(k);
-    if (k + 1 < links.first_inner[part + 1]) {
-      const lbm::CutLinks<T>& next = links.surfaces[inner[k + 1].surface].links;
-      lbm::prefetch_cut_links(block, links.slots, next, next.groups[inner[k + 1].number]);
-    }
+  const std::uint32_t end = links.first_inner[part + 1];
+  for (std::uint32_t k = links.first_inner[part]; k < end; ++k) {
+    links.prefetch(inner, k);
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
-    apply(block, links.slots, surface, surface.links.groups[inner[k].number]);
+    apply(block, links.slots, surface, surface.links.groups[inner[k].number],
+          links.next_group(inner, k, end));
     if (--surface.left == 0 && surface.links.frame.whole && spec_.time == TimeCoupling::implicit_)
       finish_body(block, map.masks[inner[k].surface], links.slots, surface, gravity);
   }
@@ -238,8 +236,11 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, con
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
-  for (const lbm::LinkGroup& group : surface.links.groups)
-    lbm::correct_cut_links(block, slots, surface.links, group, increment, surface.sums);
+  const auto& groups = surface.links.groups;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const lbm::NextGroup<T> next{&surface.links, g + 1 < groups.size() ? &groups[g + 1] : nullptr};
+    lbm::correct_cut_links(block, slots, surface.links, groups[g], increment, surface.sums, next);
+  }
 }
 
 template <class T>
@@ -248,11 +249,15 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const Bl
   std::int64_t mass = 0;
   rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
   for (std::size_t b = 0; b < maps.size(); ++b) {
+    const auto& rim = links[b].rim;
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+      links[b].prefetch(rim, k);
+      SurfaceLinks<T>& surface = links[b].surfaces[rim[k].surface];
+      apply(fluid.blocks()[b], links[b].slots, surface, surface.links.groups[rim[k].number],
+            links[b].next_group(rim, k, rim.size()));
+    }
     for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
-      SurfaceLinks<T>& surface = links[b].surfaces[k];
-      if (surface.left > 0)
-        for (const lbm::LinkGroup& group : surface.links.groups)
-          if (group.ready < 0) apply(fluid.blocks()[b], links[b].slots, surface, group);
+      const SurfaceLinks<T>& surface = links[b].surfaces[k];
       mass += surface.sums.mass;
       if (surface.sums.invalid) bad = std::min(bad, maps[b].masks[k].id);
     }
@@ -330,21 +335,34 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
   }
   exchange_.share_with_copies(bodies, delta, 6);
   std::int64_t mass = 0;
-  for (std::size_t b = 0; b < maps.size(); ++b) {
-    for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
-      SurfaceLinks<T>& surface = links[b].surfaces[k];
-      const std::size_t row = maps[b].masks[k].row;
-      if (!surface.finished) surface.sums = {};
-      if (!surface.finished && bodies.is_free(row)) {
-        const double* const d = delta.data() + row * 6;
-        set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
-        if (is_at_rest(surface.motion)) continue;
-        for (const lbm::LinkGroup& group : surface.links.groups)
-          lbm::correct_cut_links(fluid.blocks()[b], links[b].slots, surface.links, group, surface.motion,
-                                 surface.sums);
-        mass += surface.sums.mass;
-      }
-    }
+  for (std::size_t b = 0; b < maps.size(); ++b)
+    mass += correct_open(fluid.blocks()[b], maps[b], links[b], bodies, delta);
+  return mass;
+}
+
+/// The bodies that were not finished during the pass return as if they had moved faster by delta (6 a row).
+template <class T>
+std::int64_t FluidForces<T>::correct_open(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links,
+                                          const rigid::BodySet& bodies, std::span<const double> delta) {
+  std::vector<typename BlockLinks<T>::Group> open;
+  for (std::uint32_t k = 0; k < map.masks.size(); ++k) {
+    SurfaceLinks<T>& surface = links.surfaces[k];
+    if (surface.finished) continue;
+    const std::size_t row = map.masks[k].row;
+    if (!bodies.is_free(row)) continue;
+    const double* const d = delta.data() + row * 6;
+    set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
+    if (is_at_rest(surface.motion)) continue;
+    for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
+  }
+  std::int64_t mass = 0;
+  for (std::size_t n = 0; n < open.size(); ++n) {
+    links.prefetch(open, n);
+    SurfaceLinks<T>& surface = links.surfaces[open[n].surface];
+    lbm::LinkSums sums;
+    lbm::correct_cut_links(block, links.slots, surface.links, surface.links.groups[open[n].number],
+                           surface.motion, sums, links.next_group(open, n, open.size()));
+    mass += sums.mass;
   }
   return mass;
 }

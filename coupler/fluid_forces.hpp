@@ -78,7 +78,8 @@ class FluidForces {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
 
  private:
-  void apply(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const lbm::LinkGroup&) const;
+  void apply(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const lbm::LinkGroup&,
+             const lbm::NextGroup<T>&) const;
   std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
   void finish_body(lbm::Block<T>&, const BodyMask&, const lbm::LinkSlots&, SurfaceLinks<T>&,
                    const rigid::Vec3& gravity);
@@ -87,6 +88,8 @@ class FluidForces {
   void add_explicit(rigid::BodySet&);
   std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
                               rigid::BodySet&, const rigid::Vec3& gravity);
+  std::int64_t correct_open(lbm::Block<T>&, const BlockMap&, BlockLinks<T>&, const rigid::BodySet&,
+                            std::span<const double> delta);
 
   CouplingSpec spec_;
   const BodyExchange& exchange_;

@@ -26,33 +26,28 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
 
 template <class T>
 void apply_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
-                     const LinkGroup& group, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
-  SILT_DISPATCH(apply_group, block, slots, links, group, motion, form, sums)
+                     const LinkGroup& group, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
+                     const NextGroup<T>& next) {
+  SILT_DISPATCH(apply_group, block, slots, links, group, motion, form, sums, next)
 }
 
 template <class T>
 void correct_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
-                       const LinkGroup& group, const SurfaceMotion& increment, LinkSums& sums) {
-  SILT_DISPATCH(correct_group, block, slots, links, group, increment, sums)
-}
-
-template <class T>
-void prefetch_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
-                        const LinkGroup& group) {
-  SILT_DISPATCH(prefetch_group, block, slots, links, group)
+                       const LinkGroup& group, const SurfaceMotion& increment, LinkSums& sums,
+                       const NextGroup<T>& next) {
+  SILT_DISPATCH(correct_group, block, slots, links, group, increment, sums, next)
 }
 
 template <class T>
 void sum_stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent,
                    StiffnessSums& sums){SILT_DISPATCH(group_stiffness, links, group, exponent, sums)}
 
-#define SILT_INSTANTIATE(T)                                                                            \
-  template LinkSlots link_slots(const Block<T>&, Parity);                                              \
-  template void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,     \
-                                const SurfaceMotion&, ForceForm, LinkSums&);                           \
-  template void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
-                                  const SurfaceMotion&, LinkSums&);                                    \
-  template void prefetch_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&); \
+#define SILT_INSTANTIATE(T)                                                                          \
+  template LinkSlots link_slots(const Block<T>&, Parity);                                            \
+  template void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
+                                const SurfaceMotion&, ForceForm, LinkSums&, const NextGroup<T>&);    \
+  template void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
+                                  const SurfaceMotion&, LinkSums&, const NextGroup<T>&);             \
   template void sum_stiffness(const CutLinks<T>&, const LinkGroup&, int, StiffnessSums&);
 SILT_INSTANTIATE(float) SILT_INSTANTIATE(double)
 

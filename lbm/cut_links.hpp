@@ -141,20 +141,23 @@ inline int stiffness_exponent(double radius) {
 /// `galilean`: Wen et al. 2014, F = sum c (f* + f_opp) - u_w (f* - f_opp). `exact`: equation 6 alone.
 enum class ForceForm : std::uint8_t { galilean, exact };
 
+/// The group that the next call is for, of the same block: its populations are fetched in the meantime.
+/// Waiting for them would take longer than what is computed.
+template <class T>
+struct NextGroup {
+  const CutLinks<T>* links = nullptr;
+  const LinkGroup* group = nullptr;
+};
+
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.
 template <class T>
 void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&,
-                     ForceForm, LinkSums&);
+                     ForceForm, LinkSums&, const NextGroup<T>& = {});
 
 /// Changes what was returned as if the surface had moved faster by `increment`; adds the mass only.
 template <class T>
 void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,
-                       const SurfaceMotion& increment, LinkSums&);
-
-/// A hint that a group will be applied next: the cache lines of its populations. Hides a tenth of the time of
-/// the links where bodies are many.
-template <class T>
-void prefetch_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&);
+                       const SurfaceMotion& increment, LinkSums&, const NextGroup<T>& = {});
 
 /// Adds the group's share; depends on geometry only. `exponent`: of the surface (StiffnessSums).
 template <class T>

@@ -11,12 +11,10 @@
   void stream_collide_rows(Block<T>&, Parity, const CollisionRates<T>&, RowRange);                          \
   template <class T>                                                                                        \
   void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&, \
-                   ForceForm, LinkSums&);                                                                   \
+                   ForceForm, LinkSums&, const NextGroup<T>&);                                              \
   template <class T>                                                                                        \
   void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,                     \
-                     const SurfaceMotion&, LinkSums&);                                                      \
-  template <class T>                                                                                        \
-  void prefetch_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&);                   \
+                     const SurfaceMotion&, LinkSums&, const NextGroup<T>&);                                 \
   template <class T>                                                                                        \
   void group_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);                 \
   }
