@@ -5,8 +5,7 @@
 #include <type_traits>
 
 #include "lbm/kernels.hpp"
-#include "lbm/link_places.hpp"
-#include "lbm/prefetch.hpp"
+#include "lbm/link_fetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -124,47 +123,9 @@ class GroupSums {
   typename L::Mask good_ = V{} == V{};
 };
 
-/// Fetches the lines of some slots of the group that comes next, a vector of links at a time: what memory
-/// takes for them passes while the present group is computed.
-template <class T>
-class Fetch {
- public:
-  using L = Lanes<T>;
-  using Table = std::int32_t[32];
-  Fetch(Block<T>& block, const NextGroup<T>& next, std::initializer_list<const Table*> slots) {
-    if (!next.group) return;
-    const LinkGroup& group = *next.group;
-    origin_ = PlaceOrigin<T>(block, group.corner, next.links->frame);
-    data_ = block.data() + block.middle() + block.cell(group.corner);
-    place_ = next.links->place.data() + group.begin, count_ = int(group.count);
-    for (const Table* table : slots) slots_[tables_++] = table;
-  }
-  /// Links l to l + L::count, if there are such.
-  void operator()(int l) const {
-    if (l >= count_) return;
-    const Places<T> at(place_ + l, origin_);
-    for (int t = 0; t < tables_; ++t) {
-      alignas(64) std::int32_t slot[L::count];
-      const auto slots = at.slots(*slots_[t]);
-      __builtin_memcpy(slot, &slots, sizeof slot);
-      for (const std::int32_t s : slot) prefetch_to_write(data_ + s);
-    }
-  }
-  void rest(int l) const {
-    for (; l < count_; l += L::count) (*this)(l);
-  }
-
- private:
-  PlaceOrigin<T> origin_{Int3{}, SurfaceFrame{}};
-  const T* data_ = nullptr;
-  const std::uint32_t* place_ = nullptr;
-  int count_ = 0, tables_ = 0;
-  const Table* slots_[4];
-};
-
 template <WallScheme scheme, class T>
 void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-           const SurfaceMotion& motion, ForceForm form, LinkSums& sums, const Fetch<T>& fetch) {
+           const SurfaceMotion& motion, ForceForm form, LinkSums& sums, LinkFetch<T>& fetch) {
   using L = Lanes<T>;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
@@ -176,7 +137,7 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
   GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame, motion)));
   int l = 0;
   for (; l < count; l += L::count) {
-    fetch(l);
+    fetch.before(l);
     const Places<T> at(place + l, origin);
     const auto q = L::template load<typename L::Real>(distance + l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
@@ -191,13 +152,13 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
     L::scatter(data, at.slots(slots.back), e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }
-  fetch.rest(l);
+  fetch.finish(l);
   total.add_to(sums);
 }
 
 template <WallScheme scheme, class T>
 void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-             const SurfaceMotion& increment, LinkSums& sums, const Fetch<T>& fetch) {
+             const SurfaceMotion& increment, LinkSums& sums, LinkFetch<T>& fetch) {
   using L = Lanes<T>;
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
@@ -210,7 +171,7 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
   FixedSum<T> mass;
   int l = 0;
   for (; l < count; l += L::count) {
-    fetch(l);
+    fetch.before(l);
     const Places<T> at(place + l, origin);
     const V q = L::template load<V>(distance + l);
     const V cu = at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
@@ -222,7 +183,7 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
     mass.add(counted ? after : V{}, T(1 / mass_quantum));
     mass.take_off(counted ? before : V{}, T(1 / mass_quantum));
   }
-  fetch.rest(l);
+  fetch.finish(l);
   sums.mass += mass.total();
 }
 
@@ -264,9 +225,7 @@ void stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, S
 template <class T>
 void apply_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
                  const SurfaceMotion& motion, ForceForm form, LinkSums& sums, const NextGroup<T>& next) {
-  const bool all = next.group && reads_behind(next.group->scheme);
-  const Fetch<T> fetch = all ? Fetch<T>(block, next, {&slots.out, &slots.behind, &slots.against, &slots.back})
-                             : Fetch<T>(block, next, {&slots.out, &slots.back});
+  LinkFetch<T> fetch(block, slots, {&links, &group}, next, Wanted::all);
   with_scheme(group.scheme,
               [&](auto scheme) { apply<scheme()>(block, slots, links, group, motion, form, sums, fetch); });
 }
@@ -274,7 +233,7 @@ void apply_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& lin
 template <class T>
 void correct_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
                    const SurfaceMotion& increment, LinkSums& sums, const NextGroup<T>& next) {
-  const Fetch<T> fetch(block, next, {&slots.back});
+  LinkFetch<T> fetch(block, slots, {&links, &group}, next, Wanted::returned);
   with_scheme(group.scheme,
               [&](auto scheme) { correct<scheme()>(block, slots, links, group, increment, sums, fetch); });
 }
