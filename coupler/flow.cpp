@@ -205,10 +205,8 @@ class FlowOf final : public Flow {
       const std::size_t row = map.masks[k].row;
       SurfaceLinks<T>& surface = block.surfaces[k];
       if (map.masks[k].kept || !bodies.is_free(row)) continue;
-      surface.stiffness = {};
       const int exponent = lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]);
-      for (const lbm::LinkGroup& group : surface.links.groups)
-        lbm::sum_stiffness(surface.links, group, exponent, surface.stiffness);
+      surface.stiffness = lbm::stiffness_of(surface.links, exponent);
     }
   }
 

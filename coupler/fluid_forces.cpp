@@ -236,11 +236,8 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, con
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
-  const auto& groups = surface.links.groups;
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const lbm::NextGroup<T> next{&surface.links, g + 1 < groups.size() ? &groups[g + 1] : nullptr};
-    lbm::correct_cut_links(block, slots, surface.links, groups[g], increment, surface.sums, next);
-  }
+  for (const lbm::LinkGroup& group : surface.links.groups)  // still in cache
+    lbm::correct_cut_links(block, slots, surface.links, group, increment, surface.sums);
 }
 
 template <class T>

@@ -38,9 +38,19 @@ void correct_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T
   SILT_DISPATCH(correct_group, block, slots, links, group, increment, sums, next)
 }
 
+namespace {
 template <class T>
-void sum_stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent,
-                   StiffnessSums& sums){SILT_DISPATCH(group_stiffness, links, group, exponent, sums)}
+void add_stiffness(const CutLinks<T>& links, int exponent, StiffnessSums& sums) {
+  SILT_DISPATCH(surface_stiffness, links, exponent, sums)
+}
+}  // namespace
+
+template <class T>
+StiffnessSums stiffness_of(const CutLinks<T>& links, int exponent) {
+  StiffnessSums sums;
+  add_stiffness(links, exponent, sums);
+  return sums;
+}
 
 #define SILT_INSTANTIATE(T)                                                                          \
   template LinkSlots link_slots(const Block<T>&, Parity);                                            \
@@ -48,7 +58,7 @@ void sum_stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponen
                                 const SurfaceMotion&, ForceForm, LinkSums&, const NextGroup<T>&);    \
   template void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
                                   const SurfaceMotion&, LinkSums&, const NextGroup<T>&);             \
-  template void sum_stiffness(const CutLinks<T>&, const LinkGroup&, int, StiffnessSums&);
+  template StiffnessSums stiffness_of(const CutLinks<T>&, int);
 SILT_INSTANTIATE(float) SILT_INSTANTIATE(double)
 
 }  // namespace silt::lbm

@@ -159,8 +159,8 @@ template <class T>
 void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,
                        const SurfaceMotion& increment, LinkSums&, const NextGroup<T>& = {});
 
-/// Adds the group's share; depends on geometry only. `exponent`: of the surface (StiffnessSums).
+/// Of all links of a surface; depends on geometry only. `exponent`: of the surface (StiffnessSums).
 template <class T>
-void sum_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);
+StiffnessSums stiffness_of(const CutLinks<T>&, int exponent);
 
 }  // namespace silt::lbm

@@ -2,7 +2,6 @@
 // registers (groups are filled up to whole vectors).
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "lbm/kernels.hpp"
 #include "lbm/link_fetch.hpp"
@@ -22,24 +21,6 @@ struct Motion {
   V y(const V& z, const V& x) const { return v[1] + (o[2] * x - o[0] * z); }
   V z(const V& x, const V& y) const { return v[2] + (o[0] * y - o[1] * x); }
 };
-
-/// Calls f with the scheme as a constant of the type.
-template <class F>
-void with_scheme(WallScheme scheme, F&& f) {
-  using enum WallScheme;
-  switch (scheme) {
-    case cli:
-      return f(std::integral_constant<WallScheme, cli>{});
-    case bouzidi:
-      return f(std::integral_constant<WallScheme, bouzidi>{});
-    case parabolic:
-      return f(std::integral_constant<WallScheme, parabolic>{});
-    case narrow:
-      return f(std::integral_constant<WallScheme, narrow>{});
-    case bounce_back:
-      return f(std::integral_constant<WallScheme, bounce_back>{});
-  }
-}
 
 /// The largest |f* + f_opp| for which no term leaves its range.
 double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
@@ -187,39 +168,6 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
   sums.mass += mass.total();
 }
 
-/// 21 sums: the upper triangle of k J J^T. In single precision of 32-bit terms.
-template <WallScheme scheme, class T>
-void stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, StiffnessSums& sums) {
-  using L = Lanes<T>;
-  using V = typename L::Real;
-  using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
-  constexpr int chunk = 64;  // links whose terms may be summed in a lane
-  const SurfaceFrame& frame = links.frame;
-  const PlaceOrigin<T> origin(group.corner, frame);
-  const std::uint32_t* const place = links.place.data() + group.begin;
-  const T* const distance = links.q.data() + group.begin;
-  const int count = int(group.count);
-  const T unit = T(1 / stiffness_quantum<T>), arm = T(std::ldexp(1.0, -exponent));
-  for (int first = 0; first < count; first += chunk) {
-    Terms h[21] = {};
-    for (int l = first; l < std::min(first + chunk, count); l += L::count) {
-      const Places<T> at(place + l, origin);
-      const V q = L::template load<V>(distance + l);
-      const V k = coefficients<scheme>(q, at.weight6(), links.fluid).k * unit;
-      const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm, weight = L::below(count - l) ? k : V{};
-      const auto& c = at.c;
-      const V j[6] = {c[0], c[1], c[2], y * c[2] - z * c[1], z * c[0] - x * c[2], x * c[1] - y * c[0]};
-      int e = 0;
-      for (int a = 0; a < 6; ++a) {
-        const V kj = weight * j[a];
-        for (int b = a; b < 6; ++b, ++e) h[e] += __builtin_convertvector(kj * j[b], Terms);
-      }
-    }
-    for (int e = 0; e < 21; ++e)
-      for (int l = 0; l < L::count; ++l) sums.h[e] += h[e][l];
-  }
-}
-
 }  // namespace
 
 template <class T>
@@ -238,17 +186,11 @@ void correct_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& l
               [&](auto scheme) { correct<scheme()>(block, slots, links, group, increment, sums, fetch); });
 }
 
-template <class T>
-void group_stiffness(const CutLinks<T>& links, const LinkGroup& group, int exponent, StiffnessSums& sums) {
-  with_scheme(group.scheme, [&](auto scheme) { stiffness<scheme()>(links, group, exponent, sums); });
-}
-
 #define SILT_INSTANTIATE(T)                                                                      \
   template void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
                             const SurfaceMotion&, ForceForm, LinkSums&, const NextGroup<T>&);    \
   template void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
-                              const SurfaceMotion&, LinkSums&, const NextGroup<T>&);             \
-  template void group_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);
+                              const SurfaceMotion&, LinkSums&, const NextGroup<T>&);
 SILT_INSTANTIATE(float)
 SILT_INSTANTIATE(double)
 

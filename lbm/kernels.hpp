@@ -16,7 +16,7 @@
   void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,                     \
                      const SurfaceMotion&, LinkSums&, const NextGroup<T>&);                                 \
   template <class T>                                                                                        \
-  void group_stiffness(const CutLinks<T>&, const LinkGroup&, int exponent, StiffnessSums&);                 \
+  void surface_stiffness(const CutLinks<T>&, int exponent, StiffnessSums&);                                 \
   }
 
 SILT_KERNELS(portable)

@@ -20,6 +20,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 
 #include "lbm/collision.hpp"
 
@@ -39,6 +40,24 @@ namespace silt::lbm {
 enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow };
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic"};
+
+/// Calls f with the scheme as a constant of the type.
+template <class F>
+void with_scheme(WallScheme scheme, F&& f) {
+  using enum WallScheme;
+  switch (scheme) {
+    case cli:
+      return f(std::integral_constant<WallScheme, cli>{});
+    case bouzidi:
+      return f(std::integral_constant<WallScheme, bouzidi>{});
+    case parabolic:
+      return f(std::integral_constant<WallScheme, parabolic>{});
+    case narrow:
+      return f(std::integral_constant<WallScheme, narrow>{});
+    case bounce_back:
+      return f(std::integral_constant<WallScheme, bounce_back>{});
+  }
+}
 
 /// T / q^2 of `parabolic`.
 inline constexpr double parabola = 0.625;

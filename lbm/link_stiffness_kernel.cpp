@@ -1,0 +1,61 @@
+// Built once an instruction set: the stiffness of a surface against its links.
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "lbm/kernels.hpp"
+#include "lbm/link_places.hpp"
+
+namespace silt::lbm::SILT_ISA {
+namespace {
+
+constexpr int entries = 21;  // the upper triangle of k J J^T
+
+template <class T>
+using Entries = typename Lanes<T>::Quanta[entries];
+
+/// Adds a group's. In single precision of 32-bit terms.
+template <WallScheme scheme, class T>
+void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, Entries<T>& sums) {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
+  constexpr int chunk = 64 * L::count;  // links whose terms may be summed, 64 a lane
+  const PlaceOrigin<T> origin(group.corner, links.frame);
+  const std::uint32_t* const place = links.place.data() + group.begin;
+  const T* const distance = links.q.data() + group.begin;
+  const int count = int(group.count);
+  const T unit = T(1 / stiffness_quantum<T>), arm = T(std::ldexp(1.0, -exponent));
+  for (int first = 0; first < count; first += chunk) {
+    Terms h[entries] = {};
+    for (int l = first; l < std::min(first + chunk, count); l += L::count) {
+      const Places<T> at(place + l, origin);
+      const V q = L::template load<V>(distance + l);
+      const V k = coefficients<scheme>(q, at.weight6(), links.fluid).k * unit;
+      const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm, weight = L::below(count - l) ? k : V{};
+      const auto& c = at.c;
+      const V j[6] = {c[0], c[1], c[2], y * c[2] - z * c[1], z * c[0] - x * c[2], x * c[1] - y * c[0]};
+      int e = 0;
+      for (int a = 0; a < 6; ++a) {
+        const V kj = weight * j[a];
+        for (int b = a; b < 6; ++b, ++e) h[e] += __builtin_convertvector(kj * j[b], Terms);
+      }
+    }
+    for (int e = 0; e < entries; ++e) sums[e] += __builtin_convertvector(h[e], typename L::Quanta);
+  }
+}
+
+}  // namespace
+
+template <class T>
+void surface_stiffness(const CutLinks<T>& links, int exponent, StiffnessSums& sums) {
+  Entries<T> lanes = {};
+  for (const LinkGroup& group : links.groups)
+    with_scheme(group.scheme, [&](auto scheme) { add_group<scheme()>(links, group, exponent, lanes); });
+  for (int e = 0; e < entries; ++e)
+    for (int l = 0; l < Lanes<T>::count; ++l) sums.h[e] += lanes[e][l];
+}
+template void surface_stiffness(const CutLinks<float>&, int exponent, StiffnessSums&);
+template void surface_stiffness(const CutLinks<double>&, int exponent, StiffnessSums&);
+
+}  // namespace silt::lbm::SILT_ISA
