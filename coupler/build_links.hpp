@@ -10,11 +10,12 @@
 
 namespace silt::coupler {
 
-/// Builds the links of the block's masks, surface by surface; those that the last mapping kept are kept,
-/// given the surfaces of the mapping before. Links whose formula would read the cell behind where that is not
-/// fluid (a narrow gap) go into groups of `narrow`.
+/// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under
+/// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
+/// Links whose formula would read the cell behind where that is not fluid (a narrow gap) go into groups of
+/// `narrow`.
 template <class T>
-void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
+void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
                  const lbm::WallFluid<T>&, std::vector<SurfaceLinks<T>>&);
 
 }  // namespace silt::coupler

@@ -102,7 +102,9 @@ template <class T>
 void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme scheme, double rounding,
                       std::vector<SurfaceLinks<T>>& surfaces, int& narrow_ones) {
   const Geometry geometry(s);
-  build_links(map, s.scene().world, s.bodies(), scheme, {}, surfaces);
+  CouplingSpec coupling;
+  coupling.wall_scheme = scheme;
+  build_links(map, s.scene().world, s.bodies(), coupling, {}, surfaces);
   Links left;
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     add_links(map, map.masks[k], surfaces[k].links, scheme, left);
@@ -196,7 +198,9 @@ TEST(Links, NarrowOnesKnowTheWallOnTheOtherSide) {
   map(s.bodies());
   BlockLinks<double> block;
   auto& surfaces = block.surfaces;
-  build_links(map.blocks()[0], s.scene().world, s.bodies(), WallScheme::parabolic, {}, surfaces);
+  CouplingSpec coupling;
+  coupling.wall_scheme = WallScheme::parabolic;
+  build_links(map.blocks()[0], s.scene().world, s.bodies(), coupling, {}, surfaces);
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
   block.gaps.pair(surfaces, s.scene().flow->domain(), {{}, n});
