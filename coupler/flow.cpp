@@ -195,7 +195,7 @@ class FlowOf final : public Flow {
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
       }
-      for (const auto& surface : block.surfaces) counts_.links += surface.links.count();
+      counts_.links += block.count;
     }
   }
 

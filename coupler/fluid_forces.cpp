@@ -82,6 +82,7 @@ void add_sums(std::int64_t* row, const SurfaceLinks<T>& surface, bool stiffness 
 /// `limit`. It is bounded from above, by the row sums of H scaled with the mass and with the least that a
 /// principal moment can be.
 bool is_heavy(const Mat6& h, const rigid::BodySet& bodies, std::size_t row, double limit) {
+  if (h(0, 0) > limit * bodies.mass[row]) return false;
   const rigid::Mat3& inertia = bodies.inertia_B[row];
   const rigid::Mat3 sizes = inertia.cwiseAbs();
   const double moment = (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();  // Gershgorin
