@@ -7,6 +7,7 @@
 #include <string>
 
 #include "coupler/cell_sums.hpp"
+#include "coupler/heavy_body.hpp"
 #include "lbm/prefetch.hpp"
 #include "rigid/warm_start.hpp"
 
@@ -78,20 +79,6 @@ void add_sums(std::int64_t* row, const SurfaceLinks<T>& surface, bool stiffness 
     for (int e = 0; e < stiffness_width; ++e) row[force_width + e] += surface.stiffness.h[e];
 }
 
-/// Whether the force at the present velocity may move the body: the largest eigenvalue of M^-1 H is at most
-/// `limit`. It is bounded from above, by the row sums of H scaled with the mass and with the least that a
-/// principal moment can be.
-bool is_heavy(const Mat6& h, const rigid::BodySet& bodies, std::size_t row, double limit) {
-  if (h(0, 0) > limit * bodies.mass[row]) return false;
-  const rigid::Mat3& inertia = bodies.inertia_B[row];
-  const rigid::Mat3 sizes = inertia.cwiseAbs();
-  const double moment = (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();  // Gershgorin
-  if (!(moment > 0)) return false;
-  Vec6 scale;
-  scale << Vec3::Constant(1 / std::sqrt(bodies.mass[row])), Vec3::Constant(1 / std::sqrt(moment));
-  return scale.cwiseProduct(h.cwiseAbs() * scale).maxCoeff() <= limit;
-}
-
 /// Solves (M + H) delta = F + F_ext, gives the body the force of the links at that change, and returns it. A
 /// heavy body takes the force as it is: 0.
 template <class T>
@@ -100,7 +87,7 @@ Vec6 take_velocity_change(rigid::BodySet& bodies, const rigid::World& world, std
   const int exponent = lbm::stiffness_exponent(world.bounding_radii[bodies.shape[row]]);
   const Mat6 h = stiffness_of(sums, lbm::stiffness_quantum<T>, exponent);
   const Vec6 f = force_of(sums);
-  if (is_heavy(h, bodies, row, heavy)) {
+  if (is_heavy(h, bodies.mass[row], bodies.inertia_B[row], heavy)) {
     bodies.add_force(row, f.head<3>()), bodies.add_torque(row, f.tail<3>());
     return Vec6::Zero();
   }

@@ -26,20 +26,6 @@ double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& 
   return sum;
 }
 
-/// The side of the domain that lies half-way between a cell and its neighbour in a direction. Null: none
-/// does, or one that is no wall.
-const lbm::SideCondition* side_between(const lbm::Domain& domain, Int3 cell, int direction) {
-  const Int3 next = cell + lbm::c[direction];
-  const lbm::SideCondition* found = nullptr;
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (next[d] >= 0 && next[d] < domain.cells()[d])) continue;
-    const lbm::SideCondition& side = domain.side(d, next[d] > 0);
-    if (side.kind != lbm::SideKind::bounce) return nullptr;
-    if (!found) found = &side;
-  }
-  return found;
-}
-
 /// What fills up the groups copies their last link.
 template <class T>
 void fill_up(const lbm::CutLinks<T>& links, std::vector<T>& far) {
@@ -80,14 +66,13 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
     fars_.push_back({a.surface, a.place, b.surface, direction, a.cell});
     fars_.push_back({b.surface, b.place, a.surface, lbm::opposite(direction), a.cell});
   }
-  for (const Link& link : links_)
-    if (const auto* side = side_between(domain, box.lower + link.cell, lbm::opposite(link.direction))) {
-      lbm::CutLinks<T>& links = surfaces[link.surface].links;
-      const Int3 c = lbm::c[link.direction];
-      links.far_q[link.place] = T(0.5);
-      links.far_u[link.place] =
-          T(c.x * side->velocity[0] + c.y * side->velocity[1] + c.z * side->velocity[2]);
-    }
+  for (const Link& link : links_) {
+    const Int3 walls = domain.walls_met(box.lower + link.cell - lbm::c[link.direction]);
+    if (walls == Int3{0, 0, 0}) continue;
+    lbm::CutLinks<T>& links = surfaces[link.surface].links;
+    links.far_q[link.place] = T(0.5);
+    links.far_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
+  }
   for (auto& surface : surfaces) {
     fill_up(surface.links, surface.links.far_q), fill_up(surface.links, surface.links.far_u);
   }

@@ -43,31 +43,9 @@ Home home_of(const Domain& domain, Int3 g, int j) {
   return {HomeKind::slot, domain.wrapped(cell), direction_of(direction)};
 }
 
-/// -6 w_j c_j . u: what moving walls add to what left along j and meets these sides (-1, 0, 1 an axis, as
-/// c_j). Through an edge, of each side only the velocity across it: the sides that meet there leave a corner
-/// at rest. With that of the lid alone, the jets of a lid-driven square at Reynolds number 1000, 65 cells,
-/// are a tenth too weak.
+/// What moving walls add to what left along j and meets these sides.
 double wall_addend(const Domain& domain, Int3 sides, int j) {
-  const bool edge = std::abs(sides.x) + std::abs(sides.y) + std::abs(sides.z) > 1;
-  double cu = 0;
-  for (int d = 0; d < 3; ++d) {
-    if (sides[d] == 0) continue;
-    const auto& u = domain.side(d, sides[d] > 0).velocity;
-    for (int e = 0; e < 3; ++e)
-      if (!edge || e == d) cu += c[j][e] * u[e];
-  }
-  return -6 * w(j) * cu;
-}
-
-/// Those that bounce of the sides behind which the ghost cell g (global) lies.
-Int3 sides_met(const Domain& domain, Int3 g) {
-  Int3 sides{0, 0, 0};
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (g[d] >= 0 && g[d] < domain.cells()[d])) continue;
-    const bool upper = g[d] >= domain.cells()[d];
-    if (domain.side(d, upper).kind == SideKind::bounce) sides[d] = upper ? 1 : -1;
-  }
-  return sides;
+  return -6 * w(j) * domain.wall_velocity_along(sides, j);
 }
 
 /// Whether the edges of a side across x return along every direction what its face does.
@@ -196,7 +174,7 @@ struct Halo<T>::Builder {
     if (is_row_end(domain, place.box, g)) return;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
-      if (here >= 0) add_wall(here, g, j, home, sides_met(domain, place.box.lower + g));
+      if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
       return;
     }
     const int home_block = domain.block_at(home.cell), there = local[home_block];
