@@ -90,7 +90,7 @@ class LinkWriter {
     const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
     for (int z = 1; z < frame.size.z - 1; z += step) {
       const Planes planes{z, std::min(step, frame.size.z - 1 - z)};
-      const std::size_t most = most_in(z - 1, z + planes.count + 1);
+      const std::size_t most = bits_in(z - 1, z + planes.count + 1);
       if (most == 0) continue;
       inner_groups(planes, most);
       if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
@@ -206,16 +206,16 @@ class LinkWriter {
     used_ += end;
   }
 
-  /// No direction has more links with the mask's cells in the planes [z0, z1) of its frame, as far as there
-  /// are such: the bits of their words that are not empty.
-  std::size_t most_in(int z0, int z1) const {
+  /// Set bits of the planes [z0, z1) of the mask's frame, as far as there are such: no direction has more
+  /// links.
+  std::size_t bits_in(int z0, int z1) const {
     const BitFrame& f = mask_->frame();
     const std::uint64_t* const w = mask_->bits.words();
     std::size_t n = 0;
     for (std::size_t k = std::size_t(std::max(z0, 0)) * f.plane;
          k < std::size_t(std::min(z1, f.size.z)) * f.plane; ++k)
-      n += w[k] != 0;
-    return 64 * n;
+      n += std::popcount(w[k]);
+    return n;
   }
 
   /// Tubes in double: they may be far longer than anything else is wide.
