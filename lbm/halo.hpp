@@ -9,6 +9,10 @@
 // Slots that follow one another at both ends move as runs. What a row exchanges with itself (a block that
 // spans a periodic x axis) or with a wall across x touches two cache lines a population; the dense pass moves
 // it row by row (Block::row_ends).
+//
+// A message may leave before the pass is done, once the rows that write it are: what crosses out is written by
+// the collision of the cell it leaves alone. Nor does a cut link of the inside change it: the slot it writes holds
+// what comes back to its cell, or is to, and that crosses no face.
 #include <mpi.h>
 
 #include <array>
