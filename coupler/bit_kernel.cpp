@@ -7,6 +7,7 @@
 
 #include "coupler/bit_kernels.hpp"
 #include "coupler/line_lanes.hpp"
+#include "lbm/isa_vector.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -16,13 +17,13 @@ namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Some words of a stream, from the `first` one of plane z0 on: the place of each one's first cell, and the
-/// bits of rows [y0, y1).
+/// Eight words of a stream, from the `first` one of some planes on: the place of each one's first cell, and
+/// the bits of rows [y0, y1); none beyond the planes.
 struct PlaneWords {
-  static constexpr int most = 64;
+  static constexpr int most = 8;
   int count;
   std::uint32_t place[most];
-  std::uint64_t rows[most];
+  std::uint64_t rows[most] = {};
 
   PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1)
       : count(std::min(most, planes * frame.plane - first)) {
@@ -37,6 +38,26 @@ struct PlaneWords {
     }
   }
 };
+
+using Words = lbm::SILT_ISA::VectorOf<std::uint64_t, PlaneWords::most>::type;
+
+Words words_at(const std::uint64_t* from) {
+  Words w;
+  __builtin_memcpy(&w, from, sizeof w);
+  return w;
+}
+bool any(const Words& w) {
+  std::uint64_t all = 0;
+  for (int k = 0; k < PlaneWords::most; ++k) all |= w[k];
+  return all != 0;
+}
+
+/// The stream moved so that a cell's bit is that of the cell `shift` bits further on.
+Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
+  const std::uint64_t* const from = stream + (shift >> 6);
+  const int s = int(shift & 63);
+  return words_at(from) >> s | words_at(from + 1) << 1 << (63 - s);
+}
 
 /// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
 /// be written.
@@ -89,24 +110,16 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
 }
 #endif
 
-std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
-                        int direction, std::uint32_t* out) {
+std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Words& set, int direction,
+                        std::uint32_t* out) {
+  std::uint64_t words[PlaneWords::most];
+  __builtin_memcpy(words, &set, sizeof words);
   const std::uint32_t along = lbm::link_place({}, direction);
 #if defined(SILT_ISA_avx512)
   static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
   if (compresses) return list_bits_compressed(frame, plane, words, along, out);
 #endif
   return list_bits_plain(frame, plane, words, along, out);
-}
-
-/// The stream moved so that a cell's bit is that of the cell `shift` bits further on, for words [0, n).
-inline void moved(const std::uint64_t* stream, std::ptrdiff_t shift, int n, std::uint64_t* out) {
-  const std::uint64_t* const from = stream + (shift >> 6);
-  const int s = int(shift & 63);
-  if (s == 0)
-    for (int w = 0; w < n; ++w) out[w] = from[w];
-  else
-    for (int w = 0; w < n; ++w) out[w] = from[w] >> s | from[w + 1] << (64 - s);
 }
 
 /// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
@@ -198,25 +211,17 @@ LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, 
   for (int first = 0; first < planes * frame.plane; first += PlaneWords::most) {
     const PlaneWords plane(frame, first, planes, y0, y1);
     const std::size_t at = std::size_t(z) * frame.plane + first;
-    std::uint64_t open[PlaneWords::most];
-    for (int w = 0; w < plane.count; ++w) open[w] = bits.open[at + w] & plane.rows[w];
+    const Words open = words_at(bits.open + at) & words_at(plane.rows);
     for (int i = 1; i < lbm::directions; ++i) {
       const lbm::Int3 c = lbm::c[i];
       const std::ptrdiff_t step =
           c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
-      std::uint64_t cut[PlaneWords::most], back[PlaneWords::most], any = 0, any_narrow = 0;
-      moved(bits.body + at, step, plane.count, cut);
-      for (int w = 0; w < plane.count; ++w) cut[w] &= open[w], any |= cut[w];
-      if (!any) continue;
-      if (bits.reads_behind) {
-        moved(bits.solid + at, -step, plane.count, back);
-        for (int w = 0; w < plane.count; ++w) back[w] &= cut[w], any_narrow |= back[w];
-      }
-      if (any_narrow) {
-        for (int w = 0; w < plane.count; ++w) cut[w] &= ~back[w];
-        n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
-      }
-      n.clear += list_bits(frame, plane, cut, i, place + n.clear);
+      const Words cut = moved(bits.body + at, step) & open;
+      if (!any(cut)) continue;
+      Words back{};
+      if (bits.reads_behind) back = moved(bits.solid + at, -step) & cut;
+      if (any(back)) n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
+      n.clear += list_bits(frame, plane, cut & ~back, i, place + n.clear);
     }
   }
   return n;

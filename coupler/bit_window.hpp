@@ -21,8 +21,10 @@ struct BitFrame {
     plane = (pitch * size.y + 63) / 64;
   }
   std::size_t words() const { return std::size_t(plane) * size.z; }
-  /// Zero words before and after a stream, so that it can be read one step along any c away.
+  /// Zero words before a stream, so that it can be read one step along any c away; after it, for eight words
+  /// at a time, eight more.
   int margin() const { return plane + pitch / 64 + 2; }
+  std::size_t words_with_margins() const { return words() + 2 * margin() + 8; }
   /// Bit of the first cell of row (y, z), block coordinates.
   std::size_t row(int y, int z) const {
     return std::size_t(z - low.z) * plane * 64 + std::size_t(y - low.y) * pitch;
@@ -41,7 +43,7 @@ class BitWindow {
   /// All zero.
   void reset(const BitFrame& frame) {
     frame_ = frame;
-    bits_.assign(frame.words() + 2 * frame.margin(), 0);
+    bits_.assign(frame.words_with_margins(), 0);
   }
   std::uint64_t* words() { return bits_.data() + frame_.margin(); }
   const std::uint64_t* words() const { return bits_.data() + frame_.margin(); }

@@ -62,8 +62,8 @@ bool touches_rim(const BitFrame& f, Int3 block) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, WallScheme scheme)
-      : map_(map), scheme_(scheme), sweep_(map.box.size, sizeof(T)) {}
+  LinkWriter(const BlockMap& map, const lbm::Sweep& sweep, WallScheme scheme)
+      : map_(map), sweep_(sweep), scheme_(scheme) {}
 
   /// The links' frame is set already.
   void body(const BodyMask& mask, const rigid::Shape& shape, lbm::CutLinks<T>& links) {
@@ -206,8 +206,8 @@ class LinkWriter {
   }
 
   const BlockMap& map_;
+  const lbm::Sweep& sweep_;
   WallScheme scheme_;
-  lbm::Sweep sweep_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
   SurfaceParts<T> surface_;
@@ -241,11 +241,11 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
 
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid,
+                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::Sweep& sweep,
                  std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
-  LinkWriter<T> writer(map, coupling.wall_scheme);
+  LinkWriter<T> writer(map, sweep, coupling.wall_scheme);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
@@ -260,8 +260,9 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<float>&, std::vector<SurfaceLinks<float>>&);
+                          const lbm::WallFluid<float>&, const lbm::Sweep&, std::vector<SurfaceLinks<float>>&);
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<double>&, std::vector<SurfaceLinks<double>>&);
+                          const lbm::WallFluid<double>&, const lbm::Sweep&,
+                          std::vector<SurfaceLinks<double>>&);
 
 }  // namespace silt::coupler

@@ -5,6 +5,7 @@
 #include "coupler/solid_map.hpp"
 #include "coupler/surface_links.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/sweep.hpp"
 #include "rigid/body_set.hpp"
 #include "rigid/world.hpp"
 
@@ -16,6 +17,6 @@ namespace silt::coupler {
 /// `narrow`.
 template <class T>
 void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                 const lbm::WallFluid<T>&, std::vector<SurfaceLinks<T>>&);
+                 const lbm::WallFluid<T>&, const lbm::Sweep&, std::vector<SurfaceLinks<T>>&);
 
 }  // namespace silt::coupler

@@ -57,7 +57,7 @@ class FlowOf final : public Flow {
   void stream_collide(const Vec3& gravity) override {
     if (anchored_) set_anchor_density();
     if (world_.shapes.empty()) return fluid_.stream_collide();
-    fluid_.stream_collide([&](int b, int part, lbm::Parity) {
+    fluid_.stream_collide([&](int b, int part) {
       if (!forces_.waiting(links_[b], part)) return;
       const auto begin = std::chrono::steady_clock::now();
       forces_.after_part(fluid_.blocks()[b], links_[b], part, gravity);
@@ -190,12 +190,12 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_, fluid, block.surfaces);
+        build_links(map, world_, bodies, coupling_, fluid, fluid_.sweep_of(int(b)), block.surfaces);
         block.order_groups(fluid_.sweep_of(int(b)));
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
       }
-      for (const auto& surface : block.surfaces) counts_.links += surface.links.count();
+      counts_.links += block.count;
     }
   }
 

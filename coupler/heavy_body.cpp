@@ -19,6 +19,7 @@ double least_moment(const Mat3& inertia) {
 
 bool is_heavy(const Eigen::Matrix<double, 6, 6>& stiffness, double mass, const Mat3& inertia_B,
               double limit) {
+  if (stiffness(0, 0) > limit * mass) return false;  // most bodies
   const double moment = least_moment(inertia_B);
   if (!(moment > 0)) return false;
   Eigen::Matrix<double, 6, 1> scale;
