@@ -21,13 +21,12 @@ namespace {
 /// the bits of rows [y0, y1); none beyond the planes.
 struct PlaneWords {
   static constexpr int most = 8;
-  int count;
   std::uint32_t place[most];
   std::uint64_t rows[most] = {};
 
-  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1)
-      : count(std::min(most, planes * frame.plane - first)) {
-    const int words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
+  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1) {
+    const int count = std::min(most, planes * frame.plane - first),
+              words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
     for (int w = 0; w < count; ++w) {
       const int z = (first + w) / frame.plane, in_plane = (first + w) % frame.plane;
       const int x = in_plane % words_a_row * 64, y = in_plane / words_a_row * rows_a_word;
@@ -46,10 +45,15 @@ Words words_at(const std::uint64_t* from) {
   __builtin_memcpy(&w, from, sizeof w);
   return w;
 }
-bool any(const Words& w) {
-  std::uint64_t all = 0;
-  for (int k = 0; k < PlaneWords::most; ++k) all |= w[k];
-  return all != 0;
+/// Bit k: whether word k has any.
+unsigned filled(const Words& w) {
+#if defined(SILT_ISA_avx512)
+  return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
+#else
+  unsigned f = 0;
+  for (int k = 0; k < PlaneWords::most; ++k) f |= unsigned(w[k] != 0) << k;
+  return f;
+#endif
 }
 
 /// The stream moved so that a cell's bit is that of the cell `shift` bits further on.
@@ -61,16 +65,18 @@ Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
 
 /// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
 /// be written.
-std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
-                              std::uint32_t direction, std::uint32_t* out) {
+std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const Words& words,
+                              unsigned filled, std::uint32_t direction, std::uint32_t* out) {
   const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   std::uint32_t n = 0;
-  for (int w = 0; w < plane.count; ++w)
+  for (; filled; filled &= filled - 1) {
+    const int w = std::countr_zero(filled);
     for (std::uint64_t bits = words[w]; bits; bits &= bits - 1) {
       const int b = std::countr_zero(bits);
       out[n++] =
           plane.place[w] + direction + lbm::link_place({b & ((1 << log_pitch) - 1), b >> log_pitch, 0}, 0);
     }
+  }
   return n;
 }
 
@@ -90,8 +96,8 @@ Eight without_first_16_bytes(Eight set) {
 
 /// The same, 16 bits at a time: the numbers of a word's set bits, compressed, then widened.
 __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
-    const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words, std::uint32_t direction,
-    std::uint32_t* out) {
+    const BitFrame& frame, const PlaneWords& plane, const Words& words, unsigned filled,
+    std::uint32_t direction, std::uint32_t* out) {
   alignas(64) static constexpr auto ramp = [] {
     std::array<std::uint8_t, 64> r{};
     for (int b = 0; b < 64; ++b) r[b] = std::uint8_t(b);
@@ -101,9 +107,9 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
   const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   const std::uint32_t in_row = (1u << log_pitch) - 1;
   std::uint32_t n = 0;
-  for (int w = 0; w < plane.count; ++w) {
+  for (; filled; filled &= filled - 1) {
+    const int w = std::countr_zero(filled);
     const std::uint64_t bits = words[w];
-    if (!bits) continue;
     const std::uint32_t base = plane.place[w] + direction;
     Eight set = Eight(_mm512_maskz_compress_epi8(bits, numbers));
     int left = std::popcount(bits);
@@ -122,16 +128,14 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
 }
 #endif
 
-std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Words& set, int direction,
+std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Words& words, int direction,
                         std::uint32_t* out) {
-  std::uint64_t words[PlaneWords::most];
-  __builtin_memcpy(words, &set, sizeof words);
   const std::uint32_t along = lbm::link_place({}, direction);
 #if defined(SILT_ISA_avx512)
   static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
-  if (compresses) return list_bits_compressed(frame, plane, words, along, out);
+  if (compresses) return list_bits_compressed(frame, plane, words, filled(words), along, out);
 #endif
-  return list_bits_plain(frame, plane, words, along, out);
+  return list_bits_plain(frame, plane, words, filled(words), along, out);
 }
 
 /// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
@@ -229,10 +233,10 @@ LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, 
       const std::ptrdiff_t step =
           c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
       const Words cut = moved(bits.body + at, step) & open;
-      if (!any(cut)) continue;
+      if (!filled(cut)) continue;
       Words back{};
       if (bits.reads_behind) back = moved(bits.solid + at, -step) & cut;
-      if (any(back)) n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
+      if (filled(back)) n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
       n.clear += list_bits(frame, plane, cut & ~back, i, place + n.clear);
     }
   }

@@ -2,10 +2,12 @@
 // A box of cells as one stream of bits: x runs fastest, rows `pitch` bits apart, planes a whole number of
 // words. A step along c is then a shift of the whole stream, and no cell of the box needs a case of its own
 // as long as nothing that is set lies at the box's border.
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "lbm/block.hpp"
+#include "lbm/prefetch.hpp"
 
 namespace silt::coupler {
 
@@ -58,6 +60,12 @@ class BitWindow {
     if (!frame_.contains(c)) return false;
     const std::size_t bit = frame_.row(c.y, c.z) + std::size_t(c.x - frame_.low.x);
     return words()[bit >> 6] >> (bit & 63) & 1;
+  }
+  /// A hint that the bits will be asked for soon, of a small body all.
+  void prefetch() const {
+    constexpr std::size_t most = 256;
+    for (std::size_t word = 0; word < std::min(bits_.size(), most); word += 8)
+      lbm::prefetch_to_read(bits_.data() + word);
   }
   bool operator==(const BitWindow& o) const { return frame_ == o.frame_ && bits_ == o.bits_; }
   void swap(BitWindow& o) { std::swap(frame_, o.frame_), bits_.swap(o.bits_); }

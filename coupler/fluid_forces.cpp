@@ -45,8 +45,12 @@ Mat6 stiffness_of(const std::int64_t* row, double quantum, int exponent) {
 Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   Mat6 m = Mat6::Zero();
   m.topLeftCorner<3, 3>() = bodies.mass[row] * rigid::Mat3::Identity();
-  const rigid::Mat3 r = bodies.orientation[row].toRotationMatrix();
-  m.bottomRightCorner<3, 3>() = r * bodies.inertia_B[row] * r.transpose();
+  rigid::Mat3 inertia = bodies.inertia_B[row];
+  if (!bodies.is_isotropic(row)) {
+    const rigid::Mat3 r = bodies.orientation[row].toRotationMatrix();
+    inertia = r * inertia * r.transpose();
+  }
+  m.bottomRightCorner<3, 3>() = inertia;
   return m;
 }
 
