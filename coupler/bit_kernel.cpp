@@ -81,6 +81,19 @@ std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, co
 }
 
 #if defined(SILT_ISA_avx512)
+// Operators, and masks of all ones, for which nothing is generated: the plain intrinsics start from an
+// undefined vector, and g++ 12 warns that it is uninitialized.
+using Eight = lbm::SILT_ISA::VectorOf<std::uint64_t>::type;
+using Sixteen = lbm::SILT_ISA::VectorOf<std::uint32_t>::type;
+
+Sixteen first_16_bytes(Eight set) {
+  const auto quarter = __builtin_shufflevector(set, set, 0, 1);
+  return Sixteen(_mm512_maskz_cvtepu8_epi32(0xFFFF, __m128i(quarter)));
+}
+Eight without_first_16_bytes(Eight set) {
+  return Eight(_mm512_maskz_alignr_epi64(0xFF, __m512i(set), __m512i(set), 2));
+}
+
 /// The same, 16 bits at a time: the numbers of a word's set bits, compressed, then widened.
 __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
     const BitFrame& frame, const PlaneWords& plane, const Words& words, unsigned filled,
@@ -92,23 +105,22 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
   }();
   const __m512i numbers = _mm512_load_si512(ramp.data());
   const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
-  const __m512i in_row = _mm512_set1_epi32((1 << log_pitch) - 1);
-  const __m128i to_row = _mm_cvtsi32_si128(log_pitch);
+  const std::uint32_t in_row = (1u << log_pitch) - 1;
   std::uint32_t n = 0;
   for (; filled; filled &= filled - 1) {
     const int w = std::countr_zero(filled);
     const std::uint64_t bits = words[w];
-    const __m512i base = _mm512_set1_epi32(int(plane.place[w] + direction));
-    __m512i set = _mm512_maskz_compress_epi8(bits, numbers);
+    const std::uint32_t base = plane.place[w] + direction;
+    Eight set = Eight(_mm512_maskz_compress_epi8(bits, numbers));
     int left = std::popcount(bits);
     for (;;) {
-      const __m512i bit = _mm512_cvtepu8_epi32(_mm512_castsi512_si128(set));
-      const __m512i row = _mm512_slli_epi32(_mm512_srl_epi32(bit, to_row), lbm::place_x_bits);
-      const __m512i cell = _mm512_or_si512(_mm512_and_si512(bit, in_row), row);
-      _mm512_storeu_si512(out + n, _mm512_add_epi32(cell, base));
+      const Sixteen bit = first_16_bytes(set);
+      const Sixteen row = bit >> log_pitch << lbm::place_x_bits;
+      const Sixteen places = ((bit & in_row) | row) + base;
+      __builtin_memcpy(out + n, &places, sizeof places);
       if (left <= 16) break;
       n += 16, left -= 16;
-      set = _mm512_alignr_epi32(set, set, 4);
+      set = without_first_16_bytes(set);
     }
     n += std::uint32_t(left);
   }

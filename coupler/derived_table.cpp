@@ -177,13 +177,16 @@ void add_run(const Case& scene, Table& table) {
   table.heading("run");
   table.quantity("length", static_cast<double>(scene.steps), dimension::time, "s", "steps");
   const OutputSpec& output = scene.output;
-  const auto series = [&](const char* name, std::int64_t every) {
-    if (every > 0) table.line(name, fmt::format("every {} steps, {} times", every, scene.steps / every));
+  const auto series = [&](const char* name, std::int64_t every, bool at_start) {
+    if (every <= 0) return;
+    const std::int64_t times = (scene.steps + every - 1) / every + at_start;
+    table.line(name, fmt::format("every {} steps, {}at the end, {} time{}", every,
+                                 at_start ? "at the start and " : "and ", times, times > 1 ? "s" : ""));
   };
-  series("fields", output.fields.every);
-  series("bodies", output.bodies.every);
-  series("checkpoints", output.checkpoint.every);
-  series("reports", output.report.every);
+  series("fields", output.fields.every, true);
+  series("bodies", output.bodies.every, true);
+  series("checkpoints", output.checkpoint.every, false);
+  series("reports", output.report.every, false);
 }
 
 }  // namespace

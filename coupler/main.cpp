@@ -57,6 +57,13 @@ Exit info(const CommandLine& line, bool loud) {
   }
 }
 
+/// Instead of CLI::PositiveNumber, whose complaint names the largest double there is.
+const CLI::Validator above_zero(
+    [](std::string& text) {
+      return CLI::PositiveNumber(text).empty() ? "" : fmt::format("{} is not a number above 0", text);
+    },
+    "");
+
 void add_case(CLI::App& command, CommandLine& line) {
   command.add_option("CASE", line.case_directory, "case directory, or a .toml file")->required();
   command.add_option("--set", line.run.overrides, "key.path=value: another value for a key of the case")
@@ -68,11 +75,11 @@ void add_case(CLI::App& command, CommandLine& line) {
 void add_run(CLI::App& command, CommandLine& line) {
   add_case(command, line);
   command.add_option("--out", line.out, "folder for the results (CASE/out)")->type_name("DIR");
-  command.add_option("--steps", line.steps, "short for --set run.steps=N")->check(CLI::PositiveNumber);
+  command.add_option("--steps", line.steps, "short for --set run.steps=N")->check(above_zero)->type_name("N");
   command
       .add_option("--time-limit", line.run.time_limit,
                   "stop with a checkpoint after so many seconds of wall-clock time")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->type_name("SECONDS");
 }
 

@@ -16,10 +16,10 @@ constexpr double worth_another = 0;      // ... relative to what the pair change
 struct Rounds {
   PairMotion motion;
   Mask active;
-  Lanes change{}, scale{};  // squared, largest of the round
-  Lanes moved{};            // at most: a contact's impulse, in all rounds
-  Mask cut_short{};         // by the number of rounds
-  const BlockFilm* films;   // of the group's contacts, or null
+  Lanes change{}, scale{};           // squared, largest of the round
+  Lanes moved{};                     // at most: a contact's impulse, in all rounds
+  Mask cut_short{};                  // by the number of rounds
+  const BlockFilm* films = nullptr;  // of the group's contacts, or null
 
   /// What a contact's impulses become, from those that would stop it: FFD.md 5.2, and in a film.
   static Lanes normal(const BlockContact& c, const BlockFilm* film, Lanes stop, Lanes u_n) {

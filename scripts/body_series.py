@@ -4,6 +4,7 @@
     series.time, series.step, series.count      one entry a time
     series.at(-1)["position"]                   rows of one time, sorted by id
     series.array("position")                    [time, body, 3], where the bodies are the same at all times
+    series.way()                                the same for positions, not wrapped into the domain
     series.of_body(7, "velocity")               (times, values) of one body
     series.unit("velocity")                     "m/s"
 An append that was cut off by a killed run is left out.
@@ -70,6 +71,10 @@ class BodySeries:
             raise ValueError("the bodies change: use at(index) or of_body(id, name)")
         values = self.columns[name]
         return values.reshape(shape + values.shape[1:])
+
+    def way(self):
+        """Positions as array gives them, but going on across periodic sides."""
+        return self.array("position") + self.array("image") * (self.domain[1] - self.domain[0])
 
     def of_body(self, body, name):
         """Times and values of a column for one body."""

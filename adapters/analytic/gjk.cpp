@@ -64,9 +64,9 @@ struct Simplex {
     Vec3 nearest = Vec3::Zero();
     double least = std::numeric_limits<double>::infinity();
     for (int leave_out = 0; leave_out < points; ++leave_out) {
-      Simplex s;
-      for (int k = 0; k < points; ++k)
-        if (k != leave_out) s.w[s.size++] = w[k];
+      Simplex s = *this;
+      std::copy(w.begin() + leave_out + 1, w.begin() + points, s.w.begin() + leave_out);
+      s.size = fewer;
       const Vec3 x = s.reduce();
       if (x.squaredNorm() < least) least = x.squaredNorm(), nearest = x, best = s;
     }

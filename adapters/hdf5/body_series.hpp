@@ -45,8 +45,8 @@ struct KindPart {
   // sphere: radius; box: half edges; capsule and cylinder (along z): radius, half length; ellipsoid: half
   // axes; polyhedron: zero
   std::array<double, 3> size{0, 0, 0};
-  std::vector<std::array<double, 3>> vertices;  // of a polyhedron, in the part's frame
-  std::vector<std::vector<int>> faces;          // loops of vertices, counter-clockwise seen from outside
+  std::vector<std::array<double, 3>> vertices{};  // of a polyhedron, in the part's frame
+  std::vector<std::vector<int>> faces{};          // loops of vertices, counter-clockwise seen from outside
 };
 
 struct BodyKind {

@@ -8,7 +8,6 @@ Phys. 206 (2005) 536, Tables 5 and 6 (96^3 Chebyshev). Square, as a slab periodi
 import csv
 import pathlib
 
-import h5py
 import numpy as np
 
 from problem import Curve, Found, Goal, Run
@@ -93,8 +92,7 @@ def deviation(line, values, walls):
 def measure(run, outcome):
     if outcome.report["exit_reason"] != "steady":
         raise ValueError("the flow did not become steady")
-    with h5py.File(sorted(outcome.folder.glob("fields_*.hdf"))[-1]) as f:
-        velocity = f["VTKHDF/PointData/velocity"][:] / LID  # [z][y][x][component]
+    velocity = outcome.last_field("velocity") / LID  # [z][y][x][component]
     middle, centre = run.settings["N"] // 2, velocity.shape[0] // 2
     across, along = reference(run.settings["shape"])
     errors = (deviation(across, velocity[centre, middle, :, 1], (1, 0)), deviation(along, velocity[centre, :, middle, 0], (0, 0)))

@@ -9,7 +9,6 @@ w0 is after Schiller and Naumann; it does not act on n.
 """
 import math
 
-import h5py
 import numpy as np
 from problem import Found, Goal, Run
 
@@ -74,20 +73,13 @@ def runs(level):
     return [run_of(count) for count in COUNTS] if level == "full" else []
 
 
-def mean_flow(folder):
-    """Velocity of the whole box along z at the end, bodies included."""
-    last = sorted(folder.glob("fields_*.hdf"))[-1]
-    with h5py.File(last) as f:
-        return f["VTKHDF/PointData/velocity"][..., 2].mean()
-
-
 def measure(run, outcome):
     """Velocity over that of one alone, against the mean of box: from the way, so from all steps."""
     bodies = outcome.bodies
-    height = bodies.array("position")[..., 2] + BOX * bodies.array("image")[..., 2]
+    height = bodies.way()[..., 2]
     settled = bodies.step >= run.settings["steps_before"]
     step, height = bodies.step[settled], height[settled]
-    each = (height[-1] - height[0]) / (step[-1] - step[0]) - mean_flow(outcome.folder)
+    each = (height[-1] - height[0]) / (step[-1] - step[0]) - outcome.mean_velocity()[2]
     return dict(velocity=-each.mean() / VELOCITY, deviation=each.std() / VELOCITY)
 
 

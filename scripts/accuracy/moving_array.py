@@ -15,6 +15,7 @@ from problem import Curve, Found, Goal, Run
 
 FRACTION = 0.064
 RELAXATION_TIME = 1.5
+VISCOSITY = (RELAXATION_TIME - 0.5) / 3
 VELOCITY = 0.003         # Reynolds number 0.07 to 0.11: inertia adds less than 1e-4 to K
 BOOST = 0.05
 TRAVEL = 4               # cells
@@ -73,14 +74,12 @@ def unit(direction):
 
 def durations(edge):
     """(steps until the flow has settled, steps of the mean)."""
-    viscosity = (RELAXATION_TIME - 0.5) / 3
-    return math.ceil(edge**2 / viscosity), math.ceil(TRAVEL / VELOCITY)
+    return math.ceil(edge**2 / VISCOSITY), math.ceil(TRAVEL / VELOCITY)
 
 
 def drive(edge, diameter):
-    """The fluid's acceleration against the way: what balances the exact drag at VELOCITY."""
-    viscosity = (RELAXATION_TIME - 0.5) / 3
-    return 3 * math.pi * viscosity * diameter * VELOCITY * array.exact_drag(FRACTION) / edge**3
+    """The fluid's acceleration against the way."""
+    return array.drive(FRACTION, edge, diameter, VISCOSITY, VELOCITY)
 
 
 def run_of(D, direction, method="default", boosted=False):
@@ -110,8 +109,7 @@ def measure(run, outcome):
     along = -(outcome.bodies.array("force")[settled:, 0] @ way)
     flow = -np.dot([outcome.quantity(f"flow_{axis}") for axis in "xyz"], way)
     force = along.mean() + drive(edge, diameter) * math.pi / 6 * diameter**3
-    viscosity = (RELAXATION_TIME - 0.5) / 3
-    drag = force / (3 * math.pi * viscosity * diameter * flow)
+    drag = force / (3 * math.pi * VISCOSITY * diameter * flow)
     return {"error": 100 * (drag / array.exact_drag(FRACTION) - 1), "noise": 100 * along.std() / along.mean()}
 
 

@@ -43,10 +43,8 @@ def offsets(number):
     return [tuple(round(generator.random(), 6) for _ in range(3)) for _ in range(number)]
 
 
-def drive(fraction, edge, diameter, relaxation_time):
-    """The acceleration that gives REYNOLDS, from the exact drag."""
-    viscosity = (relaxation_time - 0.5) / 3
-    speed = REYNOLDS * viscosity / diameter
+def drive(fraction, edge, diameter, viscosity, speed):
+    """The acceleration of the fluid that balances the exact drag at this mean velocity."""
     return 3 * math.pi * viscosity * diameter * speed * exact_drag(fraction) / edge**3
 
 
@@ -90,7 +88,7 @@ def fixed_case(fraction, cells_across, offset, relaxation_time, fluid="", coupli
     viscosity = (relaxation_time - 0.5) / 3
     middle = edge // 2
     return FIXED.format(fraction=fraction, edge=edge, diameter=diameter, relaxation_time=relaxation_time, fluid=fluid,
-                        coupling=coupling, force=drive(fraction, edge, diameter, relaxation_time),
+                        coupling=coupling, force=drive(fraction, edge, diameter, viscosity, REYNOLDS * viscosity / diameter),
                         position=position or [middle + o for o in offset], change=change,
                         every=max(4, 2 * round(edge**2 / viscosity / 60)), steps=20 * max(500, round(edge**2 / viscosity)))
 

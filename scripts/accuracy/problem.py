@@ -22,6 +22,7 @@ import dataclasses
 import json
 import pathlib
 
+import h5py
 from body_series import BodySeries
 
 
@@ -72,6 +73,15 @@ class Outcome:
 
     def quantity(self, name):
         return self.report["quantities"][name]
+
+    def last_field(self, name):
+        """A field of the last time written: [z, y, x], and for the velocity [z, y, x, 3]."""
+        with h5py.File(sorted(self.folder.glob("fields_*.hdf"))[-1]) as f:
+            return f[f"VTKHDF/PointData/{name}"][...]
+
+    def mean_velocity(self):
+        """Of the whole box at the last time written, bodies included."""
+        return self.last_field("velocity").mean(axis=(0, 1, 2), dtype=float)
 
     @property
     def bodies(self):

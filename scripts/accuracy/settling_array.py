@@ -1,17 +1,15 @@
 """A sphere, light or heavy, that settles or rises in a periodic box: stability, and the terminal velocity of the cubic array.
 
-Its images make it a simple cubic array that moves through the lattice. Reference: the drag K(phi) of A. S. Sangani,
-A. Acrivos, Int. J. Multiphase Flow 8 (1982) 343-360 (reference/01_periodic_arrays_series.toml), the same in any direction.
+Its images make it a simple cubic array that moves through the lattice. Reference: the drag K(phi) of periodic_array, the same
+in any direction.
 Gravity pulls the body, a force on the fluid balances it: F on the body is -f (L^3 - V), the drag with the mean pressure's
 share f L^3 = 6 pi mu a K U, and U is the body's velocity less the mean of the whole box. The Reynolds number is 0.3, the
 direction oblique, the mean over three cells of way.
 """
 import math
-import pathlib
-import tomllib
 
-import h5py
 import numpy as np
+import periodic_array as array
 from problem import Found, Goal, Run
 
 DIAMETER, BOX = 8, 16                                      # cells
@@ -55,18 +53,10 @@ fields = {{ every = {steps}, quantities = ["velocity"] }}
 """
 
 
-def drag_factor():
-    """K(phi) of the simple cubic array."""
-    path = pathlib.Path(__file__).parent / "reference" / "01_periodic_arrays_series.toml"
-    series = tomllib.loads(path.read_text())["sangani_acrivos_SC"]
-    chi = (PHI / series["phi_max"]) ** (1 / 3)
-    return sum(q * chi**s for s, q in enumerate(series["q"]))
-
-
 def run_of(ratio, relaxation_time):
     viscosity = (relaxation_time - 0.5) / 3
     velocity = REYNOLDS * viscosity / DIAMETER
-    resistance = 3 * math.pi * viscosity * DIAMETER * drag_factor()
+    resistance = 3 * math.pi * viscosity * DIAMETER * array.exact_drag(PHI)
     pull = resistance * velocity * (1 - PHI)
     response = max((ratio + 0.5) * VOLUME / resistance, BOX**2 / (4 * math.pi**2 * viscosity))
     every = math.ceil(max(WAY / velocity, 400) / SAMPLES)
@@ -84,19 +74,12 @@ def runs(level):
     return [run_of(r, t) for r in RATIOS for t in RELAXATION_TIMES]
 
 
-def mean_flow(folder):
-    """Velocity of the whole box at the end, bodies included."""
-    last = sorted(folder.glob("fields_*.hdf"))[-1]
-    with h5py.File(last) as f:
-        return f["VTKHDF/PointData/velocity"][...].reshape(-1, 3).mean(axis=0)
-
-
 def measure(run, outcome):
     bodies = outcome.bodies
-    way = (bodies.array("position")[:, 0] + BOX * bodies.array("image")[:, 0]) @ DIRECTION
+    way = bodies.way()[:, 0] @ DIRECTION
     settled = bodies.step >= run.settings["start"]
     time, way = bodies.step[settled], way[settled]
-    velocity = (way[-1] - way[0]) / (time[-1] - time[0]) - mean_flow(outcome.folder) @ DIRECTION
+    velocity = (way[-1] - way[0]) / (time[-1] - time[0]) - outcome.mean_velocity() @ DIRECTION
     along = bodies.array("velocity")[settled, 0] @ DIRECTION
     scale = 100 / run.settings["velocity"]
     return dict(error=scale * velocity - 100, spread=scale * (along.max() - along.min()) / 2)

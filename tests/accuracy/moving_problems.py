@@ -3,6 +3,7 @@
 import math
 import pathlib
 import sys
+import tomllib
 import unittest
 from types import SimpleNamespace
 
@@ -71,10 +72,15 @@ class HinderedSettling(unittest.TestCase):
 
 
 class SettlingArray(unittest.TestCase):
-    def test_drag_of_the_table(self):
-        before, settling_array.PHI = settling_array.PHI, 0.064
-        self.assertAlmostEqual(settling_array.drag_factor(), 2.810198, places=5)  # Zick and Homsy: 2.81
-        settling_array.PHI = before
+    def test_nothing_pulls_on_the_whole(self):
+        for ratio in settling_array.RATIOS:
+            case = tomllib.loads(settling_array.run_of(ratio, 1.0).case)
+            fluid, body = (np.array(case[section][key]) for section, key in
+                           (("fluid", "body_force"), ("gravity", "acceleration")))
+            volume = math.pi / 6 * 8**3
+            pull = (ratio - 1) * volume * body  # gravity acts on bodies less their buoyancy
+            self.assertGreater(np.linalg.norm(pull), 1e-4)
+            self.assertLess(np.linalg.norm(pull + (16**3 - volume) * fluid), 1e-12)
 
 
 class WetRebound(unittest.TestCase):

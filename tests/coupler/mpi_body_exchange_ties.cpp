@@ -4,21 +4,15 @@
 #include <set>
 
 #include "exchange_scene.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler {
 namespace {
 
 using namespace testing;
 using rigid::FixedVec3;
-
-int here() {
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  return rank;
-}
-int ranks() {
-  return ranks_of(MPI_COMM_WORLD);
-}
+using tests::rank;
+using tests::ranks;
 
 class Recording : public BodyExchange {
  public:
@@ -60,13 +54,13 @@ TEST(BodyExchangeTies, ContactOfTwoRanksOnAThird) {
   const int first = run.exchange.rank_at({11, 8, 6}), second = run.exchange.rank_at({15, 16, 6});
   ASSERT_EQ(between_bodies(serial.exchange.known), 1);
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, between_bodies(run.exchange.found)), 1u) << "found by one rank only";
-  const bool owner = here() == first || here() == second;
+  const bool owner = rank() == first || rank() == second;
   EXPECT_EQ(between_bodies(run.exchange.known), owner ? 1 : 0);
   if (ranks() >= 4) {
     const int third = run.exchange.rank_at({12.6, 11.2, 6});
     EXPECT_EQ(std::set<int>({first, second, third}).size(), 3u);
-    EXPECT_EQ(between_bodies(run.exchange.found), here() == third ? 1 : 0);
-    EXPECT_EQ(run.exchange.visitors, here() == second ? 1u : 0u);  // the small ball does not reach so far
+    EXPECT_EQ(between_bodies(run.exchange.found), rank() == third ? 1 : 0);
+    EXPECT_EQ(run.exchange.visitors, rank() == second ? 1u : 0u);  // the small ball does not reach so far
   }
   EXPECT_EQ(run.hash(), serial.hash());
   for (const BodyId id : {3, 8}) {  // each owner solved it for itself, to the same bits
@@ -170,9 +164,9 @@ TEST(BodyExchangeTies, ForcesOnCopiesAddUpToTheSameBits) {
       serial.bodies().add_torque(row, p.torque);
       const std::vector<int> holders =
           run.exchange.holders(serial.bodies().shape[row], serial.bodies().pose(row));
-      if (holders[random() % holders.size()] == here()) mine.push_back(p);
+      if (holders[random() % holders.size()] == rank()) mine.push_back(p);
     }
-    std::shuffle(mine.begin(), mine.end(), std::mt19937(here()));
+    std::shuffle(mine.begin(), mine.end(), std::mt19937(rank()));
     for (const Push& p : mine) {
       const std::size_t row = run.bodies().row_of(p.id);
       ASSERT_LT(row, run.bodies().first_wall());
@@ -243,7 +237,7 @@ TEST(BodyExchangeTies, HandoverCarriesEverything) {
   rigid::BodyRecord record = one.bodies.record(0);
   record.image[1] = -7;
   const rigid::StoredImpulse impulse{99, {-1, 0, 1}, 0x123456789ABCDEFu, {1, 2, 3}};
-  if (here() == ranks() - 1) {  // owns x = 23, not x = 1, and knows nothing of the ball's place
+  if (rank() == ranks() - 1) {  // owns x = 23, not x = 1, and knows nothing of the ball's place
     bodies.add(record);
     bodies.add_force(0, {1, 2, 3});
     bodies.add_torque(0, {4, 5, 6});
@@ -256,9 +250,9 @@ TEST(BodyExchangeTies, HandoverCarriesEverything) {
     run.exchange.synchronise(bodies);
     ASSERT_EQ(sum_of(MPI_COMM_WORLD, bodies.owned), 1u);
     const int owner = run.exchange.rank_at({x, 5, 5});
-    ASSERT_EQ(bodies.owned, here() == owner ? 1u : 0u);
+    ASSERT_EQ(bodies.owned, rank() == owner ? 1u : 0u);
     ASSERT_NO_THROW(check_bodies(run.exchange, bodies));
-    if (here() != owner) continue;
+    if (rank() != owner) continue;
     record.position[0] = x;
     EXPECT_EQ(hash_of(bodies.record(0)), hash_of(record));
     EXPECT_EQ(bodies.force[0].value(), Vec3(1, 2, 3));
@@ -278,7 +272,7 @@ TEST(BodyExchangeTies, SumsAndSharesOfRows) {
   std::vector<double> values(3 * bodies.size(), -1);
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     sums[2 * row] = 1;
-    sums[2 * row + 1] = std::int64_t(bodies.id[row]) << here();
+    sums[2 * row + 1] = std::int64_t(bodies.id[row]) << rank();
     if (row < bodies.owned)
       for (int k = 0; k < 3; ++k) values[3 * row + k] = bodies.position[row][k];
   }

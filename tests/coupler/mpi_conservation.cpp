@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/coupler/coupled_scenes.hpp"
-#include "tests/coupler/world.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -15,13 +15,9 @@ using rigid::Vec3;
 double momentum_drift(const std::vector<std::string>& overrides, int steps) {
   Simulation s(free_spheres(overrides), MPI_COMM_WORLD);
   const Balance before = s.balance();
-  double scale = 0;  // sum of |m v| of the bodies at the start
-  for (std::size_t row = 0; row < s.bodies().owned; ++row)
-    scale += s.bodies().mass[row] * s.bodies().velocity[row].norm();
-  scale = sum_over_ranks(scale);
   while (s.steps_done() < steps) s.step();
   EXPECT_GT(s.counters().uncovered, 0u);
-  return (s.balance().momentum - before.momentum).norm() / scale;
+  return (s.balance().momentum - before.momentum).norm() / before.momentum_scale;
 }
 
 TEST(CoupledStep, ExactFormConservesMomentum) {
@@ -32,7 +28,7 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
     std::vector<std::string> single = overrides;
     single.push_back("fluid.precision=single");
     const double in_double = momentum_drift(overrides, 1000), in_single = momentum_drift(single, 1000);
-    if (rank_of_world() == 0)
+    if (tests::rank() == 0)
       printf("%s: exact form, drift %.2g in double, %.2g in single\n", overrides.back().c_str(), in_double,
              in_single);
     EXPECT_LT(in_double, 1e-11) << overrides.back();
@@ -83,7 +79,7 @@ steps = 1
   Simulation s(scene, MPI_COMM_WORLD);
   const FlowTotals before = s.look_at_flow();
   s.run(steps);
-  EXPECT_GT(sum_over_ranks(double(s.counters().uncovered)), 100);
+  EXPECT_GT(tests::sum_over_ranks(double(s.counters().uncovered)), 100);
   const FlowTotals now = s.look_at_flow();
   const double known = double(s.scene().flow->anchor().mass) * 0x1p-40;
   return (now.mass_deviation - before.mass_deviation - known) / double(now.fluid_cells);
@@ -91,7 +87,7 @@ steps = 1
 
 TEST(CoupledStep, AnchorKnowsTheMassOfTheFluid) {
   const double in_double = unseen_mass("double", 500), in_single = unseen_mass("single", 500);
-  if (rank_of_world() == 0)
+  if (tests::rank() == 0)
     printf("mass the anchor does not know: %.2g in double, %.2g in single\n", in_double, in_single);
   EXPECT_LT(std::fabs(in_double), 1e-11);
   EXPECT_LT(std::fabs(in_single), 1e-9);
@@ -135,8 +131,7 @@ steps = 100
       largest = std::max({largest, load.force.norm(), load.torque.norm()});
   }
   EXPECT_GT(s.counters().uncovered, 0u);
-  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-  return largest;
+  return tests::largest_of_ranks(largest);
 }
 
 // Whatever cells it covers and leaves: 0.06 a cell would be felt if their momentum were handed over as it
@@ -148,13 +143,10 @@ TEST(CoupledStep, ABodyThatMovesWithTheFluidFeelsNothing) {
 
 TEST(CoupledStep, DefaultFormDriftIsSmallButNotZero) {
   const double drift = momentum_drift({"coupling.force=galilean"}, 1000);
-  if (rank_of_world() == 0)
-    printf("galilean form: drift %.3g of the bodies' momentum in 1000 steps\n", drift);
+  if (tests::rank() == 0) printf("galilean form: drift %.3g of the bodies' momentum in 1000 steps\n", drift);
   EXPECT_LT(drift, 0.05);
   EXPECT_GT(drift, 1e-9);  // else the two forms would be the same code
 }
-
-// Zick and Homsy 1982, simple cubic array, phi = 0.064: K = 2.810.
 
 }  // namespace
 }  // namespace silt::coupler

@@ -6,13 +6,14 @@
 
 #include "coupler/derived_table.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
-#include "tests/coupler/world.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler {
 namespace {
 
 using rigid::Vec3;
 
+// Zick and Homsy 1982, simple cubic array, phi = 0.064: K = 2.810.
 TEST(CoupledStep, DragOfACubicArray) {
   const char* const positions[] = {"[8.13,8.31,7.87]", "[8.31,8.13,8.47]", "[8.2,8.4,8.1]",
                                    "[8.05,8.15,8.35]", "[8.42,7.71,8.27]", "[7.64,8.44,7.93]"};
@@ -20,7 +21,7 @@ TEST(CoupledStep, DragOfACubicArray) {
   for (const char* p : positions)
     sum += drag_coefficient(sphere_array({std::string("bodies[0].position=") + p}), MPI_COMM_WORLD);
   const double error = sum / std::size(positions) / 2.810198 - 1;
-  if (rank_of_world() == 0)
+  if (tests::rank() == 0)
     printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
   EXPECT_LT(std::fabs(error), 0.01);
 }
@@ -72,10 +73,10 @@ TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
       while (s.steps_done() < 1500 + half * 500) s.step();
       double v = 0;
       for (std::size_t row = 0; row < s.bodies().owned; ++row) v += s.bodies().velocity[row][2];
-      speed[half] = sum_over_ranks(v);
+      speed[half] = tests::sum_over_ranks(v);
     }
     const double unbounded = terminal_velocity(8, 0.5, 4e-4, 0.1 / 3);
-    if (rank_of_world() == 0)
+    if (tests::rank() == 0)
       printf("light sphere, %s: %.5f, unbounded fluid %.5f\n", std::string(name).c_str(), speed[1],
              std::fabs(unbounded));
     EXPECT_NEAR(speed[1] / speed[0], 1, 0.05);
@@ -96,15 +97,12 @@ TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
     double body = 0;
     for (std::size_t row = 0; row < s.bodies().owned; ++row)
       body = std::max(body, s.bodies().velocity[row].norm() + 4 * s.bodies().angular_velocity[row].norm());
-    MPI_Allreduce(MPI_IN_PLACE, &body, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-    if (rank_of_world() == 0)
+    body = tests::largest_of_ranks(body);
+    if (tests::rank() == 0)
       printf("heap at rest, %s: fastest fluid %.2g, fastest surface %.2g\n", name.c_str(), speed, body);
     EXPECT_LT(speed, 1e-3) << name;
   }
 }
-
-// The paper's Figure 4: exactly the cells whose centres are inside are solid, after many coverings and
-// uncoverings.
 
 }  // namespace
 }  // namespace silt::coupler

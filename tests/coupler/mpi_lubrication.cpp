@@ -6,7 +6,7 @@
 
 #include "tests/coupler/approach_series.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
-#include "tests/coupler/world.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -56,9 +56,9 @@ double approach_error(const Case& scene) {
     s.step();
     double mine[2] = {0, 0};
     if (s.bodies().owned > 0) mine[0] = s.bodies().position[0][2] - 6, mine[1] = s.bodies().velocity[0][2];
-    gap = sum_over_ranks(mine[0]);
+    gap = tests::sum_over_ranks(mine[0]);
     if (gap > 0.3) continue;
-    const double resistance = weight / (6 * M_PI / 3 * 6 * sum_over_ranks(mine[1]));
+    const double resistance = weight / (6 * M_PI / 3 * 6 * tests::sum_over_ranks(mine[1]));
     worst = std::max(worst, std::abs(resistance / testing::approach_to_wall(1 + gap / 6) - 1));
   }
   EXPECT_LT(gap, 0.05);
@@ -68,7 +68,7 @@ double approach_error(const Case& scene) {
 TEST(Lubrication, ASphereSettlesOnAWallAsBrennersSeriesSays) {
   for (const double density : {8.0, 1.5}) {
     const double error = approach_error(settling_on_a_wall(density, 2e-3));
-    if (rank_of_world() == 0) printf("density %g: %.1f %%\n", density, 100 * error);
+    if (tests::rank() == 0) printf("density %g: %.1f %%\n", density, 100 * error);
     EXPECT_LT(error, 0.07) << density;  // position in the lattice; at 8, inertia
   }
 }

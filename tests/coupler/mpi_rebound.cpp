@@ -7,7 +7,7 @@
 
 #include "coupler/case_file.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/world.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -43,7 +43,7 @@ State lowest(const Simulation& s) {
   double mine[2] = {0, 0};
   if (const std::size_t row = s.bodies().row_of(1); row < s.bodies().owned)
     mine[0] = s.bodies().position[row][2], mine[1] = s.bodies().velocity[row][2];
-  return {sum_over_ranks(mine[0]), sum_over_ranks(mine[1])};
+  return {tests::sum_over_ranks(mine[0]), tests::sum_over_ranks(mine[1])};
 }
 
 /// Its speed once it has come back to the height over what it was there on the way down (0: it does not).
@@ -58,40 +58,24 @@ double rebound(Simulation& s, double height) {
   return 0;
 }
 
+std::string ball(const std::string& shape, int density, const std::string& position, double velocity) {
+  return "[[bodies]]\nshape = \"" + shape + "\"\ndensity = " + std::to_string(density) +
+         "\nposition = " + position + "\nvelocity = [0, 0, " + std::to_string(velocity) + "]\n";
+}
+
 TEST(Rebound, TurnsTheFluidRoundToo) {
-  Simulation s(scene("no-slip", R"(
-[[bodies]]
-shape = "ball"
-density = 8
-position = [16.31, 15.83, 9]
-velocity = [0, 0, -0.04]
-)",
-                     {}),
-               MPI_COMM_WORLD);
+  Simulation s(scene("no-slip", ball("ball", 8, "[16.31, 15.83, 9]", -0.04), {}), MPI_COMM_WORLD);
   const double ratio = rebound(s, 6);
-  if (rank_of_world() == 0) printf("speed kept: %.3f\n", ratio);
+  if (tests::rank() == 0) printf("speed kept: %.3f\n", ratio);
   EXPECT_NEAR(ratio, 1, 0.1);  // viscous loss; 0.77 where the fluid goes on to the wall
 }
 
 // Of two sizes: what is pending decays at two rates, and is in balance only with what was passed on.
 TEST(Rebound, OfTwoBallsKeepsMomentum) {
-  Simulation s(scene("periodic", R"(
-[[shapes]]
-name = "small ball"
-type = "sphere"
-diameter = 7
-[[bodies]]
-shape = "ball"
-density = 1.5
-position = [16.31, 15.83, 7]
-velocity = [0, 0, 0.03]
-[[bodies]]
-shape = "small ball"
-density = 8
-position = [17.31, 15.83, 19.5]
-velocity = [0, 0, -0.03]
-)",
-                     {"fluid.precision=double", "coupling.force=exact"}),
+  const std::string small = "[[shapes]]\nname = \"small ball\"\ntype = \"sphere\"\ndiameter = 7\n";
+  const std::string balls =
+      ball("ball", 2, "[16.31, 15.83, 7]", 0.03) + ball("small ball", 8, "[17.31, 15.83, 19.5]", -0.03);
+  Simulation s(scene("periodic", small + balls, {"fluid.precision=double", "coupling.force=exact"}),
                MPI_COMM_WORLD);
   const Balance before = s.balance();
   double drift = 0;

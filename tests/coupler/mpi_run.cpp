@@ -15,6 +15,7 @@ namespace silt::coupler::testing {
 namespace {
 
 using rigid::Vec3;
+using tests::alone;
 using tests::rank;
 using tests::ranks;
 using tests::Scratch;
@@ -59,15 +60,6 @@ CaseText pure_fluid() {
       "initial = { type = \"uniform\", velocity = [0.01, 0.02, 0] }\n";
   c.shapes.clear(), c.bodies.clear();
   return c;
-}
-
-/// What rank 0 finds on its own, on every rank.
-template <class Work>
-std::uint64_t alone(Work&& work) {
-  std::uint64_t found = 0;
-  if (rank() == 0) found = work();
-  MPI_Bcast(&found, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
-  return found;
 }
 
 std::uint64_t hash_after(const Case& scene, MPI_Comm comm, std::int64_t steps) {
@@ -262,7 +254,7 @@ TEST(Run, AFixedBodyLeavesNoForceBehind) {
   EXPECT_EQ(simulation.scene().rigid_step, nullptr);
   double force = 0;
   for (const BodyLoad& load : simulation.last_loads()) force += load.force[0];
-  MPI_Allreduce(MPI_IN_PLACE, &force, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  force = tests::sum_over_ranks(force);
   EXPECT_GT(force, 0.01);
   EXPECT_LT(force, 1.0) << "one step's force, not the sum of all steps";
 }

@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import tempfile
 import time
 import unittest
 
-SILT = sys.argv.pop(1)
+SILT = os.path.abspath(sys.argv.pop(1))
 MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet"]
 ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
                    OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
@@ -73,6 +74,9 @@ checkpoint = { every = 250 }
 name = "energy"
 type = "kinetic-energy"
 """
+
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "run"
 
 
 class Program(unittest.TestCase):
@@ -237,11 +241,23 @@ class Program(unittest.TestCase):
         self.assertFalse(self.out.exists())
         self.silt("run", code=2)
         self.silt("walk", self.case, code=2)
+        errors = self.silt("run", self.case, "--steps", 0, code=2).stderr
+        self.assertEqual(errors.splitlines()[0], "--steps: 0 is not a number above 0")
         self.silt("resume", self.case, code=2)
         self.write(CASE)
         self.assertIn("blocks", self.silt("run", self.case, "--set", "domain.blocks=[24, 16, 16]", ranks=2, code=2).stderr)
         self.assertIn("silt", self.silt("--version").stdout)
         self.assertIn("relaxation time", self.silt("check", self.case).stdout)
+
+    def test_the_table_counts_what_is_written(self):
+        table = self.silt("check", self.case).stdout
+        self.silt("run", self.case)
+        import h5py
+        with h5py.File(self.out / "bodies.h5") as f:
+            bodies = len(f["step"])
+        for name, times in (("fields", len(list(self.out.glob("fields_*.hdf")))), ("bodies", bodies),
+                            ("checkpoints", len(list(self.out.glob("checkpoint_*.h5"))))):
+            self.assertRegex(table, rf"{name} +every \d+ steps, .*at the end, {times} times\n")
 
     def test_damaged_checkpoint_names_the_previous_one(self):
         self.silt("run", self.case)
@@ -282,6 +298,57 @@ class Program(unittest.TestCase):
         step = max(int(path.stem.split("_")[1]) for path in self.out.glob("checkpoint_*.h5"))
         self.silt("resume", self.case, "--steps", step + 10)
         self.assertEqual(self.report()["resumed_at"], step)
+
+
+class Launcher(unittest.TestCase):
+    """scripts/run in a tree of its own, where nothing is built and nothing drawn."""
+
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory(prefix="silt-launch-")
+        self.root = pathlib.Path(self.scratch.name)
+        for folder in ("scripts", "cases/two-balls", "build/release/coupler", "elsewhere"):
+            (self.root / folder).mkdir(parents=True)
+        shutil.copy(SCRIPT, self.root / "scripts/run")
+        self.program("scripts/build", "exit 0")
+        (self.root / "build/release/coupler/silt").symlink_to(SILT)
+        (self.root / "cases/two-balls/case.toml").write_text(CASE)
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def program(self, name, text):
+        path = self.root / name
+        path.unlink(missing_ok=True)
+        path.write_text(f"#!/bin/bash\n{text}\n")
+        path.chmod(0o755)
+
+    def launch(self, *arguments, code=0):
+        result = subprocess.run([self.root / "scripts/run", *map(str, arguments)], capture_output=True, text=True,
+                                env=ENVIRONMENT, timeout=120, cwd=self.root / "elsewhere")
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def test_finds_a_case_from_anywhere(self):
+        for case in ("two-balls", "cases/two-balls", "../cases/two-balls/", "../cases/two-balls/case.toml"):
+            self.launch(case, "--steps", 2, "--out", "out", "--overwrite")
+            self.assertTrue((self.root / "elsewhere/out/report.json").exists(), case)
+
+    def test_says_which_cases_there_are(self):
+        errors = self.launch("two-bals", code=2).stderr
+        self.assertIn("no case two-bals", errors)
+        self.assertIn("among Silt's: two-balls\n", errors)
+        self.assertIn("There are: two-balls\n", self.launch(code=2).stderr)
+
+    def test_says_how_to_go_on(self):
+        errors = self.launch("two-balls", "-n", 2, "--out", "out", "--steps", 1000000, "--time-limit", 1,
+                             "--set", "output.fields.every=0", code=4).stderr
+        last = max((self.root / "elsewhere/out").glob("checkpoint_*.h5"))
+        command = f"{self.root}/scripts/run two-balls -n 2 --out out --resume"
+        self.assertIn(f"go on from out/{last.name} with: {command}\n", errors)
+        self.program("build/release/coupler/silt", "kill -9 $$")
+        errors = self.launch("two-balls", "--out", "out", code=137).stderr
+        self.assertIn("killed (SIGKILL)", errors)
+        self.assertIn(f"go on from out/{last.name}", errors)
 
 
 if __name__ == "__main__":

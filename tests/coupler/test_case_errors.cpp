@@ -29,8 +29,8 @@ std::string expected(const std::string& text) {
   std::istringstream lines(text);
   std::string all;
   for (std::string line; std::getline(lines, line) && line.starts_with(mark);) {
-    const std::string rest = line.substr(mark.size());
-    all += (all.empty() ? "" : "\n") + std::string("case.toml:") + rest;
+    if (!all.empty()) all += '\n';
+    all.append("case.toml:").append(line, mark.size());
   }
   return all;
 }

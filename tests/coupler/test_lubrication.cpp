@@ -102,7 +102,7 @@ TEST(Lubrication, CountsTheCellsOfTheGap) {
 }
 
 TEST(Lubrication, ALayerOfCellsInTheGapIsResolvedBetterThanNone) {
-  const Lubrication law(mu, {0.8, 0.7, 2.4, 0.5, 0.5}, 1e-9);
+  const Lubrication law(mu, {{0.8, 0.7, 2.4, 0.5, 0.5}, {}}, 1e-9);
   rigid::FilmGap gap = spheres(0.2, 6, 6);
   gap.middle = {0.5, 0.5, 0.5};
   const double on_cells = law(gap).normal;

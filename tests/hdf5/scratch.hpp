@@ -14,19 +14,9 @@
 #include <vector>
 
 #include "adapters/hdf5/boxes.hpp"
+#include "tests/world.hpp"
 
 namespace silt::tests {
-
-inline int rank() {
-  int r = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
-  return r;
-}
-inline int ranks() {
-  int n = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &n);
-  return n;
-}
 
 class Scratch {
  public:

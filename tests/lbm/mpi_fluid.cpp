@@ -5,15 +5,13 @@
 #include <cmath>
 
 #include "lbm/fluid.hpp"
+#include "tests/world.hpp"
 
 namespace silt::lbm {
 namespace {
 
-int ranks() {
-  int n = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &n);
-  return n;
-}
+using tests::largest_of_ranks;
+using tests::ranks;
 
 SideCondition side(SideKind kind, std::array<double, 3> v = {}, double rho = 0) {
   return {kind, v, rho};
@@ -39,12 +37,6 @@ void for_cells(Fluid<T>& fluid, F&& f) {
       for (int y = 0; y < box.size.y; ++y)
         for (int x = 0; x < box.size.x; ++x) f(b, Int3{x, y, z}, box.lower + Int3{x, y, z});
   }
-}
-
-double largest(double x) {
-  double all = 0;
-  MPI_Allreduce(&x, &all, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-  return all;
 }
 
 /// Order-free: every population's bits mixed with where it is.
@@ -83,7 +75,7 @@ double poiseuille_error(double tau, double magic, bool bgk) {
     const double u = fluid.velocity(fluid.moments(b, x))[0];
     error = std::max(error, std::fabs(u - exact(at.z)) / exact(h / 2));
   });
-  return largest(error);
+  return largest_of_ranks(error);
 }
 
 TEST(Fluid, PoiseuilleExactToRoundOff) {
@@ -109,7 +101,7 @@ TEST(Fluid, CouetteIsLinear) {
     error = std::max(
         {error, std::fabs(u[0] - u0 * (at.z + 0.5) / h), std::fabs(u[1] - 0.5 * u0 * (at.z + 0.5) / h)});
   });
-  EXPECT_LT(largest(error), 1e-12);
+  EXPECT_LT(largest_of_ranks(error), 1e-12);
 }
 
 // Half of a Poiseuille channel: free slip in the middle (slip at z high and, with the force along y,
@@ -127,7 +119,7 @@ TEST(Fluid, FreeSlipIsASymmetryPlane) {
       const double z = at.z + 0.5, exact = g / (2 * nu) * z * (2 * h - z);
       error = std::max(error, std::fabs(fluid.velocity(fluid.moments(b, x))[axis] / exact - 1));
     });
-    EXPECT_LT(largest(error), 1e-9) << "axis " << axis;
+    EXPECT_LT(largest_of_ranks(error), 1e-9) << "axis " << axis;
   }
 }
 
@@ -144,7 +136,7 @@ TEST(Fluid, InletAndOutletCarryAUniformStream) {
     const auto u = fluid.velocity(fluid.moments(b, x));
     error = std::max({error, std::fabs(u[0] - u0), std::fabs(u[1]), std::fabs(u[2])});
   });
-  EXPECT_LT(largest(error) / u0, 0.01);
+  EXPECT_LT(largest_of_ranks(error) / u0, 0.01);
 }
 
 // Square duct: the series solution's u_max mu / (G a^2) = 0.2946854160 and mean 0.1405770150 (a: full edge...
@@ -156,10 +148,9 @@ TEST(Fluid, SquareDuctFlowRate) {
   Fluid<double> fluid(Domain({4, n, n}, s, Int3{4, 8, 4}, ranks()), {1.0, 3. / 16, false, {g, 0, 0}},
                       MPI_COMM_WORLD);
   for (int t = 0; t < 5000; ++t) step(fluid);
-  double sum = 0, all = 0;
+  double sum = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3) { sum += fluid.velocity(fluid.moments(b, x))[0]; });
-  MPI_Allreduce(&sum, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-  EXPECT_NEAR(all / (4 * n * n) * nu / (g * a * a) / 0.1405770150 * 1.0, 1.0, 0.005);
+  EXPECT_NEAR(tests::sum_over_ranks(sum) / (4 * n * n) * nu / (g * a * a) / 0.1405770150 * 1.0, 1.0, 0.005);
 }
 
 double taylor_green_error(int n) {
@@ -286,57 +277,56 @@ TEST(Fluid, CouetteAcrossRowsIsLinear) {
     const double share = (at.x + 0.5) / h;
     error = std::max({error, std::fabs(u[1] - u0 * share), std::fabs(u[2] - 0.5 * u0 * share)});
   });
-  EXPECT_LT(largest(error), 1e-12);
+  EXPECT_LT(largest_of_ranks(error), 1e-12);
 }
 
-/// Largest deviation of what arrives after one step from rest in a closed box whose side moves along another
-/// axis: 6 w u along the links that met its face, nothing along those that met an edge.
-double wrong_at_first(int axis, bool upper, int along) {
-  constexpr double speed = 0.01;
-  std::array<SideCondition, 6> s;
-  s.fill(no_slip);
-  s[2 * axis + upper].velocity[along] = speed;
-  const Int3 n{6, 7, 5};
-  Fluid<double> fluid(Domain(n, s, std::nullopt, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
+constexpr Int3 closed{6, 7, 5};  // cells of a box between walls
+
+/// Largest deviation, after one step from rest in a closed box with such sides, of what arrives along i from
+/// the cell `from` (outside: from a wall) from 6 w_i expected(from, i).
+template <class Expected>
+double wrong_at_first(const std::array<SideCondition, 6>& s, Expected&& expected) {
+  Fluid<double> fluid(Domain(closed, s, std::nullopt, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
   step(fluid);
   double wrong = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3 at) {
-    for (int i = 1; i < directions; ++i) {
-      const Int3 from = at - c[i];
-      int met = 0;
-      for (int d = 0; d < 3; ++d) met += from[d] < 0 || from[d] >= n[d];
-      const bool off_lid = upper ? from[axis] >= n[axis] : from[axis] < 0;
-      const double expected = off_lid && met == 1 ? 6 * w(i) * c[i][along] * speed : 0;
-      wrong = std::max(wrong, std::fabs(fluid.arriving(b, x, i) - expected));
-    }
+    for (int i = 1; i < directions; ++i)
+      wrong = std::max(wrong, std::fabs(fluid.arriving(b, x, i) - 6 * w(i) * expected(at - c[i], i)));
   });
-  return largest(wrong);
+  return largest_of_ranks(wrong);
 }
 
+/// One of the sides moves, the others rest.
+std::array<SideCondition, 6> one_moves(int axis, bool upper, int along, double speed) {
+  std::array<SideCondition, 6> s;
+  s.fill(no_slip);
+  s[2 * axis + upper].velocity[along] = speed;
+  return s;
+}
+
+// c u along the links that met the face of the lid, nothing along those that met an edge.
 TEST(Fluid, ASideThatSlidesLeavesItsEdgesAtRest) {
+  constexpr double speed = 0.01;
   for (int axis = 0; axis < 3; ++axis)
     for (const int along : {(axis + 1) % 3, (axis + 2) % 3})
-      for (const bool upper : {false, true})
-        EXPECT_LT(wrong_at_first(axis, upper, along), 1e-15) << axis << upper << along;
+      for (const bool upper : {false, true}) {
+        const auto expected = [&](Int3 from, int i) {
+          int met = 0;
+          for (int d = 0; d < 3; ++d) met += from[d] < 0 || from[d] >= closed[d];
+          const bool off_lid = upper ? from[axis] >= closed[axis] : from[axis] < 0;
+          return off_lid && met == 1 ? c[i][along] * speed : 0;
+        };
+        EXPECT_LT(wrong_at_first(one_moves(axis, upper, along, speed), expected), 1e-15)
+            << axis << upper << along;
+      }
 }
 
 // What flows in through a side does so up to its edges.
 TEST(Fluid, AnInletReachesItsEdges) {
+  constexpr double speed = 0.01;
   for (int axis = 0; axis < 3; ++axis) {
-    std::array<SideCondition, 6> s;
-    s.fill(no_slip);
-    s[2 * axis].velocity[axis] = 0.01;
-    const Int3 n{6, 7, 5};
-    Fluid<double> fluid(Domain(n, s, std::nullopt, ranks()), {0.9, 3. / 16, false, {}}, MPI_COMM_WORLD);
-    step(fluid);
-    double wrong = 0;
-    for_cells(fluid, [&](int b, Int3 x, Int3 at) {
-      for (int i = 1; i < directions; ++i) {
-        const double expected = at[axis] - c[i][axis] < 0 ? 6 * w(i) * 0.01 : 0;
-        wrong = std::max(wrong, std::fabs(fluid.arriving(b, x, i) - expected));
-      }
-    });
-    EXPECT_LT(largest(wrong), 1e-15) << axis;
+    const auto expected = [&](Int3 from, int) { return from[axis] < 0 ? speed : 0; };
+    EXPECT_LT(wrong_at_first(one_moves(axis, false, axis, speed), expected), 1e-15) << axis;
   }
 }
 

@@ -36,7 +36,9 @@ void expect_order(const Sweep& sweep, Int3 n) {
       for (int k = -1; k <= 1; ++k)
         for (int j = -1; j <= 1; ++j) last = std::max(last, rows.at(y + j, z + k));
       EXPECT_EQ(sweep.ready(y, z), last) << y << ", " << z;
-      if (y + 1 < sweep.next_row(y) && y + 2 < n.y) EXPECT_EQ(sweep.ready(y, z), sweep.ready(y + 1, z));
+      if (y + 1 < sweep.next_row(y) && y + 2 < n.y) {
+        EXPECT_EQ(sweep.ready(y, z), sweep.ready(y + 1, z));
+      }
     }
 }
 

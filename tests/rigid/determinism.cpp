@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <random>
 
 #include "scene.hpp"
@@ -15,30 +16,47 @@ using testing::Scene;
 
 constexpr int bodies_in_scene = 60;
 
-/// Balls, boxes, capsules and stars falling onto a floor in a box periodic in x and y, colliding all the
-/// time.
-Scene tumble(unsigned order) {
-  Scene s(0.4, 0.3, {3, 3, 8});
+/// A box periodic in x and y for bodies that collide all the time, too few sweeps to solve for them: what is
+/// added up in another order would show.
+Scene hasty_box(double restitution, double friction) {
+  Scene s(restitution, friction, {3, 3, 8});
   s.extent.periodic = {true, true, false};
   s.world.gravity = {0.5, 0, -9.81};
   s.world.contact_margin = 0.1;
   s.settings.max_sweeps = 6;
+  return s;
+}
+
+std::vector<int> shuffled(int count, unsigned order) {
+  std::vector<int> ids(count);
+  std::iota(ids.begin(), ids.end(), 0);
+  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
+  return ids;
+}
+
+/// Body n of those that fall, on a lattice, its motion by its own random numbers.
+void add_falling(Scene& s, int n, int shape, double mass) {
+  std::mt19937 random(n);
+  std::uniform_real_distribution<> u(-1, 1);
+  const Quat q = Quat(u(random), u(random), u(random), u(random)).normalized();
+  const Vec3 x(0.4 + 0.75 * (n % 4), 0.4 + 0.75 * (n / 4 % 4), 0.4 + 0.75 * (n / 16));
+  s.add_with_id(10 + 3 * n, shape, x, {u(random), u(random), u(random)}, {5 * u(random), 5 * u(random), 0},
+                mass, q);
+}
+
+Compound star() {
   Compound star;
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
     star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
-  const int shapes[] = {s.shape(Sphere{0.25}), s.shape(Capsule{0.12, 0.2}), s.shape(star),
+  return star;
+}
+
+/// Balls, boxes, capsules and stars falling onto a floor.
+Scene tumble(unsigned order) {
+  Scene s = hasty_box(0.4, 0.3);
+  const int shapes[] = {s.shape(Sphere{0.25}), s.shape(Capsule{0.12, 0.2}), s.shape(star()),
                         s.shape(Box{{0.2, 0.15, 0.25}})};
-  std::vector<int> ids(bodies_in_scene);
-  for (int i = 0; i < bodies_in_scene; ++i) ids[i] = i;
-  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
-  for (int id : ids) {
-    std::mt19937 random(id);
-    std::uniform_real_distribution<> u(-1, 1);
-    const Vec3 x(0.4 + 0.75 * (id % 4), 0.4 + 0.75 * (id / 4 % 4), 0.4 + 0.75 * (id / 16));
-    const Quat q = Quat(u(random), u(random), u(random), u(random)).normalized();
-    s.add_with_id(10 + 3 * id, shapes[id % 4], x, {u(random), u(random), u(random)},
-                  {5 * u(random), 5 * u(random), 0}, 1 + id % 3, q);
-  }
+  for (const int n : shuffled(bodies_in_scene, order)) add_falling(s, n, shapes[n % 4], 1 + n % 3);
   s.bodies.motion[7] = Motion::fixed;
   s.bodies.set_velocity(7, Vec3::Zero(), Vec3::Zero());
   s.bodies.motion[20] = Motion::prescribed;
@@ -57,24 +75,13 @@ Scene tumble_of_impacts(unsigned order) {
 /// Balls of two materials, slippery between equals and rough between unequals, so that groups of contacts
 /// with friction, without, and of both come about.
 Scene partly_slippery(unsigned order) {
-  Scene s(0.4, 0, {3, 3, 8});
-  s.extent.periodic = {true, true, false};
+  Scene s = hasty_box(0.4, 0);
   s.world.materials = {{0.4, 0}, {0.4, 0.5}, {0.4, 0.5}, {0.4, 0}};
   s.world.material_count = 2;
-  s.world.gravity = {0.5, 0, -9.81};
-  s.world.contact_margin = 0.1;
-  s.settings.max_sweeps = 6;
   const int ball = s.shape(Sphere{0.35});
-  std::vector<int> ids(bodies_in_scene);
-  for (int i = 0; i < bodies_in_scene; ++i) ids[i] = i;
-  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
-  for (int id : ids) {
-    std::mt19937 random(id);
-    std::uniform_real_distribution<> u(-1, 1);
-    const Vec3 x(0.4 + 0.75 * (id % 4), 0.4 + 0.75 * (id / 4 % 4), 0.4 + 0.75 * (id / 16));
-    s.add_with_id(10 + 3 * id, ball, x, {u(random), u(random), u(random)}, {5 * u(random), 5 * u(random), 0},
-                  1);
-    s.bodies.material[s.row(10 + 3 * id)] = id % 3 == 0;
+  for (const int n : shuffled(bodies_in_scene, order)) {
+    add_falling(s, n, ball, 1);
+    s.bodies.material[s.row(10 + 3 * n)] = n % 3 == 0;
   }
   s.floor();
   return s;
@@ -87,16 +94,11 @@ Scene carousel(unsigned order) {
   s.world.gravity = {0, 0, -9.81};
   s.world.contact_margin = 0.1;
   s.settings.max_sweeps = 6;
-  Compound plate, star;
+  Compound plate;
   plate.parts = {{Box{{2, 2, 0.1}}, {}}, {Box{{1.9, 0.1, 0.2}}, {Vec3(0, 0, 0.25), Quat::Identity()}}};
-  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
-    star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
-  const int shapes[] = {s.shape(Sphere{0.2}), s.shape(Box{{0.2, 0.15, 0.25}}), s.shape(star)};
+  const int shapes[] = {s.shape(Sphere{0.2}), s.shape(Box{{0.2, 0.15, 0.25}}), s.shape(star())};
   const int turntable = s.shape(plate);
-  std::vector<int> ids(24);
-  for (int i = 0; i < 24; ++i) ids[i] = i;
-  std::shuffle(ids.begin(), ids.end(), std::mt19937(order));
-  for (int id : ids)
+  for (const int id : shuffled(24, order))
     s.add_with_id(10 + 3 * id, shapes[id % 3],
                   {1.8 + 0.6 * (id % 5), 1.9 + 0.7 * (id / 5 % 4), 2.2 + id / 20}, Vec3::Zero(),
                   {0, 0, 0.1 * id}, 1 + id % 3);
