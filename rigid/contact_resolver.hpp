@@ -48,8 +48,8 @@ class ContactResolver {
   virtual std::string_view name() const = 0;
   /// Share of the external force (not of gravity) that acts before the contacts: 1 (sffd) or 1/2 (ffd).
   virtual double first_kick() const { return 1.0; }
-  /// contacts: sorted by key, all those of owned bodies. Fills velocities of owned rows that
-  /// have one.
+  /// bodies: after the kick. contacts: sorted by key, all those of owned bodies. Fills velocities of owned
+  /// rows that have one.
   virtual ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
                                      BodyExchange&) = 0;
 };

@@ -141,43 +141,43 @@ void RigidStep::find_rows_in_contact(const BodySet& bodies) {
   }
 }
 
-/// Gravity and external force. Bodies in contact take them into velocities_, where the resolver goes on from,
-/// beside what they were before; the others at once.
+/// Gravity and external force; for bodies in contact velocities_ keeps those before and after.
 void RigidStep::first_kick(BodySet& bodies, double dt) {
   StepVelocities& of = velocities_;
-  for (auto* all : {&of.before_v, &of.before_w, &of.v, &of.w, &kicked_w_}) all->resize(bodies.size());
+  for (auto* all : {&of.before_v, &of.before_w, &of.v, &of.w}) all->resize(bodies.size());
+  if (resolver_.first_kick() < 1) of.misses_kick.assign(bodies.size(), 0);
   for (const std::size_t row : of.rows) {
-    of.before_v[row] = of.v[row] = bodies.velocity[row];
-    of.before_w[row] = of.w[row] = bodies.angular_velocity[row];
+    of.before_v[row] = bodies.velocity[row];
+    of.before_w[row] = bodies.angular_velocity[row];
   }
-  const double share = resolver_.first_kick();
-  if (share < 1) of.misses_kick.assign(bodies.size(), 0);
+  if (!world_.gravity.isZero(0))
+    for (std::size_t row = 0; row < bodies.owned; ++row)
+      if (bodies.is_free(row)) bodies.velocity[row] += (dt * bodies.weight_factor[row]) * world_.gravity;
   forced_ = any(bodies.force) || any(bodies.torque);
-  const bool falls = !world_.gravity.isZero(0);
-  for (std::size_t row = 0; (falls || forced_) && row < bodies.owned; ++row) {
-    if (!bodies.is_free(row)) continue;
-    Vec3& v = in_contact_[row] ? of.v[row] : bodies.velocity[row];
-    v += (dt * bodies.weight_factor[row]) * world_.gravity;
-    if (forced_)
-      kick(bodies, row, share * dt, v, in_contact_[row] ? of.w[row] : bodies.angular_velocity[row]);
+  if (forced_)
+    for (std::size_t row = 0; row < bodies.owned; ++row)
+      if (bodies.is_free(row)) kick(bodies, row, resolver_.first_kick() * dt);
+  for (const std::size_t row : of.rows) {
+    of.v[row] = bodies.velocity[row];
+    of.w[row] = bodies.angular_velocity[row];
   }
-  for (const std::size_t row : of.rows) kicked_w_[row] = of.w[row];
 }
 
 /// Force and torque of one body over dt.
-void RigidStep::kick(BodySet& bodies, std::size_t row, double dt, Vec3& v, Vec3& w) const {
-  if (!bodies.force[row].is_zero()) v += (dt / bodies.mass[row]) * bodies.force[row].value();
+void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
+  if (!bodies.force[row].is_zero())
+    bodies.velocity[row] += (dt / bodies.mass[row]) * bodies.force[row].value();
   if (bodies.torque[row].is_zero()) return;
   const Vec3 torque = bodies.torque[row].value();
   bodies.angular_momentum[row] += dt * torque;
-  w += dt * (bodies.inverse_inertia_W(row) * torque);
+  bodies.angular_velocity[row] += dt * (bodies.inverse_inertia_W(row) * torque);
 }
 
 /// The resolver's velocities become the bodies'; what is left of the kick (ffd) follows.
 void RigidStep::take_velocities(BodySet& bodies, double dt) {
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_free(row)) continue;
-    const Vec3 contacts = velocities_.w[row] - kicked_w_[row];
+    const Vec3 contacts = velocities_.w[row] - bodies.angular_velocity[row];
     if (contacts != Vec3::Zero()) {
       const Mat3 r = bodies.orientation[row].toRotationMatrix();
       bodies.angular_momentum[row] += r * (bodies.inertia_B[row] * (r.transpose() * contacts));
@@ -188,8 +188,7 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
   const double share = 1 - resolver_.first_kick();
   if (share == 0) return;
   for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (bodies.is_free(row) && !velocities_.misses_kick[row])
-      kick(bodies, row, share * dt, bodies.velocity[row], bodies.angular_velocity[row]);
+    if (bodies.is_free(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
 }
 
 /// Split impulses move bodies apart without giving them speed.

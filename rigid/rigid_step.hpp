@@ -40,7 +40,7 @@ class RigidStep {
   RigidStepReport after_forces(BodySet&, double dt, bool last);  // lines 2 to 23
   void find_rows_in_contact(const BodySet&);
   void first_kick(BodySet&, double dt);
-  void kick(BodySet&, std::size_t row, double dt, Vec3& v, Vec3& w) const;
+  void kick(BodySet&, std::size_t row, double dt) const;
   void take_velocities(BodySet&, double dt);
   void take_position_correction(BodySet&, double dt) const;
 
@@ -49,7 +49,6 @@ class RigidStep {
   StepVelocities velocities_;
   bool forced_ = false;                   // some body is, in this sub-step
   std::vector<std::uint8_t> in_contact_;  // by row
-  std::vector<Vec3> kicked_w_;            // angular velocities the resolver was given
 };
 
 }  // namespace silt::rigid

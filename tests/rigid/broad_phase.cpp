@@ -216,6 +216,29 @@ TEST_P(BroadPhases, FollowsBodiesOverManySteps) {
   }
 }
 
+/// Slowly, so that pairs found once serve for many steps; through periodic sides, in wide domains and in one
+/// hardly wider than a body. Now and then one is thrown, grows or is fixed.
+TEST_P(BroadPhases, FollowsBodiesThatCreep) {
+  std::mt19937 g(8);
+  std::normal_distribution<> normal;
+  for (const Vec3& size : {Vec3(5, 4, 4), Vec3(1.15, 4, 6)}) {
+    Cloud cloud(80, size, {true, true, false}, 0.4, 0.5, 2, 22);
+    std::vector<Vec3> velocity(80);
+    for (Vec3& v : velocity) v = 4e-3 * Vec3(normal(g), normal(g), normal(g));
+    for (int step = 0; step < 200; ++step) {
+      for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
+        cloud.bodies.position[row] += velocity[row];
+        if (g() % 4000 == 0) cloud.bodies.position[row] += Vec3(2, 0, 0);
+        if (g() % 4000 == 0) cloud.reach[row].radius *= 1.1;
+        if (g() % 4000 == 0) cloud.bodies.motion[row] = Motion::free;
+        cloud.extent.wrap(cloud.bodies.position[row], cloud.bodies.image[row]);
+      }
+      expect_equal_to_brute(cloud, 50);
+      if (HasFailure()) FAIL() << "in step " << step;
+    }
+  }
+}
+
 /// What was there before must not show.
 TEST_P(BroadPhases, KeepsNothingThatShows) {
   const Cloud before(300, {10, 8, 6}, {true, false, true}, 0.7, 2, 3, 30);
