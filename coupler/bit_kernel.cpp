@@ -7,6 +7,7 @@
 
 #include "coupler/bit_kernels.hpp"
 #include "coupler/line_lanes.hpp"
+#include "lbm/isa_vector.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -16,17 +17,16 @@ namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Some words of a stream, from the `first` one of plane z0 on: the place of each one's first cell, and the
-/// bits of rows [y0, y1).
+/// Eight words of a stream, from the `first` one of some planes on: the place of each one's first cell, and
+/// the bits of rows [y0, y1); none beyond the planes.
 struct PlaneWords {
-  static constexpr int most = 64;
-  int count;
+  static constexpr int most = 8;
   std::uint32_t place[most];
-  std::uint64_t rows[most];
+  std::uint64_t rows[most] = {};
 
-  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1)
-      : count(std::min(most, planes * frame.plane - first)) {
-    const int words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
+  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1) {
+    const int count = std::min(most, planes * frame.plane - first),
+              words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
     for (int w = 0; w < count; ++w) {
       const int z = (first + w) / frame.plane, in_plane = (first + w) % frame.plane;
       const int x = in_plane % words_a_row * 64, y = in_plane / words_a_row * rows_a_word;
@@ -38,26 +38,53 @@ struct PlaneWords {
   }
 };
 
+using Words = lbm::SILT_ISA::VectorOf<std::uint64_t, PlaneWords::most>::type;
+
+Words words_at(const std::uint64_t* from) {
+  Words w;
+  __builtin_memcpy(&w, from, sizeof w);
+  return w;
+}
+/// Bit k: whether word k has any.
+unsigned filled(const Words& w) {
+#if defined(SILT_ISA_avx512)
+  return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
+#else
+  unsigned f = 0;
+  for (int k = 0; k < PlaneWords::most; ++k) f |= unsigned(w[k] != 0) << k;
+  return f;
+#endif
+}
+
+/// The stream moved so that a cell's bit is that of the cell `shift` bits further on.
+Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
+  const std::uint64_t* const from = stream + (shift >> 6);
+  const int s = int(shift & 63);
+  return words_at(from) >> s | words_at(from + 1) << 1 << (63 - s);
+}
+
 /// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
 /// be written.
-std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
-                              std::uint32_t direction, std::uint32_t* out) {
+std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const Words& words,
+                              unsigned filled, std::uint32_t direction, std::uint32_t* out) {
   const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   std::uint32_t n = 0;
-  for (int w = 0; w < plane.count; ++w)
+  for (; filled; filled &= filled - 1) {
+    const int w = std::countr_zero(filled);
     for (std::uint64_t bits = words[w]; bits; bits &= bits - 1) {
       const int b = std::countr_zero(bits);
       out[n++] =
           plane.place[w] + direction + lbm::link_place({b & ((1 << log_pitch) - 1), b >> log_pitch, 0}, 0);
     }
+  }
   return n;
 }
 
 #if defined(SILT_ISA_avx512)
 /// The same, 16 bits at a time: the numbers of a word's set bits, compressed, then widened.
 __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
-    const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words, std::uint32_t direction,
-    std::uint32_t* out) {
+    const BitFrame& frame, const PlaneWords& plane, const Words& words, unsigned filled,
+    std::uint32_t direction, std::uint32_t* out) {
   alignas(64) static constexpr auto ramp = [] {
     std::array<std::uint8_t, 64> r{};
     for (int b = 0; b < 64; ++b) r[b] = std::uint8_t(b);
@@ -68,9 +95,9 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
   const __m512i in_row = _mm512_set1_epi32((1 << log_pitch) - 1);
   const __m128i to_row = _mm_cvtsi32_si128(log_pitch);
   std::uint32_t n = 0;
-  for (int w = 0; w < plane.count; ++w) {
+  for (; filled; filled &= filled - 1) {
+    const int w = std::countr_zero(filled);
     const std::uint64_t bits = words[w];
-    if (!bits) continue;
     const __m512i base = _mm512_set1_epi32(int(plane.place[w] + direction));
     __m512i set = _mm512_maskz_compress_epi8(bits, numbers);
     int left = std::popcount(bits);
@@ -89,24 +116,14 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
 }
 #endif
 
-std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const std::uint64_t* words,
-                        int direction, std::uint32_t* out) {
+std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Words& words, int direction,
+                        std::uint32_t* out) {
   const std::uint32_t along = lbm::link_place({}, direction);
 #if defined(SILT_ISA_avx512)
   static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
-  if (compresses) return list_bits_compressed(frame, plane, words, along, out);
+  if (compresses) return list_bits_compressed(frame, plane, words, filled(words), along, out);
 #endif
-  return list_bits_plain(frame, plane, words, along, out);
-}
-
-/// The stream moved so that a cell's bit is that of the cell `shift` bits further on, for words [0, n).
-inline void moved(const std::uint64_t* stream, std::ptrdiff_t shift, int n, std::uint64_t* out) {
-  const std::uint64_t* const from = stream + (shift >> 6);
-  const int s = int(shift & 63);
-  if (s == 0)
-    for (int w = 0; w < n; ++w) out[w] = from[w];
-  else
-    for (int w = 0; w < n; ++w) out[w] = from[w] >> s | from[w + 1] << (64 - s);
+  return list_bits_plain(frame, plane, words, filled(words), along, out);
 }
 
 /// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
@@ -198,25 +215,17 @@ LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, 
   for (int first = 0; first < planes * frame.plane; first += PlaneWords::most) {
     const PlaneWords plane(frame, first, planes, y0, y1);
     const std::size_t at = std::size_t(z) * frame.plane + first;
-    std::uint64_t open[PlaneWords::most];
-    for (int w = 0; w < plane.count; ++w) open[w] = bits.open[at + w] & plane.rows[w];
+    const Words open = words_at(bits.open + at) & words_at(plane.rows);
     for (int i = 1; i < lbm::directions; ++i) {
       const lbm::Int3 c = lbm::c[i];
       const std::ptrdiff_t step =
           c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
-      std::uint64_t cut[PlaneWords::most], back[PlaneWords::most], any = 0, any_narrow = 0;
-      moved(bits.body + at, step, plane.count, cut);
-      for (int w = 0; w < plane.count; ++w) cut[w] &= open[w], any |= cut[w];
-      if (!any) continue;
-      if (bits.reads_behind) {
-        moved(bits.solid + at, -step, plane.count, back);
-        for (int w = 0; w < plane.count; ++w) back[w] &= cut[w], any_narrow |= back[w];
-      }
-      if (any_narrow) {
-        for (int w = 0; w < plane.count; ++w) cut[w] &= ~back[w];
-        n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
-      }
-      n.clear += list_bits(frame, plane, cut, i, place + n.clear);
+      const Words cut = moved(bits.body + at, step) & open;
+      if (!filled(cut)) continue;
+      Words back{};
+      if (bits.reads_behind) back = moved(bits.solid + at, -step) & cut;
+      if (filled(back)) n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
+      n.clear += list_bits(frame, plane, cut & ~back, i, place + n.clear);
     }
   }
   return n;

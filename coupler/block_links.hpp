@@ -18,6 +18,7 @@ struct BlockLinks {
   std::vector<Group> inner;                // groups in the order of the parts they wait for
   std::vector<std::uint32_t> first_inner;  // of a part; the last one's end
   std::vector<Group> rim;                  // groups that wait for the halo exchange
+  std::size_t count = 0;                   // links
   lbm::LinkSlots slots;                    // of the step under way
   NarrowGaps<T> gaps;                      // under `parabolic`
 
@@ -43,12 +44,14 @@ struct BlockLinks {
     const lbm::CutLinks<T>& links = surfaces[order[k + 1].surface].links;
     return {&links, &links.groups[order[k + 1].number]};
   }
-  /// Fills inner, first_inner and rim; call when links were built.
+  /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::Sweep& sweep) {
-    first_inner.assign(sweep.parts() + 2, 0), rim.clear();
+    first_inner.assign(sweep.parts() + 2, 0), rim.clear(), count = 0;
     for (const auto& surface : surfaces)
-      for (const lbm::LinkGroup& g : surface.links.groups)
+      for (const lbm::LinkGroup& g : surface.links.groups) {
+        count += g.count;
         if (g.ready >= 0) ++first_inner[g.ready + 2];
+      }
     for (std::size_t part = 1; part < first_inner.size(); ++part) first_inner[part] += first_inner[part - 1];
     inner.resize(first_inner.back());
     for (std::uint32_t k = 0; k < surfaces.size(); ++k) {

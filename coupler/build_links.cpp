@@ -62,8 +62,8 @@ bool touches_rim(const BitFrame& f, Int3 block) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, WallScheme scheme)
-      : map_(map), scheme_(scheme), sweep_(map.box.size, sizeof(T)) {}
+  LinkWriter(const BlockMap& map, const lbm::Sweep& sweep, WallScheme scheme)
+      : map_(map), sweep_(sweep), scheme_(scheme) {}
 
   /// The links' frame is set already.
   void body(const BodyMask& mask, const rigid::Shape& shape, lbm::CutLinks<T>& links) {
@@ -95,6 +95,7 @@ class LinkWriter {
       inner_groups(planes, most);
       if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
     }
+    end_group(apart_inside_), end_group(apart_at_rim_);
   }
 
   /// Fluid cells inside the block, those at its rim apart. Cells of other blocks are in neither.
@@ -138,7 +139,7 @@ class LinkWriter {
     const BitFrame& frame = mask_->frame();
     const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
     if (narrow_.size() < room) narrow_.resize(room), narrow_q_.resize(room);
-    if (place_.size() < used_ + room) place_.resize((used_ + room) * 3 / 2), q_.resize(place_.size());
+    make_room(lbm::directions * most);
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
     const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
@@ -158,9 +159,40 @@ class LinkWriter {
       else
         ++k;
     end_group(clear, corner, scheme_, ready);
-    std::copy_n(narrow_.data(), apart, place_.data() + used_);
-    std::copy_n(narrow_q_.data(), apart, q_.data() + used_);
-    end_group(apart, corner, WallScheme::narrow, ready);
+    set_apart(ready < 0 ? apart_at_rim_ : apart_inside_, apart, corner, planes.count, ready);
+  }
+
+  /// Narrow links are few: those of planes that follow one another share a group.
+  struct Apart {
+    std::vector<std::uint32_t> place;
+    std::vector<T> q;
+    Int3 corner;
+    int ready = -1;
+  };
+
+  /// The first n of narrow_ and narrow_q_, of some planes from the corner on.
+  void set_apart(Apart& apart, std::uint32_t n, Int3 corner, int planes, int ready) {
+    if (n == 0) return;
+    if (corner.z + planes - apart.corner.z > 1 << lbm::place_z_bits) end_group(apart);
+    if (apart.place.empty()) apart.corner = corner;
+    const std::uint32_t above = lbm::link_place({0, 0, corner.z - apart.corner.z}, 0);
+    for (std::uint32_t k = 0; k < n; ++k) apart.place.push_back(narrow_[k] + above);
+    apart.q.insert(apart.q.end(), narrow_q_.begin(), narrow_q_.begin() + n);
+    apart.ready = std::max(apart.ready, ready);
+  }
+
+  void end_group(Apart& apart) {
+    const std::uint32_t n = std::uint32_t(apart.place.size());
+    make_room(n);
+    std::copy(apart.place.begin(), apart.place.end(), place_.begin() + used_);
+    std::copy(apart.q.begin(), apart.q.end(), q_.begin() + used_);
+    end_group(n, apart.corner, WallScheme::narrow, apart.ready);
+    apart.place.clear(), apart.q.clear(), apart.ready = -1;
+  }
+
+  void make_room(std::size_t links) {
+    const std::size_t room = used_ + links + 3 * lbm::link_lanes;
+    if (place_.size() < room) place_.resize(room * 3 / 2), q_.resize(place_.size());
   }
 
   /// What stands at `used_` becomes a group, filled up.
@@ -206,8 +238,8 @@ class LinkWriter {
   }
 
   const BlockMap& map_;
+  const lbm::Sweep& sweep_;
   WallScheme scheme_;
-  lbm::Sweep sweep_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
   SurfaceParts<T> surface_;
@@ -216,6 +248,7 @@ class LinkWriter {
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> place_, narrow_;
   std::vector<T> q_, narrow_q_;
+  Apart apart_inside_, apart_at_rim_;
   std::uint32_t used_ = 0;  // of place_ and q_
 };
 
@@ -241,23 +274,29 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
 
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 WallScheme scheme, const lbm::WallFluid<T>& fluid, std::vector<SurfaceLinks<T>>& surfaces) {
+                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::Sweep& sweep,
+                 std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
-  LinkWriter<T> writer(map, scheme);
+  LinkWriter<T> writer(map, sweep, coupling.wall_scheme);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
+    prefetch_bits(map.masks, k);
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
     if (mask.kept) continue;
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = fluid, links.frame = surface_frame(map, mask);
-    writer.body(mask, world.shapes[bodies.shape[mask.row]], links);
+    const std::int32_t shape = bodies.shape[mask.row];
+    writer.body(mask, world.shapes[shape], links);
+    if (coupling.time == TimeCoupling::implicit_ && bodies.is_free(mask.row))
+      surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
   }
 }
 
-template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
-                          const lbm::WallFluid<float>&, std::vector<SurfaceLinks<float>>&);
-template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
-                          const lbm::WallFluid<double>&, std::vector<SurfaceLinks<double>>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
+                          const lbm::WallFluid<float>&, const lbm::Sweep&, std::vector<SurfaceLinks<float>>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
+                          const lbm::WallFluid<double>&, const lbm::Sweep&,
+                          std::vector<SurfaceLinks<double>>&);
 
 }  // namespace silt::coupler

@@ -5,16 +5,18 @@
 #include "coupler/solid_map.hpp"
 #include "coupler/surface_links.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/sweep.hpp"
 #include "rigid/body_set.hpp"
 #include "rigid/world.hpp"
 
 namespace silt::coupler {
 
-/// Builds the links of the block's masks, surface by surface; those that the last mapping kept are kept,
-/// given the surfaces of the mapping before. Links whose formula would read the cell behind where that is not
-/// fluid (a narrow gap) go into groups of `narrow`.
+/// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under
+/// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
+/// Links whose formula would read the cell behind where that is not fluid (a narrow gap) go into groups of
+/// `narrow`.
 template <class T>
-void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, WallScheme,
-                 const lbm::WallFluid<T>&, std::vector<SurfaceLinks<T>>&);
+void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
+                 const lbm::WallFluid<T>&, const lbm::Sweep&, std::vector<SurfaceLinks<T>>&);
 
 }  // namespace silt::coupler

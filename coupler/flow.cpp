@@ -57,10 +57,10 @@ class FlowOf final : public Flow {
   void stream_collide(const Vec3& gravity) override {
     if (anchored_) set_anchor_density();
     if (world_.shapes.empty()) return fluid_.stream_collide();
-    fluid_.stream_collide([&](int b, int part, lbm::Parity) {
+    fluid_.stream_collide([&](int b, int part) {
       if (!forces_.waiting(links_[b], part)) return;
       const auto begin = std::chrono::steady_clock::now();
-      forces_.after_part(fluid_.blocks()[b], map_.blocks()[b], links_[b], part, gravity);
+      forces_.after_part(fluid_.blocks()[b], links_[b], part, gravity);
       link_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     });
   }
@@ -70,7 +70,7 @@ class FlowOf final : public Flow {
 
   void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
     stepped_ = true;
-    const std::int64_t from_links = forces_(fluid_, map_.blocks(), links_, bodies, gravity);
+    const std::int64_t from_links = forces_(fluid_, links_, bodies, gravity);
     if (!anchored_) return;
     std::int64_t mine[3] = {from_links, mass_gained_, cells_gained_}, all[3];
     MPI_Allreduce(mine, all, 3, MPI_INT64_T, MPI_SUM, fluid_.comm());
@@ -190,23 +190,12 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_.wall_scheme, fluid, block.surfaces);
+        build_links(map, world_, bodies, coupling_, fluid, fluid_.sweep_of(int(b)), block.surfaces);
         block.order_groups(fluid_.sweep_of(int(b)));
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
-        if (coupling_.time == TimeCoupling::implicit_) sum_stiffness(map, bodies, block);
       }
-      for (const auto& surface : block.surfaces) counts_.links += surface.links.count();
-    }
-  }
-
-  void sum_stiffness(const BlockMap& map, const rigid::BodySet& bodies, BlockLinks<T>& block) const {
-    for (std::size_t k = 0; k < map.masks.size(); ++k) {
-      const std::size_t row = map.masks[k].row;
-      SurfaceLinks<T>& surface = block.surfaces[k];
-      if (map.masks[k].kept || !bodies.is_free(row)) continue;
-      const int exponent = lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]);
-      surface.stiffness = lbm::stiffness_of(surface.links, exponent);
+      counts_.links += block.count;
     }
   }
 

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "coupler/cell_sums.hpp"
+#include "coupler/heavy_body.hpp"
+#include "lbm/prefetch.hpp"
 #include "rigid/warm_start.hpp"
 
 namespace silt::coupler {
@@ -43,8 +45,12 @@ Mat6 stiffness_of(const std::int64_t* row, double quantum, int exponent) {
 Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   Mat6 m = Mat6::Zero();
   m.topLeftCorner<3, 3>() = bodies.mass[row] * rigid::Mat3::Identity();
-  const rigid::Mat3 r = bodies.orientation[row].toRotationMatrix();
-  m.bottomRightCorner<3, 3>() = r * bodies.inertia_B[row] * r.transpose();
+  rigid::Mat3 inertia = bodies.inertia_B[row];
+  if (!bodies.is_isotropic(row)) {
+    const rigid::Mat3 r = bodies.orientation[row].toRotationMatrix();
+    inertia = r * inertia * r.transpose();
+  }
+  m.bottomRightCorner<3, 3>() = inertia;
   return m;
 }
 
@@ -77,19 +83,6 @@ void add_sums(std::int64_t* row, const SurfaceLinks<T>& surface, bool stiffness 
     for (int e = 0; e < stiffness_width; ++e) row[force_width + e] += surface.stiffness.h[e];
 }
 
-/// Whether the force at the present velocity may move the body: the largest eigenvalue of M^-1 H is at most
-/// `limit`. It is bounded from above, by the row sums of H scaled with the mass and with the least that a
-/// principal moment can be.
-bool is_heavy(const Mat6& h, const rigid::BodySet& bodies, std::size_t row, double limit) {
-  const rigid::Mat3& inertia = bodies.inertia_B[row];
-  const rigid::Mat3 sizes = inertia.cwiseAbs();
-  const double moment = (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();  // Gershgorin
-  if (!(moment > 0)) return false;
-  Vec6 scale;
-  scale << Vec3::Constant(1 / std::sqrt(bodies.mass[row])), Vec3::Constant(1 / std::sqrt(moment));
-  return scale.cwiseProduct(h.cwiseAbs() * scale).maxCoeff() <= limit;
-}
-
 /// Solves (M + H) delta = F + F_ext, gives the body the force of the links at that change, and returns it. A
 /// heavy body takes the force as it is: 0.
 template <class T>
@@ -98,7 +91,7 @@ Vec6 take_velocity_change(rigid::BodySet& bodies, const rigid::World& world, std
   const int exponent = lbm::stiffness_exponent(world.bounding_radii[bodies.shape[row]]);
   const Mat6 h = stiffness_of(sums, lbm::stiffness_quantum<T>, exponent);
   const Vec6 f = force_of(sums);
-  if (is_heavy(h, bodies, row, heavy)) {
+  if (is_heavy(h, bodies.mass[row], bodies.inertia_B[row], heavy)) {
     bodies.add_force(row, f.head<3>()), bodies.add_torque(row, f.tail<3>());
     return Vec6::Zero();
   }
@@ -192,9 +185,9 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
         add_cells(cells_of(maps[b].box, mask), rows_.data() + mask.row * width_ + cells_begin_);
     for (std::size_t k = 0; k < masks.size(); ++k) {
       SurfaceLinks<T>& surface = links[b].surfaces[k];
-      surface.sums = {}, surface.finished = false;
+      surface.row = masks[k].row, surface.sums = {}, surface.finished = false;
       surface.left = std::uint32_t(surface.links.groups.size());
-      set_motion(surface.motion, bodies.velocity[masks[k].row], bodies.angular_velocity[masks[k].row]);
+      set_motion(surface.motion, bodies.velocity[surface.row], bodies.angular_velocity[surface.row]);
     }
     links[b].gaps.set_velocities(links[b].surfaces);
   }
@@ -208,8 +201,7 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, Su
 }
 
 template <class T>
-void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links, int part,
-                                const Vec3& gravity) {
+void FluidForces<T>::after_part(lbm::Block<T>& block, BlockLinks<T>& links, int part, const Vec3& gravity) {
   const auto& inner = links.inner;
   const std::uint32_t end = links.first_inner[part + 1];
   for (std::uint32_t k = links.first_inner[part]; k < end; ++k) {
@@ -217,22 +209,34 @@ void FluidForces<T>::after_part(lbm::Block<T>& block, const BlockMap& map, Block
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
     apply(block, links.slots, surface, surface.links.groups[inner[k].number],
           links.next_group(inner, k, end));
-    if (--surface.left == 0 && surface.links.frame.whole && spec_.time == TimeCoupling::implicit_)
-      finish_body(block, map.masks[inner[k].surface], links.slots, surface, gravity);
+    if (spec_.time != TimeCoupling::implicit_) continue;
+    if (k + 2 < end) prefetch_row(links.surfaces[inner[k + 2].surface]);
+    if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface, gravity);
   }
+}
+
+/// A hint that the body may be finished soon.
+template <class T>
+void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) const {
+  if (surface.left != 1) return;
+  const std::int64_t* const row = rows_.data() + surface.row * width_;
+  for (int n = 0; n < width_; n += 8) lbm::prefetch_to_write(row + n);
+  lbm::prefetch_to_write(&bodies_->force[surface.row]), lbm::prefetch_to_write(&bodies_->torque[surface.row]);
+  lbm::prefetch_to_read(&bodies_->inertia_B[surface.row]);
+  lbm::prefetch_to_read(&bodies_->stored_impulses[surface.row]);
 }
 
 /// Nobody else has links on this body: what solve_implicit would do for it later.
 template <class T>
-void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, const lbm::LinkSlots& slots,
-                                 SurfaceLinks<T>& surface, const Vec3& gravity) {
-  if (mask.row >= bodies_->owned || !bodies_->is_free(mask.row) || surface.sums.invalid) return;
-  std::int64_t* const row = rows_.data() + mask.row * width_;
-  add_sums(row, surface);
-  settle_owed(*bodies_, mask.row);
+void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slots, SurfaceLinks<T>& surface,
+                                 const Vec3& gravity) {
+  const std::size_t row = surface.row;
+  if (row >= bodies_->owned || !bodies_->is_free(row) || surface.sums.invalid) return;
+  std::int64_t* const sums = rows_.data() + row * width_;
+  add_sums(sums, surface);
+  settle_owed(*bodies_, row);
   surface.finished = true;
-  const Vec6 d =
-      take_velocity_change<T>(*bodies_, exchange_.world(), mask.row, row, gravity, substeps_, heavy_);
+  const Vec6 d = take_velocity_change<T>(*bodies_, exchange_.world(), row, sums, gravity, substeps_, heavy_);
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
@@ -241,11 +245,10 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BodyMask& mask, con
 }
 
 template <class T>
-std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
-                                        std::span<BlockLinks<T>> links) {
+std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
   std::int64_t mass = 0;
   rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
-  for (std::size_t b = 0; b < maps.size(); ++b) {
+  for (std::size_t b = 0; b < links.size(); ++b) {
     const auto& rim = links[b].rim;
     for (std::size_t k = 0; k < rim.size(); ++k) {
       links[b].prefetch(rim, k);
@@ -253,10 +256,9 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const Bl
       apply(fluid.blocks()[b], links[b].slots, surface, surface.links.groups[rim[k].number],
             links[b].next_group(rim, k, rim.size()));
     }
-    for (std::size_t k = 0; k < maps[b].masks.size(); ++k) {
-      const SurfaceLinks<T>& surface = links[b].surfaces[k];
+    for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       mass += surface.sums.mass;
-      if (surface.sums.invalid) bad = std::min(bad, maps[b].masks[k].id);
+      if (surface.sums.invalid) bad = std::min(bad, bodies_->id[surface.row]);
     }
   }
   require_in_range(exchange_.comm(), bad);
@@ -265,13 +267,11 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<const Bl
 
 /// Sums of all blocks, to what was handed over, a row each, at the owners.
 template <class T>
-void FluidForces<T>::gather(std::span<const BlockMap> maps, std::span<const BlockLinks<T>> links,
-                            const rigid::BodySet& bodies) {
-  for (std::size_t b = 0; b < maps.size(); ++b)
-    for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
-      if (const SurfaceLinks<T>& surface = links[b].surfaces[k]; !surface.finished)
-        add_sums(rows_.data() + maps[b].masks[k].row * width_, surface,
-                 spec_.time == TimeCoupling::implicit_);
+void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::BodySet& bodies) {
+  for (const BlockLinks<T>& block : links)
+    for (const SurfaceLinks<T>& surface : block.surfaces)
+      if (!surface.finished)
+        add_sums(rows_.data() + surface.row * width_, surface, spec_.time == TimeCoupling::implicit_);
   wall_loads_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
     std::copy_n(rows_.data() + (bodies.first_wall() + w) * width_, force_width, wall_loads_[w].begin());
@@ -310,13 +310,12 @@ void FluidForces<T>::add_explicit(rigid::BodySet& bodies) {
 }
 
 template <class T>
-std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
-                                            std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
-                                            const Vec3& gravity) {
+std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
+                                            rigid::BodySet& bodies, const Vec3& gravity) {
   std::vector<std::uint8_t> finished(bodies.size(), 0);
-  for (std::size_t b = 0; b < maps.size(); ++b)
-    for (std::size_t k = 0; k < maps[b].masks.size(); ++k)
-      if (links[b].surfaces[k].finished) finished[maps[b].masks[k].row] = 1;
+  for (const BlockLinks<T>& block : links)
+    for (const SurfaceLinks<T>& surface : block.surfaces)
+      if (surface.finished) finished[surface.row] = 1;
   std::vector<double> delta(bodies.size() * 6, 0.0);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
@@ -332,22 +331,20 @@ std::int64_t FluidForces<T>::solve_implicit(lbm::Fluid<T>& fluid, std::span<cons
   }
   exchange_.share_with_copies(bodies, delta, 6);
   std::int64_t mass = 0;
-  for (std::size_t b = 0; b < maps.size(); ++b)
-    mass += correct_open(fluid.blocks()[b], maps[b], links[b], bodies, delta);
+  for (std::size_t b = 0; b < links.size(); ++b)
+    mass += correct_open(fluid.blocks()[b], links[b], bodies, delta);
   return mass;
 }
 
 /// The bodies that were not finished during the pass return as if they had moved faster by delta (6 a row).
 template <class T>
-std::int64_t FluidForces<T>::correct_open(lbm::Block<T>& block, const BlockMap& map, BlockLinks<T>& links,
+std::int64_t FluidForces<T>::correct_open(lbm::Block<T>& block, BlockLinks<T>& links,
                                           const rigid::BodySet& bodies, std::span<const double> delta) {
   std::vector<typename BlockLinks<T>::Group> open;
-  for (std::uint32_t k = 0; k < map.masks.size(); ++k) {
+  for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
-    if (surface.finished) continue;
-    const std::size_t row = map.masks[k].row;
-    if (!bodies.is_free(row)) continue;
-    const double* const d = delta.data() + row * 6;
+    if (surface.finished || !bodies.is_free(surface.row)) continue;
+    const double* const d = delta.data() + surface.row * 6;
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (is_at_rest(surface.motion)) continue;
     for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
@@ -365,13 +362,12 @@ std::int64_t FluidForces<T>::correct_open(lbm::Block<T>& block, const BlockMap& 
 }
 
 template <class T>
-std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
-                                        std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
-                                        const Vec3& gravity) {
-  std::int64_t mass = apply_rims(fluid, maps, links);
-  gather(maps, links, bodies);
+std::int64_t FluidForces<T>::operator()(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
+                                        rigid::BodySet& bodies, const Vec3& gravity) {
+  std::int64_t mass = apply_rims(fluid, links);
+  gather(links, bodies);
   if (spec_.time == TimeCoupling::implicit_)
-    mass += solve_implicit(fluid, maps, links, bodies, gravity);
+    mass += solve_implicit(fluid, links, bodies, gravity);
   else
     add_explicit(bodies);
   return mass;

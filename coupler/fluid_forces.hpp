@@ -63,15 +63,15 @@ class FluidForces {
   void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&);
   /// The dense pass is done with a part of a block: what its links wait for is applied, and bodies all of
   /// whose links have been are solved for, while their populations are in cache.
-  void after_part(lbm::Block<T>&, const BlockMap&, BlockLinks<T>&, int part, const rigid::Vec3& gravity);
+  void after_part(lbm::Block<T>&, BlockLinks<T>&, int part, const rigid::Vec3& gravity);
   static bool waiting(const BlockLinks<T>& links, int part) {
     return std::size_t(part) + 1 < links.first_inner.size() &&
            links.first_inner[part] < links.first_inner[part + 1];
   }
   /// All other links and bodies, after the halo exchange.
   /// Collective. Returns the density that fluid cells of this rank gained through links, in mass quanta.
-  std::int64_t operator()(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
-                          rigid::BodySet&, const rigid::Vec3& gravity);
+  std::int64_t operator()(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&,
+                          const rigid::Vec3& gravity);
 
   /// Force and torque of the last step on a wall (0: the first of the walls' rows), torque about its
   /// position, from this rank's blocks; in quanta of lbm::link_quantum.
@@ -80,15 +80,15 @@ class FluidForces {
  private:
   void apply(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const lbm::LinkGroup&,
              const lbm::NextGroup<T>&) const;
-  std::int64_t apply_rims(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>);
-  void finish_body(lbm::Block<T>&, const BodyMask&, const lbm::LinkSlots&, SurfaceLinks<T>&,
-                   const rigid::Vec3& gravity);
-  void gather(std::span<const BlockMap>, std::span<const BlockLinks<T>>, const rigid::BodySet&);
+  std::int64_t apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
+  void prefetch_row(const SurfaceLinks<T>&) const;
+  void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const rigid::Vec3& gravity);
+  void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void settle_owed(rigid::BodySet&, std::size_t row);
   void add_explicit(rigid::BodySet&);
-  std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>,
-                              rigid::BodySet&, const rigid::Vec3& gravity);
-  std::int64_t correct_open(lbm::Block<T>&, const BlockMap&, BlockLinks<T>&, const rigid::BodySet&,
+  std::int64_t solve_implicit(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&,
+                              const rigid::Vec3& gravity);
+  std::int64_t correct_open(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&,
                             std::span<const double> delta);
 
   CouplingSpec spec_;

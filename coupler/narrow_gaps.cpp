@@ -1,6 +1,7 @@
 #include "coupler/narrow_gaps.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace silt::coupler {
 
@@ -8,10 +9,12 @@ using lbm::Int3;
 
 namespace {
 
-/// Order of links in a block of less than 2^18 cells a side; cells may lie outside of it.
+/// The same for the two links of a pair, and no others, in a block of less than 2^18 cells a side; cells may
+/// lie outside of it.
 std::uint64_t key_of(Int3 cell, int direction) {
   const auto part = [](int x) { return std::uint64_t(x + (1 << 18)); };
-  return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 5 | std::uint64_t(direction);
+  const int pair = (direction - 1) / 2;  // opposite directions follow one another
+  return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
 }
 
 /// c_i.u of a rigid surface, at the cell of a link: along c_i it is the same where the link meets it.
@@ -24,20 +27,6 @@ double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& 
     sum += c[d] * (m.v[d] + (m.omega[e] * r[f] - m.omega[f] * r[e]));
   }
   return sum;
-}
-
-/// The side of the domain that lies half-way between a cell and its neighbour in a direction. Null: none
-/// does, or one that is no wall.
-const lbm::SideCondition* side_between(const lbm::Domain& domain, Int3 cell, int direction) {
-  const Int3 next = cell + lbm::c[direction];
-  const lbm::SideCondition* found = nullptr;
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (next[d] >= 0 && next[d] < domain.cells()[d])) continue;
-    const lbm::SideCondition& side = domain.side(d, next[d] > 0);
-    if (side.kind != lbm::SideKind::bounce) return nullptr;
-    if (!found) found = &side;
-  }
-  return found;
 }
 
 /// What fills up the groups copies their last link.
@@ -70,26 +59,39 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
     }
     links.far_q.assign(room, T(0)), links.far_u.assign(room, T(0));
   }
-  std::sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.key < b.key; });
-  for (std::size_t n = 0; n < links_.size(); ++n) {
-    const int direction = links_[n].direction;
-    if (direction % 2 == 0) continue;  // opposite directions follow one another
-    if (n + 1 == links_.size() || links_[n + 1].key != links_[n].key + 1) continue;
-    const Link &a = links_[n], &b = links_[n + 1];
+  for_pairs([&](const Link& a, const Link& b) {
     surfaces[a.surface].links.far_q[a.place] = b.q, surfaces[b.surface].links.far_q[b.place] = a.q;
-    fars_.push_back({a.surface, a.place, b.surface, direction, a.cell});
-    fars_.push_back({b.surface, b.place, a.surface, lbm::opposite(direction), a.cell});
+    fars_.push_back({a.surface, a.place, b.surface, a.direction, a.cell});
+    fars_.push_back({b.surface, b.place, a.surface, b.direction, b.cell});
+  });
+  for (const Link& link : links_) {
+    const Int3 walls = domain.walls_met(box.lower + link.cell - lbm::c[link.direction]);
+    if (walls == Int3{0, 0, 0}) continue;
+    lbm::CutLinks<T>& links = surfaces[link.surface].links;
+    links.far_q[link.place] = T(0.5);
+    links.far_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
   }
-  for (const Link& link : links_)
-    if (const auto* side = side_between(domain, box.lower + link.cell, lbm::opposite(link.direction))) {
-      lbm::CutLinks<T>& links = surfaces[link.surface].links;
-      const Int3 c = lbm::c[link.direction];
-      links.far_q[link.place] = T(0.5);
-      links.far_u[link.place] =
-          T(c.x * side->velocity[0] + c.y * side->velocity[1] + c.z * side->velocity[2]);
-    }
   for (auto& surface : surfaces) {
     fill_up(surface.links, surface.links.far_q), fill_up(surface.links, surface.links.far_u);
+  }
+}
+
+/// Each link takes the first free place of the table from that of its key on, unless the other one of its
+/// pair has been there before.
+template <class T>
+template <class F>
+void NarrowGaps<T>::for_pairs(F&& f) {
+  const int log_size = std::bit_width(2 * links_.size() + 1);
+  table_.assign(std::size_t(1) << log_size, 0);
+  for (std::uint32_t n = 0; n < links_.size(); ++n) {
+    constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;
+    std::size_t at = links_[n].key * golden >> (64 - log_size);
+    while (table_[at] != 0 && links_[table_[at] - 1].key != links_[n].key)
+      at = (at + 1) & (table_.size() - 1);
+    if (table_[at] != 0)
+      f(links_[table_[at] - 1], links_[n]);
+    else
+      table_[at] = n + 1;
   }
 }
 

@@ -20,7 +20,7 @@ class NarrowGaps {
 
  private:
   struct Link {
-    std::uint64_t key;             // cell and direction
+    std::uint64_t key;             // of the pair
     std::uint32_t surface, place;  // of far_q
     std::int32_t direction;
     lbm::Int3 cell;
@@ -32,7 +32,11 @@ class NarrowGaps {
     std::int32_t direction;
     lbm::Int3 cell;
   };
+  template <class F>
+  void for_pairs(F&&);  // calls f with the two links of each pair
+
   std::vector<Link> links_;
+  std::vector<std::uint32_t> table_;  // of links_, by key; 0: empty, else from 1 on
   std::vector<Far> fars_;
 };
 

@@ -176,7 +176,9 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
     const BlockMap& map = maps[b];
     if (!map.changed) continue;
     std::vector<char> kept(map.masks_before.size(), 0);
-    for (const BodyMask& mask : map.masks) {
+    for (std::size_t k = 0; k < map.masks.size(); ++k) {
+      const BodyMask& mask = map.masks[k];
+      prefetch_bits(map.masks, k);
       if (mask.kept)
         kept[mask.before] = 1;
       else
@@ -184,6 +186,7 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
     }
     for (std::size_t k = 0; k < kept.size(); ++k) {
       const BodyMask& mask = map.masks_before[k];
+      prefetch_bits(map.masks_before, k);
       if (!kept[k])
         for_cells_lost(mask, map.solid, [&](Int3 x) { cells.uncovered.push_back({b, x, &mask}); });
     }
@@ -204,8 +207,8 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
   constexpr std::size_t ahead = 3;  // cells: far enough for memory to answer, few enough to stay in cache
   for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {  // all averages before the first cell is written
     const CoveredCell& u = cells.uncovered[n];
-    if (n + ahead < cells.uncovered.size()) prefetch_around(fluid, cells.uncovered[n + ahead]);
     const BlockMap& map = maps[u.block];
+    if (n + ahead < cells.uncovered.size()) prefetch_around(fluid, cells.uncovered[n + ahead]);
     const lbm::CellBox inside{{}, map.box.size};
     Average& mean = averages.emplace_back();
     for (int k = 1; k < lbm::directions; ++k) {

@@ -6,6 +6,7 @@
 
 #include "coupler/bit_window.hpp"
 #include "lbm/block.hpp"
+#include "lbm/prefetch.hpp"
 #include "rigid/types.hpp"
 
 namespace silt::coupler {
@@ -85,6 +86,12 @@ struct BodyMask {
             (cell.z - shift.z + 0.5) - pose.position[2]};
   }
 };
+
+/// A hint that the bits of the masks after the k-th will be asked for, one after the other.
+inline void prefetch_bits(const std::vector<BodyMask>& masks, std::size_t k) {
+  if (k + 4 < masks.size()) lbm::prefetch_to_read(&masks[k + 4].bits);
+  if (k + 2 < masks.size()) masks[k + 2].bits.prefetch();
+}
 
 /// The map of one block.
 struct BlockMap {

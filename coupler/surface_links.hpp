@@ -12,6 +12,7 @@ struct SurfaceLinks {
   lbm::CutLinks<T> links;
   lbm::StiffnessSums stiffness;  // implicit coupling only; renewed with the links
   // of the step under way:
+  std::size_t row = 0;  // of the BodySet
   lbm::SurfaceMotion motion;
   lbm::LinkSums sums;
   std::uint32_t left = 0;  // groups yet to be applied

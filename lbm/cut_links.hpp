@@ -76,12 +76,6 @@ struct CutLinks {
   std::vector<T> q;
   std::vector<T> far_q, far_u;  // FarWall of the links of `narrow`; empty: of none
 
-  /// Filling not counted.
-  std::size_t count() const {
-    std::size_t n = 0;
-    for (const LinkGroup& g : groups) n += g.count;
-    return n;
-  }
   /// A hint that a group will be wanted soon.
   void prefetch(const LinkGroup& g) const {
     constexpr std::uint32_t line = 16;  // places

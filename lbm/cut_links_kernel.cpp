@@ -82,14 +82,14 @@ class GroupSums {
            const V& uy, const V& uz) {
     const V in = counted ? e.out : V{}, returned = counted ? e.back : V{};
     const V sum = in + returned, difference = (in - returned) * galilean_;
-    const V g[3] = {at.c[0] * sum - ux * difference, at.c[1] * sum - uy * difference,
-                    at.c[2] * sum - uz * difference};
-    const auto& r = at.r;
     constexpr T scale = T(1 / link_quantum), mass_scale = T(1 / mass_quantum);
-    for (int d = 0; d < 3; ++d) force_[d].add(g[d], scale);
-    torque_[0].add(r[1] * g[2] - r[2] * g[1], scale), torque_[1].add(r[2] * g[0] - r[0] * g[2], scale);
-    torque_[2].add(r[0] * g[1] - r[1] * g[0], scale);
-    mass_.add(returned, mass_scale), mass_.take_off(in, mass_scale);
+    const V g[3] = {(at.c[0] * sum - ux * difference) * scale, (at.c[1] * sum - uy * difference) * scale,
+                    (at.c[2] * sum - uz * difference) * scale};
+    const auto& r = at.r;
+    for (int d = 0; d < 3; ++d) force_[d].add(g[d]);
+    torque_[0].add(r[1] * g[2] - r[2] * g[1]), torque_[1].add(r[2] * g[0] - r[0] * g[2]);
+    torque_[2].add(r[0] * g[1] - r[1] * g[0]);
+    mass_.add(returned * mass_scale), mass_.take_off(in * mass_scale);
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
   void add_to(LinkSums& sums) const {
@@ -161,8 +161,8 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
     const V after = before - coefficients<scheme>(q, at.weight6(), links.fluid).k * cu;
     L::scatter(data, slot, after);
     const auto counted = L::below(count - l);
-    mass.add(counted ? after : V{}, T(1 / mass_quantum));
-    mass.take_off(counted ? before : V{}, T(1 / mass_quantum));
+    constexpr T scale = T(1 / mass_quantum);
+    mass.add(counted ? V(after * scale) : V{}), mass.take_off(counted ? V(before * scale) : V{});
   }
   fetch.finish(l);
   sums.mass += mass.total();

@@ -1,6 +1,7 @@
 #include "lbm/domain.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -99,6 +100,28 @@ Int3 Domain::wrapped(Int3 x) const {
 
 bool Domain::inside(Int3 x) const {
   return CellBox{{}, cells_}.contains(x);
+}
+
+Int3 Domain::walls_met(Int3 x) const {
+  Int3 walls{0, 0, 0};
+  for (int d = 0; d < 3; ++d) {
+    if (periodic(d) || (x[d] >= 0 && x[d] < cells_[d])) continue;
+    const bool upper = x[d] >= cells_[d];
+    if (side(d, upper).kind == SideKind::bounce) walls[d] = upper ? 1 : -1;
+  }
+  return walls;
+}
+
+double Domain::wall_velocity_along(Int3 walls, int j) const {
+  const bool edge = std::abs(walls.x) + std::abs(walls.y) + std::abs(walls.z) > 1;
+  double cu = 0;
+  for (int d = 0; d < 3; ++d) {
+    if (walls[d] == 0) continue;
+    const auto& u = side(d, walls[d] > 0).velocity;
+    for (int e = 0; e < 3; ++e)
+      if (!edge || e == d) cu += c[j][e] * u[e];
+  }
+  return cu;
 }
 
 std::vector<int> Domain::neighbourhood(int b) const {

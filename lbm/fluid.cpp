@@ -1,5 +1,7 @@
 #include "lbm/fluid.hpp"
 
+#include <algorithm>
+
 #include "lbm/prefetch.hpp"
 
 namespace silt::lbm {
@@ -12,6 +14,30 @@ std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
   std::vector<Block<T>> blocks;
   for (int b : domain.blocks_of(rank)) blocks.emplace_back(domain.blocks()[b].box);
   return blocks;
+}
+
+/// Faces beyond which another rank is.
+ShellFaces shell_of(const Domain& domain, int b) {
+  const BlockPlace& place = domain.blocks()[b];
+  ShellFaces shell;
+  for (int axis = 1; axis < 3; ++axis)
+    for (int high = 0; high < 2; ++high) {
+      Int3 beyond = place.box.lower;
+      beyond[axis] += high ? place.box.size[axis] : -1;
+      beyond = domain.wrapped(beyond);
+      (axis == 1 ? shell.y : shell.z)[high] = domain.inside(beyond) && domain.rank_at(beyond) != place.rank;
+    }
+  return shell;
+}
+
+template <class T>
+std::vector<Sweep> sweeps_of(const Domain& domain, MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::vector<Sweep> sweeps;
+  for (int b : domain.blocks_of(rank))
+    sweeps.emplace_back(domain.blocks()[b].box.size, sizeof(T), shell_of(domain, b));
+  return sweeps;
 }
 }  // namespace
 
@@ -27,8 +53,9 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
       rates_(spec),
       comm_(comm),
       blocks_(local_blocks<T>(domain, comm)),
+      sweeps_(sweeps_of<T>(domain, comm)),
       idle_(blocks_.size(), 0),
-      halo_(domain_, comm, blocks_, spec.force) {}
+      halo_(domain_, comm, blocks_, sweeps_, spec.force) {}
 
 template <class T>
 void Fluid<T>::set_anchor(double density_per_cell) {
@@ -37,11 +64,26 @@ void Fluid<T>::set_anchor(double density_per_cell) {
 }
 
 template <class T>
-void Fluid<T>::stream_collide() {
+void Fluid<T>::collide_shells() {
   for (std::size_t b = 0; b < blocks_.size(); ++b)
-    if (!idle_[b])
+    for (const RowRange& rows : sweeps_[b].shell())
+      if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, rates_, rows);
+  halo_.start(blocks_, flipped(parity_));
+}
+
+template <class T>
+void Fluid<T>::stream_collide() {
+  collide_shells();
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    if (idle_[b]) continue;
+    const RowRange inner = sweeps_[b].inner();
+    const int planes = std::max(1, (inner.z1 - inner.z0 + 7) / 8);  // between looks at the messages
+    for (int z = inner.z0; z < inner.z1; z += planes) {
       lbm::stream_collide(blocks_[b], parity_, rates_,
-                          RowRange{0, blocks_[b].size().y, 0, blocks_[b].size().z});
+                          {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
+      halo_.progress();
+    }
+  }
   parity_ = flipped(parity_);
 }
 

@@ -30,29 +30,32 @@ class Fluid {
   std::vector<Block<T>>& blocks() { return blocks_; }
   const std::vector<Block<T>>& blocks() const { return blocks_; }
   Parity parity() const { return parity_; }
+  const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
 
   /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
   void set_anchor(double density_per_cell);
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
-  /// Every cell of the blocks that are not idle collides; parity flips. Then exchange().
+  /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
+  /// soon as what they carry is there. Then exchange().
   void stream_collide();
-  /// The same, part by part (sweep.hpp): calls after_part(block, part, parity after the pass) when a part of
-  /// a block is done, in the order of blocks and parts.
+  /// The same, part by part (sweep.hpp): calls after_part(block, part) when a part of a block is done, in the
+  /// order of blocks and parts.
   template <class AfterPart>
   void stream_collide(AfterPart&& after_part) {
-    for (int b = 0; b < int(blocks_.size()); ++b) {
-      const Sweep sweep = sweep_of(b);
-      for (int part = 0; !idle_[b] && part < sweep.parts(); ++part) {
-        lbm::stream_collide(blocks_[b], parity_, rates_, sweep.rows_of(part));
-        after_part(b, part, flipped(parity_));
+    collide_shells();
+    for (int b = 0; b < int(blocks_.size()); ++b)
+      for (int part = 0; !idle_[b] && part < sweeps_[b].parts(); ++part) {
+        lbm::stream_collide(blocks_[b], parity_, rates_, sweeps_[b].rows_of(part));
+        halo_.progress();
+        after_part(b, part);
       }
-    }
     parity_ = flipped(parity_);
   }
-  Sweep sweep_of(int b) const { return Sweep(blocks_[b].size(), sizeof(T)); }
-  /// Ghost slots and domain walls, for the pass just done. Cut links come after it.
+  const Sweep& sweep_of(int b) const { return sweeps_[b]; }
+  /// Ghost slots and domain walls, for the pass just done: what messages are left, and waiting for all. Cut
+  /// links of the rim come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
 
   T& arriving(int b, Int3 local_cell, int i) {
@@ -75,11 +78,14 @@ class Fluid {
   std::size_t bytes() const;
 
  private:
+  void collide_shells();
+
   Domain domain_;
   CollisionSpec spec_;
   CollisionRates<T> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
+  std::vector<Sweep> sweeps_;  // of the blocks
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   Halo<T> halo_;

@@ -43,31 +43,9 @@ Home home_of(const Domain& domain, Int3 g, int j) {
   return {HomeKind::slot, domain.wrapped(cell), direction_of(direction)};
 }
 
-/// -6 w_j c_j . u: what moving walls add to what left along j and meets these sides (-1, 0, 1 an axis, as
-/// c_j). Through an edge, of each side only the velocity across it: the sides that meet there leave a corner
-/// at rest. With that of the lid alone, the jets of a lid-driven square at Reynolds number 1000, 65 cells,
-/// are a tenth too weak.
+/// What moving walls add to what left along j and meets these sides.
 double wall_addend(const Domain& domain, Int3 sides, int j) {
-  const bool edge = std::abs(sides.x) + std::abs(sides.y) + std::abs(sides.z) > 1;
-  double cu = 0;
-  for (int d = 0; d < 3; ++d) {
-    if (sides[d] == 0) continue;
-    const auto& u = domain.side(d, sides[d] > 0).velocity;
-    for (int e = 0; e < 3; ++e)
-      if (!edge || e == d) cu += c[j][e] * u[e];
-  }
-  return -6 * w(j) * cu;
-}
-
-/// Those that bounce of the sides behind which the ghost cell g (global) lies.
-Int3 sides_met(const Domain& domain, Int3 g) {
-  Int3 sides{0, 0, 0};
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (g[d] >= 0 && g[d] < domain.cells()[d])) continue;
-    const bool upper = g[d] >= domain.cells()[d];
-    if (domain.side(d, upper).kind == SideKind::bounce) sides[d] = upper ? 1 : -1;
-  }
-  return sides;
+  return -6 * w(j) * domain.wall_velocity_along(sides, j);
 }
 
 /// Whether the edges of a side across x return along every direction what its face does.
@@ -133,6 +111,11 @@ inline void copy_slots(const T* from, T* to, std::uint32_t length) {
   for (std::uint32_t n = 0; n < length; ++n) to[n] = from[n];
 }
 
+template <class T>
+MPI_Datatype type_of() {
+  return std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
+}
+
 /// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
 template <class Visit>
 void for_ghost_slots(Int3 size, Visit&& visit) {
@@ -174,7 +157,7 @@ struct Halo<T>::Builder {
   const Domain& domain;
   std::vector<int> local;  // global block -> local index, or -1
   std::vector<const Block<T>*> layout;
-  int rank;
+  std::span<const Sweep> sweeps;
   std::map<std::pair<int, int>, Copy> copies;
   std::map<std::tuple<int, int, int, int, int>, Wall> walls;  // by block, sides met, direction
   std::map<std::tuple<int, int, bool>, Outlet> outlets;
@@ -191,7 +174,7 @@ struct Halo<T>::Builder {
     if (is_row_end(domain, place.box, g)) return;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
-      if (here >= 0) add_wall(here, g, j, home, sides_met(domain, place.box.lower + g));
+      if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
       return;
     }
     const int home_block = domain.block_at(home.cell), there = local[home_block];
@@ -201,9 +184,14 @@ struct Halo<T>::Builder {
       copy.ghost_block = here, copy.home_block = there;
       add_to(copy.runs, slot(here, g, j), slot(there, cell, home.direction));
     } else if (here >= 0) {
-      add_to(peers[domain.blocks()[home_block].rank].ghosts, here, slot(here, g, j));
+      const Int3 writer = g - c[j];
+      Peer& peer = peers[domain.blocks()[home_block].rank];
+      peer.early &= sweeps[here].in_shell(writer.y, writer.z);
+      add_to(peer.ghosts, here, slot(here, g, j));
     } else if (there >= 0) {
-      add_to(peers[place.rank].homes, there, slot(there, cell, home.direction));
+      Peer& peer = peers[place.rank];
+      peer.early &= sweeps[there].in_shell(cell.y, cell.z);
+      add_to(peer.homes, there, slot(there, cell, home.direction));
     }
   }
 
@@ -243,66 +231,94 @@ struct Halo<T>::Builder {
     for (auto& [r, peer] : peers) {
       peer.rank = r;
       peer.ghost_buffer.resize(slots_in(peer.ghosts)), peer.home_buffer.resize(slots_in(peer.homes));
+      halo.any_early_ |= peer.early;
       halo.peers_.push_back(std::move(peer));
     }
   }
 };
 
 template <class T>
-Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
+Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks, std::span<const Sweep> sweeps,
               const std::array<double, 3>& force)
     : comm_(comm), force_(force) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, rank, {}, {}, {}, {}};
+  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, sweeps, {}, {}, {}, {}};
   int k = 0;
   for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
   for (auto& b : blocks) builder.layout.push_back(&b);
   builder.build();
   for (Block<T>& block : blocks) add_row_ends(domain, block);
-  requests_.resize(2 * peers_.size());
+  requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
+}
+
+template <class T>
+std::size_t Halo<T>::Peer::bytes() const {
+  return (ghost_buffer.size() + home_buffer.size()) * sizeof(T) / 2;
 }
 
 template <class T>
 std::size_t Halo<T>::message_bytes() const {
   std::size_t bytes = 0;
-  for (const auto& p : peers_) bytes += (p.ghost_buffer.size() + p.home_buffer.size()) * sizeof(T) / 2;
+  for (const Peer& p : peers_) bytes += p.bytes();
   return bytes;
 }
 
 template <class T>
-void Halo<T>::exchange_peers(std::span<Block<T>> blocks, Parity parity) {
+std::size_t Halo<T>::early_bytes() const {
+  std::size_t bytes = 0;
+  for (const Peer& p : peers_)
+    if (p.early) bytes += p.bytes();
+  return bytes;
+}
+
+template <class T>
+void Halo<T>::send(std::span<const Block<T>> blocks, Parity parity, std::size_t peer) {
   const bool fill = parity == Parity::crossed;
-  const MPI_Datatype type = std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
-  for (std::size_t k = 0; k < peers_.size(); ++k) {
-    Peer& p = peers_[k];
-    auto& incoming = fill ? p.ghost_buffer : p.home_buffer;
-    MPI_Irecv(incoming.data(), int(incoming.size()), type, p.rank, 1, comm_, &requests_[k]);
+  Peer& p = peers_[peer];
+  auto& outgoing = fill ? p.home_buffer : p.ghost_buffer;
+  T* to = outgoing.data();
+  for (const Place& run : fill ? p.homes : p.ghosts) {
+    copy_slots(blocks[run.block].data() + run.slot, to, run.length);
+    to += run.length;
   }
+  MPI_Isend(outgoing.data(), int(outgoing.size()), type_of<T>(), p.rank, 1, comm_,
+            &requests_[peers_.size() + peer]);
+}
+
+template <class T>
+void Halo<T>::start(std::span<const Block<T>> blocks, Parity parity) {
+  const bool fill = parity == Parity::crossed;
   for (std::size_t k = 0; k < peers_.size(); ++k) {
-    Peer& p = peers_[k];
-    auto& outgoing = fill ? p.home_buffer : p.ghost_buffer;
-    const auto& from = fill ? p.homes : p.ghosts;
-    T* to = outgoing.data();
-    for (const Place& run : from) {
-      copy_slots(blocks[run.block].data() + run.slot, to, run.length);
-      to += run.length;
-    }
-    MPI_Isend(outgoing.data(), int(outgoing.size()), type, p.rank, 1, comm_, &requests_[peers_.size() + k]);
+    auto& incoming = fill ? peers_[k].ghost_buffer : peers_[k].home_buffer;
+    MPI_Irecv(incoming.data(), int(incoming.size()), type_of<T>(), peers_[k].rank, 1, comm_, &requests_[k]);
   }
+  for (std::size_t k = 0; k < peers_.size(); ++k)
+    if (peers_[k].early) send(blocks, parity, k);
+}
+
+template <class T>
+void Halo<T>::progress() {
+  if (!any_early_) return;
+  int done = 0;
+  MPI_Testall(int(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE);
+}
+
+template <class T>
+void Halo<T>::finish_peers(std::span<Block<T>> blocks, Parity parity) {
+  for (std::size_t k = 0; k < peers_.size(); ++k)
+    if (!peers_[k].early) send(std::span<const Block<T>>(blocks), parity, k);
   MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  const bool fill = parity == Parity::crossed;
   for (Peer& p : peers_) {
-    const auto& incoming = fill ? p.ghost_buffer : p.home_buffer;
-    const auto& to = fill ? p.ghosts : p.homes;
-    const T* from = incoming.data();
-    for (const Place& run : to) {
+    const T* from = (fill ? p.ghost_buffer : p.home_buffer).data();
+    for (const Place& run : fill ? p.ghosts : p.homes) {
       copy_slots(from, blocks[run.block].data() + run.slot, run.length);
       from += run.length;
     }
   }
 }
 
-/// Anti bounce-back: f_opp = -f*_i + 2 w_i [ rho_w + 9/2 (c.u)^2 - 3/2 u^2 ], u that of the cell.
 template <class T>
 void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
   const bool fill = parity == Parity::crossed;
@@ -338,7 +354,7 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
 template <class T>
 void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
   const bool fill = parity == Parity::crossed;
-  if (!peers_.empty()) exchange_peers(blocks, parity);
+  finish_peers(blocks, parity);
   for (const Copy& copy : copies_) {
     if (idle[copy.ghost_block] || idle[copy.home_block]) continue;
     T* const ghost = blocks[copy.ghost_block].data();

@@ -17,20 +17,28 @@
 #include <vector>
 
 #include "lbm/domain.hpp"
+#include "lbm/sweep.hpp"
 
 namespace silt::lbm {
 
 template <class T>
 class Halo {
  public:
-  /// blocks: the local ones, in the order of domain.blocks_of(rank); gives them their row ends. force: the
-  /// uniform acceleration.
-  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, const std::array<double, 3>& force);
-  /// `parity`: of the blocks after the dense pass. Between an idle block and another of this rank nothing
+  /// blocks: the local ones, in the order of domain.blocks_of(rank), and their sweeps; gives them their row
+  /// ends. force: the uniform acceleration.
+  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const Sweep> sweeps,
+       const std::array<double, 3>& force);
+  /// The shells have collided: messages of which they write all set out. `parity`: of the blocks after the
+  /// dense pass.
+  void start(std::span<const Block<T>> blocks, Parity parity);
+  /// Gives the messages under way a chance to move.
+  void progress();
+  /// The pass is done. Between an idle block and another of this rank nothing
   /// moves: its slots mean nothing, and cut links cover every way into it.
   void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
-  /// Bytes sent by this rank in one exchange.
+  /// Bytes sent by this rank in one exchange; those of them that set out with the shells.
   std::size_t message_bytes() const;
+  std::size_t early_bytes() const;
 
  private:
   struct Run {  // slots ghost, ghost + 1, ... and home, home + 1, ...
@@ -60,15 +68,18 @@ class Halo {
   };
   struct Peer {
     int rank;
+    bool early = true;                 // all that is sent is written by shells
     std::vector<Place> ghosts, homes;  // ghosts here whose home is there; homes here of ghosts there
     std::vector<T> ghost_buffer, home_buffer;
+    std::size_t bytes() const;  // of one exchange
   };
   struct Builder;
 
   static void add_to(std::vector<Run>&, std::uint32_t ghost, std::uint32_t home);
   static void add_to(std::vector<Place>&, int block, std::uint32_t slot);
 
-  void exchange_peers(std::span<Block<T>> blocks, Parity parity);
+  void send(std::span<const Block<T>> blocks, Parity parity, std::size_t peer);
+  void finish_peers(std::span<Block<T>> blocks, Parity parity);
   void apply_outlet(Block<T>&, const Outlet&, Parity) const;
 
   MPI_Comm comm_;
@@ -77,7 +88,8 @@ class Halo {
   std::vector<Wall> walls_;
   std::vector<Outlet> outlets_;
   std::vector<Peer> peers_;
-  std::vector<MPI_Request> requests_;
+  bool any_early_ = false;
+  std::vector<MPI_Request> requests_;  // receives, then sends
 };
 
 }  // namespace silt::lbm

@@ -31,11 +31,12 @@ struct Lanes {
     return v;
   }
   static Real real(const Whole& w) { return __builtin_convertvector(w, Real); }
+  static Mask mask(const Whole& w) { return __builtin_convertvector(w, Mask); }
   /// Lanes below n.
   static Mask below(int n) {
-    Real lane;
-    for (int l = 0; l < count; ++l) lane[l] = T(l);
-    return lane < (Real{} + T(n));
+    Whole lane;
+    for (int l = 0; l < count; ++l) lane[l] = l;
+    return mask(lane < n);
   }
   static Real magnitude(const Real& x) { return x < T(0) ? -x : x; }
   static Real root(const Real& x) {
@@ -104,12 +105,12 @@ class FixedSum {
   using Real = typename Lanes<T>::Real;
 
 #if defined(SILT_ISA_avx512)
-  /// A power of two as inverse_quantum.
-  void add(const Real& x, T inverse_quantum) {
-    sum_ += rounded(Real(x * inverse_quantum));
+  /// In quanta.
+  void add(const Real& x) {
+    sum_ += rounded(x);
   }
-  void take_off(const Real& x, T inverse_quantum) {
-    sum_ -= rounded(Real(x * inverse_quantum));
+  void take_off(const Real& x) {
+    sum_ -= rounded(x);
   }
   std::int64_t total() const {
     const auto four =
@@ -132,11 +133,11 @@ class FixedSum {
   }
   Sum sum_ = {};
 #else
-  void add(const Real& x, T inverse_quantum) {
-    sum_ += rounded(x, inverse_quantum);
+  void add(const Real& x) {
+    sum_ += rounded(x);
   }
-  void take_off(const Real& x, T inverse_quantum) {
-    sum_ -= rounded(x, inverse_quantum);
+  void take_off(const Real& x) {
+    sum_ -= rounded(x);
   }
   std::int64_t total() const {
     std::int64_t all = 0;
@@ -147,10 +148,10 @@ class FixedSum {
  private:
   using Quanta = typename Lanes<T>::Quanta;
   using Wide = typename VectorOf<double, Lanes<T>::count>::type;
-  /// x / quantum + 3 * 2^51 has the rounded integer in its low mantissa bits.
-  static Quanta rounded(const Real& x, T inverse_quantum) {
+  /// x + 3 * 2^51 has the rounded integer in its low mantissa bits.
+  static Quanta rounded(const Real& x) {
     constexpr double magic = 0x1.8p52;
-    const Wide shifted = __builtin_convertvector(x, Wide) * double(inverse_quantum) + magic;
+    const Wide shifted = __builtin_convertvector(x, Wide) + magic;
     return std::bit_cast<Quanta>(shifted) - std::bit_cast<std::int64_t>(magic);
   }
   Quanta sum_ = {};

@@ -49,9 +49,8 @@ struct Places {
     return L::look_up(table, direction) + cell;
   }
   V along(const V& x, const V& y, const V& z) const { return c[0] * x + c[1] * y + c[2] * z; }
-  V length_squared() const { return c[0] * c[0] + c[1] * c[1] + c[2] * c[2]; }
-  /// 6 w of the directions.
-  V weight6() const { return length_squared() > T(1) ? V{} + T(6 * w(7)) : V{} + T(6 * w(1)); }
+  /// 6 w of the directions; the first six are the axes.
+  V weight6() const { return L::mask(direction > 6) ? V{} + T(6 * w(7)) : V{} + T(6 * w(1)); }
 };
 
 }  // namespace silt::lbm::SILT_ISA

@@ -1,19 +1,25 @@
 #pragma once
-// The order of the dense pass where something follows close behind it: strips of rows, and plane after plane
-// within a strip, so that three planes of a strip stay in cache. A part is a strip of one
-// plane.
+// The order of the dense pass. First the shell: rows at faces beyond which another rank is, so that what it
+// is owed is on its way during the rest. Then strips of rows, and plane after plane within a strip, so that
+// three planes of a strip stay in cache for what follows close behind. A part is a strip of one plane.
 //
-//     z |  3 | 7 |     parts of a block of 4 planes and two strips; once 2 is done, the cells of 1 whose
-//       |  2 | 6 |     neighbours are all in the strip have nothing left to wait for
+//     z |  3 | 7 |     parts of a block of 4 planes and two strips, without a shell; once 2 is done, the
+//       |  2 | 6 |     cells of 1 whose neighbours are all in the strip have nothing left to wait for
 //       |  1 | 5 |
 //       |  0 | 4 |
 //        --------- y
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
+
+/// Faces of a block, low and high, whose rows make the shell. (Across x every row has a cell at the face.)
+struct ShellFaces {
+  bool y[2] = {}, z[2] = {};
+};
 
 class Sweep {
  public:
@@ -22,26 +28,48 @@ class Sweep {
   static constexpr std::size_t cached_bytes = 2560 << 10;
 
   Sweep() = default;
-  Sweep(Int3 size, std::size_t bytes_of_a_population) : ny_(size.y), nz_(size.z) {
+  Sweep(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {})
+      : nz_(size.z), all_{0, size.y, 0, size.z} {
     const std::size_t row = std::size_t(size.x) * directions * bytes_of_a_population;
     const int fitting = std::max(8, int(cached_bytes / (3 * row)));
-    const int strips = std::max(1, (ny_ + fitting / 2) / fitting);
-    rows_ = (ny_ + strips - 1) / strips;
+    const int strips = std::max(1, (size.y + fitting / 2) / fitting);
+    rows_ = (size.y + strips - 1) / strips;
+    const auto end = [](bool low, bool high, int n) { return std::max(n - high, int(low)); };
+    inner_ = {shell.y[0], end(shell.y[0], shell.y[1], size.y), shell.z[0],
+              end(shell.z[0], shell.z[1], size.z)};
   }
-  int parts() const { return (ny_ + rows_ - 1) / rows_ * nz_; }
-  int part_of(int y, int z) const { return y / rows_ * nz_ + z; }
+
+  bool in_shell(int y, int z) const {
+    return y < inner_.y0 || y >= inner_.y1 || z < inner_.z0 || z >= inner_.z1;
+  }
+  std::vector<RowRange> shell() const {
+    return {{all_.y0, all_.y1, all_.z0, inner_.z0},
+            {all_.y0, all_.y1, inner_.z1, all_.z1},
+            {all_.y0, inner_.y0, inner_.z0, inner_.z1},
+            {inner_.y1, all_.y1, inner_.z0, inner_.z1}};
+  }
+  /// All that is not of the shell.
+  RowRange inner() const { return inner_; }
+  int parts() const { return (all_.y1 + rows_ - 1) / rows_ * nz_; }
+  /// Of a row; -1: of the shell, before all parts.
+  int part_of(int y, int z) const { return in_shell(y, z) ? -1 : y / rows_ * nz_ + z; }
+  /// None, where all of a part is in the shell.
   RowRange rows_of(int part) const {
     const int strip = part / nz_, z = part % nz_;
-    return {strip * rows_, std::min((strip + 1) * rows_, ny_), z, z + 1};
+    const int y0 = std::max(strip * rows_, inner_.y0), y1 = std::min((strip + 1) * rows_, inner_.y1);
+    return {y0, in_shell(y0, z) ? y0 : y1, z, z + 1};
   }
   /// First row beyond those whose cells, with all their neighbours, have collided after the same part as (y,
   /// z) has.
   int next_row(int y) const { return ((y + 1) / rows_ + 1) * rows_ - 1; }
   /// The part after which a cell of the inside and all its neighbours have collided.
-  int ready(int y, int z) const { return part_of(y + 1, z + 1); }
+  int ready(int y, int z) const {
+    return part_of(std::min(y + 1, inner_.y1 - 1), std::min(z + 1, inner_.z1 - 1));
+  }
 
  private:
-  int ny_ = 1, nz_ = 1, rows_ = 1;
+  int nz_ = 1, rows_ = 1;
+  RowRange all_{0, 1, 0, 1}, inner_ = all_;
 };
 
 }  // namespace silt::lbm

@@ -256,6 +256,21 @@ TEST(Fluid, SameBitsForRowsOfAnyLength) {
     }
 }
 
+// Rows at faces across y and z collide first, and what they owe other ranks leaves at once; at a face across
+// x every row has a part.
+TEST(Fluid, MessagesSetOutBeforeThePassIsDone) {
+  const std::array<SideCondition, 6> periodic_sides{};
+  const CollisionSpec collision{0.9, 3. / 16, false, {}};
+  for (int axis = 0; axis < 3; ++axis) {
+    Int3 n{8, 8, 8}, blocks{8, 8, 8};
+    n[axis] = 8 * ranks();
+    const Fluid<float> fluid(Domain(n, periodic_sides, blocks, ranks()), collision, MPI_COMM_WORLD);
+    const std::size_t all = fluid.halo().message_bytes();
+    EXPECT_EQ(all > 0, ranks() > 1);
+    EXPECT_EQ(fluid.halo().early_bytes(), axis == 0 ? 0 : all) << "cut across axis " << axis;
+  }
+}
+
 // Walls at the ends of rows: u_y(x) and u_z(x) are linear.
 TEST(Fluid, CouetteAcrossRowsIsLinear) {
   const double u0 = 0.02;

@@ -46,6 +46,20 @@ TEST(Blows, OfAWall) {
   EXPECT_EQ(pending(s, ball)[0], 0);
 }
 
+// Each of the four corners has to turn round, none of them gets the blow of a whole box.
+TEST(Blows, OfAFaceThatLandsFlat) {
+  constexpr double e = 0.5, speed = 2, displaced = 0.25;
+  Scene s(e, 0.3);
+  s.settings.entrained = entrained;
+  const BodyId box = s.add(s.shape(Box{{1, 1, 1}}), {10, 10, 0.7}, {0, 0, -speed});
+  let_displace(s, box, displaced);
+  s.floor();
+  s.start();
+  s.run(300);
+  EXPECT_NEAR(s.v(box)[2], e * speed, 1e-12);
+  EXPECT_NEAR(pending(s, box)[2], entrained * displaced * (1 + e) * speed, 1e-12);
+}
+
 TEST(Blows, RestIsNone) {
   Scene s(0.5, 0.3);
   s.settings.entrained = entrained;
