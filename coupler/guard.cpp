@@ -46,9 +46,9 @@ void check_flow(const Case& scene, const FlowTotals& totals, std::int64_t step) 
 
 namespace {
 
-/// Of rows [begin, end): infinite or not a number as soon as one value is.
-double sum_of_squares(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
-  return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).squaredNorm();
+/// Of the components of rows [begin, end): infinite or not a number as soon as one is.
+double sum_of(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
+  return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).sum();
 }
 
 struct Speeds {  // squares; the sum is not a number as soon as one is
@@ -66,8 +66,8 @@ Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t en
 /// No row of [begin, end) can have a reason to stop: a few instructions a body, in every step.
 bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds) {
   return std::isfinite(speeds.sum) && speeds.highest <= furthest_motion * furthest_motion &&
-         std::isfinite(sum_of_squares(bodies.angular_velocity, begin, end)) &&
-         std::isfinite(sum_of_squares(bodies.position, begin, end));
+         std::isfinite(sum_of(bodies.angular_velocity, begin, end)) &&
+         std::isfinite(sum_of(bodies.position, begin, end));
 }
 
 void check_rows(const Case& scene, const rigid::BodySet& bodies, std::size_t begin, std::size_t end,

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/gap_cells.hpp"
+
 namespace silt::coupler {
 
 namespace {
 
-using rigid::Vec3;
-
 constexpr double negligible_travel = 1e-6;  // of the gap
-constexpr double widest = 1;                // cells: of a gap that its cells do not resolve
-constexpr double furthest = 8;              // cells from the middle, where a surface hardly bends
 
 /// Integral over h of the positive part of 1 / max(h, least) - 1 / cutoff, from h = least.
 double squeeze_integral(double h, double least, double cutoff) {
@@ -35,46 +33,7 @@ double log_excess(double width, double cutoff) {
   return std::max(0.0, std::log(cutoff / width));
 }
 
-/// Cells of a column of the lattice, along the axis nearest to the normal, that lie in the gap: sum of their
-/// (1 - H)^2. from: the column's point in the plane of the gap's middle across that axis, from the middle.
-double column(const rigid::FilmGap& gap, Vec3 from, int axis) {
-  const double slope = gap.normal[axis], height = gap.normal.dot(from);
-  const double ends[2] = {(-widest - height) / slope, (widest - height) / slope};
-  const double shift = gap.middle[axis] - 0.5;  // a cell's centre is a whole number from it
-  const double last = std::floor(std::max(ends[0], ends[1]) + shift);
-  double sum = 0;
-  for (double cell = std::ceil(std::min(ends[0], ends[1]) + shift); cell <= last; cell += 1) {
-    const double x = cell - shift;
-    from[axis] = x;
-    const double z = height + slope * x;
-    const double below = 0.5 * (gap.width + from.dot(gap.bend_a * from));
-    const double above = 0.5 * (gap.width + from.dot(gap.bend_b * from));
-    if (z <= -below || z >= above || below + above >= widest) continue;
-    sum += (1 - below - above) * (1 - below - above);
-  }
-  return sum;
-}
-
 }  // namespace
-
-double cells_in_gap(const rigid::FilmGap& gap) {
-  if (gap.width >= widest) return 0;
-  const double k = gap.curvature_sum(), product = gap.curvature_product();
-  const double least_bend = 0.5 * (k - std::sqrt(std::max(0.0, k * k - 4 * product)));
-  const double far = std::min(std::sqrt(2 * (widest - gap.width) / least_bend), furthest) + widest;
-  int axis = 0;
-  gap.normal.cwiseAbs().maxCoeff(&axis);
-  const int e = (axis + 1) % 3, f = (axis + 2) % 3;
-  const auto first = [&](int d) { return std::ceil(gap.middle[d] - 0.5 - far) + 0.5 - gap.middle[d]; };
-  double sum = 0;
-  for (double y = first(e); y <= far; y += 1)
-    for (double z = first(f); z <= far; z += 1) {
-      Vec3 from = Vec3::Zero();
-      from[e] = y, from[f] = z;
-      sum += column(gap, from, axis);
-    }
-  return sum * std::sqrt(product) / (2 * std::numbers::pi);
-}
 
 ResolvedFlows resolved_flows(WallScheme scheme) {
   if (scheme == WallScheme::parabolic)

@@ -11,9 +11,10 @@
 // wherever the gap lies in the lattice: without a fluid cell in it the lattice knows nothing of the gap, with
 // a layer of cells in its middle it sees one of a cell's width. So 1/h - G stands in the place of 1/h, with
 //   G = base + width h + cells sqrt(S),   S = sum over the cells of the gap of (1 - H)^2 / (2 pi R),
-// H < 1 the gap's width at the cell. A surface that fills every other place has S = 1/6, whatever R.
-// The three numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate; and
-// once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
+// H < 1 the gap's width at the cell (coupler/gap_cells). A surface that fills every other place has S = 1/6,
+// whatever R. The three numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches
+// a plate; and once more on one that approaches a side of the domain, which lies between cells and reflects
+// by itself.
 #include <memory>
 
 #include "coupler/case.hpp"
@@ -31,9 +32,6 @@ struct ResolvedFlows {
   ResolvedFlow bodies, side;
 };
 ResolvedFlows resolved_flows(WallScheme);
-
-/// S of the gap.
-double cells_in_gap(const rigid::FilmGap&);
 
 class Lubrication final : public rigid::FilmLaw {
  public:

@@ -5,15 +5,15 @@
 
 namespace silt::rigid {
 
-void BroadPhase::find_walls(const BodySet& bodies, std::span<const Reach> reach,
-                            std::span<const WallSurface> walls) {
-  for (std::size_t w = 0; w < bodies.walls; ++w)
-    for (std::size_t row = 0; row < bodies.first_wall(); ++row)
-      if (bodies.is_free(row) && walls[w].distance(bodies.position[row]) <= reach[row].sum())
-        found_.push_back({row, bodies.first_wall() + w, Image{}});
+void BroadPhase::find_walls(const Surroundings& around, std::span<const WallSurface> walls) {
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    for (std::size_t row = 0; row < around.size(); ++row)
+      if (around.meets(row, walls[w])) found_.push_back({row, around.size() + w, Image{}});
 }
 
 void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pairs) {
+  pairs.clear();
+  if (found_.empty()) return;
   // by the lower id: counting sort over the ranks of the ids; then each body's few partners by themselves
   const std::size_t n = bodies.first_wall();
   order_.resize(n);
@@ -34,14 +34,25 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
     });
 }
 
+/// For pairs that meet or might soon do.
+void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
+  const double slack = kept_.slack_of(around);
+  wider_.assign(around.reach.begin(), around.reach.end());
+  for (Reach& r : wider_) r.margin += slack * r.sum();
+  const Surroundings wider{around.bodies, around.extent, wider_};
+  found_.clear();
+  find_pairs(wider, found_);
+  find_walls(wider, walls);
+  sort_into(around.bodies, kept_.renew(around, walls, slack));
+}
+
 void BroadPhase::operator()(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach,
                             std::span<const WallSurface> walls, std::vector<CandidatePair>& pairs) {
-  found_.clear();
   pairs.clear();
-  if (bodies.first_wall() == 0) return;
-  find_pairs({bodies, extent, reach}, found_);
-  find_walls(bodies, reach, walls);
-  if (!found_.empty()) sort_into(bodies, pairs);
+  const Surroundings around{bodies, extent, reach};
+  if (around.size() == 0) return;
+  if (!kept_.hold(around, walls)) look(around, walls);
+  kept_.select(around, walls, pairs);
 }
 
 }  // namespace silt::rigid

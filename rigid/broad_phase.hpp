@@ -2,71 +2,15 @@
 // Which bodies come close enough to be looked at: pairs of bodies whose bounding spheres nearly touch, and
 // bodies near a wall. Canonical positions; through a periodic side a body meets the images of others (but
 // never its own), through each side separately. What is a pair is decided here, to the bit, so that the ways
-// to find them (rigid/uniform_grid, the trees of the engines in adapters/) can be swapped freely.
-#include <span>
+// to find them (rigid/uniform_grid, the trees of the engines in adapters/) can be swapped freely; and how
+// often they are asked does not show (rigid/kept_pairs).
 #include <string_view>
 #include <vector>
 
-#include "rigid/body_exchange.hpp"
-#include "rigid/body_set.hpp"
+#include "rigid/kept_pairs.hpp"
+#include "rigid/surroundings.hpp"
 
 namespace silt::rigid {
-
-struct CandidatePair {
-  std::size_t row_a, row_b;  // of the lower and the higher id
-  Image image;               // of b, relative to the canonical position of a
-};
-
-/// a seen from b, where `image` is that of b seen from a.
-inline Image opposite(Image image) {
-  return {static_cast<std::int8_t>(-image.x), static_cast<std::int8_t>(-image.y),
-          static_cast<std::int8_t>(-image.z)};
-}
-
-/// How far a body's surface may travel, and from where.
-struct Reach {
-  double radius;  // of the bounding sphere
-  double margin;  // largest gap at which it may take part in a contact
-  double sum() const { return radius + margin; }
-};
-
-/// The surface of a wall: a plane through a point, or a tube about an axis through it. World frame.
-struct WallSurface {
-  Vec3 point;
-  Vec3 direction;     // outward normal of a plane, or along the axis; unit
-  double radius = 0;  // of a tube; 0: a plane
-
-  /// Of a point from the surface; negative in the wall.
-  double distance(const Vec3& x_W) const {
-    const Vec3 from = x_W - point;
-    return radius > 0 ? radius - (from - direction.dot(from) * direction).norm()
-                      : direction.dot(x_W) - direction.dot(point);
-  }
-};
-
-/// Of the bodies at hand, without the walls.
-struct Surroundings {
-  const BodySet& bodies;
-  const Extent& extent;
-  std::span<const Reach> reach;  // one a row
-
-  std::size_t size() const { return bodies.first_wall(); }
-  /// The pair of two bodies, `image` being that of `other` seen from `row`, in id order.
-  CandidatePair in_order(std::size_t row, std::size_t other, Image image) const {
-    if (bodies.id[row] < bodies.id[other]) return {row, other, image};
-    return {other, row, opposite(image)};
-  }
-  /// One of them is free, and their bounding spheres are no further apart than both margins. Rounds alike
-  /// whoever asks.
-  bool meet(const CandidatePair& p) const {
-    if (!bodies.is_free(p.row_a) && !bodies.is_free(p.row_b)) return false;
-    const double range = reach[p.row_a].sum() + reach[p.row_b].sum();
-    return near(bodies.position[p.row_a], bodies.position[p.row_b], p.image, range);
-  }
-  bool near(const Vec3& a, const Vec3& b, Image of_b, double range) const {
-    return (b + extent.shift(of_b) - a).squaredNorm() <= range * range;
-  }
-};
 
 class BroadPhase {
  public:
@@ -80,11 +24,14 @@ class BroadPhase {
                   std::span<const WallSurface> walls, std::vector<CandidatePair>& pairs);
 
  private:
+  void look(const Surroundings&, std::span<const WallSurface>);
   /// Appends the pairs of bodies that meet, each once, in any order. Called with one body at least.
   virtual void find_pairs(const Surroundings&, std::vector<CandidatePair>& found) = 0;
-  void find_walls(const BodySet&, std::span<const Reach>, std::span<const WallSurface>);
+  void find_walls(const Surroundings&, std::span<const WallSurface>);
   void sort_into(const BodySet&, std::vector<CandidatePair>& pairs);
 
+  KeptPairs kept_;
+  std::vector<Reach> wider_;
   std::vector<CandidatePair> found_;
   std::vector<std::uint32_t> order_, rank_, start_;
 };

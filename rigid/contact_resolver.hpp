@@ -17,9 +17,9 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
-  int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
-  double entrained = 0;   // sffd: mass around a body that moves with it, over the mass it displaces; takes
-                         // part in every blow (BodySet::pending_blow), but not in those of the impact phase
+  int impact_sweeps = 0;   // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  double entrained = 0;    // sffd: mass around a body that moves with it, over the mass it displaces; takes
+                           // part in every blow (BodySet::pending_blow), but not in those of the impact phase
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
 
@@ -33,12 +33,13 @@ struct ResolverStatistics {
   std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found
 };
 
-/// Velocities at hand in the middle of a step, one entry a row of the BodySet.
+/// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
 struct StepVelocities {
-  std::vector<Vec3> before_v, before_w;  // before the kick: what restitution sees
-  std::vector<Vec3> v, w;                // in: after the kick; out: after the contacts
-  std::vector<Vec3> push_v, push_w;      // out: position correction, velocities for positions only; or empty
-  std::vector<std::uint8_t> in_contact;  // out (if first_kick() < 1): bodies that miss the rest of their kick
+  std::vector<std::size_t> rows;          // that have a contact
+  std::vector<Vec3> before_v, before_w;   // before the kick: what restitution sees
+  std::vector<Vec3> v, w;                 // in: after the kick; out: after the contacts
+  std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
+  std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
 };
 
 class ContactResolver {
@@ -47,7 +48,8 @@ class ContactResolver {
   virtual std::string_view name() const = 0;
   /// Share of the external force (not of gravity) that acts before the contacts: 1 (sffd) or 1/2 (ffd).
   virtual double first_kick() const { return 1.0; }
-  /// contacts: sorted by key, all those of owned bodies. Fills velocities of owned rows.
+  /// bodies: after the kick. contacts: sorted by key, all those of owned bodies. Fills velocities of owned
+  /// rows that have one.
   virtual ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
                                      BodyExchange&) = 0;
 };

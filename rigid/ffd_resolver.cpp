@@ -151,7 +151,7 @@ ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Conta
   velocities.push_w.clear();
   if (exchange.maximum(contacts.empty() ? 0.0 : 1.0) == 0) return statistics;
   state_.resize(bodies.size() * width);
-  for (std::size_t row = 0; row < bodies.size(); ++row) {
+  for (const std::size_t row : velocities.rows) {
     Eigen::Map<Vec3>{state_.data() + row* width} = velocities.v[row];
     Eigen::Map<Vec3>{state_.data() + row* width + 3} = velocities.w[row];
   }
@@ -166,7 +166,7 @@ ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Conta
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (constraints_[row].empty()) continue;
     respond(bodies, row, velocities, statistics);
-    velocities.in_contact[row] = settings_.half_force;
+    velocities.misses_kick[row] = settings_.half_force;
   }
   statistics.sweeps = 1;
   return statistics;

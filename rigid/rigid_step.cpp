@@ -27,6 +27,12 @@ void clear_forces(BodySet& bodies) {
   std::fill(bodies.torque.begin(), bodies.torque.end(), FixedVec3{});
 }
 
+bool any(const std::vector<FixedVec3>& sums) {
+  FixedSum bits = 0;
+  for (const FixedVec3& sum : sums) bits |= sum.q[0] | sum.q[1] | sum.q[2];
+  return bits != 0;
+}
+
 /// Counted at the owner of the lower id.
 std::uint64_t mixed_owner_contacts(const BodySet& bodies, const std::vector<Contact>& contacts) {
   if (bodies.copies + bodies.visitors == 0) return 0;
@@ -68,9 +74,8 @@ RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
   StageClock before;
   exchange_.sum_forces(bodies);  // line 1
   watch.lap(before.synchronisation);
-  RigidStepReport report = after_forces(bodies, dt);
+  RigidStepReport report = after_forces(bodies, dt, true);
   report.seconds.synchronisation += before.synchronisation;
-  clear_forces(bodies);
   return report;
 }
 
@@ -79,12 +84,11 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
   RigidStepReport report;
   exchange_.sum_forces(bodies);  // line 1
   watch.lap(report.seconds.synchronisation);
-  for (int i = 0; i < substeps; ++i) add(report, after_forces(bodies, 1.0 / substeps));
-  clear_forces(bodies);
+  for (int i = 1; i <= substeps; ++i) add(report, after_forces(bodies, 1.0 / substeps, i == substeps));
   return report;
 }
 
-RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt) {
+RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
   StageClock& seconds = report.seconds;
   Stopwatch watch;
@@ -103,6 +107,7 @@ RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt) {
   report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
   watch.lap(seconds.synchronisation);
 
+  find_rows_in_contact(bodies);
   first_kick(bodies, dt);  // lines 2-5, velocities
   watch.lap(seconds.integrate);
 
@@ -110,6 +115,7 @@ RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt) {
   watch.lap(seconds.contact_response);
 
   take_velocities(bodies, dt);
+  if (last && forced_) clear_forces(bodies);
   take_position_correction(bodies, dt);
   drift(bodies, 0.5 * dt);  // lines 21-22
   watch.lap(seconds.integrate);
@@ -119,53 +125,77 @@ RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt) {
   return report;
 }
 
-/// Fills velocities_ for every row: before, and (owned free bodies) after, gravity and external force.
+/// Lists the rows that have a contact.
+void RigidStep::find_rows_in_contact(const BodySet& bodies) {
+  std::vector<std::size_t>& rows = velocities_.rows;
+  in_contact_.assign(bodies.size(), 0);
+  rows.clear();
+  const auto meet = [&](std::size_t row) {
+    if (!in_contact_[row]) in_contact_[row] = 1, rows.push_back(row);
+  };
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = contacts_[k];
+    if (k > 0 && c.pair() == contacts_[k - 1].pair()) continue;
+    if (k == 0 || c.a != contacts_[k - 1].a) meet(bodies.row_of(c.a));
+    meet(bodies.row_of(c.b));
+  }
+}
+
+/// Gravity and external force; for bodies in contact velocities_ keeps those before and after.
 void RigidStep::first_kick(BodySet& bodies, double dt) {
-  velocities_.before_v = bodies.velocity;
-  velocities_.before_w = bodies.angular_velocity;
-  velocities_.v = bodies.velocity;
-  velocities_.w = bodies.angular_velocity;
-  velocities_.in_contact.assign(bodies.size(), 0);
-  const double share = resolver_.first_kick();
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (bodies.is_free(row)) {
-      velocities_.v[row] += (dt * bodies.weight_factor[row]) * world_.gravity;
-      kick(bodies, row, share * dt, velocities_.v[row], velocities_.w[row]);
-    }
-  kicked_w_ = velocities_.w;
+  StepVelocities& of = velocities_;
+  for (auto* all : {&of.before_v, &of.before_w, &of.v, &of.w}) all->resize(bodies.size());
+  if (resolver_.first_kick() < 1) of.misses_kick.assign(bodies.size(), 0);
+  for (const std::size_t row : of.rows) {
+    of.before_v[row] = bodies.velocity[row];
+    of.before_w[row] = bodies.angular_velocity[row];
+  }
+  if (!world_.gravity.isZero(0))
+    for (std::size_t row = 0; row < bodies.owned; ++row)
+      if (bodies.is_free(row)) bodies.velocity[row] += (dt * bodies.weight_factor[row]) * world_.gravity;
+  forced_ = any(bodies.force) || any(bodies.torque);
+  if (forced_)
+    for (std::size_t row = 0; row < bodies.owned; ++row)
+      if (bodies.is_free(row)) kick(bodies, row, resolver_.first_kick() * dt);
+  for (const std::size_t row : of.rows) {
+    of.v[row] = bodies.velocity[row];
+    of.w[row] = bodies.angular_velocity[row];
+  }
 }
 
 /// Force and torque of one body over dt.
-void RigidStep::kick(BodySet& bodies, std::size_t row, double dt, Vec3& v, Vec3& w) const {
-  if (!bodies.force[row].is_zero()) v += (dt / bodies.mass[row]) * bodies.force[row].value();
+void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
+  if (!bodies.force[row].is_zero())
+    bodies.velocity[row] += (dt / bodies.mass[row]) * bodies.force[row].value();
   if (bodies.torque[row].is_zero()) return;
   const Vec3 torque = bodies.torque[row].value();
   bodies.angular_momentum[row] += dt * torque;
-  w += dt * (bodies.inverse_inertia_W(row) * torque);
+  bodies.angular_velocity[row] += dt * (bodies.inverse_inertia_W(row) * torque);
 }
 
 /// The resolver's velocities become the bodies'; what is left of the kick (ffd) follows.
 void RigidStep::take_velocities(BodySet& bodies, double dt) {
-  const double share = 1 - resolver_.first_kick();
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!bodies.is_free(row)) continue;
-    const Vec3 contacts = velocities_.w[row] - kicked_w_[row];
+  for (const std::size_t row : velocities_.rows) {
+    if (row >= bodies.owned || !bodies.is_free(row)) continue;
+    const Vec3 contacts = velocities_.w[row] - bodies.angular_velocity[row];
     if (contacts != Vec3::Zero()) {
       const Mat3 r = bodies.orientation[row].toRotationMatrix();
       bodies.angular_momentum[row] += r * (bodies.inertia_B[row] * (r.transpose() * contacts));
     }
-    if (share > 0 && !velocities_.in_contact[row])
-      kick(bodies, row, share * dt, velocities_.v[row], velocities_.w[row]);
     bodies.velocity[row] = velocities_.v[row];
     bodies.angular_velocity[row] = velocities_.w[row];
   }
+  const double share = 1 - resolver_.first_kick();
+  if (share == 0) return;
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (bodies.is_free(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
 }
 
 /// Split impulses move bodies apart without giving them speed.
 void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
   if (velocities_.push_v.empty()) return;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!bodies.is_free(row)) continue;
+  for (const std::size_t row : velocities_.rows) {
+    if (row >= bodies.owned || !bodies.is_free(row)) continue;
     bodies.position[row] += dt * velocities_.push_v[row];
     const Vec3& turn = velocities_.push_w[row];
     if (turn != Vec3::Zero())

@@ -37,16 +37,18 @@ class RigidStep {
   CollisionBackend& backend_;
   ContactResolver& resolver_;
   BodyExchange& exchange_;
-  RigidStepReport after_forces(BodySet&, double dt);  // lines 2 to 23
+  RigidStepReport after_forces(BodySet&, double dt, bool last);  // lines 2 to 23
+  void find_rows_in_contact(const BodySet&);
   void first_kick(BodySet&, double dt);
-  void kick(BodySet&, std::size_t row, double dt, Vec3& v, Vec3& w) const;
+  void kick(BodySet&, std::size_t row, double dt) const;
   void take_velocities(BodySet&, double dt);
   void take_position_correction(BodySet&, double dt) const;
 
   DetectContacts detect_contacts_;
   std::vector<Contact> contacts_;
   StepVelocities velocities_;
-  std::vector<Vec3> kicked_w_;  // angular velocities the resolver was given
+  bool forced_ = false;                   // some body is, in this sub-step
+  std::vector<std::uint8_t> in_contact_;  // by row
 };
 
 }  // namespace silt::rigid

@@ -6,7 +6,7 @@
 // BOX: edge of the periodic box in diameters. RELAXATION_TIME: 2. Samples: a line each, the normal of the gap
 // and the place of its middle in its cell (three numbers each, 0: the cell's centre), gap in cells. "wall":
 // the domain's, across z. Prints them with force / (6 pi mu a U) of the lattice and of theory, U the speed of
-// either sphere, the gap's cells_in_gap (coupler/lubrication), and torque / (8 pi mu a^2 U) of the lattice
+// either sphere, the gap's cells_in_gap (coupler/gap_cells), and torque / (8 pi mu a^2 U) of the lattice
 // and of theory.
 #include <mpi.h>
 
@@ -19,7 +19,7 @@
 #include <fmt/format.h>
 
 #include "coupler/case_file.hpp"
-#include "coupler/lubrication.hpp"
+#include "coupler/gap_cells.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/coupler/approach_series.hpp"
 

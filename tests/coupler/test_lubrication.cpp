@@ -4,7 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
+#include "coupler/gap_cells.hpp"
+#include "coupler/gap_kernels.hpp"
 #include "coupler/lubrication.hpp"
 
 namespace silt::coupler::testing {
@@ -99,6 +102,44 @@ TEST(Lubrication, CountsTheCellsOfTheGap) {
             << d.transpose() << " " << h;
       }
     }
+}
+
+/// Principal curvatures p, q across n, turned about it.
+rigid::Mat3 bent(const rigid::Vec3& n, double p, double q, double turn) {
+  const rigid::Vec3 e = n.unitOrthogonal(), f = n.cross(e);
+  const rigid::Vec3 t = std::cos(turn) * e + std::sin(turn) * f, u = n.cross(t);
+  return p * t * t.transpose() + q * u * u.transpose();
+}
+
+TEST(Lubrication, CountsTheCellsBetweenSurfacesThatBendUnevenly) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<> one(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const rigid::Vec3 n = rigid::Vec3(one(random), one(random), one(random)).normalized();
+    const auto surface = [&] {
+      return bent(n, 0.2 + 0.15 * one(random), 0.2 + 0.19 * one(random), 2 * one(random));
+    };
+    const rigid::FilmGap gap{
+        0.4 + 0.6 * one(random), 0, surface(), surface(), {one(random), one(random), one(random)}, n};
+    EXPECT_NEAR(cells_in_gap(gap), counted(gap, 1 / std::sqrt(gap.curvature_product())), 1e-12) << i;
+  }
+}
+
+/// Instruction sets change no bit of a trajectory.
+TEST(Lubrication, EveryBuildCountsTheSameBits) {
+  const GapOnLattice gap{0.07,
+                         {0.8, 0.48, -0.36},
+                         {0.3, -0.7, 0.15},
+                         {0.03, 0.07, 0.05, -0.02, 0.03, 0.01},
+                         {0.06, 0.02, 0.04, 0.01, -0.02, 0.02},
+                         -0.9,
+                         5.5,
+                         9.5,
+                         3};
+  const double sum = portable::sum_over_gap(gap);
+  EXPECT_GT(sum, 1);
+  if (chosen_isa() != Isa::portable) EXPECT_EQ(avx2::sum_over_gap(gap), sum);
+  if (chosen_isa() == Isa::avx512) EXPECT_EQ(avx512::sum_over_gap(gap), sum);
 }
 
 TEST(Lubrication, ALayerOfCellsInTheGapIsResolvedBetterThanNone) {
