@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
+#include <type_traits>
 
 #include "rigid/integrate.hpp"
 
@@ -27,10 +29,13 @@ void clear_forces(BodySet& bodies) {
   std::fill(bodies.torque.begin(), bodies.torque.end(), FixedVec3{});
 }
 
+/// Whether one is not zero: all bytes are, if the first is and each of the others is what the one before it
+/// is.
 bool any(const std::vector<FixedVec3>& sums) {
-  FixedSum bits = 0;
-  for (const FixedVec3& sum : sums) bits |= sum.q[0] | sum.q[1] | sum.q[2];
-  return bits != 0;
+  static_assert(std::has_unique_object_representations_v<FixedVec3>);
+  const auto* const bytes = reinterpret_cast<const unsigned char*>(sums.data());
+  const std::size_t size = sums.size() * sizeof(FixedVec3);
+  return size > 0 && (bytes[0] != 0 || std::memcmp(bytes, bytes + 1, size - 1) != 0);
 }
 
 /// Counted at the owner of the lower id.

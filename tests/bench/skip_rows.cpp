@@ -10,6 +10,7 @@
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case_file.hpp"
+#include "coupler/guard.hpp"
 #include "coupler/run.hpp"
 #include "coupler/simulation.hpp"
 #include "rigid/detect_contacts.hpp"
@@ -60,7 +61,12 @@ struct Passes {
     std::fill(scene.bodies.force.begin(), scene.bodies.force.end(), rigid::FixedVec3{});
     std::fill(scene.bodies.torque.begin(), scene.bodies.torque.end(), rigid::FixedVec3{});
   }
-  void rigid_step() { scene.rigid_step->advance(scene.bodies, scene.setup.contacts.substeps); }
+  void rigid_step() {
+    scene.rigid_step->advance(scene.bodies, scene.setup.contacts.substeps);
+    guard();
+  }
+  /// Every scene whose bodies move asks whether they do so within bounds.
+  void guard() { coupler::check_bodies(scene.setup, scene.bodies, 1, 0); }
   coupler::Scene scene;
 };
 
@@ -172,6 +178,7 @@ std::function<void()> free_motion(const SceneText& text, Forces&& act) {
     act(s);
     rigid::drift(s.bodies, 0.5);
     s.exchange->synchronise(s.bodies);
+    passes->guard();
   };
 }
 
@@ -216,8 +223,10 @@ Row no_neighbour_ranks() {
   SceneText text;
   text.fluid = "", text.bodies = spheres(100, "[[0, 0, 0], [48, 48, 48]]");
   auto alone = std::make_shared<Alone>(text);
-  return row("neighbour_ranks", "neighbour ranks: bodies that know of one rank only", text,
-             [alone] { alone->step.advance(alone->passes.scene.bodies, 1); });
+  return row("neighbour_ranks", "neighbour ranks: bodies that know of one rank only", text, [alone] {
+    alone->step.advance(alone->passes.scene.bodies, 1);
+    alone->passes.guard();
+  });
 }
 
 /// Spheres stacked on a floor. No driver knows their sweeps without friction: the same stack with friction

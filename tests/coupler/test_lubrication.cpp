@@ -138,8 +138,12 @@ TEST(Lubrication, EveryBuildCountsTheSameBits) {
                          3};
   const double sum = portable::sum_over_gap(gap);
   EXPECT_GT(sum, 1);
-  if (chosen_isa() != Isa::portable) EXPECT_EQ(avx2::sum_over_gap(gap), sum);
-  if (chosen_isa() == Isa::avx512) EXPECT_EQ(avx512::sum_over_gap(gap), sum);
+  if (chosen_isa() != Isa::portable) {
+    EXPECT_EQ(avx2::sum_over_gap(gap), sum);
+  }
+  if (chosen_isa() == Isa::avx512) {
+    EXPECT_EQ(avx512::sum_over_gap(gap), sum);
+  }
 }
 
 TEST(Lubrication, ALayerOfCellsInTheGapIsResolvedBetterThanNone) {
