@@ -48,18 +48,6 @@ double wall_addend(const Domain& domain, Int3 sides, int j) {
   return -6 * w(j) * domain.wall_velocity_along(sides, j);
 }
 
-/// Whether the edges of a side across x return along every direction what its face does.
-bool edges_like_face(const Domain& domain, bool upper) {
-  for (int j = 1; j < directions; ++j)
-    for (int d = 1; d < 3; ++d) {
-      if (c[j].x != (upper ? 1 : -1) || c[j][d] == 0 || domain.periodic(d)) continue;
-      Int3 edge{c[j].x, 0, 0};
-      if (domain.side(d, c[j][d] > 0).kind == SideKind::bounce) edge[d] = c[j][d];
-      if (wall_addend(domain, edge, j) != wall_addend(domain, {c[j].x, 0, 0}, j)) return false;
-    }
-  return true;
-}
-
 enum class RowEndKind { lists, round, wall };
 
 /// What the rows of a block do at one end by themselves: go round to the other end, meet a wall, or neither
@@ -68,17 +56,18 @@ RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
   const int cells = domain.cells().x;
   if (domain.periodic(0)) return box.size.x == cells ? RowEndKind::round : RowEndKind::lists;
   const bool at_side = upper ? box.lower.x + box.size.x == cells : box.lower.x == 0;
-  return at_side && domain.side(0, upper).kind == SideKind::bounce && edges_like_face(domain, upper)
-             ? RowEndKind::wall
-             : RowEndKind::lists;
+  return at_side && domain.side(0, upper).kind == SideKind::bounce ? RowEndKind::wall : RowEndKind::lists;
 }
 
-/// Whether the dense pass moves this ghost slot (g local to the block).
-bool is_row_end(const Domain& domain, const CellBox& box, Int3 g) {
+/// Whether the dense pass moves this ghost slot (g local to the block) for good. At a wall it does as the
+/// face does; edges that do otherwise are listed, and put right after it.
+bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   if (g.x >= 0 && g.x < box.size.x) return false;
   const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
+  if (kind == RowEndKind::wall)
+    return wall_addend(domain, domain.walls_met(box.lower + g), j) == wall_addend(domain, {c[j].x, 0, 0}, j);
   const bool own_row = g.y >= 0 && g.y < box.size.y && g.z >= 0 && g.z < box.size.z;
-  return kind == RowEndKind::wall || (kind == RowEndKind::round && own_row);
+  return kind == RowEndKind::round && own_row;
 }
 
 /// An even pass has just written the homes of its row; an odd one the ghost slots that its row's last cell
@@ -171,7 +160,7 @@ struct Halo<T>::Builder {
   void add(int block, Int3 g, int j) {
     const BlockPlace& place = domain.blocks()[block];
     const int here = local[block];
-    if (is_row_end(domain, place.box, g)) return;
+    if (is_row_end(domain, place.box, g, j)) return;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
       if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
