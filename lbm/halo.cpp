@@ -220,7 +220,6 @@ struct Halo<T>::Builder {
     for (auto& [r, peer] : peers) {
       peer.rank = r;
       peer.ghost_buffer.resize(slots_in(peer.ghosts)), peer.home_buffer.resize(slots_in(peer.homes));
-      halo.any_early_ |= peer.early;
       halo.peers_.push_back(std::move(peer));
     }
   }
@@ -288,7 +287,7 @@ void Halo<T>::start(std::span<const Block<T>> blocks, Parity parity) {
 
 template <class T>
 void Halo<T>::progress() {
-  if (!any_early_) return;
+  if (requests_.empty()) return;
   int done = 0;
   MPI_Testall(int(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE);
 }

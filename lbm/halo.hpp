@@ -10,9 +10,9 @@
 // spans a periodic x axis) or with a wall across x touches two cache lines a population; the dense pass moves
 // it row by row (Block::row_ends).
 //
-// A message may leave before the pass is done, once the rows that write it are: what crosses out is written by
-// the collision of the cell it leaves alone. Nor does a cut link of the inside change it: the slot it writes holds
-// what comes back to its cell, or is to, and that crosses no face.
+// A message may leave before the pass is done, once the rows that write it are: what crosses out is written
+// by the collision of the cell it leaves alone. Nor does a cut link of the inside change it: the slot it
+// writes holds what comes back to its cell, or is to, and that crosses no face.
 #include <mpi.h>
 
 #include <array>
@@ -92,7 +92,6 @@ class Halo {
   std::vector<Wall> walls_;
   std::vector<Outlet> outlets_;
   std::vector<Peer> peers_;
-  bool any_early_ = false;
   std::vector<MPI_Request> requests_;  // receives, then sends
 };
 

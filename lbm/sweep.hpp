@@ -28,8 +28,7 @@ class Sweep {
   static constexpr std::size_t cached_bytes = 2560 << 10;
 
   Sweep() = default;
-  Sweep(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {})
-      : nz_(size.z), all_{0, size.y, 0, size.z} {
+  Sweep(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {}) : all_{0, size.y, 0, size.z} {
     const std::size_t row = std::size_t(size.x) * directions * bytes_of_a_population;
     const int fitting = std::max(8, int(cached_bytes / (3 * row)));
     const int strips = std::max(1, (size.y + fitting / 2) / fitting);
@@ -50,12 +49,12 @@ class Sweep {
   }
   /// All that is not of the shell.
   RowRange inner() const { return inner_; }
-  int parts() const { return (all_.y1 + rows_ - 1) / rows_ * nz_; }
+  int parts() const { return (all_.y1 + rows_ - 1) / rows_ * all_.z1; }
   /// Of a row; -1: of the shell, before all parts.
-  int part_of(int y, int z) const { return in_shell(y, z) ? -1 : y / rows_ * nz_ + z; }
+  int part_of(int y, int z) const { return in_shell(y, z) ? -1 : y / rows_ * all_.z1 + z; }
   /// None, where all of a part is in the shell.
   RowRange rows_of(int part) const {
-    const int strip = part / nz_, z = part % nz_;
+    const int strip = part / all_.z1, z = part % all_.z1;
     const int y0 = std::max(strip * rows_, inner_.y0), y1 = std::min((strip + 1) * rows_, inner_.y1);
     return {y0, in_shell(y0, z) ? y0 : y1, z, z + 1};
   }
@@ -68,7 +67,7 @@ class Sweep {
   }
 
  private:
-  int nz_ = 1, rows_ = 1;
+  int rows_ = 1;  // of a strip
   RowRange all_{0, 1, 0, 1}, inner_ = all_;
 };
 
