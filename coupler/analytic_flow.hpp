@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "coupler/case.hpp"
+#include "coupler/case/case.hpp"
 
 namespace silt::coupler {
 

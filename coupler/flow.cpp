@@ -8,12 +8,12 @@
 #include <limits>
 #include <utility>
 
-#include "coupler/body_exchange.hpp"
-#include "coupler/build_links.hpp"
-#include "coupler/entrained_fluid.hpp"
-#include "coupler/fluid_forces.hpp"
-#include "coupler/map_bodies.hpp"
-#include "coupler/refill.hpp"
+#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/forces/entrained_fluid.hpp"
+#include "coupler/forces/fluid_forces.hpp"
+#include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/map_bodies.hpp"
+#include "coupler/mapping/refill.hpp"
 
 namespace silt::coupler {
 

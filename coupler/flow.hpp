@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <memory>
 
-#include "coupler/case.hpp"
+#include "coupler/case/case.hpp"
 #include "lbm/fluid.hpp"
-#include "rigid/body_exchange.hpp"
-#include "rigid/body_set.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
 

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "coupler/case.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/flow.hpp"
 
 namespace silt::coupler {

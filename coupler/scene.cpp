@@ -4,10 +4,10 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/entrained_fluid.hpp"
-#include "coupler/fill.hpp"
-#include "coupler/lubrication.hpp"
-#include "rigid/walls.hpp"
+#include "coupler/case/fill.hpp"
+#include "coupler/forces/entrained_fluid.hpp"
+#include "coupler/forces/lubrication.hpp"
+#include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
 

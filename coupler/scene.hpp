@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "coupler/body_exchange.hpp"
-#include "coupler/case.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/coupled_step.hpp"
+#include "coupler/exchange/body_exchange.hpp"
 #include "coupler/flow.hpp"
 #include "rigid/rigid_step.hpp"
 

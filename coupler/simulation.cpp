@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
-#include "coupler/fluid_forces.hpp"
+#include "coupler/exchange/reduce.hpp"
+#include "coupler/forces/fluid_forces.hpp"
 #include "coupler/guard.hpp"
-#include "coupler/reduce.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/isa.hpp"
 

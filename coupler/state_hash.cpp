@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "coupler/reduce.hpp"
+#include "coupler/exchange/reduce.hpp"
 
 namespace silt::coupler {
 

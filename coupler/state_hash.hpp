@@ -4,7 +4,7 @@
 #include <string>
 
 #include "coupler/flow.hpp"
-#include "rigid/body_set.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
 

@@ -4,7 +4,7 @@
 // Rotation: implicit midpoint on the angular momentum in the body frame (NUMERICS 8; Simo, Wong 1991),
 //   L_B' - L_B = h Lbar x (I_B^-1 Lbar),  Lbar = (L_B + L_B') / 2,   q' = q cay(h I_B^-1 Lbar),
 // which keeps L in the world frame, its length and the kinetic energy to round-off, for any h.
-#include "rigid/body_set.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::rigid {
 

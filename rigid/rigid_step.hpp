@@ -1,11 +1,11 @@
 #pragma once
 // One step of the bodies: Algorithm 1 of Goetz et al., SC10.
-#include "rigid/body_exchange.hpp"
-#include "rigid/body_set.hpp"
-#include "rigid/collision_backend.hpp"
-#include "rigid/contact_resolver.hpp"
-#include "rigid/detect_contacts.hpp"
-#include "rigid/world.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/world.hpp"
+#include "rigid/collision/collision_backend.hpp"
+#include "rigid/collision/detect_contacts.hpp"
+#include "rigid/response/contact_resolver.hpp"
 
 namespace silt::rigid {
 

@@ -8,9 +8,7 @@
 
 namespace silt::adapters {
 
-using rigid::ContactPoint;
-using rigid::ConvexShape;
-using rigid::Pose;
+using namespace rigid;
 
 namespace {
 
@@ -28,7 +26,6 @@ bool supported(const Query& q, const std::vector<ContactPoint>& points, std::siz
 /// Whether the answer comes from a search: not for a half-space, nor for a sphere and a sphere, capsule or
 /// box.
 bool needs_search(const ConvexShape& a, const ConvexShape& b) {
-  using rigid::HalfSpace, rigid::Sphere;
   if (std::holds_alternative<Sphere>(a) && std::holds_alternative<Sphere>(b)) return false;
   if (std::holds_alternative<HalfSpace>(b)) return false;
   const bool with_sphere = std::holds_alternative<Sphere>(a) || std::holds_alternative<Sphere>(b);

@@ -2,7 +2,7 @@
 // "auto": the best answer pair by pair.
 #include <memory>
 
-#include "adapters/analytic/analytic_backend.hpp"
+#include "rigid/collision/analytic_backend.hpp"
 
 namespace silt::adapters {
 
@@ -20,7 +20,7 @@ class AutomaticBackend : public rigid::CollisionBackend {
                const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override;
 
  private:
-  AnalyticBackend analytic_;
+  rigid::AnalyticBackend analytic_;
   std::unique_ptr<rigid::CollisionBackend> engines_[2];
 };
 

@@ -5,7 +5,7 @@
 
 #include "adapters/bullet/bullet_broad_phase.hpp"
 #include "adapters/fcl/fcl_broad_phase.hpp"
-#include "rigid/uniform_grid.hpp"
+#include "rigid/collision/uniform_grid.hpp"
 
 namespace silt::adapters {
 
@@ -17,7 +17,7 @@ struct Entry {
   Made (*make)();
 };
 
-/// A new broad phase is one line here; the tests of rigid/broad_phase then run on it by name.
+/// A new broad phase is one line here; the tests of rigid/collision/broad_phase then run on it by name.
 constexpr Entry broad_phases[] = {
     {"grid", [] { return Made(new rigid::UniformGrid); }},
     {"bullet", make_bullet_broad_phase},

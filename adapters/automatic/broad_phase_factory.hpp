@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rigid/broad_phase.hpp"
+#include "rigid/collision/broad_phase.hpp"
 
 namespace silt::adapters {
 

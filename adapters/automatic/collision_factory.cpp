@@ -3,10 +3,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/analytic/analytic_backend.hpp"
 #include "adapters/automatic/automatic_backend.hpp"
 #include "adapters/bullet/bullet_backend.hpp"
 #include "adapters/fcl/fcl_backend.hpp"
+#include "rigid/collision/analytic_backend.hpp"
 
 namespace silt::adapters {
 
@@ -21,7 +21,7 @@ struct Entry {
 /// A new backend is one line here and one in the conformance suite.
 constexpr Entry backends[] = {
     {"auto", [] { return std::unique_ptr<rigid::CollisionBackend>(new AutomaticBackend); }},
-    {"analytic", [] { return std::unique_ptr<rigid::CollisionBackend>(new AnalyticBackend); }},
+    {"analytic", [] { return std::unique_ptr<rigid::CollisionBackend>(new rigid::AnalyticBackend); }},
     {"bullet", make_bullet_backend},
     {"fcl", make_fcl_backend},
 };

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rigid/collision_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
 
 namespace silt::adapters {
 

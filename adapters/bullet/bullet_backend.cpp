@@ -21,10 +21,9 @@
 
 namespace silt::adapters {
 
-namespace {
+using namespace rigid;
 
-using rigid::ConvexShape;
-using rigid::Pose;
+namespace {
 
 btVector3 to_bullet(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
@@ -46,7 +45,7 @@ class BulletEllipsoid : public btConvexInternalShape {
     m_collisionMargin = 0;
   }
   btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override {
-    return to_bullet(rigid::support(rigid::Ellipsoid{half_axes_}, from_bullet(direction)));
+    return to_bullet(support(Ellipsoid{half_axes_}, from_bullet(direction)));
   }
   void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions, btVector3* out,
                                                          int count) const override {
@@ -64,24 +63,24 @@ class BulletEllipsoid : public btConvexInternalShape {
 class BulletShape {
  public:
   explicit BulletShape(const ConvexShape& shape, double margin = 0) {
-    if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) {
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) {
       shape_.emplace<btSphereShape>(sphere->radius);
-    } else if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) {
+    } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
       shape_.emplace<btCapsuleShapeZ>(capsule->radius, 2 * capsule->half_length);
-    } else if (const auto* box = std::get_if<rigid::Box>(&shape)) {
+    } else if (const auto* box = std::get_if<Box>(&shape)) {
       shape_.emplace<btBoxShape>(to_bullet(box->half_edges)).setMargin(margin);
-    } else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape)) {
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
       const btVector3 half(cylinder->radius, cylinder->radius, cylinder->half_length);
       shape_.emplace<btCylinderShapeZ>(half).setMargin(margin);
-    } else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape)) {
+    } else if (const auto* ellipsoid = std::get_if<Ellipsoid>(&shape)) {
       shape_.emplace<BulletEllipsoid>(ellipsoid->half_axes);
-    } else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) {
+    } else if (const auto* polyhedron = std::get_if<Polyhedron>(&shape)) {
       auto& hull = shape_.emplace<btConvexHullShape>();
       for (const Vec3& v : polyhedron->mesh->vertices) hull.addPoint(to_bullet(v), false);
       hull.recalcLocalAabb();
       hull.setMargin(margin);
     } else {
-      shape_.emplace<btStaticPlaneShape>(to_bullet(std::get<rigid::HalfSpace>(shape).normal), 0).setMargin(0);
+      shape_.emplace<btStaticPlaneShape>(to_bullet(std::get<HalfSpace>(shape).normal), 0).setMargin(0);
     }
   }
   btCollisionShape* get() {
@@ -128,13 +127,13 @@ class BulletBackend : public EngineBackend {
   /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
   /// they are; with margins, where Bullet has them (coaxial cylinders that overlap are always wrong without).
   int methods(const Query& q) const override {
-    return std::holds_alternative<rigid::HalfSpace>(q.b) ? 1 : has_margin(q.a) || has_margin(q.b) ? 4 : 3;
+    return std::holds_alternative<HalfSpace>(q.b) ? 1 : has_margin(q.a) || has_margin(q.b) ? 4 : 3;
   }
   std::optional<Answer> ask(int method, const Query& q) override {
     if (method == 1) return gjk_apart(q);
     if (method == 2) return gjk_epa(q, Vec3::Zero());
     if (method == 3) return gjk_epa_with_margins(q);
-    const bool boxes = std::holds_alternative<rigid::Box>(q.a) && std::holds_alternative<rigid::Box>(q.b);
+    const bool boxes = std::holds_alternative<Box>(q.a) && std::holds_alternative<Box>(q.b);
     if (!boxes) return closest(q);
     if (const auto overlap = box_box(q); overlap && overlap->gap < -touching) return overlap;
     const auto near = closest(q);
@@ -147,7 +146,7 @@ class BulletBackend : public EngineBackend {
   static constexpr double touching = 1e-3;
 
   static bool has_margin(const ConvexShape& shape) {
-    return std::holds_alternative<rigid::Cylinder>(shape) || std::holds_alternative<rigid::Polyhedron>(shape);
+    return std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Polyhedron>(shape);
   }
 
   /// The separating-axis test that Bullet's world uses for two boxes: overlap only. It prefers a face to
@@ -162,7 +161,7 @@ class BulletBackend : public EngineBackend {
     detector.getClosestPoints(input, found, nullptr);
     if (!found.m_hasResult) return {};
     // it adds 1e-5 to every cosine before it tests crossed edges, and divides by their sine
-    const auto& [box_a, box_b] = std::pair(std::get<rigid::Box>(q.a), std::get<rigid::Box>(q.b));
+    const auto& [box_a, box_b] = std::pair(std::get<Box>(q.a), std::get<Box>(q.b));
     const double padding = 1e-3 * (box_a.half_edges + box_b.half_edges).norm();
     return Answer{-from_bullet(found.m_normalOnBInWorld), found.m_distance, padding};
   }
@@ -249,7 +248,7 @@ void check_bullet_precision() {
         "against: install libbullet3.24 and remove other builds of Bullet from the library path");
 }
 
-std::unique_ptr<rigid::CollisionBackend> make_bullet_backend() {
+std::unique_ptr<CollisionBackend> make_bullet_backend() {
   check_bullet_precision();
   return std::make_unique<BulletBackend>();
 }

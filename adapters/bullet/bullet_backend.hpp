@@ -2,7 +2,7 @@
 // "bullet": Bullet's narrow phase in double precision.
 #include <memory>
 
-#include "rigid/collision_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
 
 namespace silt::adapters {
 

@@ -2,7 +2,7 @@
 // "bullet": the dynamic tree of boxes beneath Bullet's btDbvtBroadphase.
 #include <memory>
 
-#include "rigid/broad_phase.hpp"
+#include "rigid/collision/broad_phase.hpp"
 
 namespace silt::adapters {
 

@@ -2,17 +2,15 @@
 
 #include <cmath>
 
-#include "adapters/analytic/deepest.hpp"
-#include "adapters/analytic/deepest_direction.hpp"
-#include "adapters/common/contact_outline.hpp"
-#include "adapters/common/convex_manifold.hpp"
-#include "adapters/common/manifold.hpp"
+#include "rigid/collision/contact_outline.hpp"
+#include "rigid/collision/convex_manifold.hpp"
+#include "rigid/collision/deepest.hpp"
+#include "rigid/collision/deepest_direction.hpp"
+#include "rigid/collision/manifold.hpp"
 
 namespace silt::adapters {
 
-using rigid::ConvexShape;
-using rigid::HalfSpace;
-using rigid::Pose;
+using namespace rigid;
 
 namespace {
 
@@ -50,7 +48,7 @@ bool EngineBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
 }
 
 void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, const ConvexShape& shape_b,
-                            const Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) {
+                            const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
   ++counters_.queries;
   const Query q{shape_a, shape_b, pose_a, pose_b, tolerance};
   const auto* wall = std::get_if<HalfSpace>(&shape_b);
@@ -64,7 +62,7 @@ void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, cons
     append_convex_plane_manifold(convex_core(shape_a, pose_a), pose_b.position, outward, tolerance, out);
 }
 
-void EngineBackend::collide_boxes(const Query& q, std::vector<rigid::ContactPoint>& out) {
+void EngineBackend::collide_boxes(const Query& q, std::vector<ContactPoint>& out) {
   const RoundedBox a = rounded_box(q.a, q.pose_a), b = rounded_box(q.b, q.pose_b);
   const double radii = a.radius + b.radius, tolerance = q.tolerance;
   for (int method = 0; method < methods(q); ++method) {
@@ -82,7 +80,7 @@ void EngineBackend::collide_boxes(const Query& q, std::vector<rigid::ContactPoin
     append_manifold(a, b, deepest->normal, deepest->core_gap, tolerance, out);
 }
 
-void EngineBackend::collide_convex(const Query& q, std::vector<rigid::ContactPoint>& out) {
+void EngineBackend::collide_convex(const Query& q, std::vector<ContactPoint>& out) {
   const ConvexCore a = convex_core(q.a, q.pose_a), b = convex_core(q.b, q.pose_b);
   const double radii = a.radius + b.radius, slack = curved_tolerance * length_scale(a, b);
   const auto append = [&](const Approach& found) {
@@ -107,7 +105,7 @@ void EngineBackend::collide_convex(const Query& q, std::vector<rigid::ContactPoi
 
 void EngineBackend::check_plane(const Query& q) {
   const Vec3 outward = q.pose_b.orientation * std::get<HalfSpace>(q.b).normal;
-  const Vec3 furthest = rigid::support(q.a, q.pose_a.orientation.conjugate() * -outward);
+  const Vec3 furthest = support(q.a, q.pose_a.orientation.conjugate() * -outward);
   const double gap = outward.dot(q.pose_a.to_world(furthest) - q.pose_b.position);
   const double slack = answer_tolerance * (furthest.norm() + std::abs(gap));
   const std::optional<Answer> answer = ask(0, q);

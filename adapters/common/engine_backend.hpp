@@ -2,10 +2,12 @@
 // What every engine's backend does around the engine: ask, check, fall back, build the points.
 #include <optional>
 
-#include "adapters/common/rounded_box.hpp"
-#include "rigid/collision_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
+#include "rigid/collision/rounded_box.hpp"
 
 namespace silt::adapters {
+
+using rigid::Vec3;
 
 /// An engine's answer is taken where it agrees with the supporting planes to this part of the pair's size
 /// (length_scale, sizes and distance: some 60 lattice units for bodies of 10, so 6e-10 of a cell).

@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "rigid/broad_phase.hpp"
+#include "rigid/collision/broad_phase.hpp"
 
 namespace silt::adapters {
 
 /// A leaf holds the cube around a body's reach, a little larger, so that it stays while the body moves inside
-/// it. Two bodies whose cubes overlap in the tree are a pair if they meet (rigid/broad_phase); images are
-/// found by asking the tree about the cubes that stick out through a periodic side, shifted by the period. So
-/// neither what the tree looks like nor how it came about shows in the pairs.
+/// it. Two bodies whose cubes overlap in the tree are a pair if they meet (rigid/collision/broad_phase);
+/// images are found by asking the tree about the cubes that stick out through a periodic side, shifted by the
+/// period. So neither what the tree looks like nor how it came about shows in the pairs.
 class TreeBroadPhase : public rigid::BroadPhase {
  protected:
   using Leaf = std::uint32_t;  // a number below the largest number of bodies so far

@@ -1,5 +1,5 @@
-// The narrow phase; only files of this folder see FCL's headers. FCL keeps its asserts, which end the process: so no
-// signed distance (it asserts where shapes nearly touch) and no distance to a half-space.
+// The narrow phase; only files of this folder see FCL's headers. FCL keeps its asserts, which end the
+// process: so no signed distance (it asserts where shapes nearly touch) and no distance to a half-space.
 #include "adapters/fcl/fcl_backend.hpp"
 
 #include <fcl/geometry/shape/box.h>
@@ -24,10 +24,9 @@ static_assert(EIGEN_MAX_ALIGN_BYTES == 16, "compile this file with EIGEN_MAX_ALI
 
 namespace silt::adapters {
 
-namespace {
+using namespace rigid;
 
-using rigid::ConvexShape;
-using rigid::Pose;
+namespace {
 
 template <class T>
 bool is(const ConvexShape& shape) {
@@ -42,7 +41,7 @@ fcl::Transform3d to_fcl(const Pose& pose, const Vec3& shift = Vec3::Zero()) {
 }
 
 /// A polyhedron as FCL has it: its faces in one list, each the number of its corners and the corners.
-fcl::Convexd to_fcl(const rigid::PolyhedronMesh& mesh) {
+fcl::Convexd to_fcl(const PolyhedronMesh& mesh) {
   auto vertices = std::make_shared<std::vector<Vec3>>(mesh.vertices);
   auto faces = std::make_shared<std::vector<int>>();
   for (const auto& face : mesh.faces) {
@@ -56,20 +55,20 @@ fcl::Convexd to_fcl(const rigid::PolyhedronMesh& mesh) {
 class FclShape {
  public:
   explicit FclShape(const ConvexShape& shape, double radius_share = 1, double lift = 0) {
-    if (const auto* sphere = std::get_if<rigid::Sphere>(&shape))
+    if (const auto* sphere = std::get_if<Sphere>(&shape))
       shape_.emplace<fcl::Sphered>(radius_share * sphere->radius);
-    else if (const auto* capsule = std::get_if<rigid::Capsule>(&shape))
+    else if (const auto* capsule = std::get_if<Capsule>(&shape))
       shape_.emplace<fcl::Capsuled>(radius_share * capsule->radius, 2 * capsule->half_length);
-    else if (const auto* box = std::get_if<rigid::Box>(&shape))
+    else if (const auto* box = std::get_if<Box>(&shape))
       shape_.emplace<fcl::Boxd>(2 * box->half_edges);
-    else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape))
+    else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
       shape_.emplace<fcl::Cylinderd>(cylinder->radius, 2 * cylinder->half_length);
-    else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape))
+    else if (const auto* ellipsoid = std::get_if<Ellipsoid>(&shape))
       shape_.emplace<fcl::Ellipsoidd>(ellipsoid->half_axes);
-    else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape))
+    else if (const auto* polyhedron = std::get_if<Polyhedron>(&shape))
       shape_.emplace<fcl::Convexd>(to_fcl(*polyhedron->mesh));
     else
-      shape_.emplace<fcl::Halfspaced>(std::get<rigid::HalfSpace>(shape).normal, lift);
+      shape_.emplace<fcl::Halfspaced>(std::get<HalfSpace>(shape).normal, lift);
   }
   const fcl::CollisionGeometryd* get() const {
     return std::visit(
@@ -89,8 +88,8 @@ class FclShape {
 };
 
 double radius_of(const ConvexShape& shape) {
-  if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) return sphere->radius;
-  if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) return capsule->radius;
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) return capsule->radius;
   return 0;
 }
 
@@ -131,7 +130,7 @@ class FclBackend : public EngineBackend {
  protected:
   /// Best first: see ask.
   int methods(const Query& q) const override {
-    return is<rigid::HalfSpace>(q.b) || (is<rigid::Box>(q.a) && is<rigid::Box>(q.b)) ? 1 : 2;
+    return is<HalfSpace>(q.b) || (is<Box>(q.a) && is<Box>(q.b)) ? 1 : 2;
   }
 
   /// 0: the distance of the cores (spheres and capsules of no radius), which serves gaps and overlaps alike
@@ -143,11 +142,11 @@ class FclBackend : public EngineBackend {
   /// touch or overlap, that of cores moved apart along the normal that collide (MPR) gave, 1: along the line
   /// of centres.
   std::optional<Answer> ask(int method, const Query& q) override {
-    if (is<rigid::HalfSpace>(q.b)) return plane(q);
+    if (is<HalfSpace>(q.b)) return plane(q);
     if (!is_swept_box(q.a) || !is_swept_box(q.b))
       return method == 0 ? near_or_deep(q) : moved_apart(q, centres(q));
     if (method == 1) return within(q, overlap(q));
-    const bool boxes = is<rigid::Box>(q.a) && is<rigid::Box>(q.b);
+    const bool boxes = is<Box>(q.a) && is<Box>(q.b);
     if (boxes)
       if (const auto deep = overlap(q); deep && deep->gap < -touching) return deep;
     if (const auto apart = core_distance(q)) return within(q, apart);
@@ -192,7 +191,7 @@ class FclBackend : public EngineBackend {
   }
 
   static bool is_swept_box(const ConvexShape& shape) {
-    return is<rigid::Sphere>(shape) || is<rigid::Capsule>(shape) || is<rigid::Box>(shape);
+    return is<Sphere>(shape) || is<Capsule>(shape) || is<Box>(shape);
   }
 
   static Vec3 centres(const Query& q) {
@@ -241,7 +240,7 @@ class FclBackend : public EngineBackend {
 
 }  // namespace
 
-std::unique_ptr<rigid::CollisionBackend> make_fcl_backend() {
+std::unique_ptr<CollisionBackend> make_fcl_backend() {
   return std::make_unique<FclBackend>();
 }
 

@@ -2,7 +2,7 @@
 // "fcl": the Flexible Collision Library with libccd.
 #include <memory>
 
-#include "rigid/collision_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
 
 namespace silt::adapters {
 

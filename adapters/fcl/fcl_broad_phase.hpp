@@ -2,7 +2,7 @@
 // "fcl": FCL's dynamic tree of boxes.
 #include <memory>
 
-#include "rigid/broad_phase.hpp"
+#include "rigid/collision/broad_phase.hpp"
 
 namespace silt::adapters {
 

@@ -21,7 +21,7 @@
 #include "adapters/hdf5/boxes.hpp"
 #include "adapters/hdf5/checkpoint_folder.hpp"
 #include "adapters/hdf5/provenance.hpp"
-#include "rigid/body_set.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::adapters {
 

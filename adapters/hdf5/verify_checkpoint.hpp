@@ -2,7 +2,7 @@
 // Private to adapters/hdf5: is a checkpoint whole, and what are its columns.
 #include "adapters/hdf5/checksum.hpp"
 #include "adapters/hdf5/table.hpp"
-#include "rigid/body_set.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::adapters::hdf5 {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "rigid/polyhedron.hpp"
+#include "rigid/shapes/polyhedron.hpp"
 
 namespace silt::adapters {
 

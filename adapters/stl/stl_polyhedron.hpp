@@ -3,7 +3,7 @@
 #include <memory>
 #include <string_view>
 
-#include "rigid/polyhedron.hpp"
+#include "rigid/shapes/polyhedron.hpp"
 
 namespace silt::adapters {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rigid/types.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::adapters {
 

@@ -4,8 +4,8 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "adapters/common/engine_backend.hpp"
-#include "adapters/common/manifold.hpp"
-#include "collision_scenes.hpp"
+#include "rigid/collision/manifold.hpp"
+#include "tests/adapters/collision_scenes.hpp"
 
 namespace silt::tests {
 namespace {
@@ -90,11 +90,11 @@ TEST(Manifold, TheDeepestPointSurvivesANormalThatIsSlightlyOff) {
   const rigid::Box box{{4, 3, 2}};
   const Vec3 right = Vec3(1, 0, 1).normalized();
   const Pose above{Vec3(4, 0, 2) + 2.1 * right, turned(90, Vec3::UnitX())};
-  const auto a = adapters::rounded_box(box, {}), b = adapters::rounded_box(capsule, above);
+  const auto a = rigid::rounded_box(box, {}), b = rigid::rounded_box(capsule, above);
   for (const double off : {0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-6, -1e-6}) {
     const Vec3 n = (right + off * Vec3(1, 0, -1)).normalized();
     Points points;
-    adapters::append_manifold(a, b, n, adapters::core_separation(a, b, n), 1, points);
+    rigid::append_manifold(a, b, n, rigid::core_separation(a, b, n), 1, points);
     ASSERT_FALSE(points.empty()) << off;
     EXPECT_NEAR(deepest(points).gap, 0.1, 1e-8) << off;
     EXPECT_LE(off_surface(box, {}, deepest(points).on_a), 1e-5) << off;

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "collision_scenes.hpp"
+#include "tests/adapters/collision_scenes.hpp"
 
 namespace silt::tests {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "collision_scenes.hpp"
+#include "tests/adapters/collision_scenes.hpp"
 
 namespace silt::tests {
 namespace {

@@ -1,4 +1,4 @@
-#include "collision_scenes.hpp"
+#include "tests/adapters/collision_scenes.hpp"
 
 #include <algorithm>
 #include <cmath>

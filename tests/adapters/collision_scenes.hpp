@@ -2,8 +2,8 @@
 // What the collision tests share: the random scenes, made once, and how a query is put.
 #include <vector>
 
-#include "pair_scenes.hpp"
-#include "rigid/collision_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
+#include "tests/adapters/pair_scenes.hpp"
 
 namespace silt::tests {
 

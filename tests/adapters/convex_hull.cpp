@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "rigid/shape.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::adapters {
 namespace {

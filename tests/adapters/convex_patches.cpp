@@ -7,8 +7,8 @@
 #include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "collision_scenes.hpp"
-#include "rigid/reduce_manifold.hpp"
+#include "rigid/collision/reduce_manifold.hpp"
+#include "tests/adapters/collision_scenes.hpp"
 
 namespace silt::tests {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pair_scenes.hpp"
+#include "tests/adapters/pair_scenes.hpp"
 
 namespace silt::tests {
 

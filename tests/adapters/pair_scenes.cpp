@@ -1,11 +1,11 @@
-#include "pair_scenes.hpp"
+#include "tests/adapters/pair_scenes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
-#include "search_gap.hpp"
+#include "tests/adapters/search_gap.hpp"
 
 namespace silt::tests {
 

@@ -3,7 +3,7 @@
 #include <random>
 #include <string>
 
-#include "rigid/shape.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::tests {
 

@@ -1,4 +1,4 @@
-#include "search_gap.hpp"
+#include "tests/adapters/search_gap.hpp"
 
 #include <algorithm>
 #include <array>

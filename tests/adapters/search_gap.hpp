@@ -1,6 +1,6 @@
 #pragma once
 // The gap of any two convex shapes by trying directions: a method that shares nothing with adapters/.
-#include "pair_scenes.hpp"
+#include "tests/adapters/pair_scenes.hpp"
 
 namespace silt::tests {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "rigid/shape.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::bench {
 

@@ -6,8 +6,8 @@
 // BOX: edge of the periodic box in diameters. RELAXATION_TIME: 2. Samples: a line each, the normal of the gap
 // and the place of its middle in its cell (three numbers each, 0: the cell's centre), gap in cells. "wall":
 // the domain's, across z. Prints them with force / (6 pi mu a U) of the lattice and of theory, U the speed of
-// either sphere, the gap's cells_in_gap (coupler/gap_cells), and torque / (8 pi mu a^2 U) of the lattice
-// and of theory.
+// either sphere, the gap's cells_in_gap (coupler/forces/gap_cells), and torque / (8 pi mu a^2 U) of the
+// lattice and of theory.
 #include <mpi.h>
 
 #include <cmath>
@@ -18,10 +18,10 @@
 
 #include <fmt/format.h>
 
-#include "coupler/case_file.hpp"
-#include "coupler/gap_cells.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/forces/gap_cells.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/approach_series.hpp"
+#include "tests/coupler/forces/approach_series.hpp"
 
 using namespace silt;
 using rigid::Vec3;

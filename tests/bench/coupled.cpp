@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/layers.hpp"

@@ -11,10 +11,10 @@
 #include <cstdio>
 #include <string>
 
-#include "coupler/block_links.hpp"
-#include "coupler/build_links.hpp"
-#include "coupler/case_file.hpp"
-#include "coupler/map_bodies.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/mapping/block_links.hpp"
+#include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "tests/bench/layers.hpp"

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"

@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "rigid/detect_contacts.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/collision/detect_contacts.hpp"
 #include "rigid/rigid_step.hpp"
-#include "rigid/walls.hpp"
 #include "tests/bench/bed.hpp"
 
 namespace silt::bench {

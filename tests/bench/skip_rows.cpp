@@ -9,11 +9,11 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "coupler/analytic_flow.hpp"
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/guard.hpp"
-#include "coupler/run.hpp"
+#include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
-#include "rigid/detect_contacts.hpp"
+#include "rigid/collision/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
 
 namespace silt::bench {

@@ -13,7 +13,7 @@
 #include <map>
 #include <sstream>
 
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 
 using namespace silt;

@@ -2,7 +2,7 @@
 // Scenes shared by the tests of the coupled step, as case text.
 #include <string>
 
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/derived_table.hpp"
+#include "coupler/case/derived_table.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"
 

@@ -1,7 +1,7 @@
 // A block that a body fills takes no part in the passes, and the fluid beside it does not notice.
 #include <gtest/gtest.h>
 
-#include "coupler/case_file.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {

@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <numbers>
 
-#include "coupler/build_info.hpp"
-#include "coupler/checkpoint.hpp"
-#include "coupler/report.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/results/report.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/case_text.hpp"
-#include "tests/hdf5/scratch.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
 namespace {

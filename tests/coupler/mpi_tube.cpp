@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/quantities.hpp"
-#include "tests/coupler/pipe_case.hpp"
+#include "coupler/results/quantities.hpp"
+#include "tests/coupler/case/pipe_case.hpp"
 
 namespace silt::coupler::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include "coupler/analytic_flow.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/pipe_case.hpp"
+#include "tests/coupler/case/pipe_case.hpp"
 
 namespace silt::coupler::testing {
 namespace {

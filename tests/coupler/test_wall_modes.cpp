@@ -9,7 +9,7 @@
 
 #include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/case_text.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
 namespace {

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <random>
 
-#include "scene.hpp"
-#include "threaded_ranks.hpp"
+#include "tests/rigid/scene.hpp"
+#include "tests/rigid/threaded_ranks.hpp"
 
 namespace silt::rigid {
 namespace {

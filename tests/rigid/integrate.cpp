@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "scene.hpp"
-#include "solids.hpp"
+#include "tests/rigid/scene.hpp"
+#include "tests/rigid/shapes/solids.hpp"
 
 namespace silt::rigid {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "scene.hpp"
+#include "tests/rigid/scene.hpp"
 
 namespace silt::rigid {
 namespace {

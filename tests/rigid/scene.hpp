@@ -4,8 +4,8 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
+#include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
-#include "rigid/walls.hpp"
 
 namespace silt::rigid::testing {
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <thread>
 
-#include "rigid/body_exchange.hpp"
-#include "rigid/world.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/world.hpp"
 
 namespace silt::rigid::testing {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "rigid/tube_contacts.hpp"
-#include "scene.hpp"
-#include "tests/rigid/solids.hpp"
+#include "rigid/collision/tube_contacts.hpp"
+#include "tests/rigid/scene.hpp"
+#include "tests/rigid/shapes/solids.hpp"
 
 namespace silt::rigid {
 namespace {

@@ -1,0 +1,300 @@
+#include "coupler/case/body_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/fill.hpp"
+#include "coupler/case/neighbour_grid.hpp"
+#include "coupler/case/overlap.hpp"
+#include "coupler/case/wall_check.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Motion;
+using rigid::Vec3;
+
+constexpr double fewest_cells_across = 6;  // NUMERICS 1
+constexpr double start_overlap =
+    0.02;  // cells that bodies may overlap at the start: rounding of a case's numbers
+constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
+
+std::string entry_key(const BodySpec& body) {
+  return fmt::format("bodies[{}]", std::max(0, body.entry));
+}
+
+std::string position_key(const Case& scene, const BodySpec& body) {
+  const std::string key = entry_key(body);
+  return key + (scene.places.count(key + ".positions") ? ".positions" : ".position");
+}
+
+std::string shown_point(const Case& scene, const Vec3& x) {
+  const double cell = scene.units.cell_size;
+  return fmt::format("[{}, {}, {}]", shown(x[0] * cell), shown(x[1] * cell), shown(x[2] * cell));
+}
+
+std::string shown_length(const Case& scene, double x) {
+  return shown(x * scene.units.cell_size);
+}
+
+std::string of_fill(std::size_t index, const char* key) {
+  return fmt::format("fill[{}].{}", index, key);
+}
+
+void check_size(const Case& scene, Findings& findings, int shape, Motion motion, const std::string& key) {
+  const double across = resolved_diameter(scene.shapes[shape]);
+  if (scene.fluid && across < fewest_cells_across)
+    findings.warning(key,
+                     fmt::format("{}: shape '{}' is {} cells across; below {} its drag is inaccurate: use "
+                                 "smaller cells",
+                                 key, scene.shape_names[shape], shown(across), fewest_cells_across));
+  if (motion == Motion::fixed) return;
+  const rigid::Shape& given = scene.shapes[shape];
+  const rigid::Shape centred = rigid::recentred(given, rigid::mass_properties(given).centre);
+  const double reach = 2 * rigid::bounding_radius(centred) + scene.contacts.margin;
+  for (int d = 0; d < 3; ++d)
+    if (scene.periodic(d) && reach > scene.cells[d])
+      findings.error(
+          key, fmt::format("{}: shape '{}' with its contact margin reaches over {} cells, but the periodic "
+                           "axis {} has {}: the body would meet itself; lengthen the axis",
+                           key, scene.shape_names[shape], shown(reach), "xyz"[d], scene.cells[d]));
+}
+
+void check_sizes(const Case& scene, Findings& findings) {
+  std::set<int> seen;
+  for (const BodySpec& body : scene.bodies) {
+    if (!seen.insert(body.entry).second) continue;
+    check_size(scene, findings, body.shape, body.motion, entry_key(body) + ".shape");
+    if (!(body.density > 0))
+      findings.error(entry_key(body) + ".density", fmt::format("{}.density is {}; it must be above 0",
+                                                               entry_key(body), shown(body.density)));
+  }
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const FillSpec& fill = scene.fills[i];
+    check_size(scene, findings, fill.shape, Motion::free, of_fill(i, "shape"));
+    if (!(fill.density > 0))
+      findings.error(of_fill(i, "density"),
+                     fmt::format("fill[{}].density is {}; it must be above 0", i, shown(fill.density)));
+    for (int d = 0; d < 3; ++d)
+      if (fill.lower[d] < -start_overlap || fill.upper[d] > scene.cells[d] + start_overlap ||
+          !(fill.lower[d] < fill.upper[d])) {
+        findings.error(
+            of_fill(i, "box"),
+            fmt::format("fill[{}].box is {} to {}; it must lie in the domain, {} to {}", i,
+                        shown_point(scene, fill.lower), shown_point(scene, fill.upper),
+                        shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size)));
+        break;
+      }
+  }
+}
+
+// The body's centre must be in the domain, and a body that moves must not reach into a wall.
+bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
+  const Vec3 size = extent_of(scene).size;
+  const Vec3& x = body.pose.position;
+  const std::string key = position_key(scene, body);
+  for (int d = 0; d < 3; ++d)
+    if (!(x[d] >= 0 && x[d] <= size[d])) {
+      findings.error(key,
+                     fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
+                                 shown_point(scene, Vec3::Zero()), shown_point(scene, size)));
+      return false;
+    }
+  if (body.motion == Motion::fixed) return true;
+  const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
+  for (int d = 0; d < 3; ++d) {
+    if (scene.periodic(d)) continue;
+    const double low = scene.boundary[2 * d].solid_for_bodies ? -box.lower[d] : 0;
+    const double high = scene.boundary[2 * d + 1].solid_for_bodies ? box.upper[d] - size[d] : 0;
+    if (std::max(low, high) <= start_overlap) continue;
+    const double allowed_low = x[d] - box.lower[d], allowed_high = size[d] - (box.upper[d] - x[d]);
+    findings.error(
+        key, fmt::format("{} is {}: the body reaches {} into the {} wall of {}; its {} must be between {} "
+                         "and {}",
+                         key, shown_point(scene, x), shown_length(scene, std::max(low, high)),
+                         low > high ? "lower" : "upper", "xyz"[d], "xyz"[d], shown_length(scene, allowed_low),
+                         shown_length(scene, allowed_high)));
+    return false;
+  }
+  return check_in_walls(scene, findings, body, key, start_overlap);
+}
+
+void check_pairs(const Case& scene, Findings& findings) {
+  const rigid::Extent extent = extent_of(scene);
+  double edge = 1;
+  for (const BodySpec& body : scene.bodies)
+    edge = std::max(edge, 2 * rigid::bounding_radius(scene.shapes[body.shape]));
+  NeighbourGrid grid(extent, edge);
+  std::size_t messages = 0;
+  for (std::size_t j = 0; j < scene.bodies.size() && messages < most_messages; ++j) {
+    const BodySpec& b = scene.bodies[j];
+    const auto box = rigid::bounding_box(scene.shapes[b.shape], b.pose);
+    std::set<int> partners;
+    grid.visit(box.lower, box.upper, [&](int i) { return partners.insert(i), true; });
+    for (const int i : partners) {
+      const BodySpec& a = scene.bodies[i];
+      if (a.motion != Motion::free && b.motion != Motion::free) continue;
+      const double depth =
+          overlap_depth(scene.shapes[a.shape], a.pose, scene.shapes[b.shape], b.pose, extent);
+      if (depth <= start_overlap || messages++ >= most_messages) continue;
+      const std::string key = position_key(scene, b);
+      findings.error(
+          key,
+          fmt::format("{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; "
+                      "move them apart",
+                      key, shown_point(scene, b.pose.position), shown_point(scene, a.pose.position), a.entry,
+                      shown_length(scene, depth)));
+    }
+    grid.insert(static_cast<int>(j), box.lower, box.upper);
+  }
+}
+
+// How often a shape is used, and whether by anything that moves freely.
+struct Use {
+  int count = 0;
+  bool free = false;
+};
+
+std::vector<Use> uses_of(const Case& scene) {
+  std::vector<Use> uses(scene.shapes.size());
+  for (const BodySpec& body : scene.bodies) {
+    ++uses[body.shape].count;
+    uses[body.shape].free |= body.motion == Motion::free;
+  }
+  for (const FillSpec& fill : scene.fills) uses[fill.shape].count += fill.count, uses[fill.shape].free = true;
+  return uses;
+}
+
+bool answers(const rigid::CollisionBackend& backend, const rigid::Shape& a, const rigid::Shape& b) {
+  for (const rigid::Part& part_a : rigid::convex_parts(a))
+    for (const rigid::Part& part_b : rigid::convex_parts(b))
+      if (!backend.supports(part_a.shape, part_b.shape)) return false;
+  return true;
+}
+
+// Every pair that can meet must have an answer.
+void check_backend(const Case& scene, Findings& findings) {
+  const auto backend = adapters::make_backend(scene.contacts.backend);
+  const std::vector<Use> uses = uses_of(scene);
+  std::size_t messages = 0;
+  const auto check = [&](std::size_t i, const rigid::Shape& other, const std::string& other_name) {
+    if (messages >= most_messages || answers(*backend, scene.shapes[i], other)) return;
+    ++messages;
+    findings.error(
+        "contacts.backend",
+        fmt::format("contacts.backend is \"{}\"; it cannot answer contacts of shape '{}' ({}) with {}: "
+                    "use another backend, or a simpler shape (polyhedra of at most some 10000 vertices)",
+                    scene.contacts.backend, scene.shape_names[i], rigid::shape_name(scene.shapes[i]),
+                    other_name));
+  };
+  const bool walls = std::any_of(scene.boundary.begin(), scene.boundary.end(),
+                                 [](const BoundarySpec& side) { return side.solid_for_bodies; });
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (uses[i].free && walls) check(i, rigid::HalfSpace{Vec3::UnitZ()}, "a wall");
+    for (std::size_t j = i; j < uses.size(); ++j)
+      if ((uses[i].free || uses[j].free) && uses[i].count > 0 && uses[j].count > (i == j))
+        check(i, scene.shapes[j],
+              fmt::format("shape '{}' ({})", scene.shape_names[j], rigid::shape_name(scene.shapes[j])));
+  }
+}
+
+// A fill whose bounding spheres are more than the densest packing of its box needs no try.
+void check_fill_volumes(const Case& scene, Findings& findings) {
+  const double densest = std::numbers::pi / std::sqrt(18);
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const FillSpec& fill = scene.fills[i];
+    const double volume = rigid::mass_properties(scene.shapes[fill.shape]).volume;
+    const double room = (fill.upper - fill.lower).prod();
+    if (fill.count * volume <= room * densest) continue;
+    findings.error(of_fill(i, "count"),
+                   fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
+                               "box; at most {:.0f} can fit",
+                               i, fill.count, shown(fill.count * volume / room), room * densest / volume));
+  }
+}
+
+void check_falling(const Case& scene, Findings& findings) {
+  const bool something_fixed = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                           [](const BodySpec& b) { return b.motion != Motion::free; });
+  const bool walls = !scene.walls.empty() ||
+                     std::any_of(scene.boundary.begin(), scene.boundary.end(),
+                                 [](const BoundarySpec& b) { return b.kind != BoundaryKind::periodic; });
+  if (scene.gravity.norm() > 0 && !walls && !something_fixed)
+    findings.warning("gravity.acceleration",
+                     "gravity acts, but nothing holds the fluid and the bodies: a domain that is "
+                     "periodic all round accelerates for ever unless they balance");
+}
+
+}  // namespace
+
+void Findings::add(Diagnostic::Severity severity, const std::string& key, const std::string& text) {
+  list.push_back({severity, scene.place(key), text});
+}
+
+namespace {
+
+/// Between two parallel planes, the narrowest of those along a face or along two edges that cross.
+double least_width(const rigid::PolyhedronMesh& mesh) {
+  const auto width = [&](const Vec3& n) {
+    double low = 0, high = 0;
+    for (const Vec3& v : mesh.vertices) {
+      const double at = n.dot(v - mesh.vertices[0]);
+      low = std::min(low, at), high = std::max(high, at);
+    }
+    return high - low;
+  };
+  constexpr std::size_t most_edges = 200;  // of a body finer than that the faces alone say as much
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& face : mesh.faces) least = std::min(least, width(face.normal));
+  for (std::size_t i = 0; mesh.edges.size() <= most_edges && i < mesh.edges.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto along = [&](std::size_t e) -> Vec3 {
+        return (mesh.vertices[mesh.edges[e].corners[1]] - mesh.vertices[mesh.edges[e].corners[0]])
+            .normalized();
+      };
+      const Vec3 n = along(i).cross(along(j));
+      if (n.norm() > 1e-6) least = std::min(least, width(n.normalized()));
+    }
+  return least;
+}
+
+}  // namespace
+
+double resolved_diameter(const rigid::Shape& shape) {
+  if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) return 2 * sphere->radius;
+  if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) return 2 * capsule->radius;
+  if (const auto* box = std::get_if<rigid::Box>(&shape)) return 2 * box->half_edges.minCoeff();
+  if (const auto* c = std::get_if<rigid::Cylinder>(&shape)) return 2 * std::min(c->radius, c->half_length);
+  if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape))
+    return 2 * ellipsoid->half_axes.minCoeff();
+  if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) return least_width(*polyhedron->mesh);
+  return std::cbrt(6 / std::numbers::pi * rigid::mass_properties(shape).volume);
+}
+
+void check_bodies(const Case& scene, Findings& findings) {
+  if (!scene.has_bodies()) return;
+  check_sizes(scene, findings);
+  bool placed = true;
+  std::size_t messages = 0;
+  for (const BodySpec& body : scene.bodies) {
+    if (std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) {
+      findings.error(entry_key(body) + ".shape", entry_key(body) +
+                                                     ": a body cannot be a half-space; walls come from "
+                                                     "domain.boundary");
+      return;
+    }
+    if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;
+  }
+  check_backend(scene, findings);
+  if (placed) check_pairs(scene, findings);
+  check_fill_volumes(scene, findings);
+  check_falling(scene, findings);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,29 @@
+#pragma once
+// The part of check_case that looks at the bodies: sizes, places, overlaps.
+#include <string>
+#include <vector>
+
+#include "coupler/case/case.hpp"
+
+namespace silt::coupler {
+
+/// What a check has found so far; keys are paths as in Case::places.
+struct Findings {
+  explicit Findings(const Case& scene) : scene(scene) {}
+  void error(const std::string& key, const std::string& text) { add(Diagnostic::Severity::error, key, text); }
+  void warning(const std::string& key, const std::string& text) {
+    add(Diagnostic::Severity::warning, key, text);
+  }
+  void add(Diagnostic::Severity, const std::string& key, const std::string& text);
+
+  const Case& scene;
+  std::vector<Diagnostic> list;
+};
+
+/// Diameter a shape is resolved by, in cells: its least extent; for a compound that of the sphere of its
+/// volume.
+double resolved_diameter(const rigid::Shape&);
+
+void check_bodies(const Case&, Findings&);
+
+}  // namespace silt::coupler

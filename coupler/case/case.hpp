@@ -1,0 +1,170 @@
+#pragma once
+// A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
+// with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml),
+// case_check judges it.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupler/case/case_error.hpp"
+#include "coupler/case/units.hpp"
+#include "lbm/wall_scheme.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/rigid_step.hpp"
+
+namespace silt::coupler {
+
+enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
+
+enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
+
+struct BoundarySpec {
+  BoundaryKind kind = BoundaryKind::periodic;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
+  double density = 1;                          // outlets
+  bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+};
+
+enum class Precision { single_, double_ };
+enum class TimeCoupling { explicit_, implicit_ };
+using lbm::WallScheme;
+enum class Refill { equilibrium, grad };
+enum class ForceForm { galilean, exact };
+
+struct FluidSpec {
+  double kinematic_viscosity = 0, relaxation_time = 0;
+  bool bgk = false;       // else trt
+  double magic = 1. / 6;  // Lambda of trt; with bodies or [[walls]] best_magic of the wall scheme
+  Precision precision = Precision::single_;
+  rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
+  bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
+  // initial velocity: "rest", "uniform", "taylor-green", "taylor-green-3d"; amplitude and (for the vortices)
+  // one wave a period
+  std::string initial = "rest";
+  rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
+};
+
+struct CouplingSpec {
+  WallScheme wall_scheme = WallScheme::parabolic;
+  TimeCoupling time = TimeCoupling::implicit_;
+  Refill refill = Refill::grad;
+  ForceForm force = ForceForm::galilean;
+  bool pressure_anchor = true;
+  double remap_tolerance = 0.02;   // cells a surface may move before its cells and wall distances are renewed
+  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
+  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
+};
+
+struct ContactSpec {
+  std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
+  rigid::ResolverSettings resolver_settings;
+  int substeps = 1;
+  double margin = 1.0;
+};
+
+struct BodySpec {  // one body
+  int shape = 0, material = 0;
+  int kind = 0;        // index into Case::kind_names
+  int entry = -1;      // which [[bodies]] entry gave it; -1: a [[fill]]
+  double density = 1;  // relative to the fluid's (lattice)
+  rigid::Motion motion = rigid::Motion::free;
+  rigid::Pose pose;  // of the shape as the case gives it, not of its centre of mass
+  rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+};
+
+/// A curved wall of the domain, for fluid and bodies alike.
+struct CurvedWall {
+  std::string name;
+  rigid::TubeSpec tube;
+};
+
+struct FillSpec {
+  int shape = 0, material = 0, kind = 0, count = 0;
+  double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
+  bool random_orientation = true;
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
+  std::uint64_t seed = 1;
+};
+
+struct SeriesSpec {  // 0: never
+  std::int64_t every = 0;
+};
+
+struct OutputSpec {
+  SeriesSpec fields, bodies, checkpoint, report;
+  std::vector<std::string> quantities;  // "velocity", "density", "vorticity" is not here yet
+  int keep_checkpoints = 2;
+};
+
+/// A figure the run puts into report.json under "quantities", for reference.toml to compare. The types and
+/// the keys each takes are in quantity_types.
+struct QuantitySpec {
+  std::string name, type;
+  int kind = -1;  // index into Case::kind_names; -1: every body
+  int axis = 2;
+  std::string profile;  // "channel", "duct", "pipe"
+  double time = 0;      // from when on (of an instant: when; without one the end), in steps
+  double height = 0;    // along the axis
+  int side = 0;         // a Side of the domain
+  int wall = 0;         // index into Case::walls
+  rigid::Vec3 centre = rigid::Vec3::Zero();
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
+
+  bool is_about(int body_kind) const { return kind < 0 || body_kind == kind; }
+};
+
+/// The run ends before its last step when a quantity has come so close to where it goes (see SteadyWatch).
+struct SteadySpec {
+  std::string quantity;  // name of a QuantitySpec
+  double change = 0;     // relative
+  std::int64_t every = 0;
+};
+
+struct Case {
+  // text: case.toml as read, then each file and each --set as a comment, for provenance
+  std::string title, text;
+  std::vector<std::string> files;      // that the case names: AttachedFile::fingerprint of each, in its order
+  std::vector<std::string> overrides;  // the --set arguments
+  std::filesystem::path directory;
+  Units units;
+
+  std::array<int, 3> cells{};
+  std::array<BoundarySpec, 6> boundary;           // by Side
+  std::optional<std::array<int, 3>> block_cells;  // none: "auto"
+  bool periodic(int axis) const { return boundary[2 * axis].kind == BoundaryKind::periodic; }
+
+  std::optional<FluidSpec> fluid;
+  CouplingSpec coupling;
+  ContactSpec contacts;
+  rigid::Vec3 gravity = rigid::Vec3::Zero();
+
+  // material 0 is "default": of walls, and of bodies that name none
+  std::vector<std::string> shape_names, material_names;
+  std::vector<rigid::Shape> shapes;             // as given (a compound need not be centred)
+  std::vector<rigid::Material> pair_materials;  // material_names.size()^2
+  std::vector<BodySpec> bodies;
+  std::vector<FillSpec> fills;
+  std::vector<CurvedWall> walls;  // besides the sides of the domain
+  // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
+  // one name make one kind, and have one shape
+  std::vector<std::string> kind_names;
+  std::vector<int> kind_shapes;
+
+  std::int64_t steps = 0;
+  std::optional<SteadySpec> steady;
+  OutputSpec output;
+  std::vector<QuantitySpec> quantities;
+  std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
+  /// Where a key stands; if it is not in the file, where the table that would hold it does.
+  Place place(std::string path) const;
+  bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
+  bool has_lubrication() const { return fluid && coupling.lubrication && contacts.resolver == "sffd"; }
+  /// Something besides the sides of the domain bounds the fluid.
+  bool has_surfaces() const { return has_bodies() || !walls.empty(); }
+};
+
+}  // namespace silt::coupler

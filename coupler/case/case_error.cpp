@@ -1,0 +1,100 @@
+#include "coupler/case/case_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace silt::coupler {
+namespace {
+
+std::vector<Diagnostic> in_file_order(std::vector<Diagnostic> list) {
+  std::stable_sort(list.begin(), list.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    return std::tuple(a.place.line, a.place.column) < std::tuple(b.place.line, b.place.column);
+  });
+  return list;
+}
+
+// Optimal string alignment distance: insertions, deletions, substitutions and swaps of neighbours cost one.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i)
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+bool one_contains_the_other(std::string_view a, std::string_view b) {
+  constexpr std::size_t shortest = 3;  // letters: shorter pieces say nothing
+  if (std::min(a.size(), b.size()) < shortest) return false;
+  return a.find(b) != a.npos || b.find(a) != b.npos;
+}
+
+}  // namespace
+
+std::string Diagnostic::line() const {
+  const char* label = severity == Severity::warning ? "warning: " : "";
+  std::string all = place.file.empty() ? std::string() : place.text() + ": ";
+  all += label;
+  all += text;
+  return all;
+}
+
+CaseError::CaseError(std::vector<Diagnostic> list)
+    : std::runtime_error(listed(in_file_order(list))), diagnostics_(in_file_order(std::move(list))) {}
+
+CaseError::CaseError(const Place& place, const std::string& text)
+    : CaseError(std::vector{Diagnostic{Diagnostic::Severity::error, place, text}}) {}
+
+bool has_errors(std::span<const Diagnostic> list) {
+  return std::any_of(list.begin(), list.end(),
+                     [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::error; });
+}
+
+std::string listed(std::span<const Diagnostic> list) {
+  std::string text;
+  for (const Diagnostic& d : list) {
+    if (!text.empty()) text += '\n';
+    text += d.line();
+  }
+  return text;
+}
+
+std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(wanted.size() / 3, 1) + 1;
+  for (const std::string& name : names)
+    if (const std::size_t distance = edit_distance(wanted, name); distance < best_distance)
+      best = name, best_distance = distance;
+  if (best.empty())
+    for (const std::string& name : names)
+      if (best.empty() && one_contains_the_other(wanted, name)) best = name;
+  if (best.empty()) {  // "viscocity" is far from "kinematic_viscosity" as a whole but close to its last word
+    for (const std::string& name : names)
+      for (std::size_t from = name.find('_'); from != name.npos; from = name.find('_', from + 1))
+        if (best.empty() && edit_distance(wanted, name.substr(from + 1)) <= wanted.size() / 3) best = name;
+  }
+  return best;
+}
+
+std::string joined(std::span<const std::string> names, std::string_view separator) {
+  return fmt::format("{}", fmt::join(names, separator));
+}
+
+std::string suggestion(std::string_view wanted, std::span<const std::string> names) {
+  if (names.empty()) return "; none is known here";
+  const std::string nearest = nearest_name(wanted, names);
+  return (nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)) +
+         (nearest.empty() ? "; known: " : " known: ") + joined(names);
+}
+
+std::string shown(double x) {
+  return fmt::format("{:.6g}", x);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,114 @@
+#include "coupler/case/case_overrides.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+namespace silt::coupler {
+namespace {
+
+using adapters::Node;
+
+// Keys that say the same thing in different ways: setting one replaces the others.
+const std::vector<std::vector<std::string>> alternatives = {
+    {"run.steps", "run.time"},
+    {"units.time_step", "units.relaxation_time", "units.max_velocity"},
+    {"fluid.kinematic_viscosity", "fluid.relaxation_time"},
+};
+
+// A string may be written without quotes if it cannot be anything else.
+bool is_bare_string(const std::string& text) {
+  if (text.empty() || text == "true" || text == "false" || text == "inf" || text == "nan") return false;
+  return std::isalpha(static_cast<unsigned char>(text[0])) &&
+         std::all_of(text.begin(), text.end(),
+                     [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_' || c == '.'; });
+}
+
+Node parsed_value(const std::string& text, const Place& place) {
+  if (is_bare_string(text)) {
+    Node node;
+    node.kind = Node::Kind::string;
+    node.string = text;
+    node.place = node.key_place = place;
+    return node;
+  }
+  try {
+    return adapters::parse_value(text, place);
+  } catch (const adapters::SyntaxError& error) {
+    throw CaseError(place, fmt::format("'{}' is not a TOML value: {}", text, error.what()));
+  }
+}
+
+// "bodies[2].density" -> "bodies", "2", "density"
+std::vector<std::string> steps_of(std::string path) {
+  std::replace(path.begin(), path.end(), '[', '.');
+  std::erase(path, ']');
+  std::vector<std::string> steps(1);
+  for (const char c : path) {
+    if (c == '.')
+      steps.emplace_back();
+    else if (!std::isspace(static_cast<unsigned char>(c)))
+      steps.back() += c;
+  }
+  return steps;
+}
+
+Node* element(Node& array, const std::string& step, const Place& place) {
+  std::size_t index = 0;
+  const auto end = std::from_chars(step.data(), step.data() + step.size(), index);
+  if (end.ec != std::errc{} || end.ptr != step.data() + step.size())
+    throw CaseError(
+        place, fmt::format("'{}' must be the number of an entry, from 0, as in bodies[0].density", step));
+  if (index >= array.children.size())
+    throw CaseError(place,
+                    fmt::format("there is no entry {}: the list has {}", index, array.children.size()));
+  return &array.children[index];
+}
+
+Node* descend(Node& node, const std::string& step, const Place& place) {
+  if (node.kind == Node::Kind::array) return element(node, step, place);
+  if (node.kind != Node::Kind::table)
+    throw CaseError(place, fmt::format("'{}' lies below a value that is {}", step, kind_name(node.kind)));
+  if (Node* child = node.find(step)) return child;
+  Node child;
+  child.key = step;
+  child.place = child.key_place = place;
+  node.children.push_back(child);
+  return &node.children.back();
+}
+
+void remove_alternatives(Node& root, const std::string& path) {
+  for (const auto& group : alternatives) {
+    if (std::count(group.begin(), group.end(), path) == 0) continue;
+    const auto dot = path.find('.');
+    Node* table = root.find(path.substr(0, dot));
+    if (!table) continue;
+    std::erase_if(table->children, [&](const Node& child) {
+      const std::string other = path.substr(0, dot + 1) + child.key;
+      return other != path && std::count(group.begin(), group.end(), other) > 0;
+    });
+  }
+}
+
+}  // namespace
+
+void apply_override(Node& root, const std::string& argument) {
+  const Place place{"--set " + argument};
+  const auto equals = argument.find('=');
+  if (equals == argument.npos || equals == 0 || equals + 1 == argument.size())
+    throw CaseError(place, "must have the form key.path=value, as in fluid.density=960");
+  const std::string path = argument.substr(0, equals);
+  Node value = parsed_value(argument.substr(equals + 1), place);
+  const auto steps = steps_of(path);
+  if (std::any_of(steps.begin(), steps.end(), [](const std::string& s) { return s.empty(); }))
+    throw CaseError(place, fmt::format("'{}' has an empty name in it", path));
+  Node* node = &root;
+  for (const std::string& step : steps) node = descend(*node, step, place);
+  value.key = node->key;
+  *node = std::move(value);
+  remove_alternatives(root, path);
+}
+
+}  // namespace silt::coupler

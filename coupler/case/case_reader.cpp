@@ -1,0 +1,222 @@
+#include "coupler/case/case_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::coupler {
+namespace {
+
+Place place_of(const Node& node) {
+  return node.key.empty() ? node.place : node.key_place;
+}
+
+std::string found(const Node& node) {
+  using Kind = Node::Kind;
+  if (node.kind == Kind::string) return fmt::format("the string {}", written(node));
+  if (node.kind == Kind::table || node.kind == Kind::date) return std::string(kind_name(node.kind));
+  return written(node);
+}
+
+}  // namespace
+
+bool Range::holds(double x) const {
+  return (low_allowed ? x >= low : x > low) && (high_allowed ? x <= high : x < high);
+}
+
+std::string Range::text() const {
+  if (std::isfinite(low) && std::isfinite(high) && !low_allowed && !high_allowed)
+    return fmt::format("above {} and below {}", shown(low), shown(high));
+  if (std::isfinite(low) && std::isfinite(high))
+    return fmt::format("between {} and {}", shown(low), shown(high));
+  if (std::isfinite(low)) return fmt::format("{} {}", low_allowed ? "at least" : "above", shown(low));
+  if (std::isfinite(high)) return fmt::format("{} {}", high_allowed ? "at most" : "below", shown(high));
+  return "a finite number";
+}
+
+void ReadContext::fail(const Place& place, const std::string& text) {
+  errors.push_back({Diagnostic::Severity::error, place, text});
+}
+
+void ReadContext::report_unread(const Node& table, const std::string& path) {
+  const auto asked = unjudged.count(&table) ? known_keys.end() : known_keys.find(&table);
+  const auto is_known = [&](const std::string& key) {
+    return asked != known_keys.end() && std::count(asked->second.begin(), asked->second.end(), key) > 0;
+  };
+  for (const Node& child : table.children) {
+    const bool element = table.kind == Node::Kind::array;
+    const std::string child_path = element ? path : path.empty() ? child.key : path + "." + child.key;
+    if (!element && asked != known_keys.end() && !is_known(child.key)) {
+      fail(child.key_place, fmt::format("unknown key '{}' {}{}", child.key,
+                                        path.empty() ? "at the top of the file" : "in [" + path + "]",
+                                        suggestion(child.key, asked->second)));
+    } else if (!child.children.empty()) {
+      report_unread(child, child_path);
+    }
+  }
+}
+
+TableReader::TableReader(ReadContext& context, const Node* table, std::string path, Place place)
+    : context_(&context), table_(table), path_(std::move(path)), place_(std::move(place)) {
+  if (table_) context_->known_keys[table_];
+  if (table_) context_->places[path_] = place_;
+}
+
+std::string TableReader::path(std::string_view key) const {
+  return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+const Node* TableReader::find(std::string_view key) {
+  if (!table_) return nullptr;
+  auto& known = context_->known_keys[table_];
+  if (std::find(known.begin(), known.end(), key) == known.end()) known.emplace_back(key);
+  const Node* node = table_->find(key);
+  if (node) context_->places[path(key)] = place_of(*node);
+  return node;
+}
+
+Place TableReader::place(std::string_view key) const {
+  const Node* node = table_ ? table_->find(key) : nullptr;
+  return node ? place_of(*node) : place_;
+}
+
+void TableReader::missing(std::string_view key, std::string_view what) {
+  find(key);
+  context_->fail(place_, fmt::format("{} is missing: {}", path(key), what));
+}
+
+void TableReader::refuse(std::string_view key, std::string_view must) {
+  const Node* node = find(key);
+  fail(key, fmt::format("{} is {}; it must be {}", path(key), node ? found(*node) : "absent", must));
+}
+
+std::optional<double> TableReader::number(std::string_view key, const Range& range) {
+  const Node* node = find(key);
+  if (!node) return {};
+  if (!node->is_number())
+    refuse(key, range.text() == "a finite number" ? range.text() : "a number " + range.text());
+  else if (!std::isfinite(node->number()))
+    refuse(key, "a finite number");
+  else if (!range.holds(node->number()))
+    refuse(key, range.text());
+  else
+    return node->number();
+  return {};
+}
+
+std::optional<double> TableReader::quantity(std::string_view key, Dimension dimension, const Range& range) {
+  const auto x = number(key, range);
+  return x ? std::optional(context_->units.lattice(*x, dimension)) : x;
+}
+
+std::optional<rigid::Vec3> read_vector(ReadContext& context, const Node& node, const std::string& path) {
+  rigid::Vec3 v;
+  bool good = node.kind == Node::Kind::array && node.children.size() == 3;
+  for (int d = 0; good && d < 3; ++d) {
+    good = node.children[d].is_number() && std::isfinite(node.children[d].number());
+    if (good) v[d] = node.children[d].number();
+  }
+  if (good) return v;
+  context.fail(place_of(node),
+               fmt::format("{} is {}; it must be three finite numbers, [x, y, z]", path, found(node)));
+  return {};
+}
+
+std::optional<rigid::Vec3> TableReader::vector(std::string_view key) {
+  const Node* node = find(key);
+  return node ? read_vector(*context_, *node, path(key)) : std::nullopt;
+}
+
+std::optional<rigid::Vec3> TableReader::vector(std::string_view key, Dimension dimension) {
+  auto v = vector(key);
+  if (v) *v /= context_->units.scale(dimension);
+  return v;
+}
+
+std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high) {
+  const Node* node = find(key);
+  if (!node) return {};
+  if (node->kind == Node::Kind::integer && node->integer >= low && node->integer <= high)
+    return node->integer;
+  refuse(key, high == std::numeric_limits<std::int64_t>::max()
+                  ? fmt::format("a whole number of at least {}", low)
+                  : fmt::format("a whole number between {} and {}", low, high));
+  return {};
+}
+
+std::optional<bool> TableReader::boolean(std::string_view key) {
+  const Node* node = find(key);
+  if (!node) return {};
+  if (node->kind == Node::Kind::boolean) return node->boolean;
+  refuse(key, "true or false");
+  return {};
+}
+
+std::optional<std::string> TableReader::string(std::string_view key) {
+  const Node* node = find(key);
+  if (!node) return {};
+  if (node->kind == Node::Kind::string && !node->string.empty()) return node->string;
+  refuse(key, "a string");
+  return {};
+}
+
+std::optional<std::string> TableReader::choice(std::string_view key,
+                                               const std::vector<std::string>& allowed) {
+  const Node* node = find(key);
+  if (!node) return {};
+  if (node->kind != Node::Kind::string) {
+    refuse(key, "one of " + joined(allowed));
+    return {};
+  }
+  if (std::count(allowed.begin(), allowed.end(), node->string)) return node->string;
+  const std::string nearest = nearest_name(node->string, allowed);
+  refuse(key, "one of " + joined(allowed) + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+  return {};
+}
+
+TableReader TableReader::table(std::string_view key) {
+  const Node* node = find(key);
+  if (node && node->kind != Node::Kind::table) {
+    refuse(key, "a table");
+    node = nullptr;
+  }
+  return {*context_, node, path(key), place(key)};
+}
+
+std::vector<TableReader> TableReader::tables(std::string_view key) {
+  const Node* node = find(key);
+  std::vector<TableReader> result;
+  if (!node) return result;
+  const bool all_tables = node->kind == Node::Kind::array &&
+                          std::all_of(node->children.begin(), node->children.end(),
+                                      [](const Node& n) { return n.kind == Node::Kind::table; });
+  if (!all_tables) {
+    refuse(key,
+           path_.empty() ? fmt::format("an array of tables, written [[{}]]", key) : "an array of tables");
+    return result;
+  }
+  for (const Node& child : node->children)
+    result.emplace_back(*context_, &child, fmt::format("{}[{}]", path(key), result.size()), child.place);
+  return result;
+}
+
+std::string TableReader::one_of(std::initializer_list<const char*> keys, bool required,
+                                std::string_view what) {
+  std::string given;
+  std::vector<std::string> all(keys.begin(), keys.end());
+  for (const char* key : keys) {
+    if (!has(key)) continue;
+    if (!given.empty())
+      fail(key, fmt::format("{} and {} are both given; they say the same thing, keep one of {}", path(given),
+                            path(key), joined(all)));
+    else
+      given = key;
+  }
+  if (given.empty() && required)
+    context_->fail(place_, fmt::format("{} needs one of {}: {}",
+                                       path_.empty() ? "the case" : "[" + path_ + "]", joined(all), what));
+  return given;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,111 @@
+#pragma once
+// Typed access to the tables of a case file that keeps account of who read what: every key asked for becomes
+// a known key of its table, and a key that nobody asked for is an error. Nothing here throws; errors are
+// collected.
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coupler/case/case_error.hpp"
+#include "coupler/case/units.hpp"
+#include "rigid/math/types.hpp"
+
+namespace silt::coupler {
+
+using adapters::Node;
+
+/// The numbers a key may have.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool low_allowed = true, high_allowed = true;
+
+  bool holds(double x) const;
+  std::string text() const;  // "above 0", "at least 0", "between 0 and 1"
+};
+namespace range {
+inline constexpr Range any{};
+inline constexpr Range above(double low) {
+  return {low, any.high, false, true};
+}
+inline constexpr Range at_least(double low) {
+  return {low, any.high, true, true};
+}
+inline constexpr Range between(double low, double high) {
+  return {low, high, true, true};
+}
+}  // namespace range
+
+/// What the readers of all sections share.
+struct ReadContext {
+  std::string file;
+  Units units;
+  bool units_known = true;  // else nothing that depends on a scale is judged
+  std::vector<Diagnostic> errors;
+  std::map<const Node*, std::vector<std::string>>
+      known_keys;                       // of each table, in the order they were asked for
+  std::set<const Node*> unjudged;       // tables whose unread keys are no errors
+  std::map<std::string, Place> places;  // of each key found, by its path
+
+  void fail(const Place&, const std::string& text);
+  /// An error for every key below the table that no reader asked for.
+  void report_unread(const Node& table, const std::string& path);
+};
+
+/// One table (or the absence of one: then every key is absent).
+class TableReader {
+ public:
+  TableReader(ReadContext&, const Node* table, std::string path, Place);
+
+  bool present() const { return table_ != nullptr; }
+  const std::string& path() const { return path_; }
+  std::string path(std::string_view key) const;  // "fluid.density"
+  ReadContext& context() const { return *context_; }
+
+  /// Marks the key as known; nullptr if it is not there.
+  const Node* find(std::string_view key);
+  bool has(std::string_view key) { return find(key) != nullptr; }
+  Place place(std::string_view key) const;  // of the key, or of the table if it is not there
+
+  /// Numbers as they stand; none if absent, of another type, not finite or out of range (reported).
+  std::optional<double> number(std::string_view key, const Range&);
+  /// In lattice units, from the units of the case; the range is that of the case units.
+  std::optional<double> quantity(std::string_view key, Dimension, const Range&);
+  std::optional<rigid::Vec3> vector(std::string_view key);
+  std::optional<rigid::Vec3> vector(std::string_view key, Dimension);
+  std::optional<std::int64_t> integer(std::string_view key, std::int64_t low,
+                                      std::int64_t high = std::numeric_limits<std::int64_t>::max());
+  std::optional<bool> boolean(std::string_view key);
+  std::optional<std::string> string(std::string_view key);
+  /// A string out of a list; the nearest is named if it is another.
+  std::optional<std::string> choice(std::string_view key, const std::vector<std::string>& allowed);
+
+  TableReader table(std::string_view key);
+  /// The tables of an array of tables.
+  std::vector<TableReader> tables(std::string_view key);
+
+  /// What the other keys mean is open (an unknown type): none of them is to be called unknown.
+  void judge_no_keys() { context_->unjudged.insert(table_); }
+
+  /// Reports a key that must be there; `what` says what it stands for.
+  void missing(std::string_view key, std::string_view what);
+  /// "fluid.density is -1; it must be above 0"
+  void refuse(std::string_view key, std::string_view must);
+  void fail(std::string_view key, const std::string& text) { context_->fail(place(key), text); }
+  /// Exactly one (or, unless required, at most one) of the keys may be given; returns the one, or "".
+  std::string one_of(std::initializer_list<const char*> keys, bool required, std::string_view what);
+
+ private:
+  ReadContext* context_;
+  const Node* table_;
+  std::string path_;
+  Place place_;
+};
+
+/// An array of three numbers; none (reported under the given name) otherwise.
+std::optional<rigid::Vec3> read_vector(ReadContext&, const Node&, const std::string& path);
+
+}  // namespace silt::coupler

@@ -1,0 +1,225 @@
+#include "coupler/case/derived_table.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "coupler/case/body_check.hpp"
+
+namespace silt::coupler {
+namespace {
+
+constexpr int populations = 19;
+
+// Lines of three columns.
+class Table {
+ public:
+  explicit Table(const Case& scene) : scene_(scene) {}
+  void line(const std::string& name, const std::string& in_case_units,
+            const std::string& in_lattice_units = "") {
+    text += fmt::format("  {:<26}{:<34}{}", name, in_case_units, in_lattice_units);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  }
+  /// A quantity given in lattice units.
+  void quantity(const std::string& name, double x, Dimension dimension, const char* si, const char* lattice) {
+    const std::string in_lattice = fmt::format("{} {}", shown(x), lattice);
+    if (scene_.units.si)
+      line(name, fmt::format("{} {}", shown(scene_.units.physical(x, dimension)), si), in_lattice);
+    else
+      line(name, in_lattice);
+  }
+  void heading(const std::string& name) { text += name + '\n'; }
+  std::string text;
+
+ private:
+  const Case& scene_;
+};
+
+std::string three(double a, double b, double c) {
+  return fmt::format("{} x {} x {}", shown(a), shown(b), shown(c));
+}
+
+std::string boundary_name(const BoundarySpec& side) {
+  switch (side.kind) {
+    case BoundaryKind::periodic:
+      return "periodic";
+    case BoundaryKind::no_slip:
+      return "no-slip";
+    case BoundaryKind::moving:
+      return "moving";
+    case BoundaryKind::free_slip:
+      return "free-slip";
+    case BoundaryKind::velocity_inlet:
+      return "velocity-inlet";
+    case BoundaryKind::pressure_outlet:
+      return "pressure-outlet";
+  }
+  return "";
+}
+
+void add_domain(const Case& scene, Table& table) {
+  const auto& n = scene.cells;
+  const double cell = scene.units.cell_size;
+  table.heading("domain");
+  const std::string cells = three(n[0], n[1], n[2]) + " cells";
+  if (scene.units.si)
+    table.line("size", three(n[0] * cell, n[1] * cell, n[2] * cell) + " m", cells);
+  else
+    table.line("size", cells);
+  table.line("cells", fmt::format("{}", std::int64_t{n[0]} * n[1] * n[2]));
+  for (int d = 0; d < 3; ++d) {
+    const auto &low = scene.boundary[2 * d], &high = scene.boundary[2 * d + 1];
+    table.line(fmt::format("boundary {}", "xyz"[d]),
+               scene.periodic(d) ? "periodic" : boundary_name(low) + ", " + boundary_name(high));
+  }
+  for (const CurvedWall& wall : scene.walls)
+    table.quantity("tube '" + wall.name + "', radius", wall.tube.radius, dimension::length, "m", "cells");
+  if (scene.block_cells) {
+    const auto& b = *scene.block_cells;
+    std::int64_t blocks = 1;
+    for (int d = 0; d < 3; ++d) blocks *= (n[d] + b[d] - 1) / b[d];
+    table.line("blocks", fmt::format("{} of {} cells", blocks, three(b[0], b[1], b[2])));
+  } else {
+    table.line("blocks", "auto: by the number of ranks");
+  }
+  if (scene.units.si) {
+    table.line("cell size", shown(cell) + " m", "1");
+    table.line("time step", shown(scene.units.time_step) + " s", "1");
+  }
+}
+
+void add_fluid(const Case& scene, Table& table) {
+  if (!scene.fluid) {
+    table.heading("fluid: none (dry run)");
+    return;
+  }
+  const FluidSpec& fluid = *scene.fluid;
+  table.heading("fluid");
+  table.quantity("density", 1, dimension::density, "kg/m3", "");
+  table.quantity("kinematic viscosity", fluid.kinematic_viscosity, dimension::viscosity, "m2/s",
+                 "cells2/step");
+  table.line("relaxation time", "", shown(fluid.relaxation_time));
+  table.line("collision", fluid.bgk ? "bgk" : fmt::format("trt, Lambda = {}", shown(fluid.magic)));
+  table.line("storage", fluid.precision == Precision::double_ ? "double" : "single");
+  double fastest = fluid.initial == "rest" ? 0 : fluid.initial_velocity.norm();
+  for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
+  for (const BodySpec& body : scene.bodies) fastest = std::max(fastest, body.velocity.norm());
+  if (fastest > 0) {
+    table.quantity("largest given speed", fastest, dimension::velocity, "m/s", "cells/step");
+    table.line("  its Mach number", "", shown(fastest * std::sqrt(3.)));
+  }
+  if (fluid.body_force.norm() > 0)
+    table.quantity("body force", fluid.body_force.norm(), dimension::acceleration, "m/s2", "cells/step2");
+  table.line("memory", fmt::format("{:.1f} MB in all", fluid_memory(scene) / 1e6));
+}
+
+struct KindSummary {
+  std::int64_t count = 0;
+  int shape = 0;
+  double density = 0;
+  bool free = true;
+};
+
+void add_kind(const Case& scene, Table& table, const std::string& name, const KindSummary& kind) {
+  const rigid::Shape& shape = scene.shapes[kind.shape];
+  const double volume = rigid::mass_properties(shape).volume;
+  table.line(name, fmt::format("{} of shape '{}' ({})", kind.count, scene.shape_names[kind.shape],
+                               rigid::shape_name(shape)));
+  table.quantity("  cells across", resolved_diameter(shape), dimension::length, "m", "cells");
+  table.line("  density ratio", "", shown(kind.density));
+  if (!scene.fluid || !kind.free || scene.gravity.norm() == 0) return;
+  const double diameter = std::cbrt(6 / std::numbers::pi * volume), nu = scene.fluid->kinematic_viscosity;
+  const double speed = terminal_velocity(diameter, kind.density, scene.gravity.norm(), nu);
+  table.quantity("  terminal velocity", speed, dimension::velocity, "m/s",
+                 "cells/step (sphere of its volume, unbounded)");
+  table.line("  its Reynolds, Mach", "",
+             fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
+}
+
+void add_bodies(const Case& scene, Table& table) {
+  if (!scene.has_bodies()) {
+    table.heading("bodies: none");
+    return;
+  }
+  table.heading("bodies");
+  if (scene.gravity.norm() > 0)
+    table.quantity("gravity", scene.gravity.norm(), dimension::acceleration, "m/s2", "cells/step2");
+  double volume = 0;
+  for (const BodySpec& body : scene.bodies) volume += rigid::mass_properties(scene.shapes[body.shape]).volume;
+  std::vector<std::pair<int, KindSummary>> entries;  // by [[bodies]] entry
+  for (const BodySpec& body : scene.bodies) {
+    if (entries.empty() || entries.back().first != body.entry)
+      entries.push_back({body.entry, {0, body.shape, body.density, body.motion == rigid::Motion::free}});
+    ++entries.back().second.count;
+  }
+  constexpr std::size_t most_lines = 12;
+  for (std::size_t i = 0; i < std::min(entries.size(), most_lines); ++i)
+    add_kind(scene, table, fmt::format("bodies[{}]", entries[i].first), entries[i].second);
+  if (entries.size() > most_lines)
+    table.line("", fmt::format("and {} more entries", entries.size() - most_lines));
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const FillSpec& fill = scene.fills[i];
+    add_kind(scene, table, fmt::format("fill[{}] {}", i, scene.kind_names[fill.kind]),
+             {fill.count, fill.shape, fill.density, true});
+    volume += fill.count * rigid::mass_properties(scene.shapes[fill.shape]).volume;
+  }
+  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
+  table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / cells));
+  table.line("collision backend", scene.contacts.backend);
+  table.line("broad phase", scene.contacts.broad_phase);
+  table.line("contact resolver", scene.contacts.resolver);
+  if (scene.fluid) table.line("lubrication", scene.has_lubrication() ? "on" : "off");
+}
+
+void add_run(const Case& scene, Table& table) {
+  table.heading("run");
+  table.quantity("length", static_cast<double>(scene.steps), dimension::time, "s", "steps");
+  const OutputSpec& output = scene.output;
+  const auto series = [&](const char* name, std::int64_t every, bool at_start) {
+    if (every <= 0) return;
+    const std::int64_t times = (scene.steps + every - 1) / every + at_start;
+    table.line(name, fmt::format("every {} steps, {}at the end, {} time{}", every,
+                                 at_start ? "at the start and " : "and ", times, times > 1 ? "s" : ""));
+  };
+  series("fields", output.fields.every, true);
+  series("bodies", output.bodies.every, true);
+  series("checkpoints", output.checkpoint.every, false);
+  series("reports", output.report.every, false);
+}
+
+}  // namespace
+
+double terminal_velocity(double diameter, double density, double gravity, double nu) {
+  const double buoyancy = 4. / 3 * std::abs(density - 1) * gravity * diameter;  // u^2 C_D
+  const auto drag = [&](double u) {
+    const double reynolds = u * diameter / nu;
+    return 24 * nu / diameter * u * (1 + 0.15 * std::pow(reynolds, 0.687));
+  };
+  double low = 0, high = buoyancy * diameter / (24 * nu);  // Stokes: an upper bound
+  for (int i = 0; i < 100; ++i) {
+    const double middle = (low + high) / 2;
+    (drag(middle) < buoyancy ? low : high) = middle;
+  }
+  return low;
+}
+
+double fluid_memory(const Case& scene) {
+  if (!scene.fluid) return 0;
+  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
+  return cells * (populations * (scene.fluid->precision == Precision::double_ ? 8 : 4) +
+                  (scene.has_surfaces() ? 1 : 0));
+}
+
+std::string derived_table(const Case& scene) {
+  Table table(scene);
+  if (!scene.title.empty()) table.heading(scene.title);
+  add_domain(scene, table);
+  add_fluid(scene, table);
+  add_bodies(scene, table);
+  add_run(scene, table);
+  return table.text;
+}
+
+}  // namespace silt::coupler

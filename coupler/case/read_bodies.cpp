@@ -1,0 +1,214 @@
+// [contacts], [[materials]], [[material_pairs]], [[bodies]], [[fill]]
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coupler/case/case_sections.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Vec3;
+
+constexpr auto unit_interval = range::between(0, 1);
+
+void read_material_pairs(TableReader& root, Case& scene) {
+  const int count = static_cast<int>(scene.material_names.size());
+  for (TableReader& pair : root.tables("material_pairs")) {
+    const Node* between = pair.find("between");
+    if (!between) {
+      pair.missing("between", "the names of two materials");
+      continue;
+    }
+    int index[2] = {-1, -1};
+    const bool two_names = between->kind == Node::Kind::array && between->children.size() == 2 &&
+                           between->children[0].kind == Node::Kind::string &&
+                           between->children[1].kind == Node::Kind::string;
+    if (two_names)
+      for (int k = 0; k < 2; ++k)
+        index[k] = index_of(pair, "between", between->children[k].string, scene.material_names, "material");
+    else
+      pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
+    const auto restitution = pair.number("restitution", unit_interval);
+    const auto friction = pair.number("friction", range::at_least(0));
+    if (index[0] < 0 || index[1] < 0) continue;
+    for (const int at : {index[0] * count + index[1], index[1] * count + index[0]}) {
+      rigid::Material& material = scene.pair_materials[at];
+      material.restitution = restitution.value_or(material.restitution);
+      material.friction = friction.value_or(material.friction);
+    }
+  }
+}
+
+void read_materials(TableReader& root, const rigid::Material& standard, Case& scene) {
+  scene.material_names = {"default"};
+  for (TableReader& entry : root.tables("materials")) {
+    if (!entry.has("name")) entry.missing("name", "what bodies and pairs call the material");
+    const auto name = entry.string("name");
+    if (!name) continue;
+    if (std::count(scene.material_names.begin(), scene.material_names.end(), *name))
+      entry.fail("name", fmt::format("{}: there already is a material '{}'", entry.path("name"), *name));
+    scene.material_names.push_back(*name);
+  }
+  scene.pair_materials.assign(scene.material_names.size() * scene.material_names.size(), standard);
+  read_material_pairs(root, scene);
+}
+
+int read_shape_name(TableReader& table, const Case& scene) {
+  if (!table.has("shape"))
+    table.missing("shape", "the name of one of [[shapes]]: " + joined(scene.shape_names));
+  const auto name = table.string("shape");
+  return name ? std::max(0, index_of(table, "shape", *name, scene.shape_names, "shape")) : 0;
+}
+
+// Entries of one name make one kind, of one shape; without a name it is the shape's.
+int read_kind(TableReader& table, int shape, Case& scene) {
+  const std::string fallback =
+      shape < static_cast<int>(scene.shape_names.size()) ? scene.shape_names[shape] : std::string("body");
+  const std::string name = table.string("name").value_or(fallback);
+  const auto found = std::find(scene.kind_names.begin(), scene.kind_names.end(), name);
+  const int kind = static_cast<int>(found - scene.kind_names.begin());
+  if (found == scene.kind_names.end()) {
+    scene.kind_names.push_back(name);
+    scene.kind_shapes.push_back(shape);
+  } else if (scene.kind_shapes[kind] != shape) {
+    table.fail("name",
+               fmt::format(
+                   "{}: another entry of the name '{}' has the shape '{}', this one '{}'; entries of one "
+                   "name have one shape: give them different names",
+                   table.path(), name, scene.shape_names[scene.kind_shapes[kind]], scene.shape_names[shape]));
+  }
+  return kind;
+}
+
+double read_density(TableReader& table) {
+  if (!table.has("density")) table.missing("density", "of the body, in the units of the case");
+  return table.quantity("density", dimension::density, range::above(0)).value_or(1);
+}
+
+std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
+  std::vector<Vec3> positions;
+  const std::string given = table.one_of({"position", "positions"}, true, "where the body is");
+  if (given == "position") {
+    if (const auto x = table.vector(given, dimension::length)) positions.push_back(*x);
+  } else if (given == "positions") {
+    const Node* node = table.find(given);
+    if (node->kind != Node::Kind::array || node->children.empty()) {
+      table.refuse(given, "a list of positions, [[x, y, z], ...]");
+      return positions;
+    }
+    for (std::size_t i = 0; i < node->children.size(); ++i)
+      if (const auto x =
+              read_vector(table.context(), node->children[i], fmt::format("{}[{}]", table.path(given), i)))
+        positions.push_back(*x / units.cell_size);
+  }
+  return positions;
+}
+
+}  // namespace
+
+int read_material_name(TableReader& table, const Case& scene) {
+  const auto name = table.string("material");
+  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
+}
+
+void read_contacts(TableReader& root, Case& scene) {
+  rigid::Material standard;
+  TableReader table = root.table("contacts");
+  if (table.present()) {
+    ContactSpec& c = scene.contacts;
+    c.backend = table.choice("backend", {"auto", "analytic", "bullet", "fcl"}).value_or(c.backend);
+    c.broad_phase = table.choice("broad_phase", {"auto", "grid", "bullet", "fcl"}).value_or(c.broad_phase);
+    c.resolver = table.choice("resolver", {"sffd", "ffd"}).value_or(c.resolver);
+    standard.restitution = table.number("restitution", unit_interval).value_or(0);
+    standard.friction = table.number("friction", range::at_least(0)).value_or(0);
+    auto& settings = c.resolver_settings;
+    settings.max_sweeps = static_cast<int>(table.integer("sweeps", 1, 100000).value_or(settings.max_sweeps));
+    settings.impact_sweeps =
+        static_cast<int>(table.integer("impact_sweeps", 0, 100000).value_or(settings.impact_sweeps));
+    if (settings.impact_sweeps > 0 && c.resolver != "sffd")
+      table.fail("impact_sweeps",
+                 fmt::format("{} is {}, but contacts.resolver is '{}', which has no impact phase; "
+                             "set contacts.resolver = \"sffd\", or remove the key",
+                             table.path("impact_sweeps"), settings.impact_sweeps, c.resolver));
+    settings.half_force = table.boolean("half_force").value_or(settings.half_force);
+    if (table.has("half_force") && c.resolver != "ffd")
+      table.fail(
+          "half_force",
+          fmt::format("{} is for the classic resolver, but contacts.resolver is '{}', where all of a "
+                      "force acts before the contacts; set contacts.resolver = \"ffd\", or remove the key",
+                      table.path("half_force"), c.resolver));
+    settings.correction = table.number("correction", unit_interval).value_or(settings.correction);
+    c.substeps = static_cast<int>(table.integer("substeps", 1, 100000).value_or(c.substeps));
+    c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);
+  }
+  read_materials(root, standard, scene);
+}
+
+void read_bodies(TableReader& root, Case& scene) {
+  int entry = 0;
+  for (TableReader& table : root.tables("bodies")) {
+    BodySpec body;
+    body.entry = entry++;
+    body.shape = read_shape_name(table, scene);
+    body.material = read_material_name(table, scene);
+    body.kind = read_kind(table, body.shape, scene);
+    body.density = read_density(table);
+    const auto motion = table.choice("motion", {"free", "fixed", "prescribed"}).value_or("free");
+    body.motion = motion == "free"    ? rigid::Motion::free
+                  : motion == "fixed" ? rigid::Motion::fixed
+                                      : rigid::Motion::prescribed;
+    body.pose.orientation = read_orientation(table);
+    if (motion == "fixed") {
+      for (const char* key : {"velocity", "angular_velocity"})
+        if (table.has(key))
+          table.fail(key, fmt::format("{} is given for a fixed body; remove it, or set motion = "
+                                      "\"prescribed\"",
+                                      table.path(key)));
+    } else {
+      body.velocity = table.vector("velocity", dimension::velocity).value_or(body.velocity);
+      body.angular_velocity =
+          table.vector("angular_velocity", dimension::angular_velocity).value_or(body.angular_velocity);
+    }
+    for (const Vec3& position : read_positions(table, scene.units)) {
+      body.pose.position = position;
+      scene.bodies.push_back(body);
+    }
+  }
+}
+
+void read_box(TableReader& table, const Case& scene, Vec3& lower, Vec3& upper) {
+  for (int d = 0; d < 3; ++d) lower[d] = 0, upper[d] = scene.cells[d];
+  const Node* box = table.find("box");
+  if (!box) return;
+  if (box->kind != Node::Kind::array || box->children.size() != 2) {
+    table.refuse("box", "two corners, [[x, y, z], [x, y, z]]");
+    return;
+  }
+  const auto low = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
+  const auto high = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
+  if (!low || !high) return;
+  lower = *low / scene.units.cell_size, upper = *high / scene.units.cell_size;
+  if ((upper - lower).minCoeff() <= 0)
+    table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
+}
+
+void read_fills(TableReader& root, Case& scene) {
+  for (TableReader& table : root.tables("fill")) {
+    FillSpec fill;
+    fill.shape = read_shape_name(table, scene);
+    fill.material = read_material_name(table, scene);
+    fill.kind = read_kind(table, fill.shape, scene);
+    fill.density = read_density(table);
+    if (!table.has("count")) table.missing("count", "how many bodies to place");
+    fill.count = static_cast<int>(table.integer("count", 1, 100'000'000).value_or(1));
+    fill.gap = table.quantity("gap", dimension::length, range::at_least(0)).value_or(fill.gap);
+    fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
+    fill.random_orientation =
+        table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
+    read_box(table, scene, fill.lower, fill.upper);
+    scene.fills.push_back(fill);
+  }
+}
+
+}  // namespace silt::coupler

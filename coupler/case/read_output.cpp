@@ -1,0 +1,176 @@
+// [run], [output], [[quantities]]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coupler/case/case_sections.hpp"
+#include "coupler/case/quantity_types.hpp"
+
+namespace silt::coupler {
+namespace {
+
+void read_series(TableReader& series, SeriesSpec& spec) {
+  if (!series.present()) return;
+  if (!series.has("every")) series.missing("every", "the number of steps between two writes (0: never)");
+  spec.every = series.integer("every", 0).value_or(0);
+}
+
+void read_field_names(TableReader& fields, OutputSpec& output) {
+  const std::vector<std::string> known = {"velocity", "density"};
+  const Node* list = fields.find("quantities");
+  if (!fields.present()) return;
+  if (!list) {
+    output.quantities = known;
+    return;
+  }
+  const bool strings = list->kind == Node::Kind::array && !list->children.empty() &&
+                       std::all_of(list->children.begin(), list->children.end(),
+                                   [](const Node& n) { return n.kind == Node::Kind::string; });
+  if (!strings) {
+    fields.refuse("quantities", "a list out of " + joined(known));
+    return;
+  }
+  for (const Node& name : list->children)
+    if (index_of(fields, "quantities", name.string, known, "quantity") >= 0)
+      output.quantities.push_back(name.string);
+}
+
+std::vector<std::string> type_names() {
+  std::vector<std::string> names;
+  for (const QuantityType& type : quantity_types()) names.emplace_back(type.name);
+  return names;
+}
+
+double read_length(TableReader& table, const char* key, const char* what) {
+  if (!table.has(key)) table.missing(key, what);
+  return table.quantity(key, dimension::length, range::any).value_or(0);
+}
+
+void read_profile(TableReader& table, QuantitySpec& quantity) {
+  if (!table.has("profile")) table.missing("profile", "channel, duct or pipe");
+  quantity.profile = table.choice("profile", {"channel", "duct", "pipe"}).value_or("channel");
+}
+
+void read_time(TableReader& table, QuantitySpec& quantity) {
+  if (!table.has("time")) table.missing("time", "from when on");
+  quantity.time = table.quantity("time", dimension::time, range::at_least(0)).value_or(0);
+}
+
+// The end of the run without it.
+double read_instant(TableReader& table) {
+  constexpr double the_end = std::numeric_limits<double>::infinity();
+  return table.quantity("time", dimension::time, range::at_least(0)).value_or(the_end);
+}
+
+void read_centre(TableReader& table, QuantitySpec& quantity) {
+  if (!table.has("centre")) table.missing("centre", "a point of the container's axis, [x, y, z]");
+  quantity.centre = table.vector("centre", dimension::length).value_or(quantity.centre);
+}
+
+void read_side(TableReader& table, QuantitySpec& quantity) {
+  const std::vector<std::string> sides = {"x-low", "x-high", "y-low", "y-high", "z-low", "z-high"};
+  if (!table.has("side")) table.missing("side", "of the domain, \"z-low\" for one");
+  const auto name = table.choice("side", sides);
+  if (name) quantity.side = static_cast<int>(std::find(sides.begin(), sides.end(), *name) - sides.begin());
+}
+
+void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {
+  std::vector<std::string> names;
+  for (const CurvedWall& wall : scene.walls) names.push_back(wall.name);
+  const auto name = table.string("wall");
+  if (name)
+    quantity.wall = std::max(0, index_of(table, "wall", *name, names, "wall"));
+  else if (names.size() != 1 && !table.has("wall"))
+    table.missing("wall", names.empty() ? "the name of one of [[walls]], of which there is none"
+                                        : "the name of one of [[walls]]: " + joined(names));
+}
+
+// The keys that the type takes; any other is unknown.
+void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
+                        const Case& scene) {
+  using Q = QuantityType;
+  if (type.takes(Q::body))
+    if (const auto body = table.string("body"))
+      quantity.kind = index_of(table, "body", *body, scene.kind_names, "name of [[bodies]] or [[fill]]");
+  if (type.takes(Q::axis)) quantity.axis = table.choice("axis", {"x", "y", "z"}).value_or("z")[0] - 'x';
+  if (type.takes(Q::profile)) read_profile(table, quantity);
+  if (type.takes(Q::time)) read_time(table, quantity);
+  if (type.takes(Q::instant)) quantity.time = read_instant(table);
+  if (type.takes(Q::height)) quantity.height = read_length(table, "height", "what bodies are to fall below");
+  if (type.takes(Q::centre)) read_centre(table, quantity);
+  if (type.takes(Q::side)) read_side(table, quantity);
+  if (type.takes(Q::wall)) read_wall(table, quantity, scene);
+  if (type.takes(Q::box)) read_box(table, scene, quantity.lower, quantity.upper);
+}
+
+void read_steady(TableReader steady, Case& scene) {
+  if (!steady.present()) return;
+  SteadySpec& spec = scene.steady.emplace();
+  if (!steady.has("quantity")) steady.missing("quantity", "the name of one of [[quantities]]");
+  if (!steady.has("change"))
+    steady.missing("change", "how much of the quantity may still be missing at the end, as in 1e-4");
+  if (!steady.has("every")) steady.missing("every", "the number of steps between two looks");
+  spec.quantity = steady.string("quantity").value_or("");
+  spec.change = steady.number("change", {0, 1, false, false}).value_or(1);
+  spec.every = steady.integer("every", 1).value_or(1);
+}
+
+}  // namespace
+
+void read_run(TableReader& root, Case& scene) {
+  if (!root.has("run")) root.missing("run", "a table [run] with steps or time");
+  TableReader run = root.table("run");
+  if (!run.present()) return;
+  const std::string given = run.one_of({"steps", "time"}, true, "how long the run is");
+  if (given == "steps") {
+    scene.steps = run.integer("steps", 1).value_or(1);
+  } else if (given == "time") {
+    constexpr double most_steps = 1e15;
+    const double steps = run.quantity("time", dimension::time, range::above(0)).value_or(1);
+    if (root.context().units_known && !(steps < most_steps))
+      run.refuse("time",
+                 fmt::format("less than {} steps of {}", shown(most_steps), shown(scene.units.time_step)));
+    else
+      scene.steps = std::max<std::int64_t>(1, std::llround(steps));
+  }
+  read_steady(run.table("steady"), scene);
+}
+
+void read_output(TableReader& root, Case& scene) {
+  TableReader table = root.table("output");
+  if (!table.present()) return;
+  OutputSpec& output = scene.output;
+  TableReader fields = table.table("fields"), bodies = table.table("bodies");
+  TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
+  read_series(fields, output.fields);
+  read_series(bodies, output.bodies);
+  read_series(checkpoint, output.checkpoint);
+  read_series(report, output.report);
+  read_field_names(fields, output);
+  output.keep_checkpoints =
+      static_cast<int>(checkpoint.integer("keep", 1, 1000).value_or(output.keep_checkpoints));
+}
+
+void read_quantities(TableReader& root, Case& scene) {
+  std::vector<std::string> names;
+  for (TableReader& table : root.tables("quantities")) {
+    QuantitySpec quantity;
+    if (!table.has("name")) table.missing("name", "what report.json calls the quantity");
+    if (!table.has("type")) table.missing("type", "one of " + joined(type_names()));
+    quantity.name = table.string("name").value_or("");
+    if (!quantity.name.empty() && std::count(names.begin(), names.end(), quantity.name))
+      table.fail("name",
+                 fmt::format("{}: there already is a quantity '{}'", table.path("name"), quantity.name));
+    names.push_back(quantity.name);
+    const auto type = table.choice("type", type_names());
+    if (!type) table.judge_no_keys();
+    if (!type) continue;
+    quantity.type = *type;
+    read_quantity_keys(table, quantity_type(*type), quantity, scene);
+    scene.quantities.push_back(quantity);
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,230 @@
+// [[shapes]], and the orientation of a part or a body.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "adapters/qhull/convex_hull.hpp"
+#include "adapters/stl/stl_polyhedron.hpp"
+#include "coupler/case/attached_file.hpp"
+#include "coupler/case/case_sections.hpp"
+
+namespace silt::coupler {
+
+double read_radius(TableReader& table) {
+  const std::string given = table.one_of({"radius", "diameter"}, true, "how large it is");
+  const double x = given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2);
+  return given == "diameter" ? x / 2 : x;
+}
+
+namespace {
+
+using rigid::Quat;
+using rigid::Vec3;
+
+double read_half_length(TableReader& table, const char* of_what) {
+  if (!table.has("length")) table.missing("length", of_what);
+  return table.quantity("length", dimension::length, range::above(0)).value_or(2) / 2;
+}
+
+/// Half of three lengths.
+Vec3 read_half_lengths(TableReader& table, const char* key, const char* of_what) {
+  if (!table.has(key)) table.missing(key, of_what);
+  const Vec3 lengths = table.vector(key, dimension::length).value_or(Vec3::Ones());
+  if (lengths.minCoeff() <= 0) table.refuse(key, "above 0 in each direction");
+  return lengths / 2;
+}
+
+rigid::ConvexShape read_sphere(TableReader& table, Case&) {
+  return rigid::Sphere{read_radius(table)};
+}
+
+rigid::ConvexShape read_box(TableReader& table, Case&) {
+  return rigid::Box{read_half_lengths(table, "edges", "the lengths of the box, [x, y, z]")};
+}
+
+rigid::ConvexShape read_capsule(TableReader& table, Case&) {
+  const double half_length = read_half_length(table, "of the segment between the centres of the two ends");
+  return rigid::Capsule{read_radius(table), half_length};
+}
+
+rigid::ConvexShape read_cylinder(TableReader& table, Case&) {
+  const double half_length = read_half_length(table, "from end to end, along z");
+  return rigid::Cylinder{read_radius(table), half_length};
+}
+
+rigid::ConvexShape read_ellipsoid(TableReader& table, Case&) {
+  return rigid::Ellipsoid{
+      read_half_lengths(table, "diameters", "how long it is along each of its axes, [x, y, z]")};
+}
+
+/// In lattice units; none where something is wrong with one (reported).
+std::vector<Vec3> read_vertices(TableReader& table, const Units& units) {
+  const Node* node = table.find("vertices");
+  if (node->kind != Node::Kind::array || node->children.size() < 4) {
+    table.refuse("vertices", "a list of at least 4 points, [[x, y, z], ...]");
+    return {};
+  }
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < node->children.size(); ++i)
+    if (const auto x =
+            read_vector(table.context(), node->children[i], fmt::format("{}[{}]", table.path("vertices"), i)))
+      points.push_back(*x / units.cell_size);
+  return points.size() == node->children.size() ? points : std::vector<Vec3>{};
+}
+
+using Mesh = std::shared_ptr<const rigid::PolyhedronMesh>;
+
+Mesh hull_of_vertices(TableReader& table, const Units& units) {
+  const auto points = read_vertices(table, units);
+  if (points.empty()) return {};
+  const auto hull = adapters::convex_hull(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!std::binary_search(hull.corners.begin(), hull.corners.end(), static_cast<int>(i)))
+      throw std::invalid_argument(fmt::format(
+          "vertex {} (counted from 0) is no corner of the hull of all: it lies inside, on a face or an "
+          "edge, or is given twice; remove it",
+          i));
+  return hull.mesh;
+}
+
+Mesh body_of_file(TableReader& table, Case& scene) {
+  const auto name = table.string("file");
+  const double scale = table.number("scale", range::above(0)).value_or(1);
+  if (!name) return {};
+  AttachedFile file;
+  try {
+    file = read_attached(scene.directory, *name);
+    scene.files.push_back(file.fingerprint);
+    return adapters::stl_polyhedron(file.bytes, scale / scene.units.cell_size);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("'{}': {}", *name, error.what()));
+  }
+}
+
+rigid::ConvexShape read_polyhedron(TableReader& table, Case& scene) {
+  const std::string given =
+      table.one_of({"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL file");
+  if (given != "file" && table.has("scale"))
+    table.fail("scale", fmt::format("{} goes with a file; the vertices are in the units of the case already",
+                                    table.path("scale")));
+  Mesh mesh;
+  try {
+    if (given == "vertices") mesh = hull_of_vertices(table, scene.units);
+    if (given == "file") mesh = body_of_file(table, scene);
+  } catch (const std::invalid_argument& error) {
+    table.fail(given, fmt::format("{}: {}", table.path(given), error.what()));
+  }
+  if (!mesh) return rigid::Sphere{1};  // what is wrong has been said
+  return rigid::Polyhedron{mesh};
+}
+
+struct ConvexType {
+  const char* name;
+  rigid::ConvexShape (*read)(TableReader&, Case&);
+};
+constexpr ConvexType convex_types[] = {{"sphere", read_sphere},       {"box", read_box},
+                                       {"capsule", read_capsule},     {"cylinder", read_cylinder},
+                                       {"ellipsoid", read_ellipsoid}, {"polyhedron", read_polyhedron}};
+
+std::vector<std::string> convex_names() {
+  std::vector<std::string> names;
+  for (const ConvexType& type : convex_types) names.emplace_back(type.name);
+  return names;
+}
+
+std::vector<std::string> shape_types() {
+  auto names = convex_names();
+  names.emplace_back("compound");
+  return names;
+}
+
+rigid::ConvexShape read_convex(TableReader& table, const std::string& name, Case& scene) {
+  const auto type = std::find_if(std::begin(convex_types), std::end(convex_types),
+                                 [&](const ConvexType& t) { return t.name == name; });
+  return type->read(table, scene);
+}
+
+rigid::Compound read_compound(TableReader& table, Case& scene) {
+  rigid::Compound compound;
+  if (!table.has("parts"))
+    table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
+  for (TableReader& part : table.tables("parts")) {
+    if (!part.has("type")) part.missing("type", "one of " + joined(convex_names()));
+    const auto type = part.choice("type", convex_names());
+    if (!type) part.judge_no_keys();
+    if (!type) continue;
+    rigid::Pose pose;
+    pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
+    pose.orientation = read_orientation(part);
+    compound.parts.push_back({read_convex(part, *type, scene), pose});
+  }
+  if (compound.parts.empty() && table.has("parts"))
+    table.fail("parts", table.path("parts") + " has no usable part");
+  return compound;
+}
+
+rigid::Shape as_shape(const rigid::ConvexShape& convex) {
+  return std::visit([](const auto& shape) -> rigid::Shape { return shape; }, convex);
+}
+
+}  // namespace
+
+Quat read_orientation(TableReader& table) {
+  const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
+  if (given == "orientation") {
+    const Node* node = table.find(given);
+    double q[4] = {};
+    bool good = node->kind == Node::Kind::array && node->children.size() == 4;
+    for (int i = 0; good && i < 4; ++i) {
+      good = node->children[i].is_number() && std::isfinite(node->children[i].number());
+      if (good) q[i] = node->children[i].number();
+    }
+    const Quat orientation(q[0], q[1], q[2], q[3]);
+    if (good && orientation.norm() > 0) return orientation.normalized();
+    table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
+  } else if (given == "axis_angle") {
+    TableReader turn = table.table(given);
+    if (turn.present() && !turn.has("axis")) turn.missing("axis", "what to turn about, [x, y, z]");
+    if (turn.present() && !turn.has("degrees")) turn.missing("degrees", "how far to turn about the axis");
+    const auto axis = turn.vector("axis");
+    const auto degrees = turn.number("degrees", range::any);
+    if (axis && axis->norm() == 0) turn.refuse("axis", "a direction, not all 0");
+    if (axis && degrees && axis->norm() > 0)
+      return Quat(Eigen::AngleAxisd(*degrees * std::numbers::pi / 180, axis->normalized())).normalized();
+  } else if (given == "axis") {
+    const auto axis = table.vector(given);
+    if (axis && axis->norm() > 0) return Quat::FromTwoVectors(Vec3::UnitZ(), *axis).normalized();
+    if (axis) table.refuse(given, "a direction, not all 0");
+  }
+  return Quat::Identity();
+}
+
+void read_shapes(TableReader& root, Case& scene) {
+  for (TableReader& table : root.tables("shapes")) {
+    if (!table.has("name")) table.missing("name", "what bodies call the shape");
+    if (!table.has("type")) table.missing("type", "one of " + joined(shape_types()));
+    const std::string name = table.string("name").value_or("");
+    if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
+        table.find("type")->string == "half-space") {
+      table.fail("type",
+                 fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
+                             "body's shape is one of {}",
+                             table.path("type"), joined(shape_types())));
+      table.judge_no_keys();
+    } else if (const auto type = table.choice("type", shape_types())) {
+      scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table, scene))
+                                                 : as_shape(read_convex(table, *type, scene)));
+    } else {
+      table.judge_no_keys();
+    }
+    scene.shapes.resize(scene.shape_names.size() + 1, rigid::Sphere{1});
+    if (std::count(scene.shape_names.begin(), scene.shape_names.end(), name))
+      table.fail("name", fmt::format("{}: there already is a shape '{}'", table.path("name"), name));
+    scene.shape_names.push_back(name);
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,59 @@
+// [[walls]]
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coupler/case/case_sections.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Vec3;
+
+/// "x", "y", "z", or a direction.
+Vec3 read_axis(TableReader& table) {
+  const Node* node = table.find("axis");
+  if (!node) {
+    table.missing("axis", "the direction of the tube: \"x\", \"y\", \"z\" or [x, y, z]");
+    return Vec3::UnitZ();
+  }
+  if (node->kind == Node::Kind::string) {
+    const auto name = table.choice("axis", {"x", "y", "z"});
+    return Vec3::Unit(name ? (*name)[0] - 'x' : 2);
+  }
+  const Vec3 axis = table.vector("axis").value_or(Vec3::UnitZ());
+  if (axis.norm() > 0) return axis.normalized();
+  table.refuse("axis", "\"x\", \"y\", \"z\" or a direction [x, y, z] that is not zero");
+  return Vec3::UnitZ();
+}
+
+std::string read_name(TableReader& table, const Case& scene) {
+  const std::string name = table.string("name").value_or(table.path());
+  for (const CurvedWall& other : scene.walls)
+    if (other.name == name)
+      table.fail("name", fmt::format("{}: there already is a wall '{}'", table.path("name"), name));
+  return name;
+}
+
+}  // namespace
+
+void read_walls(TableReader& root, Case& scene) {
+  for (TableReader& table : root.tables("walls")) {
+    CurvedWall wall;
+    if (!table.has("type")) table.missing("type", "\"tube\"");
+    if (!table.choice("type", {"tube"})) table.judge_no_keys();
+    wall.name = read_name(table, scene);
+    rigid::TubeSpec& tube = wall.tube;
+    tube.radius = read_radius(table);
+    if (!table.has("point")) table.missing("point", "a point of the tube's axis, [x, y, z]");
+    tube.point = table.vector("point", dimension::length).value_or(tube.point);
+    tube.axis = read_axis(table);
+    tube.material = read_material_name(table, scene);
+    tube.angular_velocity =
+        table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0);
+    tube.velocity = table.quantity("velocity", dimension::velocity, range::any).value_or(0);
+    scene.walls.push_back(wall);
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,10 @@
+#pragma once
+// Limits of velocities at which the method is accurate, and stable at all.
+#include "coupler/case/body_check.hpp"
+
+namespace silt::coupler {
+
+/// An error or a warning for a speed (cells a step) that the key gives and that is too high.
+void check_speed(const Case&, Findings&, const std::string& key, double speed);
+
+}  // namespace silt::coupler

@@ -1,0 +1,97 @@
+#include "coupler/case/wall_check.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "coupler/case/speed_check.hpp"
+#include "rigid/collision/tube_contacts.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Vec3;
+
+std::string key_of(std::size_t wall, const char* key) {
+  return fmt::format("walls[{}].{}", wall, key);
+}
+
+std::string shown_length(const Case& scene, double x) {
+  return shown(x * scene.units.cell_size);
+}
+
+/// How far the axis of a tube passes the domain at; 0: through it. By going to and fro between the two.
+double distance_from_domain(const Case& scene, const rigid::TubeSpec& tube) {
+  constexpr int projections = 1000;
+  const Vec3 size(scene.cells[0], scene.cells[1], scene.cells[2]);
+  Vec3 on_axis = tube.point, inside;
+  for (int i = 0; i < projections; ++i) {
+    inside = on_axis.cwiseMax(0.0).cwiseMin(size);
+    on_axis = tube.point + tube.axis.dot(inside - tube.point) * tube.axis;
+  }
+  return (inside - on_axis).norm();
+}
+
+/// The hole must not cross a periodic border, unless it is the same on both sides: where the axis is that of
+/// the tube. Elsewhere the outermost cells must be solid.
+void check_borders(const Case& scene, Findings& findings, std::size_t index) {
+  const rigid::TubeSpec& tube = scene.walls[index].tube;
+  constexpr double straight = 1e-12;  // rounding of a unit vector
+  for (int d = 0; d < 3; ++d) {
+    const double along = std::abs(tube.axis[d]), size = scene.cells[d];
+    if (!scene.periodic(d) || along > 1 - straight) continue;
+    if (along > straight) {
+      findings.error(key_of(index, "axis"),
+                     fmt::format("walls[{}] leaves the domain through its periodic border across {}, at a "
+                                 "slant; let its axis be {} or lie across it, or give the domain sides there",
+                                 index, "xyz"[d], "xyz"[d]));
+      continue;
+    }
+    const double low = tube.point[d] - tube.radius, high = tube.point[d] + tube.radius;
+    if (low >= 0.5 && high <= size - 0.5) continue;
+    findings.error(
+        key_of(index, "point"),
+        fmt::format("walls[{}] reaches from {} to {} along {}, which is periodic; it must stay half "
+                    "a cell within the domain, {} to {}: enlarge the domain, or give it sides there",
+                    index, shown_length(scene, low), shown_length(scene, high), "xyz"[d],
+                    shown_length(scene, 0.5), shown_length(scene, size - 0.5)));
+  }
+}
+
+}  // namespace
+
+void check_walls(const Case& scene, Findings& findings) {
+  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+    const rigid::TubeSpec& tube = scene.walls[i].tube;
+    check_borders(scene, findings, i);
+    if (distance_from_domain(scene, tube) >= tube.radius)
+      findings.error(key_of(i, "point"),
+                     fmt::format("walls[{}] has its hole outside the domain: all of it would be solid; move "
+                                 "its point, or change its axis or radius",
+                                 i));
+    if (!scene.fluid) continue;
+    check_speed(scene, findings, key_of(i, "velocity"), std::abs(tube.velocity));
+    check_speed(scene, findings, key_of(i, "angular_velocity"),
+                std::abs(tube.angular_velocity) * tube.radius);
+  }
+}
+
+bool check_in_walls(const Case& scene, Findings& findings, const BodySpec& body, const std::string& key,
+                    double allowed) {
+  for (const CurvedWall& wall : scene.walls) {
+    const rigid::Tube tube{wall.tube.radius};
+    const double gap =
+        rigid::gap_in_tube(scene.shapes[body.shape], body.pose, tube, rigid::pose_of(wall.tube));
+    if (gap >= -allowed) continue;
+    const Vec3& x = body.pose.position;
+    findings.error(
+        key, fmt::format("{} is [{}, {}, {}]: the body reaches {} into the wall '{}', a tube of radius {}; "
+                         "move it towards the tube's axis",
+                         key, shown_length(scene, x[0]), shown_length(scene, x[1]), shown_length(scene, x[2]),
+                         shown_length(scene, -gap), wall.name, shown_length(scene, wall.tube.radius)));
+    return false;
+  }
+  return true;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,14 @@
+#pragma once
+// The part of check_case that looks at curved walls, and at bodies in them.
+#include "coupler/case/body_check.hpp"
+
+namespace silt::coupler {
+
+/// Refuses a tube that leaves no room for fluid or bodies, crosses a periodic border, or moves too fast.
+void check_walls(const Case&, Findings&);
+
+/// A body at its start must not reach further than `allowed` (cells) into a curved wall; `key` is what to
+/// change. False if it does.
+bool check_in_walls(const Case&, Findings&, const BodySpec&, const std::string& key, double allowed);
+
+}  // namespace silt::coupler

@@ -1,0 +1,175 @@
+// Line 13 of Algorithm 1, and what the sweeps exchange. A contact is found by the rank that owns its point,
+// which need own neither body (the paper's Figure 2). That rank tells the owners, and with it the partner's
+// record where the owner may not have it: a copy here equals the owner's state to the bit.
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "coupler/exchange/parallel_bodies.hpp"
+
+namespace silt::coupler {
+
+using rigid::BodyId;
+using rigid::BodyRecord;
+using rigid::BodySet;
+using rigid::Contact;
+
+namespace {
+
+enum class Item : std::uint64_t { contact, partner };
+
+struct PackedContact {
+  BodyId a, b;
+  std::uint64_t feature;
+  double normal[3], gap, r_a[3], r_b[3], restitution, friction, film[3];
+  std::int8_t image[8];
+};
+
+PackedContact packed(const Contact& c) {
+  PackedContact p{c.a,
+                  c.b,
+                  c.feature,
+                  {},
+                  c.gap,
+                  {},
+                  {},
+                  c.restitution,
+                  c.friction,
+                  {c.film.normal, c.film.sliding, c.film.rolling},
+                  {c.image.x, c.image.y, c.image.z}};
+  for (int d = 0; d < 3; ++d) p.normal[d] = c.normal[d], p.r_a[d] = c.r_a[d], p.r_b[d] = c.r_b[d];
+  return p;
+}
+
+Contact unpacked(const PackedContact& p) {
+  const auto vec = [](const double* v) { return rigid::Vec3(v[0], v[1], v[2]); };
+  return {p.a,
+          p.b,
+          {p.image[0], p.image[1], p.image[2]},
+          p.feature,
+          vec(p.normal),
+          p.gap,
+          vec(p.r_a),
+          vec(p.r_b),
+          p.restitution,
+          p.friction,
+          {p.film[0], p.film[1], p.film[2]}};
+}
+
+}  // namespace
+
+void BodyExchange::Parallel::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
+  for (const Tie& t : ties)
+    if (!t.taken.empty()) messages.to(t.rank);  // expects one, if only an empty one
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const bool new_pair = k == 0 || contacts[k].pair() != contacts[k - 1].pair();
+    send_contact(bodies, contacts[k], new_pair);
+  }
+  std::erase_if(contacts, [&](const Contact& c) {
+    return bodies.row_of(c.a) >= bodies.owned && bodies.row_of(c.b) >= bodies.owned;
+  });
+  messages.with_partners(those_that(&Tie::given));
+  receive_contacts(bodies, contacts);
+  // those of a pair come from one rank, in the order of their keys
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const auto& p, const auto& q) { return p.pair() < q.pair(); });
+  plan_sweeps(bodies, contacts);
+}
+
+void BodyExchange::Parallel::send_contact(const BodySet& bodies, const Contact& c, bool new_pair) {
+  const BodyId ids[] = {c.a, c.b};
+  int sent_to = rank;
+  for (int end = 0; end < 2; ++end) {
+    const BodyId id = ids[end], partner = ids[1 - end];
+    if (rigid::is_wall(id) || bodies.row_of(id) < bodies.owned) continue;
+    const int to = owner(id);
+    if (to != sent_to) {
+      put(messages.to(to), Item::contact);
+      put(messages.to(to), packed(c));
+    }
+    sent_to = to;
+    if (new_pair && !rigid::is_wall(partner)) send_partner(bodies, partner, to);
+  }
+}
+
+void BodyExchange::Parallel::send_partner(const BodySet& bodies, BodyId partner, int to) {
+  const std::size_t row = bodies.row_of(partner);
+  const bool own = row < bodies.owned;
+  const int partners_owner = own ? rank : owner(partner);
+  if (partners_owner == to) return;
+  if (own) {
+    const auto held = held_by.find(partner);
+    if (held != held_by.end() && std::binary_search(held->second.begin(), held->second.end(), to)) return;
+  }
+  Bytes& message = messages.to(to);
+  put(message, Item::partner);
+  put(message, bodies.record(row));
+  put(message, partners_owner);
+}
+
+/// Contacts are appended; partners that are not here yet become visitors, sorted by id.
+void BodyExchange::Parallel::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
+  std::map<BodyId, BodyRecord> visitors;
+  for (const Messages::Message& m : messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) {
+      if (reader.take<Item>() == Item::contact) {
+        contacts.push_back(unpacked(reader.take<PackedContact>()));
+        continue;
+      }
+      const auto record = reader.take<BodyRecord>();
+      const int partners_owner = reader.take<int>();
+      if (bodies.row_of(record.id) < bodies.size()) continue;
+      visitors[record.id] = record;
+      owner_of[record.id] = partners_owner;
+    }
+  if (visitors.empty()) return;
+  for (const auto& [id, record] : visitors) {
+    bodies.insert(bodies.first_wall(), record);
+    ++bodies.visitors;
+  }
+  bodies.reindex();
+}
+
+/// From the contacts alone: the other owner has the same ones, hence the same lists.
+void BodyExchange::Parallel::plan_sweeps(const BodySet& bodies, const std::vector<Contact>& contacts) {
+  sweeps_.clear();
+  const auto with = [&](int other) -> Sweep& {
+    const auto at = std::lower_bound(sweeps_.begin(), sweeps_.end(), other,
+                                     [](const Sweep& s, int r) { return s.rank < r; });
+    return at != sweeps_.end() && at->rank == other ? *at : *sweeps_.insert(at, {other, {}, {}});
+  };
+  for (const Contact& c : contacts) {
+    if (rigid::is_wall(c.b)) continue;
+    const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
+    if (a >= bodies.size() || b >= bodies.size())
+      throw std::logic_error("a contact names body " + std::to_string(a < b ? c.b : c.a) +
+                             ", which is not here");
+    if (a < bodies.owned && b < bodies.owned) continue;
+    const std::size_t own = std::min(a, b), other = std::max(a, b);  // owned rows come first
+    Sweep& sweep = with(owner(bodies.id[other]));
+    sweep.given.push_back(own);
+    sweep.taken.push_back(other);
+  }
+  for (Sweep& sweep : sweeps_)
+    for (auto* rows : {&sweep.given, &sweep.taken}) {
+      std::sort(rows->begin(), rows->end(), [&](auto i, auto j) { return bodies.id[i] < bodies.id[j]; });
+      rows->erase(std::unique(rows->begin(), rows->end()), rows->end());
+    }
+}
+
+void BodyExchange::Parallel::share(std::span<double> rows, int width) {
+  ranks_.clear();
+  for (const Sweep& sweep : sweeps_) {
+    Bytes& message = messages.to(sweep.rank);
+    for (const std::size_t row : sweep.given)
+      put(message, std::span<const double>(rows.subspan(row * width, width)));
+    ranks_.push_back(sweep.rank);
+  }
+  messages.with_partners(ranks_);
+  for (std::size_t k = 0; k < sweeps_.size(); ++k) {  // both sorted by rank
+    ByteReader reader(messages.received()[k].bytes);
+    for (const std::size_t row : sweeps_[k].taken) reader.take(rows.subspan(row * width, width));
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,316 @@
+// Lines 6 and 23 of Algorithm 1: after them every copy equals its owner's state, and every body is where its
+// centre is.
+//
+// A message holds, one after the other, in the order of the sender's rows:
+//   update    a rank that had a copy and keeps it: the state
+//   copy      a rank that had none: everything
+//   handover  the new owner: everything, forces, stored impulses, and which ranks hold a copy
+//   force     what a program added to a copy since the forces were summed: to its owner
+// A copy that nobody updates is dropped. The rank that hands a body over keeps a copy until the next time,
+// whether it overlaps or not, so that a force on its way to the old owner is not lost.
+#include <algorithm>
+#include <string>
+
+#include "coupler/exchange/parallel_bodies.hpp"
+
+namespace silt::coupler {
+
+using rigid::BodyId;
+using rigid::BodyRecord;
+using rigid::BodySet;
+
+namespace {
+
+enum class Item : std::uint64_t { update, copy, handover, force };
+
+/// What changes from step to step.
+struct State {
+  BodyId id;
+  double position[3], orientation[4], velocity[3], angular_velocity[3], angular_momentum[3];
+  std::int32_t image[3], owner;
+};
+
+State state_of(const BodyRecord& r, int owner) {
+  State s{};
+  s.id = r.id, s.owner = owner;
+  std::copy_n(r.position, 3, s.position);
+  std::copy_n(r.orientation, 4, s.orientation);
+  std::copy_n(r.velocity, 3, s.velocity);
+  std::copy_n(r.angular_velocity, 3, s.angular_velocity);
+  std::copy_n(r.angular_momentum, 3, s.angular_momentum);
+  std::copy_n(r.image, 3, s.image);
+  return s;
+}
+
+void assign(BodySet& bodies, std::size_t row, const State& s) {
+  bodies.position[row] = Eigen::Map<const rigid::Vec3>{s.position};
+  bodies.orientation[row] = {s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3]};
+  bodies.velocity[row] = Eigen::Map<const rigid::Vec3>{s.velocity};
+  bodies.angular_velocity[row] = Eigen::Map<const rigid::Vec3>{s.angular_velocity};
+  bodies.angular_momentum[row] = Eigen::Map<const rigid::Vec3>{s.angular_momentum};
+  std::copy_n(s.image, 3, bodies.image[row].begin());
+}
+
+struct PackedImpulse {
+  BodyId partner;
+  std::uint64_t feature;
+  double impulse[3];
+  std::int8_t image[8];
+};
+
+void put_handover(Bytes& to, const BodySet& bodies, std::size_t row, const std::vector<int>& holders,
+                  int owner) {
+  put(to, bodies.force[row].q);
+  put(to, bodies.torque[row].q);
+  std::vector<int> others;
+  for (const int r : holders)
+    if (r != owner) others.push_back(r);
+  put(to, static_cast<std::uint64_t>(others.size()));
+  put(to, std::span<const int>(others));
+  const auto& impulses = bodies.stored_impulses[row];
+  put(to, static_cast<std::uint64_t>(impulses.size()));
+  for (const rigid::StoredImpulse& s : impulses)
+    put(to, PackedImpulse{s.partner,
+                          s.feature,
+                          {s.impulse[0], s.impulse[1], s.impulse[2]},
+                          {s.image.x, s.image.y, s.image.z}});
+}
+
+void take_handover(ByteReader& from, Traveller& t) {
+  t.force.q = from.take<decltype(t.force.q)>();
+  t.torque.q = from.take<decltype(t.torque.q)>();
+  t.holders.resize(from.take<std::uint64_t>());
+  from.take(std::span(t.holders));
+  t.impulses.resize(from.take<std::uint64_t>());
+  for (rigid::StoredImpulse& s : t.impulses) {
+    const auto p = from.take<PackedImpulse>();
+    s = {p.partner,
+         {p.image[0], p.image[1], p.image[2]},
+         p.feature,
+         {p.impulse[0], p.impulse[1], p.impulse[2]}};
+  }
+}
+
+void include(std::vector<int>& sorted, int rank) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), rank);
+  if (at == sorted.end() || *at != rank) sorted.insert(at, rank);
+}
+
+/// Inserts where the order of ids in a section of rows asks for it.
+std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count, const BodyRecord& record) {
+  const auto begin = bodies.id.begin() + first;
+  const std::size_t row = std::lower_bound(begin, begin + count, record.id) - bodies.id.begin();
+  bodies.insert(row, record);
+  ++count;
+  return row;
+}
+
+}  // namespace
+
+struct BodyExchange::Parallel::Arrivals {
+  struct Push {
+    BodyId id;
+    rigid::FixedVec3 force, torque;
+  };
+  std::vector<std::uint8_t> updated;  // one a copy
+  std::vector<Traveller> copies, own;
+  std::vector<Push> pushes;
+};
+
+/// The bounding sphere first: most bodies are well inside, whatever their shape.
+void BodyExchange::Parallel::find_holders(int shape, const rigid::Pose& pose, std::vector<int>& ranks) const {
+  const rigid::Vec3 radius = rigid::Vec3::Constant(world.bounding_radii[shape]);
+  holders.ranks_of({pose.position - radius, pose.position + radius}, ranks);
+  const int owner = holders.rank_at(pose.position);
+  if (ranks.size() > 1 && !rigid::is_sphere(world.shapes[shape]))
+    holders.ranks_of(rigid::bounding_box(world.shapes[shape], pose), ranks);
+  include(ranks, owner);
+}
+
+void BodyExchange::Parallel::synchronise(BodySet& bodies) {
+  bool rows_changed = drop_visitors(bodies);
+  announce(bodies);
+  messages.unannounced();
+  Arrivals arrivals;
+  arrivals.updated.assign(bodies.copies, 0);
+  read(bodies, arrivals);
+  rows_changed = settle(bodies, arrivals) || rows_changed;
+  if (rows_changed) bodies.reindex();
+  for (const Arrivals::Push& p : arrivals.pushes) {
+    const std::size_t row = bodies.row_of(p.id);
+    if (row >= bodies.size()) continue;  // taken out of the simulation since
+    bodies.force[row].add(p.force);
+    bodies.torque[row].add(p.torque);
+  }
+  tie(bodies);
+}
+
+bool BodyExchange::Parallel::drop_visitors(BodySet& bodies) {
+  sweeps_.clear();
+  if (bodies.visitors == 0) return false;
+  for (; bodies.visitors > 0; --bodies.visitors) {
+    const std::size_t last = bodies.first_wall() - 1;
+    owner_of.erase(bodies.id[last]);
+    bodies.erase(last);
+  }
+  return true;
+}
+
+void BodyExchange::Parallel::announce(BodySet& bodies) {
+  departures_.clear();
+  for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row);
+  send_forces_of_copies(bodies);
+}
+
+void BodyExchange::Parallel::announce_body(const BodySet& bodies, std::size_t row) {
+  const BodyId id = bodies.id[row];
+  const auto known = held_by.find(id);
+  find_holders(bodies.shape[row], bodies.pose(row), ranks_);
+  if (ranks_.size() == 1 && ranks_[0] == rank) {
+    if (known != held_by.end()) held_by.erase(known);
+    return;
+  }
+  const int owner = holders.rank_at(bodies.position[row]);
+  include(ranks_, rank);
+  const BodyRecord record = bodies.record(row);
+  for (const int to : ranks_) {
+    if (to == rank) continue;
+    Bytes& message = messages.to(to);
+    const bool has_copy =
+        known != held_by.end() && std::binary_search(known->second.begin(), known->second.end(), to);
+    if (to != owner && has_copy) {
+      put(message, Item::update);
+      put(message, state_of(record, owner));
+      continue;
+    }
+    put(message, to == owner ? Item::handover : Item::copy);
+    put(message, record);
+    put(message, owner);
+    if (to == owner) put_handover(message, bodies, row, ranks_, owner);
+  }
+  if (owner != rank) {
+    departures_.push_back(row);
+    if (known != held_by.end()) held_by.erase(known);
+    return;
+  }
+  std::vector<int>& others = held_by[id];
+  others.clear();
+  std::copy_if(ranks_.begin(), ranks_.end(), std::back_inserter(others), [&](int r) { return r != rank; });
+}
+
+void BodyExchange::Parallel::send_forces_of_copies(BodySet& bodies) {
+  for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row) {
+    if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
+    Bytes& message = messages.to(owner(bodies.id[row]));
+    put(message, Item::force);
+    put(message, bodies.id[row]);
+    put(message, bodies.force[row].q);
+    put(message, bodies.torque[row].q);
+    bodies.force[row] = bodies.torque[row] = {};
+  }
+}
+
+void BodyExchange::Parallel::read(BodySet& bodies, Arrivals& arrivals) {
+  for (const Messages::Message& m : messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) {
+      const auto item = reader.take<Item>();
+      if (item == Item::update) {
+        const auto state = reader.take<State>();
+        const std::size_t row = bodies.row_of(state.id);
+        if (row < bodies.owned || row >= bodies.owned + bodies.copies)
+          throw std::logic_error("an update came for body " + std::to_string(state.id) +
+                                 ", of which there is no copy");
+        assign(bodies, row, state);
+        owner_of[state.id] = state.owner;
+        arrivals.updated[row - bodies.owned] = 1;
+      } else if (item == Item::force) {
+        Arrivals::Push& p = arrivals.pushes.emplace_back();
+        p.id = reader.take<BodyId>();
+        p.force.q = reader.take<decltype(p.force.q)>();
+        p.torque.q = reader.take<decltype(p.torque.q)>();
+      } else {
+        Traveller t;
+        t.record = reader.take<BodyRecord>();
+        t.owner = reader.take<int>();
+        if (item == Item::handover) take_handover(reader, t);
+        (item == Item::handover ? arrivals.own : arrivals.copies).push_back(std::move(t));
+      }
+    }
+}
+
+/// Rows take their new places, the last sections first so that the numbers of the others hold. True if any
+/// did.
+bool BodyExchange::Parallel::settle(BodySet& bodies, Arrivals& arrivals) {
+  bool changed = !departures_.empty() || !arrivals.own.empty() || !arrivals.copies.empty();
+  for (std::size_t k = arrivals.updated.size(); k-- > 0;) {
+    if (arrivals.updated[k]) continue;
+    owner_of.erase(bodies.id[bodies.owned + k]);
+    bodies.erase(bodies.owned + k);
+    --bodies.copies;
+    changed = true;
+  }
+  counters.migrations += departures_.size();
+  for (std::size_t k = departures_.size(); k-- > 0;) {
+    const BodyRecord record = bodies.record(departures_[k]);
+    bodies.erase(departures_[k]);
+    --bodies.owned;
+    insert_sorted(bodies, bodies.owned, bodies.copies, record);
+    owner_of[record.id] = holders.rank_at(Eigen::Map<const rigid::Vec3>{record.position});
+  }
+  for (Traveller& t : arrivals.own) {
+    const std::size_t row = insert_sorted(bodies, 0, bodies.owned, t.record);
+    bodies.force[row] = t.force;
+    bodies.torque[row] = t.torque;
+    bodies.stored_impulses[row] = std::move(t.impulses);
+    held_by[t.record.id] = std::move(t.holders);
+  }
+  for (const Traveller& t : arrivals.copies) {
+    insert_sorted(bodies, bodies.owned, bodies.copies, t.record);
+    owner_of[t.record.id] = t.owner;
+    ++counters.copies_made;
+  }
+  return changed;
+}
+
+/// Every rank has everything: each keeps its part.
+void BodyExchange::Parallel::distribute(BodySet& bodies) {
+  held_by.clear();
+  owner_of.clear();
+  sweeps_.clear();
+  std::vector<std::size_t> own, copies;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const int owner = holders.rank_at(bodies.position[row]);
+    find_holders(bodies.shape[row], bodies.pose(row), ranks_);
+    if (!std::binary_search(ranks_.begin(), ranks_.end(), rank)) continue;
+    if (owner != rank) {
+      copies.push_back(row);
+      owner_of[bodies.id[row]] = owner;
+      continue;
+    }
+    own.push_back(row);
+    if (ranks_.size() == 1) continue;
+    std::erase(ranks_, rank);
+    held_by[bodies.id[row]] = ranks_;
+  }
+  BodySet kept;
+  kept.resize(own.size() + copies.size() + bodies.walls);
+  kept.owned = own.size(), kept.copies = copies.size(), kept.walls = bodies.walls;
+  std::size_t to = 0;
+  for (const auto* rows : {&own, &copies})
+    for (const std::size_t row : *rows) {
+      kept.assign(to, bodies.record(row));
+      if (rows == &own) {
+        kept.force[to] = bodies.force[row];
+        kept.torque[to] = bodies.torque[row];
+        kept.stored_impulses[to] = std::move(bodies.stored_impulses[row]);
+      }
+      ++to;
+    }
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
+    kept.assign(to++, bodies.record(row));
+  bodies = std::move(kept);
+  bodies.reindex();
+  tie(bodies);
+}
+
+}  // namespace silt::coupler

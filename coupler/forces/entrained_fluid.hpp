@@ -1,0 +1,25 @@
+#pragma once
+// What a blow does to the fluid around a body.
+//
+// A real collision is short, but long for sound: while it lasts it reverses also the fluid that moves with
+// the body, its added mass, and the surfaces part at e times the speed at which they met, however heavy the
+// fluid. Here a contact reverses the body in no time, and the fluid answers over the next R / c_s steps: it
+// would take back (1 + e) m_a / (m + m_a) of the speed, a fifth of the rebound of a steel ball in oil and
+// half of that of glass. So the resolver reckons the impulse that the contact gives to the fluid besides
+// (BodySet::pending_blow, equal and opposite for the two bodies), and the bodies pass it on as the fluid
+// answers.
+#include "rigid/bodies/body_set.hpp"
+
+namespace silt::coupler {
+
+/// Added mass over displaced mass of a sphere that touches a plane and moves along its normal (and of two
+/// equal ones that part): 3/2 zeta(3) - 1 by the images of its dipole, n-th strength n^-3 (H. Lamb,
+/// Hydrodynamics, articles 98, 99). Taken for every shape.
+inline constexpr double entrained_at_contact = 0.8030853;
+
+/// Adds to the forces of this step on owned bodies what is due of their pending blows. Call before any body
+/// is solved for. The pressure on a sphere set off at once falls as exp(-s) cos(s), s = c_s t / R (sound of
+/// an impulsive start); what is pending falls as exp(-s), R that of the sphere of the body's volume.
+void give_pending_blows(rigid::BodySet&);
+
+}  // namespace silt::coupler

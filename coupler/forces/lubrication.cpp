@@ -1,0 +1,80 @@
+#include "coupler/forces/lubrication.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coupler/forces/gap_cells.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+constexpr double negligible_travel = 1e-6;  // of the gap
+
+/// Integral over h of the positive part of 1 / max(h, least) - 1 / cutoff, from h = least.
+double squeeze_integral(double h, double least, double cutoff) {
+  if (least >= cutoff) return 0;
+  if (h <= least) return (h - least) * (1 / least - 1 / cutoff);
+  const double end = std::min(h, cutoff);
+  return std::log(end / least) - (end - least) / cutoff;
+}
+
+/// Mean of 1 / h - 1 / cutoff over the way that the gap is about to go: a step may take it far.
+double mean_squeeze(const rigid::FilmGap& gap, double least, double cutoff) {
+  if (std::abs(gap.travel) <= negligible_travel * std::max(gap.width, least))
+    return std::max(0.0, 1 / std::max(gap.width, least) - 1 / cutoff);
+  const double end = std::max(gap.width + gap.travel, 0.0), begin = std::max(gap.width, 0.0);
+  if (end == begin) return 1 / least - 1 / cutoff;
+  return (squeeze_integral(end, least, cutoff) - squeeze_integral(begin, least, cutoff)) / (end - begin);
+}
+
+double log_excess(double width, double cutoff) {
+  return std::max(0.0, std::log(cutoff / width));
+}
+
+}  // namespace
+
+ResolvedFlows resolved_flows(WallScheme scheme) {
+  if (scheme == WallScheme::parabolic)
+    return {{0.370, 0.838, 3.405, 0.503, 0.328}, {0, 2.121, 4.465, 0.503, 0.328}};
+  if (scheme == WallScheme::cli)
+    return {{0.510, 0.739, 2.688, 0.487, 0.329}, {0.560, 1.383, 1.658, 0.487, 0.329}};
+  return {{1.063, 0.286, 1.491, 0.401, 0.264}, {0.612, 1.389, 1.592, 0.401, 0.264}};
+}
+
+namespace {
+
+/// The gap at which even without a cell in it the lattice resolves all: 1 = (b + w h) h.
+double reach_of(const ResolvedFlow& resolved) {
+  const double b = resolved.base, w = resolved.width;
+  const double squeeze = w == 0 ? 1 / b : (std::sqrt(b * b + 4 * w) - b) / (2 * w);
+  return std::max({squeeze, resolved.slip_gap, resolved.rolling_gap});
+}
+
+}  // namespace
+
+Lubrication::Lubrication(double viscosity, const ResolvedFlows& resolved, double least_gap)
+    : viscosity_(viscosity),
+      resolved_(resolved),
+      least_gap_(least_gap),
+      reach_(std::max(reach_of(resolved.bodies), reach_of(resolved.side))) {}
+
+rigid::Film Lubrication::operator()(const rigid::FilmGap& gap) const {
+  const double radius = 1 / std::sqrt(gap.curvature_product());
+  const double least = std::min(least_gap_ > 0 ? least_gap_ : relative_least_gap * radius, reach_);
+  const double width = std::max(gap.width, least), drag = std::numbers::pi * viscosity_ * radius;
+  const ResolvedFlow& of = gap.at_side ? resolved_.side : resolved_.bodies;
+  const double resolved = of.base + of.width * width + of.cells * std::sqrt(cells_in_gap(gap));
+  return {12 * drag / gap.curvature_sum() * mean_squeeze(gap, least, 1 / resolved),
+          2 * drag * log_excess(width, of.slip_gap), 1.2 * drag * log_excess(width, of.rolling_gap)};
+}
+
+std::shared_ptr<const rigid::FilmLaw> make_lubrication(const Case& scene) {
+  if (!scene.has_lubrication()) return nullptr;
+  return std::make_shared<Lubrication>(scene.fluid->kinematic_viscosity,
+                                       resolved_flows(scene.coupling.wall_scheme),
+                                       scene.coupling.lubrication_min_gap);
+}
+
+}  // namespace silt::coupler

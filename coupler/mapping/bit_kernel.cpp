@@ -1,0 +1,246 @@
+// Built once an instruction set.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/line_lanes.hpp"
+#include "lbm/isa_vector.hpp"
+
+#if defined(SILT_ISA_avx512)
+#include <immintrin.h>
+#endif
+
+namespace silt::coupler::SILT_ISA {
+
+namespace {
+
+/// Eight words of a stream, from the `first` one of some planes on: the place of each one's first cell, and
+/// the bits of rows [y0, y1); none beyond the planes.
+struct PlaneWords {
+  static constexpr int most = 8;
+  std::uint32_t place[most];
+  std::uint64_t rows[most] = {};
+
+  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1) {
+    const int count = std::min(most, planes * frame.plane - first),
+              words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
+    for (int w = 0; w < count; ++w) {
+      const int z = (first + w) / frame.plane, in_plane = (first + w) % frame.plane;
+      const int x = in_plane % words_a_row * 64, y = in_plane / words_a_row * rows_a_word;
+      place[w] = lbm::link_place({x, y, z}, 0);
+      const int from = std::clamp(y0 - y, 0, rows_a_word), to = std::clamp(y1 - y, 0, rows_a_word);
+      const int bits = 64 / rows_a_word;
+      rows[w] = from < to ? ~std::uint64_t{0} >> (64 - (to - from) * bits) << (from * bits) : 0;
+    }
+  }
+};
+
+using Words = lbm::SILT_ISA::VectorOf<std::uint64_t, PlaneWords::most>::type;
+
+Words words_at(const std::uint64_t* from) {
+  Words w;
+  __builtin_memcpy(&w, from, sizeof w);
+  return w;
+}
+/// Bit k: whether word k has any.
+unsigned filled(const Words& w) {
+#if defined(SILT_ISA_avx512)
+  return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
+#else
+  unsigned f = 0;
+  for (int k = 0; k < PlaneWords::most; ++k) f |= unsigned(w[k] != 0) << k;
+  return f;
+#endif
+}
+
+/// The stream moved so that a cell's bit is that of the cell `shift` bits further on.
+Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
+  const std::uint64_t* const from = stream + (shift >> 6);
+  const int s = int(shift & 63);
+  return words_at(from) >> s | words_at(from + 1) << 1 << (63 - s);
+}
+
+/// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
+/// be written.
+std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const Words& words,
+                              unsigned filled, std::uint32_t direction, std::uint32_t* out) {
+  const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
+  std::uint32_t n = 0;
+  for (; filled; filled &= filled - 1) {
+    const int w = std::countr_zero(filled);
+    for (std::uint64_t bits = words[w]; bits; bits &= bits - 1) {
+      const int b = std::countr_zero(bits);
+      out[n++] =
+          plane.place[w] + direction + lbm::link_place({b & ((1 << log_pitch) - 1), b >> log_pitch, 0}, 0);
+    }
+  }
+  return n;
+}
+
+#if defined(SILT_ISA_avx512)
+// Operators, and masks of all ones, for which nothing is generated: the plain intrinsics start from an
+// undefined vector, and g++ 12 warns that it is uninitialized.
+using Eight = lbm::SILT_ISA::VectorOf<std::uint64_t>::type;
+using Sixteen = lbm::SILT_ISA::VectorOf<std::uint32_t>::type;
+
+Sixteen first_16_bytes(Eight set) {
+  const auto quarter = __builtin_shufflevector(set, set, 0, 1);
+  return Sixteen(_mm512_maskz_cvtepu8_epi32(0xFFFF, __m128i(quarter)));
+}
+Eight without_first_16_bytes(Eight set) {
+  return Eight(_mm512_maskz_alignr_epi64(0xFF, __m512i(set), __m512i(set), 2));
+}
+
+/// The same, 16 bits at a time: the numbers of a word's set bits, compressed, then widened.
+__attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
+    const BitFrame& frame, const PlaneWords& plane, const Words& words, unsigned filled,
+    std::uint32_t direction, std::uint32_t* out) {
+  alignas(64) static constexpr auto ramp = [] {
+    std::array<std::uint8_t, 64> r{};
+    for (int b = 0; b < 64; ++b) r[b] = std::uint8_t(b);
+    return r;
+  }();
+  const __m512i numbers = _mm512_load_si512(ramp.data());
+  const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
+  const std::uint32_t in_row = (1u << log_pitch) - 1;
+  std::uint32_t n = 0;
+  for (; filled; filled &= filled - 1) {
+    const int w = std::countr_zero(filled);
+    const std::uint64_t bits = words[w];
+    const std::uint32_t base = plane.place[w] + direction;
+    Eight set = Eight(_mm512_maskz_compress_epi8(bits, numbers));
+    int left = std::popcount(bits);
+    for (;;) {
+      const Sixteen bit = first_16_bytes(set);
+      const Sixteen row = bit >> log_pitch << lbm::place_x_bits;
+      const Sixteen places = ((bit & in_row) | row) + base;
+      __builtin_memcpy(out + n, &places, sizeof places);
+      if (left <= 16) break;
+      n += 16, left -= 16;
+      set = without_first_16_bytes(set);
+    }
+    n += std::uint32_t(left);
+  }
+  return n;
+}
+#endif
+
+std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Words& words, int direction,
+                        std::uint32_t* out) {
+  const std::uint32_t along = lbm::link_place({}, direction);
+#if defined(SILT_ISA_avx512)
+  static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
+  if (compresses) return list_bits_compressed(frame, plane, words, filled(words), along, out);
+#endif
+  return list_bits_plain(frame, plane, words, filled(words), along, out);
+}
+
+/// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
+/// layer: all but two at either end of the frame.
+inline void set_cells(const BitFrame& frame, std::size_t row, double first, double last,
+                      std::uint64_t* words) {
+  first = std::max(first, 2.0), last = std::min(last, frame.size.x - 3.0);
+  if (!(first <= last)) return;
+  const std::size_t from = row + std::size_t(first), to = row + std::size_t(last);
+  for (std::size_t w = from >> 6; w <= to >> 6; ++w) {
+    const std::size_t low = w * 64 < from ? from - w * 64 : 0, high = std::min<std::size_t>(to - w * 64, 63);
+    words[w] |= ~std::uint64_t{0} >> (63 - (high - low)) << low;
+  }
+}
+
+}  // namespace
+
+/// Row by row, where the line of cell centres is inside, in closed form.
+void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius, std::uint64_t* words) {
+  constexpr int most = 64;  // rows at a time
+  double first[most], last[most];
+  for (int z = 2; z < frame.size.z - 2; ++z) {
+    const double rz = (ball.low.z + z + 0.5) - ball.z;
+    for (int y0 = 2; y0 < frame.size.y - 2; y0 += most) {
+      const int n = std::min(most, frame.size.y - 2 - y0);
+      for (int k = 0; k < n; ++k) {
+        const double ry = (ball.low.y + (y0 + k) + 0.5) - ball.y;
+        const double h2 = radius * radius - ry * ry - rz * rz;
+        const double half = std::sqrt(h2 < 0 ? 0 : h2), centre = ball.x - 0.5;
+        first[k] = h2 < 0 ? 1 : std::ceil(centre - half) - ball.low.x;
+        last[k] = h2 < 0 ? 0 : std::floor(centre + half) - ball.low.x;
+      }
+      for (int k = 0; k < n; ++k) {
+        const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y0 + k) * frame.pitch;
+        set_cells(frame, row, first[k], last[k], words);
+      }
+    }
+  }
+}
+
+namespace {
+
+/// The same for a part of any kind, a row a lane; round about a hollow, the cells outside of it.
+template <PartKind kind>
+void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
+               const Plane<double>* planes, std::uint64_t* words) {
+  using Lines = LineLanes<double, kind>;
+  using V = typename Lines::V;
+  constexpr int lanes = Lines::L::count;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double x = centre.x - 0.5;
+  V lane;
+  for (int l = 0; l < lanes; ++l) lane[l] = l;
+  for (int z = 2; z < frame.size.z - 2; ++z) {
+    const V rz = V{} + ((centre.low.z + z + 0.5) - centre.z);
+    for (int y = 2; y < frame.size.y - 2; y += lanes) {
+      const V ry = ((centre.low.y + y + 0.5) + lane) - centre.y;
+      const auto in = Lines(part, {V{}, ry, rz}, {V{} + 1.0, V{}, V{}}).inside(part, planes);
+      for (int l = 0; l < std::min(lanes, frame.size.y - 2 - y); ++l) {
+        const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
+        const double enter = x + in.enter[l], leave = x + in.leave[l];
+        if constexpr (kind == PartKind::hollow) {
+          set_cells(frame, row, -infinity, std::floor(enter) - centre.low.x, words);
+          set_cells(frame, row, std::ceil(leave) - centre.low.x, infinity, words);
+        } else if (enter <= leave) {
+          set_cells(frame, row, std::ceil(enter) - centre.low.x, std::floor(leave) - centre.low.x, words);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+/// The cells inside any part. Bodies that are spheres, which need neither turning nor a division, have their
+/// own.
+void mark_parts(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
+                std::uint64_t* words) {
+  for (int k = 0; k < surface.count; ++k)
+    with_kind(surface.parts[k].kind,
+              [&](auto kind) { mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words); });
+}
+
+/// The links of rows [y0, y1) of some planes of the frame. Both lists need link_lanes of room more than they
+/// get.
+LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, const LinkBits& bits,
+                      std::uint32_t* place, std::uint32_t* narrow) {
+  LinkCounts n{};
+  for (int first = 0; first < planes * frame.plane; first += PlaneWords::most) {
+    const PlaneWords plane(frame, first, planes, y0, y1);
+    const std::size_t at = std::size_t(z) * frame.plane + first;
+    const Words open = words_at(bits.open + at) & words_at(plane.rows);
+    for (int i = 1; i < lbm::directions; ++i) {
+      const lbm::Int3 c = lbm::c[i];
+      const std::ptrdiff_t step =
+          c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
+      const Words cut = moved(bits.body + at, step) & open;
+      if (!filled(cut)) continue;
+      Words back{};
+      if (bits.reads_behind) back = moved(bits.solid + at, -step) & cut;
+      if (filled(back)) n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
+      n.clear += list_bits(frame, plane, cut & ~back, i, place + n.clear);
+    }
+  }
+  return n;
+}
+
+}  // namespace silt::coupler::SILT_ISA

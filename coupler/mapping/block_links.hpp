@@ -1,0 +1,69 @@
+#pragma once
+// The cut links of a block, surface by surface, in the order in which they are applied.
+#include <cstdint>
+#include <vector>
+
+#include "coupler/mapping/narrow_gaps.hpp"
+#include "lbm/sweep.hpp"
+
+namespace silt::coupler {
+
+/// Surface k is mask k of the block.
+template <class T>
+struct BlockLinks {
+  struct Group {
+    std::uint32_t surface, number;
+  };
+  std::vector<SurfaceLinks<T>> surfaces;
+  std::vector<Group> inner;                // groups in the order of the parts they wait for
+  std::vector<std::uint32_t> first_inner;  // of a part; the last one's end
+  std::vector<Group> rim;                  // groups that wait for the halo exchange
+  std::size_t count = 0;                   // links
+  lbm::LinkSlots slots;                    // of the step under way
+  NarrowGaps<T> gaps;                      // under `parabolic`
+
+  /// A hint that the groups after the k-th of an order will be wanted soon, one after the other: first their
+  /// surface, then where the group is, then its links.
+  void prefetch(const std::vector<Group>& order, std::size_t k) const {
+    constexpr std::size_t ahead = 2;
+    if (k + 3 * ahead < order.size()) {
+      const char* const surface = reinterpret_cast<const char*>(&surfaces[order[k + 3 * ahead].surface]);
+      for (std::size_t line = 0; line < sizeof(SurfaceLinks<T>); line += 64)
+        lbm::prefetch_to_write(surface + line);
+    }
+    if (k + 2 * ahead < order.size())
+      lbm::prefetch_to_read(
+          &surfaces[order[k + 2 * ahead].surface].links.groups[order[k + 2 * ahead].number]);
+    if (k + ahead < order.size()) {
+      const lbm::CutLinks<T>& next = surfaces[order[k + ahead].surface].links;
+      next.prefetch(next.groups[order[k + ahead].number]);
+    }
+  }
+  lbm::NextGroup<T> next_group(const std::vector<Group>& order, std::size_t k, std::size_t end) const {
+    if (k + 1 >= end) return {};
+    const lbm::CutLinks<T>& links = surfaces[order[k + 1].surface].links;
+    return {&links, &links.groups[order[k + 1].number]};
+  }
+  /// Fills inner, first_inner, rim and count; call when links were built.
+  void order_groups(const lbm::Sweep& sweep) {
+    first_inner.assign(sweep.parts() + 2, 0), rim.clear(), count = 0;
+    for (const auto& surface : surfaces)
+      for (const lbm::LinkGroup& g : surface.links.groups) {
+        count += g.count;
+        if (g.ready >= 0) ++first_inner[g.ready + 2];
+      }
+    for (std::size_t part = 1; part < first_inner.size(); ++part) first_inner[part] += first_inner[part - 1];
+    inner.resize(first_inner.back());
+    for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
+      const auto& groups = surfaces[k].links.groups;
+      for (std::uint32_t g = 0; g < groups.size(); ++g)
+        if (groups[g].ready < 0)
+          rim.push_back({k, g});
+        else
+          inner[first_inner[groups[g].ready + 1]++] = {k, g};
+    }
+    first_inner.pop_back();
+  }
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,302 @@
+#include "coupler/mapping/build_links.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+
+#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/surface_parts.hpp"
+#include "lbm/sweep.hpp"
+
+namespace silt::coupler {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+namespace {
+
+/// Planes [z, z + count) of a frame.
+struct Planes {
+  int z, count;
+};
+
+LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const LinkBits& bits,
+                   std::uint32_t* place, std::uint32_t* narrow) {
+  SILT_DISPATCH(list_links, frame, planes.z, planes.count, y0, y1, bits, place, narrow)
+}
+template <class Real, class T>
+void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
+                  const SurfaceView<Real>& surface, T* q) {
+  SILT_DISPATCH(surface_distances, place, padded, frame, corner, surface, q)
+}
+
+/// Reads rows of 64 bits and writes them as the rows of a window.
+template <class Row>
+void fill_rows(BitWindow& window, Int3 block, Row&& row) {
+  const BitFrame& f = window.frame();
+  const std::uint64_t width = f.pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << f.pitch) - 1;
+  for (int z = std::max(f.low.z, -1); z < std::min(f.low.z + f.size.z, block.z + 1); ++z)
+    for (int y = std::max(f.low.y, -1); y < std::min(f.low.y + f.size.y, block.y + 1); ++y) {
+      const std::size_t bit = f.row(y, z);
+      for (int x = 0; x < f.pitch; x += 64)
+        window.words()[(bit + x) >> 6] |= (row(f.low.x + x, y, z) & width) << (bit & 63);
+    }
+}
+
+/// Bits [from, to) of 64 that stand for cells from x on.
+std::uint64_t cells_between(int x, int from, int to) {
+  const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
+  if (a >= b) return 0;
+  return (~std::uint64_t{0} >> (64 - (b - a))) << a;
+}
+
+/// Whether some fluid cell next to the body may lie at the rim of the block, or in another block.
+bool touches_rim(const BitFrame& f, Int3 block) {
+  for (int d = 0; d < 3; ++d)
+    if (f.low[d] < 0 || f.low[d] + f.size[d] > block[d]) return true;
+  return false;
+}
+
+/// What is done with each body's mask, and what is kept for the next one: no allocation once grown.
+template <class T>
+class LinkWriter {
+ public:
+  LinkWriter(const BlockMap& map, const lbm::Sweep& sweep, WallScheme scheme)
+      : map_(map), sweep_(sweep), scheme_(scheme) {}
+
+  /// The links' frame is set already.
+  void body(const BodyMask& mask, const rigid::Shape& shape, lbm::CutLinks<T>& links) {
+    mask_ = &mask, links_ = &links;
+    links.groups.clear(), used_ = 0;
+    if (mask.any) write(shape);
+    links.place.assign(place_.begin(), place_.begin() + used_);
+    links.q.assign(q_.begin(), q_.begin() + used_);
+  }
+
+ private:
+  void write(const rigid::Shape& shape) {
+    const BitFrame& frame = mask_->frame();
+    if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
+      throw std::invalid_argument(
+          "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
+    if (scheme_ != WallScheme::bounce_back) prepare_surface(shape);
+    const Int3 n = map_.box.size;
+    solid_.reset(frame);
+    fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
+    const bool at_rim = touches_rim(frame, n);
+    find_open(at_rim);
+    constexpr int words_a_group = 8;  // of small bodies: enough links to be worth a group
+    const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
+    for (int z = 1; z < frame.size.z - 1; z += step) {
+      const Planes planes{z, std::min(step, frame.size.z - 1 - z)};
+      const std::size_t most = bits_in(z - 1, z + planes.count + 1);
+      if (most == 0) continue;
+      inner_groups(planes, most);
+      if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
+    }
+    end_group(apart_inside_), end_group(apart_at_rim_);
+  }
+
+  /// Fluid cells inside the block, those at its rim apart. Cells of other blocks are in neither.
+  void find_open(bool at_rim) {
+    const BitFrame& frame = mask_->frame();
+    const Int3 n = map_.box.size;
+    inner_.reset(frame);
+    if (!at_rim) {
+      for (std::size_t k = 0; k < frame.words(); ++k) inner_.words()[k] = ~solid_.words()[k];
+      return;
+    }
+    rim_.reset(frame);
+    fill_rows(inner_, n, [&](int x, int y, int z) {
+      if (y < 1 || z < 1 || y >= n.y - 1 || z >= n.z - 1) return std::uint64_t{0};
+      return ~map_.solid.from(x, y, z) & cells_between(x, 1, n.x - 1);
+    });
+    fill_rows(rim_, n, [&](int x, int y, int z) {
+      if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
+      const bool side = y == 0 || z == 0 || y == n.y - 1 || z == n.z - 1;
+      const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, 1, n.x - 1);
+      return ~map_.solid.from(x, y, z) & (side ? all : all & ~inner);
+    });
+  }
+
+  /// A group for each strip of the dense pass.
+  void inner_groups(Planes planes, std::size_t most) {
+    const BitFrame& frame = mask_->frame();
+    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - 1) - 1;
+    if (last < 1) return;
+    const int first = std::max(frame.low.y + 1, 1),
+              end = std::min(frame.low.y + frame.size.y, map_.box.size.y) - 1;
+    for (int y = first; y < end;) {
+      const int next = std::min(sweep_.next_row(y), end);
+      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last));
+      y = next;
+    }
+  }
+
+  /// The links of the open cells in rows [y0, y1) of some planes; `most`: of one direction.
+  void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
+    const BitFrame& frame = mask_->frame();
+    const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
+    if (narrow_.size() < room) narrow_.resize(room), narrow_q_.resize(room);
+    make_room(lbm::directions * most);
+    std::uint32_t* const place = place_.data() + used_;
+    const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
+    const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
+    const std::uint32_t n = found.clear + found.narrow, end = lbm::filled_up(n);
+    if (n == 0) return;
+    std::copy_n(narrow_.data(), found.narrow, place + found.clear);
+    std::fill(place + n, place + end, place[n - 1]);
+    T* const q = q_.data() + used_;
+    const Int3 corner = frame.low + Int3{0, 0, planes.z};
+    set_distances(corner, place, n, q);
+    std::uint32_t clear = n,
+                  apart = 0;  // narrow ones for which the scheme would read the cell behind go apart
+    for (std::uint32_t k = found.clear; k < clear;)
+      if (lbm::reads_behind(scheme_, q[k]))
+        narrow_[apart] = place[k], narrow_q_[apart++] = q[k], --clear, place[k] = place[clear],
+        q[k] = q[clear];
+      else
+        ++k;
+    end_group(clear, corner, scheme_, ready);
+    set_apart(ready < 0 ? apart_at_rim_ : apart_inside_, apart, corner, planes.count, ready);
+  }
+
+  /// Narrow links are few: those of planes that follow one another share a group.
+  struct Apart {
+    std::vector<std::uint32_t> place;
+    std::vector<T> q;
+    Int3 corner;
+    int ready = -1;
+  };
+
+  /// The first n of narrow_ and narrow_q_, of some planes from the corner on.
+  void set_apart(Apart& apart, std::uint32_t n, Int3 corner, int planes, int ready) {
+    if (n == 0) return;
+    if (corner.z + planes - apart.corner.z > 1 << lbm::place_z_bits) end_group(apart);
+    if (apart.place.empty()) apart.corner = corner;
+    const std::uint32_t above = lbm::link_place({0, 0, corner.z - apart.corner.z}, 0);
+    for (std::uint32_t k = 0; k < n; ++k) apart.place.push_back(narrow_[k] + above);
+    apart.q.insert(apart.q.end(), narrow_q_.begin(), narrow_q_.begin() + n);
+    apart.ready = std::max(apart.ready, ready);
+  }
+
+  void end_group(Apart& apart) {
+    const std::uint32_t n = std::uint32_t(apart.place.size());
+    make_room(n);
+    std::copy(apart.place.begin(), apart.place.end(), place_.begin() + used_);
+    std::copy(apart.q.begin(), apart.q.end(), q_.begin() + used_);
+    end_group(n, apart.corner, WallScheme::narrow, apart.ready);
+    apart.place.clear(), apart.q.clear(), apart.ready = -1;
+  }
+
+  void make_room(std::size_t links) {
+    const std::size_t room = used_ + links + 3 * lbm::link_lanes;
+    if (place_.size() < room) place_.resize(room * 3 / 2), q_.resize(place_.size());
+  }
+
+  /// What stands at `used_` becomes a group, filled up.
+  void end_group(std::uint32_t n, Int3 corner, WallScheme scheme, int ready) {
+    if (n == 0) return;
+    std::uint32_t* const place = place_.data() + used_;
+    T* const q = q_.data() + used_;
+    const std::uint32_t end = lbm::filled_up(n);
+    std::fill(place + n, place + end, place[n - 1]), std::fill(q + n, q + end, q[n - 1]);
+    links_->groups.push_back({used_, n, scheme, corner, ready});
+    used_ += end;
+  }
+
+  /// Set bits of the planes [z0, z1) of the mask's frame, as far as there are such: no direction has more
+  /// links.
+  std::size_t bits_in(int z0, int z1) const {
+    const BitFrame& f = mask_->frame();
+    const std::uint64_t* const w = mask_->bits.words();
+    std::size_t n = 0;
+    for (std::size_t k = std::size_t(std::max(z0, 0)) * f.plane;
+         k < std::size_t(std::min(z1, f.size.z)) * f.plane; ++k)
+      n += std::popcount(w[k]);
+    return n;
+  }
+
+  /// Tubes in double: they may be far longer than anything else is wide.
+  void prepare_surface(const rigid::Shape& shape) {
+    is_tube_ = std::holds_alternative<rigid::Tube>(shape);
+    if (is_tube_)
+      tube_.reset(shape, mask_->pose.orientation);
+    else
+      surface_.reset(shape, mask_->pose.orientation);
+  }
+
+  void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
+    const int padded = int(lbm::filled_up(n));
+    if (scheme_ == WallScheme::bounce_back)
+      std::fill_n(q, n, T(0.5));
+    else if (is_tube_)
+      distances_of(place, padded, links_->frame, corner, tube_.view(), q);
+    else
+      distances_of(place, padded, links_->frame, corner, surface_.view(), q);
+  }
+
+  const BlockMap& map_;
+  const lbm::Sweep& sweep_;
+  WallScheme scheme_;
+  lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
+  const BodyMask* mask_ = nullptr;
+  SurfaceParts<T> surface_;
+  SurfaceParts<double> tube_;
+  bool is_tube_ = false;
+  BitWindow solid_, inner_, rim_;
+  std::vector<std::uint32_t> place_, narrow_;
+  std::vector<T> q_, narrow_q_;
+  Apart apart_inside_, apart_at_rim_;
+  std::uint32_t used_ = 0;  // of place_ and q_
+};
+
+/// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.
+lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
+  lbm::SurfaceFrame frame{};
+  double square = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double x = mask.pose.position[d];
+    const int cell = int(std::floor(x));
+    frame.cell[d] = cell + mask.shift[d] - map.box.lower[d];
+    frame.offset[d] = (cell + 0.5) - x;
+    const int low = mask.frame().low[d], high = low + mask.frame().size[d];
+    const double far = std::max(std::abs(low - frame.cell[d]), std::abs(high - frame.cell[d])) + 1;
+    square += far * far;
+  }
+  frame.reach = std::sqrt(square);
+  frame.whole = !touches_rim(mask.frame(), map.box.size);
+  return frame;
+}
+
+}  // namespace
+
+template <class T>
+void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::Sweep& sweep,
+                 std::vector<SurfaceLinks<T>>& surfaces) {
+  std::vector<SurfaceLinks<T>> before(map.masks.size());
+  before.swap(surfaces);
+  LinkWriter<T> writer(map, sweep, coupling.wall_scheme);
+  for (std::size_t k = 0; k < map.masks.size(); ++k) {
+    const BodyMask& mask = map.masks[k];
+    prefetch_bits(map.masks, k);
+    if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
+    if (mask.kept) continue;
+    lbm::CutLinks<T>& links = surfaces[k].links;
+    links.fluid = fluid, links.frame = surface_frame(map, mask);
+    const std::int32_t shape = bodies.shape[mask.row];
+    writer.body(mask, world.shapes[shape], links);
+    if (coupling.time == TimeCoupling::implicit_ && bodies.is_free(mask.row))
+      surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
+  }
+}
+
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
+                          const lbm::WallFluid<float>&, const lbm::Sweep&, std::vector<SurfaceLinks<float>>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
+                          const lbm::WallFluid<double>&, const lbm::Sweep&,
+                          std::vector<SurfaceLinks<double>>&);
+
+}  // namespace silt::coupler

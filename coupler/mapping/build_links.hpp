@@ -1,0 +1,22 @@
+#pragma once
+// From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
+// is.
+#include "coupler/case/case.hpp"
+#include "coupler/mapping/solid_map.hpp"
+#include "coupler/mapping/surface_links.hpp"
+#include "lbm/cut_links.hpp"
+#include "lbm/sweep.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/world.hpp"
+
+namespace silt::coupler {
+
+/// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under
+/// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
+/// Links whose formula would read the cell behind where that is not fluid (a narrow gap) go into groups of
+/// `narrow`.
+template <class T>
+void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
+                 const lbm::WallFluid<T>&, const lbm::Sweep&, std::vector<SurfaceLinks<T>>&);
+
+}  // namespace silt::coupler

@@ -1,0 +1,146 @@
+#pragma once
+// Where straight lines are inside the convex parts of a surface: one interval each, one lane a line. Only for
+// kernels that are built once an instruction set. rigid/shapes/ray_interval.hpp is the same for one line, in
+// double and with care for lines from afar; here lines start within a few cells of the part, and every branch
+// is a selection.
+#include <limits>
+#include <type_traits>
+
+#include "coupler/mapping/surface_kernels.hpp"
+#include "lbm/link_lanes.hpp"
+
+namespace silt::coupler::SILT_ISA {
+
+/// Parameters along the lines; enter > leave: the line misses.
+template <class T>
+struct IntervalLanes {
+  using V = typename lbm::SILT_ISA::Lanes<T>::Real;
+  V enter, leave;
+
+  static V smaller(const V& a, const V& b) { return a < b ? a : b; }
+  static V larger(const V& a, const V& b) { return a > b ? a : b; }
+  /// In both. A side that is not a number (a line in the plane of a face) bounds nothing.
+  IntervalLanes within(const IntervalLanes& o) const {
+    return {larger(o.enter, enter), smaller(o.leave, leave)};
+  }
+  /// Of a convex shape that several shapes make up.
+  IntervalLanes joined(const IntervalLanes& o) const {
+    const auto here = enter <= leave, there = o.enter <= o.leave;
+    return {there ? here ? smaller(enter, o.enter) : o.enter : enter,
+            there ? here ? larger(leave, o.leave) : o.leave : leave};
+  }
+};
+
+/// Lines o + t d in the axes of a part, from its centre.
+template <class T, PartKind kind>
+class LineLanes {
+ public:
+  using L = lbm::SILT_ISA::Lanes<T>;
+  using V = typename L::Real;
+  using Interval = IntervalLanes<T>;
+  using Part = SurfacePart<T>;
+
+  /// r and c: the same in the axes of the world, from the body's reference point.
+  LineLanes(const Part& part, const V (&r)[3], const V (&c)[3]) {
+    for (int k = 0; k < 3; ++k)
+      if constexpr (kind == PartKind::sphere) {
+        o_[k] = r[k] - part.centre[k], d_[k] = c[k];
+      } else {
+        const T *const axis = part.axes[k], centre = part.centre[k];
+        o_[k] = (axis[0] * r[0] + axis[1] * r[1] + axis[2] * r[2]) - centre;
+        d_[k] = axis[0] * c[0] + axis[1] * c[1] + axis[2] * c[2];
+      }
+  }
+
+  /// Lines none of whose points 0 <= t <= 1 is in the box around the part, as one of its axes shows.
+  typename L::Mask beyond(const Part& part) const {
+    const auto along = [&](int k) {
+      return L::magnitude(o_[k] + T(0.5) * d_[k]) > part.extent[k] + T(0.5) * L::magnitude(d_[k]);
+    };
+    return along(0) | along(1) | along(2);
+  }
+
+  Interval inside(const Part& part, const Plane<T>* planes) const {
+    const T* const size = part.size;
+    if constexpr (kind == PartKind::sphere || kind == PartKind::ellipsoid) return ball(T(0), size[0]);
+    if constexpr (kind == PartKind::box)
+      return slab(0, size[0]).within(slab(1, size[1])).within(slab(2, size[2]));
+    if constexpr (kind == PartKind::capsule)
+      return barrel(size[0])
+          .within(slab(2, size[2]))
+          .joined(ball(size[2], size[0]))
+          .joined(ball(-size[2], size[0]));
+    if constexpr (kind == PartKind::cylinder) return barrel(size[0]).within(slab(2, size[2]));
+    if constexpr (kind == PartKind::planes) return clipped(planes + part.first_plane, part.planes);
+    if constexpr (kind == PartKind::hollow) return barrel(size[0]);
+  }
+
+ private:
+  static constexpr T infinity = std::numeric_limits<T>::infinity();
+
+  /// a t^2 + 2 b t + c <= 0, a >= 0.
+  static Interval between_roots(const V& a, const V& b, const V& c) {
+    const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
+    const auto outside = kind == PartKind::hollow ? c >= T(0) : c > T(0);            // the surface is solid
+    const V parallel = outside ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
+    const V enter = a > T(0) ? (-b - s) * per_a : parallel, leave = a > T(0) ? (s - b) * per_a : -parallel;
+    return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};
+  }
+  /// About the point at height z of the third axis.
+  Interval ball(T z, T radius) const {
+    const V h = o_[2] - z;
+    return between_roots(d_[0] * d_[0] + d_[1] * d_[1] + d_[2] * d_[2],
+                         o_[0] * d_[0] + o_[1] * d_[1] + h * d_[2],
+                         (o_[0] * o_[0] + o_[1] * o_[1] + h * h) - radius * radius);
+  }
+  /// Round about the third axis, without end.
+  Interval barrel(T radius) const {
+    return between_roots(d_[0] * d_[0] + d_[1] * d_[1], o_[0] * d_[0] + o_[1] * d_[1],
+                         (o_[0] * o_[0] + o_[1] * o_[1]) - radius * radius);
+  }
+  /// Between two planes across axis k.
+  Interval slab(int k, T half_width) const {
+    const V along = d_[k] < T(0) ? -o_[k] : o_[k], slowness = T(1) / L::magnitude(d_[k]);
+    return Interval{V{} - infinity, V{} + infinity}.within(
+        {(-half_width - along) * slowness, (half_width - along) * slowness});
+  }
+  /// By the plane of one face after the other.
+  Interval clipped(const Plane<T>* planes, std::uint32_t n) const {
+    Interval all{V{} - infinity, V{} + infinity};
+    for (const Plane<T>* p = planes; p < planes + n; ++p) {
+      const T* const m = p->normal;
+      const V depth = p->offset - (m[0] * o_[0] + m[1] * o_[1] + m[2] * o_[2]);
+      const V speed = m[0] * d_[0] + m[1] * d_[1] + m[2] * d_[2], t = depth / speed;
+      all.enter = speed < T(0) ? Interval::larger(t, all.enter) : all.enter;
+      all.leave = speed > T(0) ? Interval::smaller(t, all.leave) : all.leave;
+      all.leave = (speed == T(0)) & (depth < T(0)) ? V{} - infinity : all.leave;
+    }
+    return all;
+  }
+
+  V o_[3], d_[3];
+};
+
+/// Calls use(std::integral_constant<PartKind, kind>{}).
+template <class F>
+void with_kind(PartKind kind, F&& use) {
+  using enum PartKind;
+  switch (kind) {
+    case sphere:
+      return use(std::integral_constant<PartKind, sphere>{});
+    case ellipsoid:
+      return use(std::integral_constant<PartKind, ellipsoid>{});
+    case box:
+      return use(std::integral_constant<PartKind, box>{});
+    case capsule:
+      return use(std::integral_constant<PartKind, capsule>{});
+    case cylinder:
+      return use(std::integral_constant<PartKind, cylinder>{});
+    case planes:
+      return use(std::integral_constant<PartKind, planes>{});
+    case hollow:
+      return use(std::integral_constant<PartKind, hollow>{});
+  }
+}
+
+}  // namespace silt::coupler::SILT_ISA

@@ -1,0 +1,52 @@
+#pragma once
+// Object mapping: a cell is solid if its centre is inside a body (the paper, section IV) or a curved wall.
+// Where bodies overlap, the lower id has the cell. Depends on nothing but the poses, so every rank that sees
+// a cell agrees on it.
+#include <span>
+
+#include "coupler/mapping/solid_map.hpp"
+#include "coupler/mapping/surface_parts.hpp"
+#include "lbm/domain.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/world.hpp"
+
+namespace silt::coupler {
+
+/// Bodies whose surface has moved further than this since they were last mapped (cells) are mapped anew;
+/// those at rest keep their cells and wall distances. Only the state decides: every holder of a body does the
+/// same.
+void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance);
+
+class MapBodies {
+ public:
+  MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks);
+
+  /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
+  /// is false there and `before` equals `solid`.
+  void operator()(const rigid::BodySet&);
+  std::vector<BlockMap>& blocks() { return blocks_; }
+  const std::vector<BlockMap>& blocks() const { return blocks_; }
+
+ private:
+  struct Image {
+    rigid::BodyId id;
+    std::size_t row;
+    lbm::Int3 shift;
+    BitFrame frame;
+  };
+  void map_block(BlockMap&, const rigid::BodySet&);
+  void find_images(const BlockMap&, const rigid::BodySet&);
+  void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
+  bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
+  void find_kept(BlockMap&);
+  void mark(const BlockMap&, const rigid::Shape&, BodyMask&);
+
+  const lbm::Domain& domain_;
+  const rigid::World& world_;
+  std::vector<BlockMap> blocks_;
+  std::vector<Image> found_;      // in the block at work
+  SurfaceParts<double> surface_;  // of the body at work
+  std::vector<std::uint8_t> changed_rows_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,110 @@
+#include "coupler/mapping/narrow_gaps.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace silt::coupler {
+
+using lbm::Int3;
+
+namespace {
+
+/// The same for the two links of a pair, and no others, in a block of less than 2^18 cells a side; cells may
+/// lie outside of it.
+std::uint64_t key_of(Int3 cell, int direction) {
+  const auto part = [](int x) { return std::uint64_t(x + (1 << 18)); };
+  const int pair = (direction - 1) / 2;  // opposite directions follow one another
+  return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
+}
+
+/// c_i.u of a rigid surface, at the cell of a link: along c_i it is the same where the link meets it.
+double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& m, Int3 cell, Int3 c) {
+  const Int3 far = cell - frame.cell;
+  const double r[3] = {far.x + frame.offset[0], far.y + frame.offset[1], far.z + frame.offset[2]};
+  double sum = 0;
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    sum += c[d] * (m.v[d] + (m.omega[e] * r[f] - m.omega[f] * r[e]));
+  }
+  return sum;
+}
+
+/// What fills up the groups copies their last link.
+template <class T>
+void fill_up(const lbm::CutLinks<T>& links, std::vector<T>& far) {
+  for (const lbm::LinkGroup& g : links.groups)
+    if (g.scheme == lbm::WallScheme::narrow)
+      std::fill(far.begin() + g.far + g.count, far.begin() + g.far + lbm::filled_up(g.count),
+                far[g.far + g.count - 1]);
+}
+
+}  // namespace
+
+template <class T>
+void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
+                         const lbm::CellBox& box) {
+  links_.clear(), fars_.clear();
+  for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
+    lbm::CutLinks<T>& links = surfaces[k].links;
+    std::uint32_t room = 0;
+    for (lbm::LinkGroup& g : links.groups) {
+      if (g.scheme != lbm::WallScheme::narrow) continue;
+      g.far = room, room += lbm::filled_up(g.count);
+      for (std::uint32_t l = 0; l < g.count; ++l) {
+        const std::uint32_t p = links.place[g.begin + l];
+        const Int3 cell = g.corner + lbm::place_cell(p);
+        const int i = lbm::place_direction(p);
+        links_.push_back({key_of(cell, i), k, g.far + l, i, cell, links.q[g.begin + l]});
+      }
+    }
+    links.far_q.assign(room, T(0)), links.far_u.assign(room, T(0));
+  }
+  for_pairs([&](const Link& a, const Link& b) {
+    surfaces[a.surface].links.far_q[a.place] = b.q, surfaces[b.surface].links.far_q[b.place] = a.q;
+    fars_.push_back({a.surface, a.place, b.surface, a.direction, a.cell});
+    fars_.push_back({b.surface, b.place, a.surface, b.direction, b.cell});
+  });
+  for (const Link& link : links_) {
+    const Int3 walls = domain.walls_met(box.lower + link.cell - lbm::c[link.direction]);
+    if (walls == Int3{0, 0, 0}) continue;
+    lbm::CutLinks<T>& links = surfaces[link.surface].links;
+    links.far_q[link.place] = T(0.5);
+    links.far_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
+  }
+  for (auto& surface : surfaces) {
+    fill_up(surface.links, surface.links.far_q), fill_up(surface.links, surface.links.far_u);
+  }
+}
+
+/// Each link takes the first free place of the table from that of its key on, unless the other one of its
+/// pair has been there before.
+template <class T>
+template <class F>
+void NarrowGaps<T>::for_pairs(F&& f) {
+  const int log_size = std::bit_width(2 * links_.size() + 1);
+  table_.assign(std::size_t(1) << log_size, 0);
+  for (std::uint32_t n = 0; n < links_.size(); ++n) {
+    constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;
+    std::size_t at = links_[n].key * golden >> (64 - log_size);
+    while (table_[at] != 0 && links_[table_[at] - 1].key != links_[n].key)
+      at = (at + 1) & (table_.size() - 1);
+    if (table_[at] != 0)
+      f(links_[table_[at] - 1], links_[n]);
+    else
+      table_[at] = n + 1;
+  }
+}
+
+template <class T>
+void NarrowGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
+  for (const Far& f : fars_)
+    surfaces[f.surface].links.far_u[f.place] =
+        T(velocity_along(surfaces[f.of].links.frame, surfaces[f.of].motion, f.cell, lbm::c[f.direction]));
+  if (fars_.empty()) return;
+  for (auto& surface : surfaces) fill_up(surface.links, surface.links.far_u);
+}
+
+template class NarrowGaps<float>;
+template class NarrowGaps<double>;
+
+}  // namespace silt::coupler

@@ -1,0 +1,38 @@
+#pragma once
+// What a cell holds when a body has left it (uncovered), and what becomes of the fluid a body has covered.
+//
+// The arriving populations of an uncovered cell all belong to its own block, in either parity, so refilling
+// is local. The averages it needs are over the cell's neighbours that were fluid and still are; where one
+// belongs to another rank, its moments are sent: both ends find out which from their own maps, ghost cells
+// included.
+#include <mpi.h>
+
+#include "coupler/case/case.hpp"
+#include "coupler/mapping/solid_map.hpp"
+#include "lbm/fluid.hpp"
+#include "rigid/bodies/body_set.hpp"
+
+namespace silt::coupler {
+
+struct CoveredCell {
+  int block;
+  lbm::Int3 cell;        // local
+  const BodyMask* body;  // that covers it; of an uncovered cell: the mask that left it
+};
+
+/// The cells of this rank that the last mapping covered and uncovered, in the order of the blocks.
+struct ChangedCells {
+  std::vector<CoveredCell> covered, uncovered;
+};
+ChangedCells changed_cells(const std::vector<BlockMap>&);
+
+/// A cell's centre from the nearest periodic image of a body's centre of mass.
+rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::Int3 global_cell);
+
+/// `equilibrium` (the paper): mean density of the neighbours, the body's velocity at the cell. `grad`: also
+/// their mean non-equilibrium momentum flux, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Collective over the
+/// ranks of neighbouring blocks.
+template <class T>
+void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&, Refill);
+
+}  // namespace silt::coupler

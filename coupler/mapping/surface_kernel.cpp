@@ -1,0 +1,84 @@
+// Built once an instruction set.
+#include "coupler/mapping/line_lanes.hpp"
+#include "lbm/link_places.hpp"
+
+namespace silt::coupler::SILT_ISA {
+
+namespace {
+
+/// Where lines whose points at 0 are outside enter, within [0, 1]; 1 where they do not. A line that has a
+/// convex part behind it, or leaves it just now, has the middle of its way through it behind.
+template <class T>
+auto first_inside(const IntervalLanes<T>& i) {
+  using V = typename IntervalLanes<T>::V;
+  const V t = (i.enter <= i.leave) & (i.enter + i.leave > T(0)) ? i.enter : V{} + T(1);
+  return V(t < T(0) ? V{} : t > T(1) ? V{} + T(1) : t);
+}
+
+/// Where lines from the hollow of a tube leave it, within [0, 1].
+template <class T>
+auto last_inside(const IntervalLanes<T>& i) {
+  using V = typename IntervalLanes<T>::V;
+  return V(i.leave > T(0) ? i.leave > T(1) ? V{} + T(1) : i.leave : V{});
+}
+
+/// Of a vector of links, to one part.
+template <PartKind kind, class T>
+auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part, const Plane<T>* planes) {
+  const auto inside = lines.inside(part, planes);
+  if constexpr (kind == PartKind::hollow)
+    return last_inside(inside);
+  else
+    return first_inside(inside);
+}
+
+/// To the nearest part. Each lane by itself leaves out what is beyond it: what the others do cannot matter.
+template <class T>
+auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface) {
+  auto nearest = typename IntervalLanes<T>::V{} + T(1);
+  for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
+    with_kind(part->kind, [&](auto kind) {
+      const LineLanes<T, kind()> lines(*part, at.r, at.c);
+      const auto beyond = lines.beyond(*part);
+      if (lbm::SILT_ISA::Lanes<T>::all(beyond)) return;
+      const auto found = distance_to(lines, *part, surface.planes);
+      nearest = beyond | (nearest < found) ? nearest : found;
+    });
+  return nearest;
+}
+
+}  // namespace
+
+/// Of each link, in units of it: to the first part of the surface that it enters.
+template <class Real, class T>
+void surface_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
+                       lbm::Int3 corner, const SurfaceView<Real>& surface, T* q) {
+  using L = lbm::SILT_ISA::Lanes<Real>;
+  using Places = lbm::SILT_ISA::Places<Real>;
+  using Stored = typename lbm::SILT_ISA::VectorOf<T, L::count>::type;
+  const lbm::SILT_ISA::PlaceOrigin<Real> origin(corner, frame);
+  const auto set = [&](auto&& distance) {
+    for (int l = 0; l < padded; l += L::count) {
+      const Stored found = __builtin_convertvector(distance(Places(place + l, origin)), Stored);
+      __builtin_memcpy(q + l, &found, sizeof found);
+    }
+  };
+  const SurfacePart<Real>& part = surface.parts[0];
+  if (surface.count == 1)
+    with_kind(part.kind, [&](auto kind) {
+      set([&](const Places& at) {
+        return distance_to(LineLanes<Real, kind()>(part, at.r, at.c), part, surface.planes);
+      });
+    });
+  else
+    set([&](const Places& at) { return distance_to_any(at, surface); });
+}
+
+template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,
+                                const SurfaceView<float>&, float*);
+template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,
+                                const SurfaceView<double>&, float*);
+template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,
+                                const SurfaceView<double>&, double*);
+
+}  // namespace silt::coupler::SILT_ISA

@@ -1,0 +1,22 @@
+#pragma once
+// The parts of a body's surface for the kernels of object mapping, made once a mapping of the body.
+#include <vector>
+
+#include "coupler/mapping/surface_kernels.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+template <class T>
+class SurfaceParts {
+ public:
+  /// Keeps nothing of what it was made of before but the memory.
+  void reset(const rigid::Shape&, const rigid::Quat& orientation);
+  SurfaceView<T> view() const { return {parts_.data(), int(parts_.size()), planes_.data()}; }
+
+ private:
+  std::vector<SurfacePart<T>> parts_;
+  std::vector<Plane<T>> planes_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,333 @@
+#include "coupler/results/body_quantities.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coupler/case/fill.hpp"
+#include "coupler/exchange/reduce.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::BodySet;
+using rigid::FixedSum;
+using rigid::Mat3;
+using rigid::Vec3;
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// Sums of N terms a body, over the owned bodies of a kind on all ranks: each in fixed point relative to its
+/// largest term, so that small numbers keep their digits.
+template <int N, class Terms>
+std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
+  std::array<double, N> scale{};
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row])) continue;
+    const std::array<double, N> x = terms(row);
+    for (int k = 0; k < N; ++k) scale[k] = std::max(scale[k], std::abs(x[k]));
+  }
+  max_over_ranks(comm, scale);
+  std::array<FixedSum, N> sums{};
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row])) continue;
+    const std::array<double, N> x = terms(row);
+    for (int k = 0; k < N; ++k)
+      if (scale[k] > 0) sums[k] += rigid::to_fixed(x[k] / scale[k]);
+  }
+  sum_over_ranks(comm, sums);
+  std::array<double, N> result{};
+  for (int k = 0; k < N; ++k) result[k] = scale[k] * rigid::from_fixed(sums[k]);
+  return result;
+}
+
+template <class Value>
+double mean_over(const Simulation& simulation, const QuantitySpec& q, Value&& value) {
+  const auto [sum, count] =
+      sums_over<2>(simulation.scene().comm, simulation.bodies(), q, [&](std::size_t row) {
+        return std::array<double, 2>{value(row), 1.0};
+      });
+  return count > 0 ? sum / count : nothing;
+}
+
+/// Where a body is, counting the periods it has crossed.
+Vec3 unwrapped(const BodySet& bodies, std::size_t row, const Vec3& period) {
+  Vec3 x = bodies.position[row];
+  for (int d = 0; d < 3; ++d) x[d] += bodies.image[row][d] * period[d];
+  return x;
+}
+
+/// Every body of the case as it is at the start, in the order of ids, not wrapped.
+BodySet bodies_at_start(const Case& scene) {
+  BodySet bodies;
+  for (const rigid::BodyRecord& r : body_records(scene, centred_shapes(scene))) bodies.add(r);
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
+  return bodies;
+}
+
+/// Calls visit(row, way) for the owned bodies of a kind, way: from where they started.
+template <class Visit>
+void for_each_way(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
+  const Case& scene = simulation.setup();
+  const BodySet& bodies = simulation.bodies();
+  const Vec3 period = extent_of(scene).size;
+  const auto start = body_records(scene, centred_shapes(scene));
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (q.is_about(bodies.kind[row]) && bodies.id[row] <= start.size())
+      visit(row, unwrapped(bodies, row, period) - Eigen::Map<const Vec3>{start[bodies.id[row] - 1].position});
+}
+
+// ---- what free motion keeps ----
+
+struct Totals {
+  Vec3 momentum, angular_momentum;  // of the free bodies, the latter about the domain's corner
+  double energy, momentum_scale;    // kinetic and potential; sum of |m v|
+};
+
+/// The potential is zero at the corner of the domain that is lowest against gravity.
+Totals totals_of(const Case& scene, MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q) {
+  const Vec3 period = extent_of(scene).size, g = scene.gravity;
+  Vec3 lowest = Vec3::Zero();
+  for (int d = 0; d < 3; ++d) lowest[d] = g[d] > 0 ? period[d] : 0;
+  const auto sums = sums_over<8>(comm, bodies, q, [&](std::size_t row) {
+    if (!bodies.is_free(row)) return std::array<double, 8>{};
+    const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
+    const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
+    const double potential = -bodies.mass[row] * bodies.weight_factor[row] * g.dot(x - lowest);
+    return std::array<double, 8>{
+        p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
+  });
+  return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}, sums[6], sums[7]};
+}
+
+Totals totals_now(const Simulation& simulation, const QuantitySpec& q) {
+  return totals_of(simulation.setup(), simulation.scene().comm, simulation.bodies(), q);
+}
+
+Totals totals_at_start(const Simulation& simulation, const QuantitySpec& q) {
+  return totals_of(simulation.setup(), MPI_COMM_SELF, bodies_at_start(simulation.setup()), q);
+}
+
+double relative(double change, double start) {
+  return start == 0 ? nothing : change / start;
+}
+
+// ---- sampled volume ----
+
+constexpr int samples_per_radius = 12;
+
+/// A point in each of the equal cells of a box, on a sheared lattice, so that none of its rows lies along the
+/// surface of a body that is aligned with the axes.
+struct SampledBox {
+  Vec3 lower, spacing;
+  std::array<std::int64_t, 3> count;
+
+  SampledBox(const QuantitySpec& q, double widest) : lower(q.lower) {
+    for (int d = 0; d < 3; ++d) {
+      const double edge = q.upper[d] - q.lower[d];
+      count[d] = std::max<std::int64_t>(1, std::llround(std::ceil(edge / widest)));
+      spacing[d] = edge / static_cast<double>(count[d]);
+    }
+  }
+  double points() const { return 1. * count[0] * count[1] * count[2]; }
+  std::int64_t cell(int d, double x) const {
+    return std::clamp<std::int64_t>(std::llround(std::floor((x - lower[d]) / spacing[d])), 0, count[d] - 1);
+  }
+  Vec3 point(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    constexpr double shear_x = 0.6180339887498949, shear_y = 0.7548776662466927;  // badly approximable
+    const double x = static_cast<double>(i), y = static_cast<double>(j), z = static_cast<double>(k);
+    const double shift_y = shear_x * x, shift_z = shear_y * y + shear_x * x;
+    return lower + spacing.cwiseProduct(
+                       Vec3(x + 0.5, y + shift_y - std::floor(shift_y), z + shift_z - std::floor(shift_z)));
+  }
+};
+
+std::uint64_t points_inside(const SampledBox& box, const rigid::Shape& shape, const rigid::Pose& pose) {
+  const rigid::BoundingBox bounds = rigid::bounding_box(shape, pose);
+  std::array<std::int64_t, 3> from, to;
+  for (int d = 0; d < 3; ++d) {
+    if (bounds.upper[d] < box.lower[d] || bounds.lower[d] > box.lower[d] + box.count[d] * box.spacing[d])
+      return 0;
+    from[d] = box.cell(d, bounds.lower[d]), to[d] = box.cell(d, bounds.upper[d]);
+  }
+  std::uint64_t inside = 0;
+  for (std::int64_t k = from[2]; k <= to[2]; ++k)
+    for (std::int64_t j = from[1]; j <= to[1]; ++j)
+      for (std::int64_t i = from[0]; i <= to[0]; ++i)
+        inside += rigid::contains(shape, pose.to_body(box.point(i, j, k)));
+  return inside;
+}
+
+}  // namespace
+
+double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
+                        const std::function<double(std::size_t)>& value) {
+  return mean_over(simulation, q, value);
+}
+
+// ---- at the end ----
+
+double mean_height(const Simulation& simulation, const QuantitySpec& q) {
+  const BodySet& bodies = simulation.bodies();
+  return mean_over(simulation, q, [&](std::size_t row) { return bodies.position[row][q.axis]; });
+}
+
+double drift(const Simulation& simulation, const QuantitySpec& q) {
+  double furthest = not_yet;
+  for_each_way(simulation, q,
+               [&](std::size_t, const Vec3& way) { furthest = std::max(furthest, way.norm()); });
+  furthest = max_over_ranks(simulation.scene().comm, furthest);
+  return furthest == not_yet ? nothing : furthest;
+}
+
+double displacement(const Simulation& simulation, const QuantitySpec& q) {
+  std::vector<double> ways(simulation.bodies().owned, 0);
+  for_each_way(simulation, q, [&](std::size_t row, const Vec3& way) { ways[row] = way[q.axis]; });
+  return mean_over(simulation, q, [&](std::size_t row) { return ways[row]; });
+}
+
+double mean_velocity(const Simulation& simulation, const QuantitySpec& q) {
+  const BodySet& bodies = simulation.bodies();
+  return mean_over(simulation, q, [&](std::size_t row) { return bodies.velocity[row][q.axis]; });
+}
+
+double mean_angular_velocity(const Simulation& simulation, const QuantitySpec& q) {
+  const BodySet& bodies = simulation.bodies();
+  return mean_over(simulation, q, [&](std::size_t row) { return bodies.angular_velocity[row][q.axis]; });
+}
+
+double momentum_change(const Simulation& simulation, const QuantitySpec& q) {
+  const Totals start = totals_at_start(simulation, q);
+  return relative(totals_now(simulation, q).momentum[q.axis] - start.momentum[q.axis], start.momentum_scale);
+}
+
+double angular_momentum_change(const Simulation& simulation, const QuantitySpec& q) {
+  const Totals start = totals_at_start(simulation, q);
+  return relative((totals_now(simulation, q).angular_momentum - start.angular_momentum).norm(),
+                  start.angular_momentum.norm());
+}
+
+double energy_change(const Simulation& simulation, const QuantitySpec& q) {
+  const double start = totals_at_start(simulation, q).energy;
+  return relative(totals_now(simulation, q).energy - start, start);
+}
+
+double packing_fraction(const Simulation& simulation, const QuantitySpec& q) {
+  const Scene& scene = simulation.scene();
+  const BodySet& bodies = simulation.bodies();
+  const rigid::Extent extent = extent_of(simulation.setup());
+  double radius = std::numeric_limits<double>::infinity();
+  for (const double r : scene.world.bounding_radii) radius = std::min(radius, r);
+  const SampledBox box(q, radius / samples_per_radius);
+  std::uint64_t inside = 0;
+  const std::array<int, 3> reach{extent.periodic[0], extent.periodic[1], extent.periodic[2]};
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row])) continue;
+    rigid::Image i;
+    for (i.x = -reach[0]; i.x <= reach[0]; ++i.x)
+      for (i.y = -reach[1]; i.y <= reach[1]; ++i.y)
+        for (i.z = -reach[2]; i.z <= reach[2]; ++i.z)
+          inside += points_inside(box, scene.world.shapes[bodies.shape[row]],
+                                  {bodies.position[row] + extent.shift(i), bodies.orientation[row]});
+  }
+  sum_over_ranks(scene.comm, std::span(&inside, 1));
+  return static_cast<double>(inside) / box.points();
+}
+
+// ---- over the run ----
+
+void observe_speed(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& largest) {
+  const BodySet& bodies = simulation.bodies();
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (q.is_about(bodies.kind[row])) largest[0] = std::max(largest[0], bodies.velocity[row].norm());
+}
+
+void observe_height(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& largest) {
+  if (static_cast<double>(simulation.steps_done()) < q.time) return;
+  const BodySet& bodies = simulation.bodies();
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (q.is_about(bodies.kind[row])) largest[0] = std::max(largest[0], bodies.position[row][q.axis]);
+}
+
+void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
+                     QuantityHistory& against_and_along) {
+  const BodySet& bodies = simulation.bodies();
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row]) || bodies.position[row][q.axis] < q.height) continue;
+    const double v = bodies.velocity[row][q.axis];
+    against_and_along = {std::max(against_and_along[0], -v), std::max(against_and_along[1], v)};
+  }
+}
+
+double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory& against_and_along) {
+  const auto [against, along] = against_and_along;
+  return against > 0 ? std::max(along, 0.0) / against : nothing;
+}
+
+/// The spin about the axis of the middle moment of inertia, and (Euler's equation without a torque) its rate
+/// of change, tell from the state alone how long ago it was zero.
+void observe_reversal(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& latest) {
+  const BodySet& bodies = simulation.bodies();
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row]) || !bodies.is_free(row)) continue;
+    const Mat3& inertia = bodies.inertia_B[row];
+    const Vec3 middle = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors().col(1);
+    const Vec3 w = bodies.orientation[row].conjugate() * bodies.angular_velocity[row];
+    const double since = middle.dot(w) / middle.dot(inertia.inverse() * (inertia * w).cross(w));
+    const double now = static_cast<double>(simulation.steps_done());
+    if (since >= 0 && since <= std::min(1.0, now)) latest[0] = std::max(latest[0], now - since);
+  }
+}
+
+void observe_energy(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& energy) {
+  const double now = totals_now(simulation, q).energy;
+  if (energy[0] == not_yet) energy[0] = now;
+  energy[1] = std::max(energy[1], now);
+}
+
+double energy_growth(const QuantityHistory& energy) {
+  return energy[0] == not_yet ? nothing : relative(energy[1] - energy[0], energy[0]);
+}
+
+namespace {
+
+double mass_below(const Simulation& simulation, const QuantitySpec& q) {
+  const BodySet& bodies = simulation.bodies();
+  return sums_over<1>(simulation.scene().comm, bodies, q, [&](std::size_t row) {
+    return std::array<double, 1>{bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0};
+  })[0];
+}
+
+}  // namespace
+
+void observe_discharge(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
+  const double now = static_cast<double>(simulation.steps_done());
+  if (start[0] == not_yet && now >= q.time) start = {mass_below(simulation, q), now};
+}
+
+double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
+  const double duration = static_cast<double>(simulation.steps_done()) - start[1];
+  if (start[0] == not_yet || duration == 0) return nothing;
+  return (mass_below(simulation, q) - start[0]) / duration;
+}
+
+/// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
+/// axis: that of the surface, where it is flat and the container round.
+void observe_bed(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum) {
+  if (static_cast<double>(simulation.steps_done()) < q.time) return;
+  const BodySet& bodies = simulation.bodies();
+  const auto s = sums_over<4>(simulation.scene().comm, bodies, q, [&](std::size_t row) {
+    const Vec3 m = bodies.mass[row] * (bodies.position[row] - q.centre);
+    return std::array<double, 4>{m[0], m[1], m[2], bodies.mass[row]};
+  });
+  const Vec3 g = simulation.setup().gravity, way(s[0], s[1], s[2]);
+  const Vec3 axis = Vec3::Unit(q.axis), across = way - way.dot(axis) * axis;
+  const double angle = std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
+  if (sum[0] == not_yet) sum = {0, 0};
+  sum[0] += angle, sum[1] += 1;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,21 @@
+#pragma once
+// What this program was built from.
+#include <string>
+
+#include "adapters/hdf5/provenance.hpp"
+#include "coupler/case/case.hpp"
+
+namespace silt::coupler {
+
+struct BuildInfo {
+  std::string version, commit, compiler;
+};
+const BuildInfo& build_info();
+
+/// The instruction set that the hot kernels use here: "portable", "avx2" or "avx512".
+std::string instruction_set();
+
+/// Where the files of a run that starts now come from.
+adapters::Provenance provenance_of(const Case&, int ranks, const std::string& backend);
+
+}  // namespace silt::coupler

@@ -1,0 +1,284 @@
+#include "coupler/results/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include "coupler/case/case_file.hpp"
+#include "coupler/results/output.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using adapters::CheckpointReader;
+using adapters::CheckpointWriter;
+
+// ---- numbers: one list serves writing and reading ----
+
+template <class Counters, class Visit>
+void visit_counters(Counters& c, Visit&& visit) {
+  visit("covered", c.covered), visit("uncovered", c.uncovered), visit("migrations", c.migrations);
+  visit("contacts", c.contacts), visit("mixed_owner_contacts", c.mixed_owner_contacts);
+  visit("sweeps", c.sweeps), visit("infeasible", c.infeasible);
+  visit("queries", c.queries), visit("fallbacks", c.fallbacks);
+  visit("films", c.films), visit("narrow_without_film", c.narrow_without_film);
+  visit("body_speed", c.body_speed), visit("penetration", c.penetration), visit("residual", c.residual);
+}
+
+template <class Balance, class Visit>
+void visit_balance(Balance& b, Visit&& visit) {
+  visit("initial_mass_deviation", b.mass_deviation), visit("initial_fluid_cells", b.fluid_cells);
+  visit("initial_momentum_x", b.momentum[0]), visit("initial_momentum_y", b.momentum[1]);
+  visit("initial_momentum_z", b.momentum[2]), visit("initial_momentum_scale", b.momentum_scale);
+}
+
+struct Write {
+  CheckpointWriter& writer;
+  void operator()(const char* name, std::uint64_t x) const { writer.set(name, static_cast<std::int64_t>(x)); }
+  void operator()(const char* name, double x) const { writer.set(name, x); }
+};
+
+struct Read {
+  const CheckpointReader& reader;
+  void operator()(const char* name, std::uint64_t& x) const {
+    x = static_cast<std::uint64_t>(reader.integer(name));
+  }
+  void operator()(const char* name, double& x) const { x = reader.number(name); }
+};
+
+std::string history_name(const QuantitySpec& q, int k) {
+  return fmt::format("quantity.{}#{}", q.name, k);
+}
+
+// ---- the watch on what becomes steady ----
+
+void write_steady_watch(CheckpointWriter& writer, const SteadySpec& spec, const SteadyWatch::State& state) {
+  writer.set("steady.quantity", spec.quantity);
+  writer.set("steady.change", spec.change);
+  writer.set("steady.every", spec.every);
+  writer.set("steady.looks", state.looks);
+  writer.set("steady.value", state.value);
+  writer.set("steady.last_change", state.last_change);
+  writer.set("steady.within", state.within);
+}
+
+/// One that began with another rule has seen nothing.
+bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
+  return reader.has("steady.quantity") && reader.text("steady.quantity") == spec.quantity &&
+         reader.number("steady.change") == spec.change && reader.integer("steady.every") == spec.every;
+}
+
+// ---- populations ----
+
+/// Calls take(cell, i) for the cells of a box, x fastest.
+template <class Visit>
+void visit_box(const lbm::CellBox& box, Visit&& visit) {
+  std::size_t i = 0;
+  for (int z = 0; z < box.size.z; ++z)
+    for (int y = 0; y < box.size.y; ++y)
+      for (int x = 0; x < box.size.x; ++x) visit(lbm::Int3{x, y, z}, i++);
+}
+
+template <class T>
+void write_populations(CheckpointWriter& writer, const Case& scene, const Flow& flow) {
+  writer.cells<T>(
+      "populations", scene.cells, lbm::directions, boxes_of(&flow), [&](int q, std::size_t b, T* out) {
+        visit_box(flow.block(int(b)),
+                  [&](lbm::Int3 cell, std::size_t i) { out[i] = T(flow.arriving(int(b), cell, q)); });
+      });
+}
+
+template <class T>
+void read_populations(const CheckpointReader& reader, Flow& flow) {
+  reader.cells<T>("populations", boxes_of(&flow), [&](int q, std::size_t b, const T* in) {
+    visit_box(flow.block(int(b)),
+              [&](lbm::Int3 cell, std::size_t i) { flow.set_arriving(int(b), cell, q, in[i]); });
+  });
+}
+
+void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
+  std::vector<rigid::BodyRecord> records;
+  for (std::size_t row = 0; row < bodies.owned; ++row) records.push_back(bodies.record(row));
+  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned));
+}
+
+// ---- the text of the case ----
+
+/// case.toml as it was read: a case's text without the comments that name the --set arguments.
+std::string file_text(std::string text, const std::vector<std::string>& overrides) {
+  for (auto o = overrides.rbegin(); o != overrides.rend(); ++o) {
+    const std::string comment = fmt::format("\n# --set {}", *o);
+    if (text.ends_with(comment)) text.resize(text.size() - comment.size());
+  }
+  return text;
+}
+
+std::string joined_lines(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + '\n';
+  return text;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Sections that a run may change when it goes on: they do not act on the state.
+bool may_change(std::string_view key) {
+  return key == "run" || key == "output" || key == "quantities" || key.starts_with("run.") ||
+         key.starts_with("output.") || key.starts_with("quantities");
+}
+
+struct Line {
+  int number;
+  std::string text;
+};
+
+/// The lines that matter for the state: none of the sections that may change, no blank lines, no whole-line
+/// comments.
+std::vector<Line> lines_that_matter(const std::string& text) {
+  std::vector<Line> lines;
+  bool skip = false;
+  int number = 0;
+  for (std::string line : split_lines(text)) {
+    ++number;
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first == line.npos || line[first] == '#') continue;
+    line = line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
+    if (line[0] == '[') {
+      const auto name = line.find_first_not_of("[ \t");
+      skip = name != line.npos && may_change(line.substr(name, line.find_first_of("] \t", name) - name));
+    }
+    if (!skip) lines.push_back({number, line});
+  }
+  return lines;
+}
+
+void require_same_text(const CheckpointReader& reader, const Case& now) {
+  const auto before = lines_that_matter(file_text(reader.case_text(), split_lines(reader.text("overrides"))));
+  const auto after = lines_that_matter(file_text(now.text, now.overrides));
+  std::size_t i = 0;
+  while (i < before.size() && i < after.size() && before[i].text == after[i].text) ++i;
+  if (i == before.size() && i == after.size()) return;
+  Place place = now.place("");
+  place.line = i < after.size() ? after[i].number : after.empty() ? 1 : after.back().number;
+  place.column = 1;
+  throw CaseError(
+      place, fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only "
+                         "[run], [output] and [[quantities]] may differ when a run goes on; restore it, or "
+                         "start a new run",
+                         i < before.size() ? before[i].text : ""));
+}
+
+/// The files that the case names, too, must be those of the run.
+void require_same_files(const CheckpointReader& reader, const Case& now) {
+  const auto before = reader.has("files") ? split_lines(reader.text("files")) : std::vector<std::string>{};
+  for (std::size_t i = 0; i < now.files.size(); ++i) {
+    if (i < before.size() && before[i] == now.files[i]) continue;
+    throw CaseError(
+        now.place("shapes"),
+        fmt::format("a file has changed since the checkpoint was written: it was {}; it is {}; restore "
+                    "it, or start a new run",
+                    i < before.size() ? before[i] : "not there", now.files[i]));
+  }
+}
+
+}  // namespace
+
+std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
+                                       const std::filesystem::path& folder,
+                                       const adapters::Provenance& provenance,
+                                       const std::optional<SteadyWatch>& steady) {
+  const Case& scene = simulation.setup();
+  const Flow* flow = simulation.scene().flow.get();
+  const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
+  const RunCounters counters = simulation.counters();
+  const auto history = quantities.history(simulation.scene().comm);
+
+  CheckpointWriter writer(simulation.scene().comm, path, provenance);
+  writer.set("step", simulation.steps_done());
+  writer.set("time", static_cast<double>(simulation.steps_done()) * scene.units.time_step);
+  writer.set("overrides", joined_lines(scene.overrides));
+  writer.set("files", joined_lines(scene.files));
+  visit_counters(counters, Write{writer});
+  visit_balance(simulation.initial_balance(), Write{writer});
+  writer.set("fluid_speed", simulation.fluid_speed());
+  for (std::size_t i = 0; i < history.size(); ++i)
+    for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
+  if (steady) write_steady_watch(writer, *scene.steady, steady->state());
+  if (flow) {
+    writer.set("anchor_mass", flow->anchor().mass);
+    writer.set("anchor_fluid_cells", flow->anchor().fluid_cells);
+    writer.set("anchor_gain", flow->anchor().gain);
+    if (scene.fluid->precision == Precision::double_)
+      write_populations<double>(writer, scene, *flow);
+    else
+      write_populations<float>(writer, scene, *flow);
+  }
+  write_bodies(writer, simulation.bodies());
+  writer.commit(scene.output.keep_checkpoints);
+  return path;
+}
+
+Case case_to_resume(const CheckpointReader& reader, const std::filesystem::path& directory,
+                    const std::vector<std::string>& overrides) {
+  auto all = split_lines(reader.text("overrides"));
+  for (const std::string& o : overrides) {
+    const std::string key = o.substr(0, o.find('='));
+    if (!may_change(key))
+      throw CaseError(Place{"--set " + o},
+                      fmt::format("{} cannot change when a run goes on; only keys of run, output and "
+                                  "quantities can",
+                                  key));
+    all.push_back(o);
+  }
+  Case scene = read_case(directory, all);
+  require_same_text(reader, scene);
+  require_same_files(reader, scene);
+  return scene;
+}
+
+SavedState read_state(const CheckpointReader& reader, const Case& scene) {
+  SavedState state;
+  state.step = reader.integer("step");
+  visit_counters(state.counters, Read{reader});
+  visit_balance(state.initial, Read{reader});
+  state.fluid_speed = reader.number("fluid_speed");
+  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; });
+  state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
+  if (!scene.fluid) return state;
+  state.anchor = {reader.integer("anchor_mass"), reader.integer("anchor_fluid_cells"),
+                  reader.integer("anchor_gain")};
+  const bool is_double = scene.fluid->precision == Precision::double_;
+  state.set_populations = [&reader, is_double](Flow& flow) {
+    is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);
+  };
+  return state;
+}
+
+std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, const Case& scene) {
+  if (!scene.steady) return {};
+  SteadyWatch watch(scene.steady->change);
+  if (has_watch_of(reader, *scene.steady))
+    watch.set_state({reader.integer("steady.looks"), reader.number("steady.value"),
+                     reader.number("steady.last_change"), reader.integer("steady.within")});
+  return watch;
+}
+
+std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const Case& scene) {
+  std::vector<QuantityHistory> history;
+  for (const QuantitySpec& q : scene.quantities) {
+    QuantityHistory& h = history.emplace_back(QuantityHistory{not_yet, not_yet});
+    for (int k = 0; k < 2; ++k)
+      if (reader.has(history_name(q, k))) h[k] = reader.number(history_name(q, k));
+  }
+  return history;
+}
+
+}  // namespace silt::coupler

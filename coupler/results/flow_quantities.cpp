@@ -1,0 +1,175 @@
+#include "coupler/results/flow_quantities.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "coupler/analytic_flow.hpp"
+#include "coupler/exchange/reduce.hpp"
+#include "coupler/for_each_cell.hpp"
+#include "coupler/results/body_quantities.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::FixedSum;
+using rigid::from_fixed;
+using rigid::to_fixed;
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
+double superficial_velocity(const Simulation& simulation, int axis, double frame) {
+  const Flow& flow = *simulation.scene().flow;
+  FixedSum sum = 0;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
+    if (flow.is_fluid(b, cell)) sum += to_fixed(flow.velocity(flow.moments(b, cell))[axis] - frame);
+  });
+  sum_over_ranks(simulation.scene().comm, std::span(&sum, 1));
+  const auto& n = simulation.setup().cells;
+  return from_fixed(sum) / (double(n[0]) * n[1] * n[2]);
+}
+
+struct VortexSums {
+  double error2 = 0, exact2 = 0;           // of |u - exact|^2, |exact|^2
+  double projection = 0, projection0 = 0;  // of u . exact(0), |exact(0)|^2
+};
+
+VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
+  const Flow& flow = *simulation.scene().flow;
+  const double t = static_cast<double>(simulation.steps_done());
+  FixedSum sums[4] = {};
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
+    if (!flow.is_fluid(b, cell)) return;
+    const auto u = flow.velocity(flow.moments(b, cell));
+    const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
+    double terms[4] = {};
+    for (int d = 0; d < 3; ++d) {
+      terms[0] += (u[d] - now[d]) * (u[d] - now[d]), terms[1] += now[d] * now[d];
+      terms[2] += u[d] * begin[d], terms[3] += begin[d] * begin[d];
+    }
+    for (int k = 0; k < 4; ++k) sums[k] += to_fixed(terms[k]);
+  });
+  sum_over_ranks(simulation.scene().comm, sums);
+  return {from_fixed(sums[0]), from_fixed(sums[1]), from_fixed(sums[2]), from_fixed(sums[3])};
+}
+
+}  // namespace
+
+/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
+/// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
+double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
+  const Case& scene = simulation.setup();
+  const rigid::BodySet& bodies = simulation.bodies();
+  const auto shapes = centred_shapes(scene);
+  const auto loads = simulation.last_loads();
+  FixedSum sums[3] = {};  // force, radius, count
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
+    const double volume = shapes[bodies.shape[row]].volume;
+    sums[0] += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
+    sums[1] += to_fixed(std::cbrt(volume * 0.75 / std::numbers::pi));
+    sums[2] += to_fixed(1);
+  }
+  sum_over_ranks(simulation.scene().comm, sums);
+  const double speed = superficial_velocity(simulation, q.axis, 0),
+               viscosity = scene.fluid->kinematic_viscosity;
+  if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return nothing;
+  const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count,
+               radius = from_fixed(sums[1]) / count;
+  return force / (6 * std::numbers::pi * viscosity * radius * speed);
+}
+
+namespace {
+
+/// Mean over the fluid cells of what of(block, cell, moments) gives.
+template <class Of>
+double mean_over_fluid(const Simulation& simulation, Of&& of) {
+  const Flow& flow = *simulation.scene().flow;
+  FixedSum sums[2] = {};  // of the values, of cells
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
+    if (!flow.is_fluid(b, cell)) return;
+    sums[0] += to_fixed(of(b, cell, flow.moments(b, cell))), sums[1] += to_fixed(1);
+  });
+  sum_over_ranks(simulation.scene().comm, sums);
+  return sums[1] > 0 ? from_fixed(sums[0]) / from_fixed(sums[1]) : nothing;
+}
+
+/// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]
+/// (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1).
+double strain_rate_squared(const Flow& flow, int b, lbm::Int3 cell, const lbm::Moments& m,
+                           const FluidSpec& fluid) {
+  constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+  const rigid::Vec3& force = fluid.body_force;
+  const auto u = flow.velocity(m);
+  double flux[6] = {};  // of momentum, not in equilibrium: xx, yy, zz, xy, xz, yz
+  for (int i = 1; i < lbm::directions; ++i) {
+    const lbm::Int3 c = lbm::c[i];
+    const double g = flow.arriving(b, cell, i);
+    flux[0] += g * c.x * c.x, flux[1] += g * c.y * c.y, flux[2] += g * c.z * c.z;
+    flux[3] += g * c.x * c.y, flux[4] += g * c.x * c.z, flux[5] += g * c.y * c.z;
+  }
+  double squares = 0;
+  for (int k = 0; k < 6; ++k) {
+    const auto [a, b] = pairs[k];
+    flux[k] += 0.5 * (u[a] * force[b] + force[a] * u[b]) - u[a] * u[b];
+    if (a == b) flux[k] -= m.density_deviation / 3;
+    squares += (a == b ? 1 : 2) * flux[k] * flux[k];
+  }
+  return squares * 9 / (4 * fluid.relaxation_time * fluid.relaxation_time);
+}
+
+}  // namespace
+
+double kinetic_energy(const Simulation& simulation) {
+  const Flow& flow = *simulation.scene().flow;
+  return mean_over_fluid(simulation, [&](int, lbm::Int3, const lbm::Moments& m) {
+    const auto u = flow.velocity(m);
+    return 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+  });
+}
+
+double dissipation(const Simulation& simulation) {
+  const Flow& flow = *simulation.scene().flow;
+  const FluidSpec& fluid = *simulation.setup().fluid;
+  return 2 * fluid.kinematic_viscosity *
+         mean_over_fluid(simulation, [&](int b, lbm::Int3 cell, const lbm::Moments& m) {
+           return strain_rate_squared(flow, b, cell, m, fluid);
+         });
+}
+
+double superficial_velocity(const Simulation& simulation, const QuantitySpec& q) {
+  const double bodies = simulation.scene().body_count > 0 ? mean_velocity(simulation, q) : 0;
+  return superficial_velocity(simulation, q.axis, bodies);
+}
+
+double profile_error(const Simulation& simulation, const QuantitySpec& q) {
+  const Flow& flow = *simulation.scene().flow;
+  const auto exact = exact_profile(simulation.setup(), q.profile);
+  double error = 0;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
+    if (!flow.is_fluid(b, cell)) return;
+    const auto u = flow.velocity(flow.moments(b, cell));
+    const double e =
+        (rigid::Vec3(u[0], u[1], u[2]) - exact->velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
+    if (!(e <= error)) error = e;  // a NaN stays
+  });
+  return max_over_ranks(simulation.scene().comm, error) / exact->largest();
+}
+
+double vortex_velocity_error(const Simulation& simulation) {
+  const VortexSums sums = vortex_sums(simulation, TaylorGreen(simulation.setup()));
+  return std::sqrt(sums.error2 / sums.exact2);
+}
+
+double vortex_decay_error(const Simulation& simulation) {
+  if (simulation.steps_done() == 0) return nothing;
+  const TaylorGreen exact(simulation.setup());
+  const VortexSums sums = vortex_sums(simulation, exact);
+  const double rate =
+      -std::log(sums.projection / sums.projection0) / static_cast<double>(simulation.steps_done());
+  return rate / exact.decay_rate() - 1;
+}
+
+}  // namespace silt::coupler

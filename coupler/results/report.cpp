@@ -1,0 +1,215 @@
+#include "coupler/results/report.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "coupler/exchange/reduce.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/state_hash.hpp"
+#include "lbm/cut_links.hpp"
+#include "rigid/shapes/curvature.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using adapters::Json;
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();  // null in the file
+
+Json spread(const Simulation& simulation, double mine) {
+  const MPI_Comm comm = simulation.scene().comm;
+  double most[2] = {mine, -mine}, sum = mine;
+  max_over_ranks(comm, most);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return Json::object({{"min", -most[1]}, {"avg", sum / simulation.scene().ranks}, {"max", most[0]}});
+}
+
+bool has_stage(const Scene& scene, Stage stage) {
+  switch (stage) {
+    case Stage::object_mapping:
+    case Stage::force_evaluation:
+      return scene.flow && scene.has_surfaces();
+    case Stage::lbm_communication:
+    case Stage::stream_collide:
+      return scene.flow != nullptr;
+    default:
+      return scene.rigid_step != nullptr;
+  }
+}
+
+Json stage_seconds(const Simulation& simulation) {
+  Json stages = Json::object();
+  for (int s = 0; s < int(Stage::count); ++s)
+    if (has_stage(simulation.scene(), Stage(s)))
+      stages[stage_names[s]] = spread(simulation, simulation.stage_seconds()[s]);
+  return stages;
+}
+
+Json skipped_passes(const Scene& scene) {
+  Json skipped = Json::array();
+  for (int s = 0; s < int(Stage::count); ++s)
+    if (!has_stage(scene, Stage(s))) skipped.push_back(stage_names[s]);
+  const Case& setup = scene.setup;
+  const auto skip = [&](bool absent, const char* name) {
+    if (absent) skipped.push_back(name);
+  };
+  skip(scene.ranks == 1, "messages between ranks");
+  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
+  skip(scene.rigid_step && setup.gravity.isZero(0), "gravity");
+  skip(scene.flow && setup.fluid->body_force.isZero(0), "body force");
+  const auto none = [&](double rigid::Material::*coefficient) {
+    return std::all_of(setup.pair_materials.begin(), setup.pair_materials.end(),
+                       [&](const rigid::Material& m) { return m.*coefficient == 0; });
+  };
+  skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
+  skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
+  skip(scene.flow && scene.rigid_step && !scene.world.films, "lubrication");
+  skip(setup.output.fields.every == 0, "field output");
+  skip(setup.output.bodies.every == 0, "body output");
+  skip(setup.output.checkpoint.every == 0, "checkpoints");
+  return skipped;
+}
+
+/// Momentum is a constant only where nothing outside the box acts.
+bool keeps_momentum(const Scene& scene) {
+  const Case& c = scene.setup;
+  if (!c.walls.empty()) return false;
+  if (!c.gravity.isZero(0) || (c.fluid && !c.fluid->body_force.isZero(0))) return false;
+  for (int d = 0; d < 3; ++d)
+    if (!c.periodic(d)) return false;
+  return std::all_of(c.bodies.begin(), c.bodies.end(),
+                     [](const BodySpec& b) { return b.motion == rigid::Motion::free; });
+}
+
+/// Shapes that have flat faces or edges, and so no lubrication anywhere on them.
+Json unlubricated_shapes(const Case& scene) {
+  Json names = Json::array();
+  for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
+    const auto parts = rigid::convex_parts(scene.shapes[s]);
+    if (std::none_of(parts.begin(), parts.end(), [](const auto& p) { return rigid::is_smooth(p.shape); }))
+      names.push_back(scene.shape_names[s]);
+  }
+  return names;
+}
+
+Json lubrication_of(const Scene& scene) {
+  if (!scene.world.films) return Json();
+  return Json::object(
+      {{"reach_cells", scene.world.films->reach()}, {"shapes_without", unlubricated_shapes(scene.setup)}});
+}
+
+void add_scene(const Simulation& simulation, Json& report) {
+  const Scene& scene = simulation.scene();
+  const Case& c = scene.setup;
+  report["title"] = c.title;
+  report["ranks"] = scene.ranks;
+  report["blocks"] = scene.domain.blocks().size();
+  report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
+  report["bodies"] = scene.body_count;
+  report["backend"] = scene.backend_name();
+  report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
+  if (c.fluid) {
+    report["collision"] = c.fluid->bgk ? "bgk" : "trt";
+    report["relaxation_time"] = c.fluid->relaxation_time;
+    report["precision"] = c.fluid->precision == Precision::double_ ? "double" : "single";
+    report["wall_scheme"] = std::string(lbm::wall_scheme_names[int(c.coupling.wall_scheme)]);
+    report["time_coupling"] = c.coupling.time == TimeCoupling::implicit_ ? "implicit" : "explicit";
+    report["refill"] = c.coupling.refill == Refill::grad ? "grad" : "equilibrium";
+    report["lubrication"] = lubrication_of(scene);
+    report["force"] = c.coupling.force == ForceForm::exact ? "exact" : "galilean";
+  }
+}
+
+void add_balance(Simulation& simulation, Json& report) {
+  const Balance& before = simulation.initial_balance();
+  const Balance now = simulation.balance();
+  // of the whole mass of the fluid at the start
+  report["mass_drift"] =
+      before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
+  // what of it the pressure anchor knows of and takes out in the next step
+  report["mass_surplus"] = before.fluid_cells > 0 ? double(simulation.scene().flow->anchor().mass) *
+                                                        lbm::mass_quantum / before.fluid_cells
+                                                  : unknown;
+  // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
+  // acts from outside
+  const double scale = std::max(before.momentum_scale, now.momentum_scale);
+  report["momentum_drift"] = keeps_momentum(simulation.scene()) && scale > 0
+                                 ? (now.momentum - before.momentum).norm() / scale
+                                 : unknown;
+}
+
+void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& report) {
+  const Units& units = simulation.setup().units;
+  const RunCounters c = simulation.counters();
+  const double fluid = std::max(simulation.fluid_speed(), totals ? totals->max_speed : 0);
+  const double fastest = std::max(c.body_speed, fluid);
+  report["max_velocity"] = units.physical(fastest, dimension::velocity);
+  report["max_velocity_lattice"] = fastest;
+  report["max_body_velocity"] = units.physical(c.body_speed, dimension::velocity);
+  if (totals) {
+    report["min_density"] = totals->min_density;
+    report["max_density"] = totals->max_density;
+    report["fluid_cells"] = totals->fluid_cells;
+  }
+  report["max_penetration"] = units.physical(c.penetration, dimension::length);
+  report["contacts"] = c.contacts;
+  report["contacts_now"] = simulation.contacts_now();
+  report["mixed_owner_contacts"] = c.mixed_owner_contacts;
+  report["resolver_sweeps"] = c.sweeps;
+  report["resolver_residual"] = c.residual;
+  report["infeasible"] = c.infeasible;
+  report["collision_queries"] = c.queries;
+  report["fallbacks"] = c.fallbacks;
+  report["migrations"] = c.migrations;
+  report["covered"] = c.covered;
+  report["uncovered"] = c.uncovered;
+  if (simulation.scene().world.films) {
+    report["lubricated_contacts"] = c.films;
+    report["unlubricated_contacts"] = c.narrow_without_film;
+  }
+  report["links"] = simulation.links();
+}
+
+void add_times(const Simulation& simulation, const RunStatus& status, Json& report) {
+  const Scene& scene = simulation.scene();
+  const double in_steps = max_over_ranks(scene.comm, simulation.step_seconds());
+  const double steps = double(simulation.steps_done() - status.first_step);
+  const double cells = double(scene.setup.cells[0]) * scene.setup.cells[1] * scene.setup.cells[2];
+  report["mlups"] = scene.flow && in_steps > 0 ? steps * cells / in_steps * 1e-6 : scene.flow ? 0.0 : unknown;
+  report["wall_seconds"] = status.wall_seconds;
+  report["step_seconds"] = in_steps;
+  report["stage_seconds"] = stage_seconds(simulation);
+}
+
+}  // namespace
+
+Json report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
+  const Scene& scene = simulation.scene();
+  Json report = Json::object();
+  report["exit_reason"] = status.exit_reason;
+  if (!status.exit_text.empty()) report["exit_text"] = status.exit_text;
+  report["steps"] = simulation.steps_done();
+  if (status.first_step > 0) report["resumed_at"] = status.first_step;
+  report["time"] = double(simulation.steps_done()) * scene.setup.units.time_step;
+  report["units"] = scene.setup.units.si ? "si" : "lattice";
+  add_scene(simulation, report);
+  report["state_hash"] = status.state_is_sound ? Json(hex(simulation.hash())) : Json();
+  add_times(simulation, status, report);
+  report["skipped"] = skipped_passes(scene);
+  report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
+  if (status.state_is_sound) add_balance(simulation, report);
+  FlowTotals totals;
+  if (scene.flow) totals = scene.flow->totals();
+  add_counters(simulation, scene.flow ? &totals : nullptr, report);
+  report["quantities"] = Json::object();
+  if (status.state_is_sound)
+    for (const auto& [name, value] : quantities.evaluate(simulation)) report["quantities"][name] = value;
+  report["version"] = build_info().version;
+  report["commit"] = build_info().commit;
+  report["compiler"] = build_info().compiler;
+  report["instruction_set"] = instruction_set();
+  return report;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,24 @@
+#pragma once
+// report.json: the figures of a run that other programs read.
+#include <string>
+
+#include "adapters/json/json.hpp"
+#include "coupler/results/quantities.hpp"
+#include "coupler/simulation.hpp"
+
+namespace silt::coupler {
+
+/// How a run stands, beside what its simulation knows.
+struct RunStatus {
+  std::string exit_reason = "running";  // "completed", "steady", "interrupted", "guard", "error"
+  std::string exit_text;                // for the last three: what happened
+  std::int64_t first_step = 0;          // where this start began: above 0 after a resume
+  double wall_seconds = 0;              // since this start
+  bool state_is_sound = true;           // false: no hash, no quantities
+};
+
+/// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths
+/// and quantities in the units of the case.
+adapters::Json report_of(Simulation&, const Quantities&, const RunStatus&);
+
+}  // namespace silt::coupler

@@ -1,0 +1,94 @@
+#include "coupler/results/result_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+#include <vector>
+
+namespace silt::coupler {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw std::runtime_error(fmt::format("{}: {}", path.string(), what));
+}
+
+fs::path first_free(const fs::path& folder) {
+  for (int n = 1;; ++n) {
+    const fs::path candidate = folder.string() + "." + std::to_string(n);
+    if (!fs::exists(fs::symlink_status(candidate))) return candidate;
+  }
+}
+
+}  // namespace
+
+bool is_result(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const auto is = [&](std::string_view begin, std::string_view end) {
+    return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
+  };
+  static const std::vector<std::string> names = {"run.log",    "report.json",     "report.html",
+                                                 "bodies.h5",  "mean_height.png", "velocity.png",
+                                                 "bodies.png", "slice.png",       "stages.png"};
+  return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
+         is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
+         is("checkpoint_", ".h5") || name.ends_with(".part");
+}
+
+std::string prepare_result_folder(const fs::path& given, bool overwrite) {
+  const fs::path folder = given.has_filename() ? given : given.parent_path();
+  std::error_code error;
+  if (fs::exists(folder) && !fs::is_directory(folder)) fail(folder, "is a file; the results need a folder");
+  std::vector<fs::path> results, others;
+  if (fs::exists(folder))
+    for (const auto& entry : fs::directory_iterator(folder))
+      (is_result(entry.path()) ? results : others).push_back(entry.path());
+  std::string done;
+  if (!results.empty() && overwrite) {
+    for (const fs::path& path : results)
+      if (!fs::remove(path, error) && error) fail(path, "cannot be deleted: " + error.message());
+    done = fmt::format("the earlier results in {} are deleted", folder.string());
+  } else if (!results.empty()) {
+    if (!others.empty())
+      fail(folder,
+           fmt::format(
+               "holds results of an earlier run, and {} that is none; choose another folder with --out, or "
+               "delete the results with --overwrite",
+               others[0].filename().string()));
+    const fs::path aside = first_free(folder);
+    fs::rename(folder, aside, error);
+    if (error)
+      fail(folder, fmt::format("holds results of an earlier run and cannot be moved to {}: {}",
+                               aside.string(), error.message()));
+    done = fmt::format("the earlier results are now in {}", aside.string());
+  }
+  fs::create_directories(folder, error);
+  if (error) fail(folder, "cannot be made: " + error.message());
+  return done;
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  const fs::path part = path.string() + ".part";
+  {
+    std::ofstream file(part, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) {
+      const std::string reason = std::strerror(errno);
+      std::error_code ignored;
+      fs::remove(part, ignored);
+      fail(path, "cannot be written: " + reason);
+    }
+  }
+  std::error_code error;
+  fs::rename(part, path, error);
+  if (error) fail(path, "cannot be written: " + error.message());
+}
+
+}  // namespace silt::coupler

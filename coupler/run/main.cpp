@@ -1,0 +1,142 @@
+// The program `silt`: its command line.
+#include <fmt/format.h>
+#include <mpi.h>
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+
+#include "adapters/hdf5/describe_file.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/case/derived_table.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/run/run.hpp"
+#include "coupler/run/stop_request.hpp"
+
+namespace silt::coupler {
+namespace {
+
+struct CommandLine {
+  RunOptions run;
+  std::string case_directory, out, backend, checkpoint, file;
+  std::int64_t steps = 0;
+};
+
+/// --backend and --steps are short for --set.
+RunOptions options_of(const CommandLine& line) {
+  RunOptions options = line.run;
+  options.directory = line.case_directory;
+  if (!line.out.empty()) options.out = line.out;
+  if (!line.checkpoint.empty()) options.checkpoint = line.checkpoint;
+  if (!line.backend.empty()) options.overrides.push_back("contacts.backend=\"" + line.backend + "\"");
+  if (line.steps > 0) options.overrides.push_back(fmt::format("run.steps={}", line.steps));
+  return options;
+}
+
+Exit check(const CommandLine& line, bool loud) {
+  try {
+    const RunOptions options = options_of(line);
+    const Case scene = read_case(options.directory, options.overrides);
+    const auto warnings = require_runnable(scene);
+    if (loud) fmt::print("{}{}", derived_table(scene), listed(warnings));
+    return Exit::done;
+  } catch (const std::exception& error) {
+    if (loud) fmt::print(stderr, "{}\n", error.what());
+    return Exit::bad_case;
+  }
+}
+
+Exit info(const CommandLine& line, bool loud) {
+  if (!loud) return Exit::done;
+  try {
+    fmt::print("{}", adapters::describe_file(line.file));
+    return Exit::done;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return Exit::bad_case;
+  }
+}
+
+/// Instead of CLI::PositiveNumber, whose complaint names the largest double there is.
+const CLI::Validator above_zero(
+    [](std::string& text) {
+      return CLI::PositiveNumber(text).empty() ? "" : fmt::format("{} is not a number above 0", text);
+    },
+    "");
+
+void add_case(CLI::App& command, CommandLine& line) {
+  command.add_option("CASE", line.case_directory, "case directory, or a .toml file")->required();
+  command.add_option("--set", line.run.overrides, "key.path=value: another value for a key of the case")
+      ->take_all()
+      ->expected(1)
+      ->type_name("KEY=VALUE");
+}
+
+void add_run(CLI::App& command, CommandLine& line) {
+  add_case(command, line);
+  command.add_option("--out", line.out, "folder for the results (CASE/out)")->type_name("DIR");
+  command.add_option("--steps", line.steps, "short for --set run.steps=N")->check(above_zero)->type_name("N");
+  command
+      .add_option("--time-limit", line.run.time_limit,
+                  "stop with a checkpoint after so many seconds of wall-clock time")
+      ->check(above_zero)
+      ->type_name("SECONDS");
+}
+
+Exit main_on(MPI_Comm comm, int argc, char** argv) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const bool loud = rank == 0;
+  CommandLine line;
+  CLI::App app("Silt: rigid bodies in a fluid, both fully resolved");
+  app.footer(
+      "exit codes: 0 done, 1 a file could not be written or the like, 2 bad case or usage, 3 stopped by a "
+      "guard,\n"
+      "4 interrupted, with a checkpoint");
+  app.set_version_flag("--version",
+                       fmt::format("silt {} ({}), {}, {}", build_info().version, build_info().commit,
+                                   build_info().compiler, instruction_set()));
+  app.require_subcommand(1);
+  CLI::App* run =
+      app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");
+  CLI::App* resume = app.add_subcommand("resume", "goes on from the newest checkpoint");
+  CLI::App* checks =
+      app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
+  CLI::App* infos = app.add_subcommand("info", "says what is in a file of results");
+  add_run(*run, line);
+  run->add_option("--backend", line.backend, "collision backend: auto, analytic, bullet, fcl")
+      ->type_name("NAME");
+  run->add_flag("--overwrite,--force", line.run.overwrite,
+                "delete the results of an earlier run instead of moving them");
+  add_run(*resume, line);
+  resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
+  add_case(*checks, line);
+  infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf or checkpoint_*.h5")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (loud) app.exit(error);
+    return error.get_exit_code() == 0 ? Exit::done : Exit::bad_case;
+  }
+  if (checks->parsed()) return check(line, loud);
+  if (infos->parsed()) return info(line, loud);
+  catch_signals();
+  return resume->parsed() ? resume_case(options_of(line), comm) : run_case(options_of(line), comm);
+}
+
+}  // namespace
+}  // namespace silt::coupler
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  int code = 1;
+  try {
+    code = int(silt::coupler::main_on(MPI_COMM_WORLD, argc, argv));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "silt: {}\n", error.what());
+    std::fflush(nullptr);
+    MPI_Abort(MPI_COMM_WORLD, code);
+  }
+  MPI_Finalize();
+  return code;
+}

@@ -1,0 +1,112 @@
+#include "coupler/run/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+namespace silt::coupler {
+
+namespace {
+
+// Seconds between two lines: on a terminal, in a log or a pipe.
+constexpr double terminal_interval = 0.2, log_interval = 10;
+
+double seconds(std::chrono::steady_clock::duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+
+/// 4 s, 3 min 20 s, 2 h 05 min
+std::string duration_text(double s) {
+  const auto t = static_cast<std::int64_t>(s + 0.5);
+  if (t < 60) return fmt::format("{} s", t);
+  if (t < 3600) return fmt::format("{} min {:02} s", t / 60, t % 60);
+  return fmt::format("{} h {:02} min", t / 3600, t % 3600 / 60);
+}
+
+}  // namespace
+
+Progress::Progress(const Case& scene, std::int64_t first_step, const std::filesystem::path& log, bool loud)
+    : steps_(scene.steps),
+      first_step_(first_step),
+      cells_(scene.fluid ? double(scene.cells[0]) * scene.cells[1] * scene.cells[2] : 0),
+      time_step_(scene.units.time_step),
+      si_(scene.units.si),
+      loud_(loud) {
+  begin_ = shown_ = logged_ = Clock::now();
+  if (!loud_) return;
+  // mpirun gives its first rank a terminal even if its own output goes elsewhere: then this must say so.
+  const char* plain = std::getenv("SILT_PLAIN");
+  terminal_ = isatty(STDOUT_FILENO) && !(plain && *plain);
+  log_ = std::fopen(log.c_str(), "a");
+  if (!log_)
+    throw std::runtime_error(fmt::format("{}: cannot be opened: {}", log.string(), std::strerror(errno)));
+}
+
+Progress::~Progress() {
+  if (log_) std::fclose(log_);
+}
+
+void Progress::clear_line() {
+  if (width_ > 0) std::fputs(fmt::format("\r{:{}}\r", "", width_).c_str(), stdout);
+  width_ = 0;
+}
+
+void Progress::say(const std::string& text) {
+  if (!loud_) return;
+  clear_line();
+  std::puts(text.c_str());
+  std::fflush(stdout);
+  log(text);
+}
+
+void Progress::log(const std::string& text) {
+  if (!log_) return;
+  std::fprintf(log_, "%s\n", text.c_str());
+  std::fflush(log_);
+}
+
+void Progress::step(std::int64_t step) {
+  if (!loud_) return;
+  const auto now = Clock::now();
+  if (seconds(now - shown_) >= (terminal_ ? terminal_interval : log_interval)) show(step);
+  if (seconds(now - logged_) >= log_interval) log(line(step)), logged_ = now;
+}
+
+void Progress::show(std::int64_t step) {
+  const std::string text = line(step);
+  if (terminal_) {
+    std::fputs(fmt::format("\r{:<{}}", text, width_).c_str(), stdout);
+    width_ = std::max(width_, text.size());
+  } else {
+    std::puts(text.c_str());
+  }
+  std::fflush(stdout);
+  shown_ = Clock::now();
+}
+
+void Progress::finish(std::int64_t step) {
+  if (!loud_) return;
+  show(step);
+  if (terminal_) std::puts("");
+  width_ = 0;
+  log(line(step));
+}
+
+std::string Progress::line(std::int64_t step) const {
+  const double elapsed = seconds(Clock::now() - begin_);
+  const double done = double(step - first_step_), rate = elapsed > 0 ? done / elapsed : 0;
+  std::string text = fmt::format("step {}/{} ({:.1f} %)", step, steps_, 100. * double(step) / double(steps_));
+  if (si_) text += fmt::format("  {:.4g} s simulated", double(step) * time_step_);
+  text += cells_ > 0 ? fmt::format("  {:.2f} MLUPS", rate * cells_ * 1e-6)
+                     : fmt::format("  {:.4g} steps/s", rate);
+  text += fmt::format("  {} elapsed", duration_text(elapsed));
+  if (step < steps_ && rate > 0)
+    text += fmt::format(", {} left", duration_text(double(steps_ - step) / rate));
+  return text;
+}
+
+}  // namespace silt::coupler

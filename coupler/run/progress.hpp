@@ -1,0 +1,46 @@
+#pragma once
+// What the user sees of a run: a line that keeps itself up to date on a terminal, else (or if the environment
+// variable SILT_PLAIN is set) one every few seconds; all of it also in run.log. Rank 0 only; other ranks hold
+// a silent one.
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "coupler/case/case.hpp"
+
+namespace silt::coupler {
+
+class Progress {
+ public:
+  /// Appends to `log`. `loud`: this is the rank that prints. std::runtime_error if the log cannot be opened.
+  Progress(const Case&, std::int64_t first_step, const std::filesystem::path& log, bool loud);
+  ~Progress();
+  Progress(const Progress&) = delete;
+
+  /// A line for the user and for the log.
+  void say(const std::string&);
+  /// For the log only.
+  void log(const std::string&);
+  /// After a step; prints now and then.
+  void step(std::int64_t step);
+  /// The last state of the line.
+  void finish(std::int64_t step);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string line(std::int64_t step) const;
+  void show(std::int64_t step);
+  void clear_line();
+
+  const std::int64_t steps_, first_step_;
+  const double cells_, time_step_;  // cells: of the fluid, 0 without
+  const bool si_, loud_;
+  bool terminal_ = false;
+  std::FILE* log_ = nullptr;
+  Clock::time_point begin_, shown_, logged_;
+  std::size_t width_ = 0;  // of the line on the terminal
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,354 @@
+#include "coupler/run/run.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
+#include "adapters/hdf5/together.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/case/derived_table.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/results/output.hpp"
+#include "coupler/results/report.hpp"
+#include "coupler/results/result_folder.hpp"
+#include "coupler/run/progress.hpp"
+#include "coupler/run/stop_request.hpp"
+
+namespace silt::coupler {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What a run needs before its first step; made together, so that an error on any rank is one on all.
+struct Prepared {
+  std::unique_ptr<Simulation> simulation;
+  std::unique_ptr<Quantities> quantities;
+  std::optional<SteadyWatch> steady;  // where the case asks for it
+  std::vector<Diagnostic> warnings;
+  std::string folder_note;
+};
+
+class Run {
+ public:
+  Run(Prepared prepared, fs::path folder, const RunOptions& options, bool resumed);
+  Exit go();
+
+ private:
+  const Case& setup() const { return simulation_.setup(); }
+  bool is_steady() const { return prepared_.steady && prepared_.steady->steady(); }
+  bool ended() const { return simulation_.steps_done() >= setup().steps || is_steady(); }
+  bool due(const SeriesSpec& series) const;
+  void greet();
+  void start_outputs();
+  void advance();
+  void watch();
+  void write_outputs();
+  void checkpoint();
+  void write_report(const std::string& reason, const std::string& text, bool sound);
+  Exit end(Exit, const std::string& reason, const std::string& text);
+  [[noreturn]] void abort_alone(Exit, const std::string& reason, const std::string& text);
+  std::string last_checkpoint_text() const;
+
+  Prepared prepared_;
+  Simulation& simulation_;
+  Quantities& quantities_;
+  const MPI_Comm comm_;
+  const fs::path folder_;
+  const bool resumed_;
+  const std::string resume_with_;  // arguments of silt resume
+  const std::int64_t first_step_;
+  const double begin_ = MPI_Wtime();
+  const adapters::Provenance provenance_;
+  StopRequest stop_request_;
+  std::unique_ptr<Progress> progress_;
+  std::unique_ptr<BodyOutput> body_output_;
+  std::string last_checkpoint_;
+};
+
+Run::Run(Prepared prepared, fs::path folder, const RunOptions& options, bool resumed)
+    : prepared_(std::move(prepared)),
+      simulation_(*prepared_.simulation),
+      quantities_(*prepared_.quantities),
+      comm_(simulation_.scene().comm),
+      folder_(std::move(folder)),
+      resumed_(resumed),
+      resume_with_(options.directory.string() + (options.out ? " --out " + options.out->string() : "")),
+      first_step_(simulation_.steps_done()),
+      provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
+      stop_request_(comm_, options.time_limit) {}
+
+Exit Run::go() {
+  try {
+    adapters::together(comm_, [&] {
+      progress_ = std::make_unique<Progress>(setup(), first_step_, folder_ / "run.log",
+                                             simulation_.scene().rank == 0);
+    });
+    greet();
+    start_outputs();
+    while (!ended()) {
+      advance();
+      watch();
+      write_outputs();
+      const std::string why = stop_request_.why(simulation_.steps_done());
+      if (why.empty() || ended()) continue;
+      checkpoint();
+      return end(Exit::interrupted, "interrupted",
+                 fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(),
+                             resume_with_));
+    }
+    return end(Exit::done, is_steady() ? "steady" : "completed", "");
+  } catch (const GuardStop& stop) {  // every rank: a guard of the fluid
+    return end(Exit::guard, "guard", stop.what() + last_checkpoint_text());
+  } catch (const std::exception& error) {  // every rank: outputs fail together
+    return end(Exit::failed, "error", error.what() + last_checkpoint_text());
+  }
+}
+
+/// One step. What goes wrong on this rank leaves the others waiting for it: unless it is alone, that ends
+/// everything.
+void Run::advance() {
+  const int rank = simulation_.scene().rank;
+  try {
+    simulation_.step();
+    quantities_.observe(simulation_);
+  } catch (const GuardStop& stop) {
+    if (simulation_.scene().ranks == 1) throw;
+    abort_alone(Exit::guard, "guard", stop.what());
+  } catch (const std::overflow_error& error) {
+    const std::string text = overflow_text(setup(), error.what(), simulation_.steps_done() + 1, rank);
+    if (simulation_.scene().ranks == 1) throw GuardStop(text);
+    abort_alone(Exit::guard, "guard", text);
+  } catch (const std::exception& error) {
+    if (simulation_.scene().ranks == 1) throw;
+    abort_alone(Exit::failed, "error",
+                fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
+  }
+  progress_->step(simulation_.steps_done());
+}
+
+/// Collective: looks whether the flow has become steady, where the case asks for it and it is time to.
+void Run::watch() {
+  if (!prepared_.steady || simulation_.steps_done() % setup().steady->every != 0) return;
+  const std::string& name = setup().steady->quantity;
+  const double value = quantities_.evaluate(simulation_, name);
+  prepared_.steady->look(value);
+  if (is_steady())
+    progress_->log(
+        fmt::format("step {}: {} is {}, and steady", simulation_.steps_done(), name, shown(value)));
+}
+
+bool Run::due(const SeriesSpec& series) const {
+  return series.every > 0 && (simulation_.steps_done() % series.every == 0 || ended());
+}
+
+void Run::start_outputs() {
+  const OutputSpec& output = setup().output;
+  if (output.bodies.every > 0 && simulation_.scene().body_count > 0)
+    body_output_ = std::make_unique<BodyOutput>(simulation_, folder_, provenance_, resumed_);
+  if (resumed_) return;
+  quantities_.observe(simulation_);
+  if (simulation_.scene().flow) simulation_.look_at_flow();
+  if (body_output_) body_output_->append(simulation_);
+  if (output.fields.every > 0) write_flow_fields(simulation_, folder_, provenance_);
+}
+
+void Run::write_outputs() {
+  const OutputSpec& output = setup().output;
+  const bool fields = due(output.fields), bodies = body_output_ && due(output.bodies);
+  const bool save = due(output.checkpoint), report = due(output.report);
+  const std::int64_t step = simulation_.steps_done();
+  if (simulation_.scene().flow &&
+      (step % guard_interval == 0 || ended() || fields || bodies || save || report))
+    simulation_.look_at_flow();
+  if (bodies) body_output_->append(simulation_);
+  if (fields) write_flow_fields(simulation_, folder_, provenance_);
+  if (save) checkpoint();
+  if (report && !ended()) write_report("running", "", true);
+}
+
+void Run::checkpoint() {
+  last_checkpoint_ =
+      write_checkpoint(simulation_, quantities_, folder_, provenance_, prepared_.steady).string();
+  progress_->log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
+}
+
+std::string Run::last_checkpoint_text() const {
+  if (!last_checkpoint_.empty()) return fmt::format("\nlast checkpoint: {}", last_checkpoint_);
+  const auto there = adapters::list_checkpoints(folder_);
+  if (there.empty()) return "\nno checkpoint has been written (see output.checkpoint)";
+  return fmt::format("\nlast checkpoint: {}", there.front().path.string());
+}
+
+void Run::greet() {
+  const Scene& scene = simulation_.scene();
+  if (!prepared_.folder_note.empty()) progress_->say(prepared_.folder_note);
+  progress_->log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
+                             provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
+                             scene.domain.blocks().size(), instruction_set(), provenance_.created,
+                             derived_table(setup())));
+  for (const Diagnostic& warning : prepared_.warnings) progress_->say(warning.line());
+  const auto& n = setup().cells;
+  std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
+  if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);
+  text += fmt::format("{} {} bodies, {} rank{}", scene.flow ? "," : ":", scene.body_count, scene.ranks,
+                      scene.ranks > 1 ? "s" : "");
+  progress_->say(text);
+  if (resumed_) progress_->say(fmt::format("goes on from step {}", first_step_));
+  progress_->say(fmt::format("results go to {}", folder_.string()));
+}
+
+/// Collective.
+void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
+  const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
+  const std::string report = report_of(simulation_, quantities_, status).text();
+  adapters::on_rank_0(comm_, [&] { write_text(folder_ / "report.json", report + "\n"); });
+}
+
+/// The end that every rank comes to.
+Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
+  const bool loud = simulation_.scene().rank == 0;
+  if (progress_) progress_->finish(simulation_.steps_done());
+  if (!text.empty() && progress_) progress_->log(text);
+  if (!text.empty() && loud) fmt::print(stderr, "silt: {}\n", text);
+  try {
+    write_report(reason, text, code != Exit::guard);
+  } catch (const std::exception& error) {
+    if (loud && error.what() != text) fmt::print(stderr, "silt: {}\n", error.what());
+    if (code == Exit::done) return Exit::failed;
+  }
+  return code;
+}
+
+/// This rank alone knows of an error; the others wait for it somewhere. One of them that fail alone at the
+/// same time speaks and leaves a short report: the one that can create its file.
+void Run::abort_alone(Exit code, const std::string& reason, const std::string& what) {
+  const std::string text = what + last_checkpoint_text();
+  const fs::path part = folder_ / "report.json.part";
+  const int file = open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644);
+  if (file >= 0 || errno != EEXIST) {
+    fmt::print(stderr, "\nsilt: {}\n", text);
+    std::fflush(stderr);
+    adapters::Json report = adapters::Json::object();
+    report["exit_reason"] = reason;
+    report["exit_text"] = text;
+    report["steps"] = simulation_.steps_done();
+    report["ranks"] = simulation_.scene().ranks;
+    const std::string content = report.text() + "\n";
+    if (file >= 0 && write(file, content.data(), content.size()) == ssize_t(content.size()) &&
+        fsync(file) == 0)
+      fs::rename(part, folder_ / "report.json");
+    if (std::FILE* log = std::fopen((folder_ / "run.log").c_str(), "a")) {
+      fmt::print(log, "{}\n", text);
+      std::fclose(log);
+    }
+  } else {
+    sleep(1);  // whoever speaks comes to its end first
+  }
+  MPI_Abort(comm_, int(code));
+  std::abort();
+}
+
+fs::path folder_of(const RunOptions& options) {
+  if (options.out) return *options.out;
+  const bool is_file = options.directory.extension() == ".toml";
+  return (is_file ? options.directory.parent_path() : options.directory) / "out";
+}
+
+/// What the scene would throw on building, while all ranks still hear of it.
+void require_buildable(const Case& scene, MPI_Comm comm) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  make_domain(scene, ranks);
+  adapters::make_backend(scene.contacts.backend);
+  adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
+}
+
+Prepared prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+  Prepared prepared;
+  std::unique_ptr<Case> scene;
+  adapters::together(comm, [&] {
+    scene = std::make_unique<Case>(read_case(options.directory, options.overrides));
+    prepared.warnings = require_runnable(*scene);
+    prepared.quantities = std::make_unique<Quantities>(*scene);
+    if (scene->steady) prepared.steady.emplace(scene->steady->change);
+    require_buildable(*scene, comm);
+  });
+  adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
+  prepared.simulation = std::make_unique<Simulation>(*scene, comm);
+  return prepared;
+}
+
+Prepared prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+  const auto there = adapters::list_checkpoints(folder);
+  if (there.empty() && !options.checkpoint)
+    throw std::runtime_error(
+        fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
+                    folder.string(), options.directory.string()));
+  const adapters::CheckpointReader reader(
+      comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
+  Prepared prepared;
+  std::unique_ptr<Case> scene;
+  adapters::together(comm, [&] {
+    scene = std::make_unique<Case>(case_to_resume(reader, options.directory, options.overrides));
+    prepared.warnings = require_runnable(*scene);
+    prepared.quantities = std::make_unique<Quantities>(*scene);
+    prepared.quantities->set_history(read_history(reader, *scene));
+    prepared.steady = read_steady_watch(reader, *scene);
+    require_buildable(*scene, comm);
+  });
+  prepared.simulation = std::make_unique<Simulation>(*scene, comm, read_state(reader, *scene));
+  return prepared;
+}
+
+template <class Prepare>
+Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& prepare) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const fs::path folder = folder_of(options);
+  Prepared prepared;
+  try {
+    prepared = prepare(options, comm, folder);
+  } catch (const std::exception& error) {
+    if (rank == 0) fmt::print(stderr, "{}\n", error.what());
+    return Exit::bad_case;
+  }
+  const std::int64_t step = prepared.simulation->steps_done(), steps = prepared.simulation->setup().steps;
+  if (resumed && step >= steps) {
+    if (rank == 0)
+      fmt::print(
+          "the run is complete: it has done {} of {} steps; to go on, raise run.steps (--set run.steps={})\n",
+          step, steps, 2 * steps);
+    return Exit::done;
+  }
+  if (resumed && prepared.steady && prepared.steady->steady()) {
+    if (rank == 0)
+      fmt::print(
+          "the run is complete: {} was steady at step {}; to go on, lower run.steady.change (--set "
+          "run.steady.change={})\n",
+          prepared.simulation->setup().steady->quantity, step,
+          shown(prepared.simulation->setup().steady->change / 10));
+    return Exit::done;
+  }
+  return Run(std::move(prepared), folder, options, resumed).go();
+}
+
+}  // namespace
+
+Exit run_case(const RunOptions& options, MPI_Comm comm) {
+  return start(options, comm, false, prepare_run);
+}
+Exit resume_case(const RunOptions& options, MPI_Comm comm) {
+  return start(options, comm, true, prepare_resume);
+}
+
+}  // namespace silt::coupler

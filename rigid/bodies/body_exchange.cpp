@@ -1,0 +1,27 @@
+#include "rigid/bodies/body_exchange.hpp"
+
+#include <cmath>
+
+namespace silt::rigid {
+
+void Extent::wrap(Vec3& x, std::array<std::int32_t, 3>& image) const {
+  for (int d = 0; d < 3; ++d) {
+    if (!periodic[d] || (x[d] >= 0 && x[d] < size[d])) continue;
+    const double periods = std::floor(x[d] / size[d]);
+    x[d] -= periods * size[d];
+    image[d] += static_cast<std::int32_t>(periods);
+    if (x[d] < 0) x[d] = 0;  // rounding of the line above
+    if (x[d] >= size[d]) {   // a tiny negative x, rounded up to the period itself
+      x[d] = 0;
+      ++image[d];
+    }
+  }
+}
+
+void BodyExchange::synchronise(BodySet& bodies) {
+  for (std::size_t row = 0; row < bodies.owned; ++row) extent_.wrap(bodies.position[row], bodies.image[row]);
+}
+
+void BodyExchange::exchange_contacts(BodySet&, std::vector<Contact>&) {}
+
+}  // namespace silt::rigid

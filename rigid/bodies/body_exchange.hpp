@@ -1,0 +1,46 @@
+#pragma once
+// What Algorithm 1 of the paper needs from the other ranks, at its lines 1, 6, 13 and 23. On one rank, and in
+// this class itself, it is nothing but wrapping positions into a periodic domain. The parallel form is
+// coupler/body_exchange.
+#include <span>
+#include <vector>
+
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/contact.hpp"
+
+namespace silt::rigid {
+
+/// The box the bodies live in: [0, size), periodic or walled, an axis at a time.
+struct Extent {
+  Vec3 size = Vec3::Zero();
+  std::array<bool, 3> periodic{};
+  /// Into [0, size) along the periodic axes; `image` counts the periods taken off.
+  void wrap(Vec3& x, std::array<std::int32_t, 3>& image) const;
+  Vec3 shift(Image i) const { return {i.x * size[0], i.y * size[1], i.z * size[2]}; }
+};
+
+class BodyExchange {
+ public:
+  explicit BodyExchange(const Extent& extent) : extent_(extent) {}
+  virtual ~BodyExchange() = default;
+
+  const Extent& extent() const { return extent_; }
+  /// Line 1: forces and torques on copies are added at the owner and cleared on the copies.
+  virtual void sum_forces(BodySet&) {}
+  /// Lines 6 and 23: wraps positions, hands over ownership, makes, updates and drops copies; visitors go.
+  /// With the ownership go the stored impulses, and the force and torque (the kick comes after line 13).
+  virtual void synchronise(BodySet&);
+  /// Does this rank create the contact whose point is x_W? (Exactly one rank does.)
+  virtual bool owns_contact_at(const Vec3& x_W) const { return (void)x_W, true; }
+  /// Line 13: contacts go to the owners of their bodies; those of owned bodies come back, sorted by key, and
+  /// every partner of an owned body has a row (a visitor if it was not held before).
+  virtual void exchange_contacts(BodySet&, std::vector<Contact>&);
+  /// In the sweeps: overwrites `width` doubles of each not-owned partner's row by its owner's.
+  virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/) {}
+  virtual double maximum(double x) const { return x; }
+
+ protected:
+  Extent extent_;
+};
+
+}  // namespace silt::rigid

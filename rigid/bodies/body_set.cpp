@@ -1,0 +1,165 @@
+#include "rigid/bodies/body_set.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace silt::rigid {
+
+namespace {
+
+/// Calls f with every array of the set: the one place that lists them.
+template <class F>
+void for_each_array(BodySet& b, F f) {
+  f(b.id), f(b.shape), f(b.material), f(b.kind), f(b.motion);
+  f(b.position), f(b.image), f(b.orientation), f(b.velocity), f(b.angular_velocity), f(b.angular_momentum);
+  f(b.mass), f(b.weight_factor), f(b.inertia_B);
+  f(b.force), f(b.torque), f(b.mapping_pose), f(b.owed), f(b.pending_blow), f(b.stored_impulses);
+}
+
+/// A value to start from; Eigen's own default is uninitialised memory.
+template <class T>
+T blank() {
+  if constexpr (std::is_same_v<T, Quat>)
+    return Quat::Identity();
+  else if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, Mat3>)
+    return T::Zero();
+  else
+    return T{};
+}
+
+void store(const Vec3& v, double* to) {
+  Eigen::Map<Vec3>{to} = v;
+}
+Vec3 vec(const double* from) {
+  return Eigen::Map<const Vec3>{from};
+}
+void store(const Quat& q, double* to) {
+  to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+}
+Quat quat(const double* from) {
+  return {from[0], from[1], from[2], from[3]};
+}
+
+void sort_section(BodySet& b, std::size_t first, std::size_t last) {
+  if (std::is_sorted(b.id.begin() + first, b.id.begin() + last)) return;
+  std::vector<std::size_t> order(last - first);
+  std::iota(order.begin(), order.end(), first);
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return b.id[i] < b.id[j]; });
+  for_each_array(b, [&](auto& array) {
+    auto sorted = array;
+    for (std::size_t k = 0; k < order.size(); ++k) sorted[first + k] = std::move(array[order[k]]);
+    array = std::move(sorted);
+  });
+}
+
+}  // namespace
+
+BodyRecord BodySet::record(std::size_t row) const {
+  BodyRecord r;
+  r.id = id[row];
+  r.shape = shape[row], r.material = material[row], r.kind = kind[row];
+  r.motion = motion[row];
+  r.mass = mass[row], r.weight_factor = weight_factor[row];
+  Eigen::Map<Mat3>{r.inertia_B} = inertia_B[row];
+  store(position[row], r.position);
+  store(orientation[row], r.orientation);
+  std::copy(image[row].begin(), image[row].end(), r.image);
+  store(velocity[row], r.velocity);
+  store(angular_velocity[row], r.angular_velocity);
+  store(angular_momentum[row], r.angular_momentum);
+  store(mapping_pose[row].position, r.mapping_position);
+  store(mapping_pose[row].orientation, r.mapping_orientation);
+  std::copy(owed[row].begin(), owed[row].end(), r.owed);
+  store(pending_blow[row], r.pending_blow);
+  return r;
+}
+
+void BodySet::assign(std::size_t row, const BodyRecord& r) {
+  id[row] = r.id;
+  shape[row] = r.shape, material[row] = r.material, kind[row] = r.kind;
+  motion[row] = r.motion;
+  mass[row] = r.mass, weight_factor[row] = r.weight_factor;
+  inertia_B[row] = Eigen::Map<const Mat3>{r.inertia_B};
+  position[row] = vec(r.position);
+  orientation[row] = quat(r.orientation);
+  std::copy(r.image, r.image + 3, image[row].begin());
+  velocity[row] = vec(r.velocity);
+  angular_velocity[row] = vec(r.angular_velocity);
+  angular_momentum[row] = vec(r.angular_momentum);
+  mapping_pose[row] = {vec(r.mapping_position), quat(r.mapping_orientation)};
+  std::copy(r.owed, r.owed + 6, owed[row].begin());
+  pending_blow[row] = vec(r.pending_blow);
+}
+
+void BodySet::insert(std::size_t row, const BodyRecord& r) {
+  for_each_array(*this, [&](auto& array) {
+    array.insert(array.begin() + row, blank<typename std::decay_t<decltype(array)>::value_type>());
+  });
+  assign(row, r);
+}
+
+void BodySet::add(const BodyRecord& r) {
+  insert(owned++, r);
+}
+
+void BodySet::erase(std::size_t row) {
+  for_each_array(*this, [&](auto& array) { array.erase(array.begin() + row); });
+}
+
+void BodySet::resize(std::size_t rows) {
+  for_each_array(*this, [&](auto& array) {
+    array.resize(rows, blank<typename std::decay_t<decltype(array)>::value_type>());
+  });
+}
+
+void BodySet::reindex() {
+  sort_section(*this, 0, owned);
+  sort_section(*this, owned, owned + copies);
+  row_of_.clear();
+  row_of_.reserve(size());
+  for (std::size_t row = 0; row < size(); ++row) row_of_.emplace(id[row], row);
+}
+
+std::size_t BodySet::row_of(BodyId wanted) const {
+  // consecutive ids, as those of a whole scene on one rank
+  if (owned > 0 && wanted - id[0] < owned && id[wanted - id[0]] == wanted) return wanted - id[0];
+  const auto found = row_of_.find(wanted);
+  return found == row_of_.end() ? size() : found->second;
+}
+
+bool BodySet::is_isotropic(std::size_t row) const {
+  // What rounding leaves of a symmetric body; a real difference of the moments is never this small.
+  constexpr double tolerance = 1e-14;
+  const Mat3& i = inertia_B[row];
+  const double off = std::max({std::abs(i(0, 1)), std::abs(i(0, 2)), std::abs(i(1, 2)),
+                               std::abs(i(0, 0) - i(1, 1)), std::abs(i(0, 0) - i(2, 2))});
+  return off <= tolerance * i(0, 0);
+}
+
+Mat3 BodySet::inverse_inertia_W(std::size_t row) const {
+  if (!is_free(row)) return Mat3::Zero();
+  if (is_isotropic(row)) return Mat3::Identity() * (1.0 / inertia_B[row](0, 0));
+  const Mat3 r = orientation[row].toRotationMatrix();
+  return r * inertia_B[row].inverse() * r.transpose();
+}
+
+double BodySet::kinetic_energy(std::size_t row) const {
+  return 0.5 * mass[row] * velocity[row].squaredNorm() +
+         0.5 * angular_velocity[row].dot(angular_momentum[row]);
+}
+
+void BodySet::set_pose(std::size_t row, const Pose& pose) {
+  position[row] = pose.position;
+  orientation[row] = pose.orientation.normalized();
+  set_velocity(row, velocity[row], angular_velocity[row]);
+}
+
+void BodySet::set_velocity(std::size_t row, const Vec3& v, const Vec3& w) {
+  velocity[row] = v;
+  angular_velocity[row] = w;
+  const Quat& q = orientation[row];
+  angular_momentum[row] =
+      is_isotropic(row) ? Vec3(inertia_B[row](0, 0) * w) : Vec3(q * (inertia_B[row] * (q.conjugate() * w)));
+}
+
+}  // namespace silt::rigid

@@ -1,0 +1,119 @@
+#pragma once
+// The bodies a rank holds, as a structure of arrays. Rows, in this order:
+//   [0, owned)             bodies whose centre of mass lies in this rank's blocks, sorted by id
+//   [owned, owned+copies)  remote copies of bodies that reach into this rank's blocks, sorted by id
+//   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
+//   only last                   walls (global: on every rank, never sent)
+// A copy equals its owner's state to the bit. On one rank there are only owned bodies and walls.
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "rigid/bodies/contact.hpp"
+#include "rigid/math/fixed_point.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::rigid {
+
+enum class Motion : std::uint8_t {
+  free,        // moved by forces and contacts
+  fixed,       // never moves, infinite mass
+  prescribed,  // moves with its constant velocity and angular velocity, infinite mass
+};
+
+/// The impulse of one contact in the previous step (world frame, acting on the pair's body b): the warm
+/// start.
+struct StoredImpulse {
+  BodyId partner;  // the other body
+  Image image;     // of b relative to a, as in Contact
+  std::uint64_t feature;
+  Vec3 impulse;
+};
+
+/// Everything there is to know about one body but its stored impulses: what a message, a checkpoint and a
+/// program that adds a body carry. Trivially copyable; meaning and units as in BodySet.
+struct BodyRecord {
+  BodyId id = 0;
+  std::int32_t shape = 0, material = 0, kind = 0;
+  Motion motion = Motion::free;
+  double mass = 1, weight_factor = 1;
+  double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
+  std::int32_t image[3] = {};
+  double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
+  double mapping_position[3] = {}, mapping_orientation[4] = {1, 0, 0, 0};
+  std::int64_t owed[6] = {};
+  double pending_blow[3] = {};
+};
+
+struct BodySet {
+  std::size_t owned = 0, copies = 0, visitors = 0, walls = 0;
+
+  // who
+  std::vector<BodyId> id;
+  std::vector<std::int32_t> shape;     // index into the scene's shapes
+  std::vector<std::int32_t> material;  // index into the scene's materials
+  std::vector<std::int32_t> kind;      // which entry of the case made it (for output)
+  std::vector<Motion> motion;
+  // where: position is canonical, wrapped into the domain; position + image * period is the unwrapped path
+  std::vector<Vec3> position;
+  std::vector<std::array<std::int32_t, 3>> image;
+  std::vector<Quat> orientation;
+  std::vector<Vec3> velocity;          // W
+  std::vector<Vec3> angular_velocity;  // W; equals I_W^-1 angular_momentum
+  std::vector<Vec3> angular_momentum;  // W, about the centre of mass
+  // how heavy
+  std::vector<double> mass;
+  std::vector<double> weight_factor;  // 1 - displaced mass / mass: what gravity acts on
+  std::vector<Mat3> inertia_B;
+  // what acts on it this step, besides gravity; any holder may add
+  std::vector<FixedVec3> force, torque;  // W, about the centre of mass
+  // the pose the fluid last saw (the coupler's; travels with the body)
+  std::vector<Pose> mapping_pose;
+  // impulse and angular impulse about the centre of mass, W, that the fluid has still to give the body (the
+  // coupler's, in its quanta; travels with the body)
+  std::vector<std::array<std::int64_t, 6>> owed;
+  // impulse, W, that blows give to what is around the body and moves with it, still to be passed on by the
+  // body (by the coupler; travels with the body)
+  std::vector<Vec3> pending_blow;
+  // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
+  std::vector<std::vector<StoredImpulse>> stored_impulses;
+
+  std::size_t size() const { return id.size(); }
+  std::size_t first_wall() const { return size() - walls; }
+  bool is_free(std::size_t row) const { return motion[row] == Motion::free; }
+
+  BodyRecord record(std::size_t row) const;
+  void assign(std::size_t row, const BodyRecord&);  // all but forces and stored impulses
+  /// Inserts before row, with zero force. Neither this nor erase touches the four counts above or the
+  /// look-up: keeping the sections' order is the caller's business.
+  void insert(std::size_t row, const BodyRecord&);
+  void erase(std::size_t row);
+  /// Appends to the owned bodies and counts it. Call reindex() after the last one.
+  void add(const BodyRecord&);
+  void resize(std::size_t rows);
+  /// Sorts the owned and the copied section by id and rebuilds the look-up. Call after any change of rows.
+  void reindex();
+  /// Row of a body this rank holds in any role, or size() if none.
+  std::size_t row_of(BodyId) const;
+
+  Mat3 inverse_inertia_W(std::size_t row) const;  // zero unless free
+  bool is_isotropic(std::size_t row) const;       // the same moment of inertia about every axis
+  double inverse_mass(std::size_t row) const { return is_free(row) ? 1.0 / mass[row] : 0.0; }
+  Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
+  Vec3 velocity_at(std::size_t row, const Vec3& r_W) const {
+    return velocity[row] + angular_velocity[row].cross(r_W);
+  }
+  double kinetic_energy(std::size_t row) const;
+
+  void add_force(std::size_t row, const Vec3& force_W) { force[row].add(force_W); }
+  void add_torque(std::size_t row, const Vec3& torque_W) { torque[row].add(torque_W); }
+  /// Both keep angular velocity and momentum consistent (with a new pose the angular velocity stays).
+  void set_pose(std::size_t row, const Pose&);
+  void set_velocity(std::size_t row, const Vec3& velocity, const Vec3& angular_velocity);
+
+ private:
+  std::unordered_map<BodyId, std::size_t> row_of_;
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,47 @@
+#pragma once
+// What a thin viscous film between two close, smooth surfaces does to their relative motion. rigid/ knows no
+// fluid: whoever does supplies a FilmLaw, and the resolver takes its resistances as rows that are implicit in
+// the velocity at the end of the step, p = -resistance dt u+, however stiff they are.
+//
+// Three motions of a gap resist without bound as it closes (Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261):
+// its width's change, the slip of one surface past the other, and their rolling, the sum of both surfaces'
+// velocities seen from the point where they are closest. For spheres of radii a, b at the gap (A, B their
+// arms to its middle, n from a to b) the last is
+//   r = alpha (v_a - v_b)_t + (A omega_a - B omega_b) x n,   alpha = (a - b) / (a + b), at a wall -1.
+#include "rigid/math/types.hpp"
+
+namespace silt::rigid {
+
+/// Force per relative velocity of the surfaces; lattice units. All zero: no film.
+struct Film {
+  double normal = 0, sliding = 0, rolling = 0;
+  explicit operator bool() const { return normal != 0 || sliding != 0 || rolling != 0; }
+};
+
+/// The gap between two surfaces around the points where they are closest.
+struct FilmGap {
+  double width;          // there; < 0: overlap
+  double travel;         // its change over the step at the velocities before it
+  Mat3 bend_a, bend_b;   // curvature of either surface (curvature.hpp); W
+  Vec3 middle;           // canonical position, W
+  Vec3 normal;           // unit, from a to b, W
+  bool at_side = false;  // b is a side of the domain
+
+  /// Of the gap's two principal curvatures.
+  double curvature_sum() const { return (bend_a + bend_b).trace(); }
+  double curvature_product() const {
+    const double sum = curvature_sum();
+    return 0.5 * (sum * sum - (bend_a + bend_b).squaredNorm());
+  }
+};
+
+/// The same whoever asks: it may depend on nothing but the gap.
+class FilmLaw {
+ public:
+  virtual ~FilmLaw() = default;
+  /// Wider gaps have none.
+  virtual double reach() const = 0;
+  virtual Film operator()(const FilmGap&) const = 0;
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,58 @@
+#include "rigid/bodies/walls.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+namespace silt::rigid {
+
+void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::array<WallSpec, 6>& specs) {
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    const bool upper = side % 2 != 0;
+    const WallSpec& spec = specs[side];
+    if (!spec.solid || extent.periodic[axis]) continue;
+    if (spec.velocity[axis] != 0) throw std::invalid_argument("a wall can only slide in its own plane");
+    world.shapes.push_back(HalfSpace{Vec3::Unit(axis) * (upper ? -1.0 : 1.0)});
+    world.bounding_radii.push_back(std::numeric_limits<double>::infinity());
+    BodyRecord wall;
+    wall.id = first_wall_id + side;
+    wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
+    wall.material = spec.material;
+    wall.kind = -1;
+    wall.motion = spec.velocity.isZero(0) ? Motion::fixed : Motion::prescribed;
+    wall.position[axis] = upper ? extent.size[axis] : 0.0;
+    Eigen::Map<Vec3>{wall.velocity} = spec.velocity;
+    bodies.insert(bodies.size(), wall);
+    ++bodies.walls;
+  }
+  bodies.reindex();
+}
+
+Pose pose_of(const TubeSpec& spec) {
+  return {spec.point, Quat::FromTwoVectors(Vec3::UnitZ(), spec.axis)};
+}
+
+void add_tube(BodySet& bodies, World& world, const TubeSpec& spec) {
+  world.shapes.push_back(Tube{spec.radius});
+  world.bounding_radii.push_back(std::numeric_limits<double>::infinity());
+  BodyRecord wall;
+  const BodyId last = bodies.walls > 0 ? bodies.id.back() : first_wall_id;
+  wall.id = std::max(last + 1, first_tube_id);
+  wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
+  wall.material = spec.material;
+  wall.kind = -1;
+  const bool moves = spec.angular_velocity != 0 || spec.velocity != 0;
+  wall.motion = moves ? Motion::prescribed : Motion::fixed;
+  const Quat q = pose_of(spec).orientation;
+  Eigen::Map<Vec3>{wall.position} = Eigen::Map<Vec3>{wall.mapping_position} = spec.point;
+  for (double* to : {wall.orientation, wall.mapping_orientation})
+    to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+  Eigen::Map<Vec3>{wall.velocity} = spec.velocity * spec.axis;
+  Eigen::Map<Vec3>{wall.angular_velocity} = spec.angular_velocity * spec.axis;
+  bodies.insert(bodies.size(), wall);
+  ++bodies.walls;
+  bodies.reindex();
+}
+
+}  // namespace silt::rigid

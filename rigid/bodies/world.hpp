@@ -1,0 +1,28 @@
+#pragma once
+// What all ranks know alike about the bodies.
+#include <memory>
+#include <vector>
+
+#include "rigid/bodies/film.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::rigid {
+
+struct Material {
+  double restitution = 0, friction = 0;
+};
+
+/// What all ranks know alike: shapes, materials and laws. Tables of pairs are [i * materials + j], symmetric.
+struct World {
+  std::vector<Shape> shapes;
+  std::vector<double> bounding_radii;  // one a shape
+  std::vector<Material> materials;     // of pairs: materials.size() == material_count^2
+  int material_count = 0;
+  Vec3 gravity = Vec3::Zero();
+  double contact_margin = 1.0;           // largest gap a speculative contact may have, lattice units
+  std::shared_ptr<const FilmLaw> films;  // between smooth surfaces; null: none
+
+  const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
+};
+
+}  // namespace silt::rigid

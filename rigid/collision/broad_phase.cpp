@@ -1,0 +1,58 @@
+#include "rigid/collision/broad_phase.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace silt::rigid {
+
+void BroadPhase::find_walls(const Surroundings& around, std::span<const WallSurface> walls) {
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    for (std::size_t row = 0; row < around.size(); ++row)
+      if (around.meets(row, walls[w])) found_.push_back({row, around.size() + w, Image{}});
+}
+
+void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pairs) {
+  pairs.clear();
+  if (found_.empty()) return;
+  // by the lower id: counting sort over the ranks of the ids; then each body's few partners by themselves
+  const std::size_t n = bodies.first_wall();
+  order_.resize(n);
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::sort(order_.begin(), order_.end(), [&](auto i, auto j) { return bodies.id[i] < bodies.id[j]; });
+  rank_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) rank_[order_[k]] = static_cast<std::uint32_t>(k);
+  start_.assign(n + 1, 0);
+  for (const CandidatePair& p : found_) ++start_[rank_[p.row_a] + 1];
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  pairs.resize(found_.size());
+  std::vector<std::uint32_t>& next = order_;
+  std::copy(start_.begin(), start_.end() - 1, next.begin());
+  for (const CandidatePair& p : found_) pairs[next[rank_[p.row_a]]++] = p;
+  for (std::size_t k = 0; k < n; ++k)
+    std::sort(pairs.begin() + start_[k], pairs.begin() + start_[k + 1], [&](const auto& p, const auto& q) {
+      return std::tuple(bodies.id[p.row_b], p.image) < std::tuple(bodies.id[q.row_b], q.image);
+    });
+}
+
+/// For pairs that meet or might soon do.
+void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
+  const double slack = kept_.slack_of(around);
+  wider_.assign(around.reach.begin(), around.reach.end());
+  for (Reach& r : wider_) r.margin += slack * r.sum();
+  const Surroundings wider{around.bodies, around.extent, wider_};
+  found_.clear();
+  find_pairs(wider, found_);
+  find_walls(wider, walls);
+  sort_into(around.bodies, kept_.renew(around, walls, slack));
+}
+
+void BroadPhase::operator()(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach,
+                            std::span<const WallSurface> walls, std::vector<CandidatePair>& pairs) {
+  pairs.clear();
+  const Surroundings around{bodies, extent, reach};
+  if (around.size() == 0) return;
+  if (!kept_.hold(around, walls)) look(around, walls);
+  kept_.select(around, walls, pairs);
+}
+
+}  // namespace silt::rigid

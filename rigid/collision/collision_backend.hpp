@@ -1,0 +1,36 @@
+#pragma once
+// The narrow phase rigid/ asks for contact points, one pair of convex shapes at a time. Engines implement
+// it in adapters/; rigid/ never sees them.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rigid/bodies/contact.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::rigid {
+
+struct BackendCounters {
+  std::uint64_t queries = 0;    // pairs of convex shapes asked about
+  std::uint64_t fallbacks = 0;  // answers that failed their check and were replaced by another method's
+};
+
+class CollisionBackend {
+ public:
+  virtual ~CollisionBackend() = default;
+  virtual std::string_view name() const = 0;
+  virtual bool supports(const ConvexShape& a, const ConvexShape& b) const = 0;
+  /// Appends every contact point with gap <= tolerance (lattice units) between a and b. Poses are relative to
+  /// the first *body* (small numbers). A pure function of its arguments: no state is kept from query to
+  /// query. A flat face on a flat face or plane gives at least the corners of the common patch (4 for boxes).
+  /// b may be a half-space; a never is. Points are ordered by feature, which is unique within the call.
+  virtual void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
+                       double tolerance, std::vector<ContactPoint>& out) = 0;
+  const BackendCounters& counters() const { return counters_; }
+
+ protected:
+  BackendCounters counters_;
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,214 @@
+#include "rigid/collision/convex_manifold.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double rounding = 1e-12;    // part of the pair's size: lengths below it are none
+constexpr double same_depth = 2e-14;  // part of the pair's size: gaps that differ by less are equal
+/// Faces seen more obliquely than this (cosine) have no points worth having.
+constexpr double oblique_cosine = 0.1;
+/// Lines (of capsules and cylinders) at an angle with a sine up to this may touch along their common length,
+constexpr double parallel_sine = 0.2;
+/// ... where their surfaces' normals are this near (cosine) to that of the deepest point.
+constexpr double same_side_cosine = 0.9;
+
+std::uint32_t pair_code(std::uint32_t of_a, std::uint32_t of_b) {
+  return of_a << 16 | of_b;
+}
+
+void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
+  for (ContactPoint& q : points)
+    if (q.feature == p.feature) {
+      if (p.gap < q.gap) q = p;
+      return;
+    }
+  points.push_back(p);
+}
+
+/// A contact as seen from the first of the two, or with the two exchanged.
+void add(std::vector<ContactPoint>& points, const Vec3& on_first, const Vec3& m, double gap,
+         std::uint32_t first, std::uint32_t second, bool swap) {
+  const Vec3 on_second = on_first + gap * m;
+  if (!swap)
+    add_unique(points, {on_first, on_second, m, gap, pair_code(first, second)});
+  else
+    add_unique(points, {on_second, on_first, -m, gap, pair_code(second, first)});
+}
+
+Vec3 cut(const Vec3& x, const Vec3& y, double d_x, double d_y) {
+  return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
+}
+
+/// Sutherland and Hodgman (CACM 17 (1974) 32); points within `slack` outside count as inside.
+std::vector<Vec3> clip_face(const Prism& prism, const ContactOutline& face, double slack) {
+  std::vector<Vec3> polygon, kept;
+  for (const auto& c : face.corners) polygon.push_back(c.x);
+  for (std::size_t k = 0; k < prism.size() && !polygon.empty(); ++k) {
+    kept.clear();
+    for (std::size_t c = 0; c < polygon.size(); ++c) {
+      const Vec3 &x = polygon[c], &y = polygon[(c + 1) % polygon.size()];
+      const double d_x = prism.beyond(k, x), d_y = prism.beyond(k, y);
+      if (d_x <= slack) kept.push_back(x);
+      if ((d_x < -slack && d_y > slack) || (d_x > slack && d_y < -slack)) kept.push_back(cut(x, y, d_x, d_y));
+    }
+    polygon.swap(kept);
+  }
+  return polygon;
+}
+
+void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double slack,
+                  std::vector<ContactPoint>& points) {
+  if (a.normal.dot(n) < oblique_cosine || -b.normal.dot(n) < oblique_cosine) return;
+  const Prism over_a(a, n), over_b(b, n);
+  for (const Vec3& x : clip_face(over_a, b, slack)) {
+    const double gap = -a.height(x, n);
+    const std::uint32_t of_a = code_under(a, over_a, x, 10 * slack),
+                        of_b = code_under(b, over_b, x, 10 * slack);
+    add_unique(points, {x - gap * n, x, n, gap, pair_code(of_a, of_b)});
+  }
+}
+
+/// From the point x of a swept segment's axis, `t` from its middle, along unit m to the surface; nothing
+/// where that is past the barrel and on no hemisphere (it has a point of its own). A cylinder's line is on
+/// the surface already.
+std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m) {
+  if (line.radius == 0) return 0;
+  const double half = line.half.z(), tilt = line.axes.col(2).dot(m);
+  const bool at_end = std::abs(t) >= half * (1 - rounding);
+  if (at_end ? t * tilt >= 0 : std::abs(tilt) < 1e-12) return line.radius;
+  const double across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
+  if (std::abs(t * across + line.radius * tilt) > half * across) return {};
+  return line.radius / across;
+}
+
+void line_on_face(const ConvexCore& core, const ContactOutline& line, const ContactOutline& face,
+                  const Vec3& m, bool swap, double slack, std::vector<ContactPoint>& points) {
+  if (-face.normal.dot(m) < oblique_cosine) return;
+  const Prism prism(face, m);
+  std::array<Vec3, 2> end{line.corners[0].x, line.corners[1].x};
+  std::array<std::uint32_t, 2> code{line.corners[0].code, line.corners[1].code};
+  for (std::size_t k = 0; k < prism.size(); ++k) {
+    const std::array<double, 2> d{prism.beyond(k, end[0]), prism.beyond(k, end[1])};
+    if (d[0] > slack && d[1] > slack) return;
+    for (int e = 0; e < 2; ++e)
+      if (d[e] > slack) end[e] = cut(end[e], end[1 - e], d[e], d[1 - e]), code[e] = line.code;
+  }
+  for (int e = 0; e < 2; ++e) {
+    const double t = (end[e] - core.centre).dot(core.axes.col(2));
+    const auto offset = to_surface(core, t, m);
+    if (!offset) continue;
+    const Vec3 surface = end[e] + *offset * m;
+    // both ends cut: the features of the face tell them apart
+    add(points, surface, m, face.height(surface, m), code[e], code_under(face, prism, end[e], 10 * slack),
+        swap);
+  }
+}
+
+double barrel_radius(const ConvexCore& core) {
+  return core.kind == ConvexCore::Kind::cylinder ? core.half.x() : core.radius;
+}
+
+/// The points at the ends of a's barrel, along its own normal there to the barrel of b.
+void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
+                      const ContactOutline& line_b, const Vec3& n, bool swap,
+                      std::vector<ContactPoint>& points) {
+  const Vec3 u = a.axes.col(2), v = b.axes.col(2);
+  const Vec3 m = (n - n.dot(u) * u).normalized();
+  if (!(m.dot(n) >= same_side_cosine)) return;
+  for (int e = 0; e < 2; ++e) {
+    const Vec3 x = a.centre + (e ? 1 : -1) * a.half.z() * u + barrel_radius(a) * m;
+    // |across(x + gap m - b)| = radius of b, the nearer of the two solutions
+    const Vec3 d = x - b.centre, d_across = d - d.dot(v) * v, m_across = m - m.dot(v) * v;
+    const double q = m_across.squaredNorm(), p = d_across.dot(m_across) / q;
+    const double r = barrel_radius(b), root = p * p - (d_across.squaredNorm() - r * r) / q;
+    if (!(root >= 0)) continue;
+    const double gap = -p - std::sqrt(root), t = (d + gap * m).dot(v), half = b.half.z();
+    if (std::abs(t) > half * (1 + rounding)) continue;
+    const std::uint32_t code_b =
+        std::abs(t) < half * (1 - rounding) ? line_b.code : line_b.corners[t > 0].code;
+    add(points, x, m, gap, line_a.corners[e].code, code_b, swap);
+  }
+}
+
+void line_on_line(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
+                  const ContactOutline& line_b, const Vec3& n, std::vector<ContactPoint>& points) {
+  if (a.axes.col(2).cross(b.axes.col(2)).norm() > parallel_sine) return;
+  ends_over_barrel(a, line_a, b, line_b, n, false, points);
+  ends_over_barrel(b, line_b, a, line_a, -n, true, points);
+}
+
+void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double slack,
+                 std::vector<ContactPoint>& points) {
+  thread_local ContactOutline of_a, of_b;
+  facing_outline(a, n, of_a);
+  facing_outline(b, -n, of_b);
+  if (of_a.is_face() && of_b.is_face())
+    face_on_face(of_a, of_b, n, slack, points);
+  else if (of_a.size() == 2 && of_b.is_face())
+    line_on_face(a, of_a, of_b, n, false, slack, points);
+  else if (of_b.size() == 2 && of_a.is_face())
+    line_on_face(b, of_b, of_a, -n, true, slack, points);
+  else if (of_a.size() == 2 && of_b.size() == 2)
+    line_on_line(a, of_a, b, of_b, n, points);
+}
+
+}  // namespace
+
+void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
+                            const CommonPoint& deepest, double tolerance, std::vector<ContactPoint>& out) {
+  const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
+  const double slack = rounding * scale, deep = same_depth * scale;
+  if (gap > tolerance) return;
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  flat_points(a, b, n, slack, points);
+  // nothing can lie between the supporting planes
+  std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - slack || p.gap > tolerance; });
+  const bool has_deepest =
+      std::any_of(points.begin(), points.end(), [&](const ContactPoint& p) { return p.gap <= gap + deep; });
+  if (!has_deepest) {
+    const Vec3 on_a = deepest.on_a + a.radius * n;
+    add_unique(points, {on_a, on_a + gap * n, n, gap, pair_code(deepest.code_a, deepest.code_b)});
+  }
+  std::sort(points.begin(), points.end(),
+            [](const ContactPoint& p, const ContactPoint& q) { return p.feature < q.feature; });
+  out.insert(out.end(), points.begin(), points.end());
+}
+
+void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward,
+                                  double tolerance, std::vector<ContactPoint>& out) {
+  const Vec3 n = -outward;
+  double lowest = std::numeric_limits<double>::infinity();
+  const auto take = [&](const Vec3& x, std::uint32_t code) {
+    const double gap = outward.dot(x - origin);
+    lowest = std::min(lowest, gap);
+    if (gap <= tolerance) out.push_back({x, x + gap * n, n, gap, pair_code(code, 0)});
+  };
+  if (a.kind == ConvexCore::Kind::ellipsoid) return take(a.support(n), 0);
+  if (a.kind == ConvexCore::Kind::polyhedron) {
+    for (std::size_t v = 0; v < a.mesh->vertices.size(); ++v)
+      take(a.to_world(a.mesh->vertices[v]), vertex_code(v));
+    return;
+  }
+  const int end_side = facing_end(a, n);
+  thread_local ContactOutline end;
+  if (end_side) {
+    end_outline(a, end_side, end);
+    for (const auto& c : end.corners) take(c.x, c.code);
+  }
+  const double lowest_fixed = lowest;
+  for (const int side : {-1, 1}) {
+    if (side == -end_side) continue;
+    const auto c = lowest_rim_point(a, side, n);
+    if (outward.dot(c.x - origin) < lowest_fixed - same_depth * a.half.norm()) take(c.x, c.code);
+  }
+}
+
+}  // namespace silt::rigid

@@ -1,0 +1,211 @@
+#include "rigid/collision/deepest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Differences below this part of the pair's size are rounding.
+constexpr double rounding = 1e-13;
+/// Edges more nearly parallel than this (sine) have no normal of their own worth trying: a face's is as good.
+constexpr double parallel_sine = 1e-8;
+
+/// Unit axis with the sign that points from a to b.
+Vec3 oriented(const Vec3& axis, const Vec3& d) {
+  return axis.dot(d) < 0 ? Vec3(-axis) : axis;
+}
+
+/// Normal to the edges along axis i of a and j of b; nothing where they are parallel.
+std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& b, int j) {
+  if (a.half[i] <= 0 || b.half[j] <= 0) return {};
+  const Vec3 cross = a.axes.col(i).cross(b.axes.col(j));
+  const double sine = cross.norm();
+  if (sine < parallel_sine) return {};
+  return oriented(cross / sine, b.centre - a.centre);
+}
+
+/// Calls use(unit axis from a to b, whether of two crossed edges): the normals of the faces of the Minkowski
+/// difference of the cores.
+template <class Use>
+void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
+  const Vec3 d = b.centre - a.centre;
+  for (const RoundedBox* box : {&a, &b})
+    if (box->extent() == 3)
+      for (int i = 0; i < 3; ++i) use(oriented(box->axes.col(i), d), false);
+  if (!a.extent() || !b.extent()) return;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const auto n = crossed_edges(a, i, b, j)) use(*n, true);
+}
+
+/// The separations along all candidates from one table of cosines, in a's axes (Gottschalk, Lin, Manocha,
+/// SIGGRAPH 1996, section 5).
+struct AxisTable {
+  const RoundedBox &a, &b;
+  Vec3 d, d_a, d_b;     // from a to b: as it is, along the axes of a and of b
+  Mat3 cosine, extent;  // of axis i of a with axis j of b, and its size
+
+  AxisTable(const RoundedBox& first, const RoundedBox& second)
+      : a(first),
+        b(second),
+        d(b.centre - a.centre),
+        d_a(a.axes.transpose() * d),
+        d_b(b.axes.transpose() * d),
+        cosine(a.axes.transpose() * b.axes),
+        extent(cosine.cwiseAbs()) {}
+
+  double of_face_a(int i) const { return std::abs(d_a[i]) - a.half[i] - extent.row(i).dot(b.half); }
+  double of_face_b(int j) const { return std::abs(d_b[j]) - b.half[j] - extent.col(j).dot(a.half); }
+  /// Minus infinity for axes that are no edges, or parallel, or that cannot beat `best`.
+  double of_edges(int i, int j, double best) const {
+    if (a.half[i] <= 0 || b.half[j] <= 0) return -infinity;
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const double centres = std::abs(d_a[i2] * cosine(i1, j) - d_a[i1] * cosine(i2, j));
+    const double reach_a = a.half[i1] * extent(i2, j) + a.half[i2] * extent(i1, j);
+    const double reach_b = b.half[j1] * extent(i, j2) + b.half[j2] * extent(i, j1);
+    const double gap_by_sine = centres - reach_a - reach_b;
+    if (gap_by_sine <= std::min(best, 0.0)) return -infinity;
+    const double sine = std::sqrt(cosine(i1, j) * cosine(i1, j) + cosine(i2, j) * cosine(i2, j));
+    return sine < parallel_sine ? -infinity : gap_by_sine / sine;
+  }
+};
+
+/// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the
+/// distance.
+Separation point_to_core(const Vec3& x, const RoundedBox& core) {
+  const Vec3 outside = core.outside(x);
+  const double distance = outside.norm();
+  if (distance == 0) return {Vec3::Zero(), 0};
+  return {core.axes * (outside / distance), distance};
+}
+
+/// Nearest of the vertices of `core` to `other`; normal from `other` to `core`.
+Separation nearest_vertex(const RoundedBox& core, const RoundedBox& other) {
+  Separation best{Vec3::Zero(), infinity};
+  core.for_each_vertex([&](const Feature& f) {
+    const Separation s = point_to_core(core.vertex(f), other);
+    if (s.core_gap < best.core_gap) best = s;
+  });
+  return best;
+}
+
+/// Whether the interiors of the two edges that support n, along axis i of a and j of b, lie over each other.
+bool edges_cross(const RoundedBox& a, int i, const RoundedBox& b, int j, const Vec3& n) {
+  Vec3 mid_a = a.centre, mid_b = b.centre;
+  for (int k = 0; k < 3; ++k) {
+    if (k != i) mid_a += (a.axes.col(k).dot(n) < 0 ? -a.half[k] : a.half[k]) * a.axes.col(k);
+    if (k != j) mid_b += (b.axes.col(k).dot(n) < 0 ? b.half[k] : -b.half[k]) * b.axes.col(k);
+  }
+  const Vec3 u = a.axes.col(i), v = b.axes.col(j), d = mid_b - mid_a;
+  const double cosine = u.dot(v), det = 1 - cosine * cosine;
+  const double s = (d.dot(u) - cosine * d.dot(v)) / det, t = (cosine * d.dot(u) - d.dot(v)) / det;
+  return std::abs(s) <= a.half[i] && std::abs(t) <= b.half[j];
+}
+
+/// The exact distance of cores that do not overlap.
+Separation closest_features(const RoundedBox& a, const RoundedBox& b) {
+  Separation best = nearest_vertex(b, a);
+  const Separation of_a = nearest_vertex(a, b);
+  if (of_a.core_gap < best.core_gap) best = {-of_a.normal, of_a.core_gap};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const auto n = crossed_edges(a, i, b, j)) {
+        const double gap = core_separation(a, b, *n);
+        if (gap >= 0 && gap < best.core_gap && edges_cross(a, i, b, j, *n)) best = {*n, gap};
+      }
+  return best;
+}
+
+/// Whether the vertex of `core` nearest to `other` along n, from `other` to `core` a face's normal, is over
+/// that face: then no distance is smaller than theirs.
+bool vertex_over_face(const RoundedBox& core, const RoundedBox& other, const Vec3& n) {
+  const Vec3 along = core.axes.transpose() * n;
+  const Vec3 nearest(along.x() > 0 ? -1 : 1, along.y() > 0 ? -1 : 1, along.z() > 0 ? -1 : 1);
+  return (other.outside(core.vertex(nearest)).array() != 0).count() == 1;
+}
+
+/// Whether the axis, along which the cores are apart, is known to be that of their distance.
+bool is_distance(const RoundedBox& a, const RoundedBox& b, const Vec3& axis) {
+  const auto face_of = [&](const RoundedBox& core) {
+    return core.extent() == 3 && (core.axes.transpose() * axis).cwiseAbs().maxCoeff() > 1 - 1e-15;
+  };
+  return (face_of(a) && vertex_over_face(b, a, axis)) || (face_of(b) && vertex_over_face(a, b, -axis));
+}
+
+/// Cores that touch and have no inside: spheres at one point, segments that cross or lie in one line.
+Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
+  if (const auto n = crossed_edges(a, 2, b, 2)) return {*n, 0};
+  const RoundedBox& line = a.extent() ? a : b;
+  const Vec3 d = b.centre - a.centre;
+  // any unit vector will do, the same one every time
+  return {line.extent() ? oriented(line.axes.col(0), d) : Vec3::UnitZ(), 0};
+}
+
+}  // namespace
+
+Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b, double enough) {
+  const AxisTable table(a, b);
+  const double edge_handicap = 10 * rounding * length_scale(a, b);  // of two equal axes the face's is kept
+  double best = -infinity;
+  Vec3 axis = Vec3::UnitZ();
+  const auto found = [&] { return Separation{axis, best > -infinity ? core_separation(a, b, axis) : best}; };
+  if (a.extent() == 3)
+    for (int i = 0; i < 3; ++i)
+      if (const double gap = table.of_face_a(i); gap > best)
+        if (best = gap, axis = oriented(a.axes.col(i), table.d); gap > enough) return found();
+  if (b.extent() == 3)
+    for (int j = 0; j < 3; ++j)
+      if (const double gap = table.of_face_b(j); gap > best)
+        if (best = gap, axis = oriented(b.axes.col(j), table.d); gap > enough) return found();
+  int edge_a = -1, edge_b = -1;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const double gap = table.of_edges(i, j, best) - edge_handicap; gap > best)
+        best = gap, edge_a = i, edge_b = j;
+  if (edge_a >= 0) axis = *crossed_edges(a, edge_a, b, edge_b);
+  return found();
+}
+
+Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle) {
+  Vec3 nearest = n;
+  double least = angle * angle;
+  for_each_candidate(a, b, [&](const Vec3& axis, bool) {
+    const Vec3 towards = axis.dot(n) < 0 ? Vec3(-axis) : axis;
+    const double distance = (towards - n).squaredNorm();
+    if (distance >= least) return;
+    least = distance;
+    nearest = towards;
+  });
+  return nearest;
+}
+
+std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedBox& b, double tolerance) {
+  const int extent_a = a.extent(), extent_b = b.extent();
+  const double reach = std::max(tolerance + a.radius + b.radius, 0.0), scale = length_scale(a, b);
+  if (extent_a == 0 || extent_b == 0) {  // a point and a box, a segment, a point
+    const bool a_is_point = extent_a == 0;
+    Separation s = a_is_point ? point_to_core(a.centre, b) : point_to_core(b.centre, a);
+    if (s.core_gap > reach) return {};
+    if (a_is_point) s.normal = -s.normal;
+    if (s.core_gap > rounding * scale) return s;
+    return extent_a + extent_b == 3 ? best_separating_axis(a, b) : touching_cores(a, b);
+  }
+  const Separation axis = best_separating_axis(a, b, reach);
+  if (axis.core_gap > reach) return {};
+  const bool with_box = extent_a == 3 || extent_b == 3;
+  if (with_box && axis.core_gap <= 0) return axis;
+  if (axis.core_gap > rounding * scale && is_distance(a, b, axis.normal)) return axis;
+  const Separation closest = closest_features(a, b);
+  if (closest.core_gap <= rounding * scale) return with_box ? axis : touching_cores(a, b);
+  // the better supported normal is the right one: where faces are parallel, with no vertex over either
+  // (crossed beams), the closest features found are not the closest there are, and the axis shows it
+  const Separation best = core_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
+  if (best.core_gap > reach) return {};
+  return best;
+}
+
+}  // namespace silt::rigid

@@ -1,0 +1,74 @@
+#pragma once
+// Lines 7 to 12 of Algorithm 1: which bodies touch, or may touch before the step is over, and where.
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/world.hpp"
+#include "rigid/collision/collision_backend.hpp"
+#include "rigid/collision/uniform_grid.hpp"
+
+namespace silt::rigid {
+
+/// Contacts narrow enough for a viscous film.
+struct FilmCounts {
+  std::uint64_t with = 0, without = 0;
+};
+
+/// Keeps only buffers and what follows from the shapes from call to call; the result depends on its arguments
+/// alone, and is the same whichever rank finds a contact.
+class DetectContacts {
+ public:
+  explicit DetectContacts(std::unique_ptr<BroadPhase> = std::make_unique<UniformGrid>());
+  /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
+  /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
+  /// in dt, at most world.contact_margin; between smooth surfaces at least as far as world.films reach.
+  /// Returns the number of candidate pairs.
+  std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
+                         std::vector<Contact>& contacts);
+  /// Contacts of the last call within reach of a film, with and without one. Each contact is found once.
+  FilmCounts films() const { return film_counts_; }
+
+ private:
+  struct ShapeParts {
+    std::vector<Part> parts;
+    std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
+    bool sphere, half_space;
+    std::optional<Tube> tube;  // then there are no parts
+    bool plain;                // one part, whose pose is the body's
+    bool smooth;               // some part of it: films may form there
+  };
+  struct PosedPart {
+    const ConvexShape& shape;
+    const Pose& pose;  // in the frame of the query
+  };
+  void learn_shapes(const World&);
+  void set_reach(const World&, const BodySet&, double dt);
+  double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
+  bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
+  Vec3 way_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
+  void collide_parts(const PosedPart& a, const ShapeParts& b, std::size_t j, const Pose& pose_b,
+                     double margin, CollisionBackend&);
+  void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&,
+                    const CandidatePair&, const Vec3& from_a_to_b, double margin, double dt,
+                    std::vector<Contact>& contacts);
+  void put_film(const FilmLaw&, const BodySet&, const CandidatePair&, const PosedPart& a, const PosedPart& b,
+                const ContactPoint&, double dt, Contact&) const;
+  void count_films(const FilmLaw&, std::span<const Contact>);
+  bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
+                   const Pose& pose_b, double margin) const;
+
+  std::vector<ShapeParts> shapes_;
+  std::unique_ptr<BroadPhase> broad_phase_;
+  std::vector<Reach> reach_;
+  std::vector<BoundingBox> boxes_;  // about the bodies' positions, axis-aligned; of spheres not set
+  std::vector<double> turn_;        // how far rotation moves a body's surface in the step
+  std::vector<WallSurface> walls_;
+  std::vector<CandidatePair> pairs_;
+  std::vector<ContactPoint> points_;
+  FilmCounts film_counts_;
+};
+
+}  // namespace silt::rigid

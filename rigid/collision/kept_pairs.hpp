@@ -1,0 +1,50 @@
+#pragma once
+// Bodies move little from call to call, so a broad phase looks further than it is asked to and keeps what it
+// finds (the list of L. Verlet, Phys. Rev. 159 (1967) 98): while no body has used up its slack, every pair
+// that meets is among those kept, and is told from the others by the same test as ever. What comes out does
+// not depend on what is kept.
+#include <vector>
+
+#include "rigid/collision/surroundings.hpp"
+
+namespace silt::rigid {
+
+class KeptPairs {
+ public:
+  /// No pair can meet that is not kept.
+  bool hold(const Surroundings&, std::span<const WallSurface>);
+  /// After hold(): how much further it is worth to look, in shares of each body's reach; 0: not at all, as
+  /// bodies come and go or move too fast.
+  double slack_of(const Surroundings&) const;
+  /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack, sorted
+  /// as BroadPhase says.
+  std::vector<CandidatePair>& renew(const Surroundings&, std::span<const WallSurface>, double slack);
+  /// Appends those that meet, in order. Call after hold() or renew() with the same.
+  void select(const Surroundings&, std::span<const WallSurface>, std::vector<CandidatePair>& pairs) const;
+
+ private:
+  struct Seen {  // a body, when the pairs were found
+    BodyId id;
+    Vec3 position;
+    std::array<std::int32_t, 3> image;
+    Motion motion;
+    double reach;
+  };
+  bool same_surroundings(const Surroundings&, std::span<const WallSurface>) const;
+  bool images_are_few() const;
+  Vec3 way_of(const Surroundings&, std::size_t row) const;
+  bool image_now(const BodySet&, CandidatePair&) const;
+
+  std::vector<Seen> seen_;
+  std::vector<WallSurface> walls_;
+  Extent extent_;
+  double slack_ = 0;
+  bool few_images_ = false;
+  // since then
+  int calls_ = 0;
+  bool known_ = false;    // the same bodies and walls
+  bool wrapped_ = false;  // some body passed a periodic side
+  std::vector<CandidatePair> pairs_;
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,181 @@
+#include "rigid/collision/uniform_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::rigid {
+
+void UniformGrid::build_levels(const Surroundings& around) {
+  // level of a body: the power of two its reach (radius + margin) fits under, counted from the smallest
+  constexpr int most_levels = 24;  // size ratios beyond 2^23 share the last
+  levels_.clear();
+  double least = around.reach[0].sum();
+  for (std::size_t row = 0; row < around.size(); ++row) least = std::min(least, around.reach[row].sum());
+  std::array<Level, most_levels> levels;
+  std::array<double, most_levels> largest{};
+  for (std::size_t row = 0; row < around.size(); ++row) {
+    const double r = around.reach[row].sum();
+    const int level = least > 0 ? std::clamp(std::ilogb(r / least), 0, most_levels - 1) : 0;
+    levels[level].rows.push_back(static_cast<std::uint32_t>(row));
+    largest[level] = std::max(largest[level], r);
+  }
+  for (int k = 0; k < most_levels; ++k) {
+    if (levels[k].rows.empty()) continue;
+    set_cells(levels[k], around, largest[k]);
+    levels_.push_back(std::move(levels[k]));
+  }
+}
+
+/// Cells that two bodies of the level cannot reach across. Their keys leave room for two cells on each side,
+/// so that a neighbour's key is never that of another cell.
+void UniformGrid::set_cells(Level& level, const Surroundings& around, double largest_reach) {
+  const double wanted = largest_reach > 0 ? 2 * largest_reach * (1 + 1e-12) : 1.0;
+  for (int d = 0; d < 3; ++d) {
+    const double size = around.extent.size[d];
+    const bool periodic = around.extent.periodic[d];
+    level.cells[d] =
+        periodic ? static_cast<std::int32_t>(std::clamp(std::floor(size / wanted), 1.0, 1e6)) : 0;
+    level.width[d] = periodic ? size / level.cells[d] : wanted;
+  }
+  constexpr std::int32_t far = 1 << 19;
+  level.lowest.fill(-far);
+  level.highest.fill(far);
+  Cell lowest = level.highest, highest = level.lowest;
+  for (const std::uint32_t row : level.rows) {
+    const Cell c = level.cell_of(around.bodies.position[row]);
+    for (int d = 0; d < 3; ++d) {
+      lowest[d] = std::min(lowest[d], c[d]);
+      highest[d] = std::max(highest[d], c[d]);
+    }
+  }
+  std::int64_t stride = 1;
+  for (int d = 0; d < 3; ++d) {
+    level.lowest[d] = level.cells[d] ? 0 : lowest[d];
+    level.highest[d] = level.cells[d] ? level.cells[d] - 1 : highest[d];
+    level.stride[d] = stride;
+    stride *= level.highest[d] - level.lowest[d] + 5;
+  }
+}
+
+/// One beyond the level's outermost bodies stands for everything further out.
+UniformGrid::Cell UniformGrid::Level::cell_of(const Vec3& x) const {
+  Cell c;
+  for (int d = 0; d < 3; ++d) {
+    const int beyond = cells[d] ? 0 : 1;
+    c[d] = static_cast<std::int32_t>(
+        std::clamp<double>(std::floor(x[d] / width[d]), lowest[d] - beyond, highest[d] + beyond));
+  }
+  return c;
+}
+
+std::int64_t UniformGrid::Level::key_of(const Cell& c) const {
+  std::int64_t key = 0;
+  for (int d = 0; d < 3; ++d) key += stride[d] * (c[d] - lowest[d] + 2);
+  return key;
+}
+
+/// The bodies of one level by their cells in the grid of another: least significant digit first.
+void UniformGrid::sort_by_cell(const Surroundings& around, const Level& of, const Level& grid,
+                               std::vector<Entry>& sorted) {
+  constexpr int bits = 11;
+  constexpr std::uint64_t mask = (1u << bits) - 1;
+  std::int64_t largest = 0;
+  sorted.resize(of.rows.size());
+  unsorted_.resize(of.rows.size());
+  for (std::size_t k = 0; k < of.rows.size(); ++k) {
+    const std::uint32_t row = of.rows[k];
+    const Vec3& x = around.bodies.position[row];
+    sorted[k] = {grid.key_of(grid.cell_of(x)), around.bodies.id[row], x, around.reach[row].sum(), row,
+                 around.bodies.is_free(row)};
+    largest = std::max(largest, sorted[k].key);
+  }
+  for (int shift = 0; largest >> shift; shift += bits) {
+    std::swap(sorted, unsorted_);
+    std::array<std::uint32_t, mask + 2> next{};
+    for (const Entry& e : unsorted_) ++next[((e.key >> shift) & mask) + 1];
+    for (std::size_t digit = 1; digit < next.size(); ++digit) next[digit] += next[digit - 1];
+    for (const Entry& e : unsorted_) sorted[next[(e.key >> shift) & mask]++] = e;
+  }
+}
+
+/// The cells x + first_offset to x + 1 along x, in runs that no periodic side cuts. Returns their number.
+int UniformGrid::Level::runs(std::int32_t x, int first_offset, std::array<Run, 3>& out) const {
+  int count = 0;
+  for (int offset = first_offset; offset <= 1; ++offset) {
+    std::int8_t image;
+    const std::int32_t cell = stepped(0, x + offset, image);
+    if (count > 0 && out[count - 1].image == image)
+      out[count - 1].last = cell;
+    else
+      out[count++] = {cell, cell, image};
+  }
+  return count;
+}
+
+/// Into the grid along a periodic axis; `image` is that of the bodies there.
+std::int32_t UniformGrid::Level::stepped(int axis, std::int32_t cell, std::int8_t& image) const {
+  const std::int32_t n = cells[axis];
+  image = n == 0 || (cell >= 0 && cell < n) ? 0 : cell < 0 ? -1 : 1;
+  return cell - image * n;
+}
+
+/// Pairs of a body of `from` and one of `in`, whose grid this is. Cells along x follow one another, so a row
+/// of three is looked through at once. Within a level only one half of the rows is looked at, and of a body's
+/// own what comes after it.
+void UniformGrid::search(const Surroundings& around, const Level& level, const std::vector<Entry>& from,
+                         const std::vector<Entry>& in, bool same_level, std::vector<CandidatePair>& found) {
+  constexpr int own_row = 4, images = 27;
+  std::array<std::array<std::uint32_t, images>, 9> cursors{};  // by row and periodic image
+  std::array<Run, 3> whole, own_half;
+  int whole_count = 0, own_count = 0;
+  Cell c{};
+  std::int64_t last_key = -1;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const Entry& own = from[k];
+    if (own.key != last_key) {
+      c = level.cell_of(own.position);
+      whole_count = level.runs(c[0], -1, whole);
+      own_count = level.runs(c[0], 0, own_half);
+    }
+    last_key = own.key;
+    for (int row = same_level ? own_row : 0; row < 9; ++row) {
+      const bool half = same_level && row == own_row;
+      Image image;
+      const std::int32_t y = level.stepped(1, c[1] + row % 3 - 1, image.y),
+                         z = level.stepped(2, c[2] + row / 3 - 1, image.z);
+      for (int r = 0; r < (half ? own_count : whole_count); ++r) {
+        const Run& run = half ? own_half[r] : whole[r];
+        image.x = run.image;
+        const std::int64_t first = level.key_of({run.first, y, z}), last = first + run.last - run.first;
+        std::uint32_t& cursor = cursors[row][(image.x + 1) + 3 * (image.y + 1) + 9 * (image.z + 1)];
+        while (cursor < in.size() && in[cursor].key < first) ++cursor;
+        for (std::size_t e = half && r == 0 ? k + 1 : cursor; e < in.size() && in[e].key <= last; ++e)
+          add_if_near(around, own, in[e], image, found);
+      }
+    }
+  }
+}
+
+void UniformGrid::add_if_near(const Surroundings& around, const Entry& own, const Entry& other, Image image,
+                              std::vector<CandidatePair>& found) {
+  if (other.id == own.id || (!own.free && !other.free)) return;
+  const bool first = own.id < other.id;
+  const CandidatePair pair =
+      first ? CandidatePair{own.row, other.row, image} : CandidatePair{other.row, own.row, opposite(image)};
+  const Vec3 &a = first ? own.position : other.position, &b = first ? other.position : own.position;
+  if (around.near(a, b, pair.image, own.reach + other.reach)) found.push_back(pair);
+}
+
+void UniformGrid::find_pairs(const Surroundings& around, std::vector<CandidatePair>& found) {
+  build_levels(around);
+  for (const Level& large : levels_) {
+    sort_by_cell(around, large, large, entries_);
+    search(around, large, entries_, entries_, true, found);
+    for (const Level* small = levels_.data(); small != &large; ++small) {
+      sort_by_cell(around, *small, large, others_);
+      search(around, large, others_, entries_, false, found);
+    }
+  }
+}
+
+}  // namespace silt::rigid

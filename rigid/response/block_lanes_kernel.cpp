@@ -1,0 +1,168 @@
+// Pairs with any contacts: first the guess that all of them stick, then Gauss-Seidel over the contacts of a
+// pair. Built once an instruction set.
+#include "rigid/response/stick_trial_kernel.hpp"
+
+namespace silt::rigid::SILT_ISA {
+namespace {
+
+constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
+constexpr int few_rounds = 8;            // ... that later sweeps and steps go on with
+constexpr int few_sweeps = 16;           // with so few rounds: who asks for more sweeps wants the law
+constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
+constexpr double converged_push = 1e-6;  // the same where only positions are corrected
+constexpr double worth_another = 0;      // ... relative to what the pair changes in this sweep
+
+/// The rounds of eight pairs.
+struct Rounds {
+  PairMotion motion;
+  Mask active;
+  Lanes change{}, scale{};           // squared, largest of the round
+  Lanes moved{};                     // at most: a contact's impulse, in all rounds
+  Mask cut_short{};                  // by the number of rounds
+  const BlockFilm* films = nullptr;  // of the group's contacts, or null
+
+  /// What a contact's impulses become, from those that would stop it: FFD.md 5.2, and in a film.
+  static Lanes normal(const BlockContact& c, const BlockFilm* film, Lanes stop, Lanes u_n) {
+    const Lanes hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
+    return larger(film ? film->normal_damped * stop : Lanes{}, hard);
+  }
+  static Vector tangential(const BlockContact& c, const BlockFilm* film, const Vector& stop, Lanes stop_n,
+                           Lanes p_n) {
+    if (!film) return into_cone(stop, c.friction * p_n);
+    const Lanes pressing = film->normal_stiffness * (p_n - film->normal_damped * stop_n);
+    const Vector rubbed = into_cone(stop, c.friction * pressing);
+    return rubbed + (stop - rubbed) * film->tangential_damped;
+  }
+
+  /// FFD.md 5.3: first the normal impulse, then the tangential one.
+  void solve(const BlockGroup& g, BlockContact& c, const BlockFilm* film) {
+    const Vector r = load(c.r), n = load(c.normal), u = motion.at(r), old_t = load(c.tangential_impulse);
+    const Lanes old_n = c.normal_impulse;
+    const Lanes u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n, p_n = normal(c, film, stop_n, u_n);
+    const Lanes d_n = active ? p_n - old_n : Lanes{};
+    const Vector s = u + load(c.k_normal) * d_n, stop_t = old_t - (s - n * dot(s, n)) * c.inverse_k_t;
+    const Vector p_t = tangential(c, film, stop_t, stop_n, p_n);
+    const Vector d_t = choose(active, p_t - old_t, Vector{});
+    c.normal_impulse = active ? p_n : old_n;
+    store(c.tangential_impulse, choose(active, p_t, old_t));
+    change = larger(change, d_n * d_n + dot(d_t, d_t));
+    scale = active ? larger(scale, p_n * p_n + dot(p_t, p_t)) : scale;
+    motion.push(g, r, n * d_n + d_t);
+  }
+
+  /// Squared, of the whole pair in this sweep.
+  Lanes total(const BlockGroup& g) const {
+    return dot(motion.impulse, motion.impulse) +
+           g.inverse_arm * g.inverse_arm * dot(motion.angular, motion.angular);
+  }
+
+  /// A lane that has settled ends, and keeps its result whatever the others do.
+  void run(const BlockGroup& g, BlockContact* contacts, double tolerance, int rounds) {
+    Mask final;
+    for (int l = 0; l < lane_count; ++l) final[l] = g.bodies.again[l] ? 0 : -1;
+    for (int round = 0; round < most_rounds && any(active); ++round) {
+      change = Lanes{};
+      scale = active ? Lanes{} : scale;
+      for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c], films ? films + c : nullptr);
+      moved += square_root(change);
+      const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
+      active = active & (change > enough);
+      if (round + 1 < rounds) continue;
+      if (round + 1 < most_rounds) {
+        cut_short = cut_short | (active & ~final);
+        active = active & final;
+      } else {
+        cut_short = cut_short | active;
+      }
+    }
+  }
+};
+
+/// Carries the impulses on along their last change.
+class CarryOn {
+ public:
+  CarryOn(const BlockGroup& g, const BlockContact* contacts) : used_(g.count <= most) {
+    for (std::uint32_t k = 0; used_ && k < g.count; ++k) {
+      old_n_[k] = contacts[k].normal_impulse;
+      old_t_[k] = load(contacts[k].tangential_impulse);
+    }
+  }
+  void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask on) const {
+    if (!used_) return;
+    Lanes led_wrong{};
+    for (std::uint32_t k = 0; k < g.count; ++k) {
+      const BlockContact& c = contacts[k];
+      const Vector found_t = load(c.tangential_impulse);
+      led_wrong += (old_n_[k] - c.normal_impulse) * (c.normal_impulse - c.last_normal) +
+                   dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
+    }
+    const Lanes beta = momentum(g.age, led_wrong, on & goes_on(g.bodies));
+    g.carried = on ? beta : g.carried;
+    for (std::uint32_t k = 0; k < g.count; ++k) {
+      BlockContact& c = contacts[k];
+      const Vector found_t = load(c.tangential_impulse), last_t = load(c.last_tangential);
+      const Lanes found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
+      const Vector on_t = (found_t - last_t) * beta;
+      c.last_normal = on ? found_n : c.last_normal;
+      store(c.last_tangential, choose(on, found_t, last_t));
+      c.normal_impulse = found_n + on_n;
+      store(c.tangential_impulse, found_t + on_t);
+      motion.push(g, load(c.r), load(c.normal) * on_n + on_t);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t most = 16;  // contacts of a pair; more are not carried on
+  bool used_;
+  Lanes old_n_[most];
+  Vector old_t_[most];
+};
+
+/// A pair whose rounds were cut short has not come to rest, however little it moved, and is not final.
+void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
+  store(g.impulse, rounds.motion.impulse);
+  store(g.angular, rounds.motion.angular);
+  const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
+  const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
+  const Lanes moved = change > 0 ? square_root(change / scale) : Lanes{};
+  for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l] != 0;
+  const Lanes relative = rounds.cut_short ? larger(moved, Lanes{} + 2 * tolerance) : moved;
+  g.relative_change = solved ? relative : Lanes{} - 1;
+}
+
+}  // namespace
+
+void prepare_blocks(BlockGroup* groups, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) set_inverse_mobility(groups[k]);
+}
+
+double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
+                    const BlockFilm* all_films, const BodyState* state, const Sweep& sweep) {
+  double residual = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    BlockGroup& g = groups[k];
+    BlockContact* contacts = all_contacts + g.first;
+    const Mask solved = to_solve(g.bodies, g.carried, state, sweep);
+    g.relative_change = Lanes{} - 1;
+    if (!any(solved)) continue;
+    const CarryOn carry_on(g, contacts);
+    Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
+    rounds.films = g.films != no_films && !sweep.push ? all_films + g.films : nullptr;
+    if (rounds.films)
+      ;  // films creep: nothing sticks
+    else if (sweep.push)
+      try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
+    else
+      try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
+    rounds.run(g, contacts, sweep.push ? converged_push : converged,
+               sweep.number <= few_sweeps ? few_rounds : most_rounds);
+    g.carried = solved ? Lanes{} : g.carried;
+    if (!sweep.plain) carry_on(g, contacts, rounds.motion, solved);
+    finish(g, rounds, solved, sweep.tolerance);
+    for (int l = 0; l < lane_count; ++l)
+      if (g.bodies.again[l] && g.relative_change[l] > residual) residual = g.relative_change[l];
+  }
+  return residual;
+}
+
+}  // namespace silt::rigid::SILT_ISA

@@ -1,0 +1,60 @@
+#pragma once
+// A contact resolver turns the contacts of one step into post-contact velocities (lines 14 to 20 of the
+// paper's Algorithm 1).
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/contact.hpp"
+
+namespace silt::rigid {
+
+struct ResolverSettings {
+  int max_sweeps = 16;
+  double sweep_tolerance = 1e-10;  // relative change of the impulses at which the sweeps stop
+  double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
+  double slop = 0.0;               // overlap left alone, lattice units
+  bool warm_start = true;
+  int impact_sweeps = 0;   // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  double entrained = 0;    // sffd: mass around a body that moves with it, over the mass it displaces; takes
+                           // part in every blow (BodySet::pending_blow), but not in those of the impact phase
+  bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
+};
+
+struct ResolverStatistics {
+  std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
+  int sweeps = 0;
+  int impact_sweeps = 0;
+  double residual = 0;           // largest relative impulse change of the last sweep
+  double penetration = 0;        // deepest overlap met, lattice units
+  double cone_excess = 0;        // largest |p_t| - mu p_n, relative to p_n
+  std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found
+};
+
+/// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
+struct StepVelocities {
+  std::vector<std::size_t> rows;          // that have a contact
+  std::vector<Vec3> before_v, before_w;   // before the kick: what restitution sees
+  std::vector<Vec3> v, w;                 // in: after the kick; out: after the contacts
+  std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
+  std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
+};
+
+class ContactResolver {
+ public:
+  virtual ~ContactResolver() = default;
+  virtual std::string_view name() const = 0;
+  /// Share of the external force (not of gravity) that acts before the contacts: 1 (sffd) or 1/2 (ffd).
+  virtual double first_kick() const { return 1.0; }
+  /// bodies: after the kick. contacts: sorted by key, all those of owned bodies. Fills velocities of owned
+  /// rows that have one.
+  virtual ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
+                                     BodyExchange&) = 0;
+};
+
+/// "sffd" (default) or "ffd"; std::invalid_argument names the known ones.
+std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings&);
+
+}  // namespace silt::rigid

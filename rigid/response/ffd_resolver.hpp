@@ -1,0 +1,35 @@
+#pragma once
+// Fast Frictional Dynamics as the paper used it (SC10 section III; Kaufman, Edmunds, Pai 2005): each body by
+// itself, once. The baseline to compare sffd with; its known faults are kept and tested: momentum is not
+// conserved with more than one contact, friction is bounded by velocities, half the external force is lost in
+// contact (FFD.md 2, 4).
+#include "rigid/response/contact_resolver.hpp"
+#include "rigid/response/dual_active_set.hpp"
+
+namespace silt::rigid {
+
+class FfdResolver : public ContactResolver {
+ public:
+  explicit FfdResolver(const ResolverSettings& settings) : settings_(settings) {}
+  std::string_view name() const override { return "ffd"; }
+  double first_kick() const override { return 0.5; }
+  ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
+                             BodyExchange&) override;
+
+ private:
+  /// A contact as one of its bodies sees it: N . phi >= offset + correction. phi = (omega, v).
+  struct Constraint {
+    Vec3 normal, r;  // normal: into this body
+    Vec6 covector;   // (r x n, n)
+    double offset, correction, restitution, friction;
+  };
+
+  void add_constraints(const BodySet&, const Contact&, double dt);
+  void respond(const BodySet&, std::size_t row, StepVelocities&, ResolverStatistics&) const;
+
+  ResolverSettings settings_;
+  std::vector<double> state_;                         // rows x 6: v, w
+  std::vector<std::vector<Constraint>> constraints_;  // of each owned row, in key order
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,99 @@
+#pragma once
+// Impacts before the contacts of a step (FFD.md 5.6): how a blow runs through bodies that touch, which the
+// simultaneous law of sFFD does not give (Newton's cradle).
+//
+// In rounds: of the pairs with e > 0 that approach now, those with the largest e collide, all at once. Their
+// normal impulses are those of a plastic collision (the least kinetic energy without approach) times 1 + e;
+// then friction brakes with these normal impulses given. New approaches are the next round's business. The
+// rounds are the generalized reflections of Smith, Kaufman, Vouga, Tamstorf, Grinspun (2012), "Reflections on
+// simultaneous impact"; one e a round is ours, as is friction.
+//
+// Kinetic energy never grows. With plastic impulses p, velocities u of the colliding contacts and their
+// matrix K: p (u + K p) = 0, so that (1+e) p u + (1+e)^2 p K p / 2 = -(1 - e^2) p K p / 2. (With an e for
+// each contact the sum could be positive, hence one e a round.) Friction lowers it further. Momentum is
+// exact: both bodies take the same impulse.
+//
+// The plastic impulses come from sweeps as in sffd_resolver.hpp, masses split over the pairs of the round.
+#include <cstdint>
+#include <vector>
+
+#include "rigid/math/twist.hpp"
+#include "rigid/response/contact_resolver.hpp"
+
+namespace silt::rigid {
+
+class ImpactPhase {
+ public:
+  /// most_sweeps: of all rounds of a step together. A round they cut short counts as plastic.
+  explicit ImpactPhase(int most_sweeps) : most_sweeps_(most_sweeps) {}
+
+  /// Changes velocities.before_v and before_w of every row, v and w of owned rows by as much. contacts: as
+  /// for a resolver. The same number of sweeps, which it returns, on every rank.
+  int operator()(BodySet&, const std::vector<Contact>& contacts, double dt, StepVelocities&, BodyExchange&);
+
+ private:
+  struct Body {
+    std::size_t row;
+    bool moves;  // owned and free
+    double inverse_mass;
+    Mat3 inverse_inertia;
+    int pairs = 0;  // in this round
+    Twist start;    // of the round
+    Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();
+  };
+  struct Row {  // a contact
+    std::array<Vec3, 3> direction;
+    Vec3 r_a, r_b;
+    double gap, friction;
+    bool approaching = false;
+    double k_n = 0, k_t = 0;  // velocities a unit of impulse gives, with the masses split
+    std::array<double, 3> impulse{};
+  };
+  struct Pair {
+    std::size_t first, last;  // its rows
+    std::size_t a, b;         // in bodies_
+    double restitution;
+    bool collides = false;  // in this round
+    bool alone = false;     // no other pair of the round has one of its bodies: one sweep is exact
+  };
+  enum class Stage { normal, tangential };
+
+  void collect(const BodySet&, const std::vector<Contact>&);
+  std::size_t involve(const BodySet&, std::size_t row);
+  double largest_approaching_restitution(double dt);
+  void begin_round(BodySet&, BodyExchange&, double restitution);
+  void split_masses(Pair&);
+  int sweep_to_rest(BodySet&, BodyExchange&, Stage, int most, bool& converged);
+  double sweep(Stage);
+  double solve(const Pair&, Stage);
+  void take_impulses(const Pair&, const std::vector<std::array<double, 3>>& old);
+  void apply();
+  void rebound(BodySet&, BodyExchange&, double factor);
+  bool rubs() const;
+
+  int most_sweeps_;
+  std::vector<Body> bodies_;
+  std::vector<Pair> pairs_;
+  std::vector<Row> rows_;
+  std::vector<std::array<double, 3>> old_;  // impulses before a pair is solved
+  std::vector<std::int32_t> index_;         // of a row of the BodySet in bodies_, -1: takes no part
+  std::vector<double> state_;               // a row of the BodySet: v, w, number of pairs of the round
+};
+
+/// sffd after an impact phase: the contacts then no longer bounce.
+class ImpactThenContact : public ContactResolver {
+ public:
+  ImpactThenContact(int most_sweeps, std::unique_ptr<ContactResolver> contact)
+      : impact_(most_sweeps), contact_(std::move(contact)) {}
+  std::string_view name() const override { return contact_->name(); }
+  double first_kick() const override { return contact_->first_kick(); }
+  ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
+                             BodyExchange&) override;
+
+ private:
+  ImpactPhase impact_;
+  std::unique_ptr<ContactResolver> contact_;
+  std::vector<Contact> plastic_;  // the contacts without restitution
+};
+
+}  // namespace silt::rigid

@@ -1,0 +1,312 @@
+#include "rigid/response/pair_lanes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double on_axis = 1e-12;  // sine between a contact's arm and its normal: none
+
+bool is_central(const PairToSolve& p) {
+  if (p.contacts.size() != 1 || !p.a.isotropic || !p.b.isotropic) return false;
+  const Contact& c = p.contacts[0];
+  const auto along = [&](const Vec3& r, const BodyMass& m) {
+    return !m.turns || r.cross(c.normal).squaredNorm() <= on_axis * on_axis * r.squaredNorm();
+  };
+  return along(c.r_a, p.a) && along(c.r_b, p.b);
+}
+
+void set(Lanes* lanes, int l, const Vec3& x) {
+  for (int d = 0; d < 3; ++d) lanes[d][l] = x[d];
+}
+
+void set_symmetric(Lanes* lanes, int l, const Mat3& m) {
+  lanes[0][l] = m(0, 0), lanes[1][l] = m(1, 1), lanes[2][l] = m(2, 2);
+  lanes[3][l] = m(0, 1), lanes[4][l] = m(0, 2), lanes[5][l] = m(1, 2);
+}
+
+Mat3 cross_matrix(const Vec3& a) {
+  Mat3 m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
+/// Relative velocity at the contact by a unit impulse there.
+Mat3 compliance(const PairToSolve& p, const Contact& c) {
+  const Mat3 ra = cross_matrix(c.r_a), rb = cross_matrix(c.r_b);
+  return (p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass) * Mat3::Identity() -
+         ra * (p.share_a * p.a.inverse_inertia) * ra - rb * (p.share_b * p.b.inverse_inertia) * rb;
+}
+
+/// The larger eigenvalue of k between directions across n, k n being k_n.
+double tangential_eigenvalue(const Mat3& k, const Vec3& n, const Vec3& k_n) {
+  const double normal = n.dot(k_n), sum = k.trace() - normal;
+  const double squares = k.squaredNorm() - 2 * k_n.squaredNorm() + normal * normal;
+  return 0.5 * (sum + std::sqrt(std::max(0.0, 2 * squares - sum * sum)));
+}
+
+bool has_film(const PairToSolve& p) {
+  return std::any_of(p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return bool(c.film); });
+}
+
+/// The next free lane of the last group; a new group, all of whose lanes are unused, where there is none.
+template <class Group>
+int next_lane(std::vector<Group>& groups, int& lane, std::size_t rows) {
+  if (lane == lane_count) {
+    groups.emplace_back();
+    for (int l = 0; l < lane_count; ++l) {
+      LaneBodies& bodies = groups.back().bodies;
+      bodies.a[l] = bodies.b[l] = static_cast<std::int32_t>(rows);
+      groups.back().least_scale[l] = 1;
+    }
+    lane = 0;
+  }
+  return lane++;
+}
+
+/// Returns the compliances of normal and tangential motion.
+std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) {
+  const Contact& c = p.contacts[0];
+  const double arm_a = c.normal.dot(c.r_a), arm_b = c.normal.dot(c.r_b);
+  const double k_n = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
+  const double turn_a = p.share_a * p.a.inverse_inertia(0, 0), turn_b = p.share_b * p.b.inverse_inertia(0, 0);
+  const double k_t = k_n + arm_a * arm_a * turn_a + arm_b * arm_b * turn_b;
+  set(g.normal, l, c.normal);
+  g.normal_impulse[l] = g.last_normal[l] = p.impulses[0].normal;
+  set(g.tangential_impulse, l, p.impulses[0].tangential);
+  set(g.last_tangential, l, p.impulses[0].tangential);
+  g.age[l] = 1;
+  g.carried[l] = 0;
+  g.target[l] = p.targets[0], g.friction[l] = c.friction;
+  g.inverse_k_n[l] = 1 / k_n, g.inverse_k_t[l] = 1 / k_t;
+  g.arm_a[l] = arm_a, g.arm_b[l] = arm_b;
+  g.least_scale[l] = p.least_scale;
+  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
+  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
+  g.bodies.again[l] = p.again;
+  return {k_n, k_t};
+}
+
+/// Share of a velocity of compliance k that a resistance takes away; impulse z per velocity.
+double damped(double z, double k) {
+  return z * k / (1 + z * k);
+}
+
+/// No film resists a position correction.
+void dry(FilmGroup& g, int l) {
+  g.normal_stiffness[l] = 1;
+  g.normal_damped[l] = g.roll_keeps[l] = g.tangential_damped[l] = g.roll_gain[l] = g.roll_to_slip[l] = 0;
+  set(g.rolling_impulse, l, Vec3::Zero());
+  set(g.last_rolling, l, Vec3::Zero());
+}
+
+void set_film(BlockFilm& lanes, int l, const PairToSolve& p, std::size_t k, const BlockContact& contact) {
+  const Film& film = p.contacts[k].film;
+  const double k_n = 1 / contact.inverse_k_n[l], k_t = 1 / contact.inverse_k_t[l];
+  lanes.normal_stiffness[l] = 1 + p.dt * film.normal * k_n;
+  lanes.normal_damped[l] = damped(p.dt * film.normal, k_n);
+  lanes.tangential_damped[l] = damped(p.dt * film.sliding, k_t);
+}
+
+}  // namespace
+
+void PairLanes::clear(std::size_t rows) {
+  rows_ = rows;
+  central_lane_ = film_lane_ = lane_count;
+  central_.clear();
+  films_.clear();
+  blocks_.clear();
+  block_contacts_.clear();
+  block_films_.clear();
+  open_.clear();
+  block_order_.clear();
+}
+
+PairLanes::Place PairLanes::add(const PairToSolve& p) {
+  if (!is_central(p)) return add_block(p);
+  return p.contacts[0].film ? add_film(p) : add_central(p);
+}
+
+PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
+  const int l = next_lane(central_, central_lane_, rows_);
+  set_central(central_.back(), l, p);
+  return {static_cast<std::uint32_t>(central_.size() - 1), static_cast<std::uint8_t>(l), true};
+}
+
+PairLanes::Place PairLanes::add_film(const PairToSolve& p) {
+  const int l = next_lane(films_, film_lane_, rows_);
+  FilmGroup& g = films_.back();
+  const auto [k_n, k_t] = set_central(g, l, p);
+  const Contact& c = p.contacts[0];
+  const double z_n = p.dt * c.film.normal, z_t = p.dt * c.film.sliding, z_r = p.dt * c.film.rolling;
+  const double a = g.arm_a[l], b = -g.arm_b[l];  // A and B of film.hpp
+  const double skew = is_wall(c.b) ? -1 : (a - b) / (a + b);
+  const double turn_a = a * a * p.share_a * p.a.inverse_inertia(0, 0);
+  const double turn_b = is_wall(c.b) ? 0 : b * b * p.share_b * p.b.inverse_inertia(0, 0);
+  const double k_r = skew * skew * k_n + turn_a + turn_b;
+  const double across = turn_b - turn_a - skew * k_n;
+  const double gain = z_r / (1 + z_r * k_r);
+  g.normal_stiffness[l] = 1 + z_n * k_n;
+  g.normal_damped[l] = damped(z_n, k_n);
+  const double k_slip = k_t - gain * across * across;
+  g.inverse_k_t[l] = 1 / k_slip;
+  g.tangential_damped[l] = damped(z_t, k_slip);
+  g.skew[l] = skew;
+  g.reach_a[l] = a, g.reach_b[l] = is_wall(c.b) ? 0 : b;
+  g.roll_gain[l] = gain, g.roll_keeps[l] = gain * k_r;
+  g.roll_to_slip[l] = across;
+  set(g.rolling_impulse, l, Vec3::Zero());
+  set(g.last_rolling, l, Vec3::Zero());
+  return {static_cast<std::uint32_t>(films_.size() - 1), static_cast<std::uint8_t>(l), true, true};
+}
+
+PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
+  const std::size_t count = p.contacts.size();
+  const bool film = has_film(p);
+  if (open_.size() <= 2 * count + 1) open_.resize(2 * count + 2);
+  Open& open = open_[2 * count + film];
+  if (open.lane == lane_count) {
+    open = {static_cast<std::uint32_t>(blocks_.size()), 0};
+    blocks_.emplace_back();
+    BlockGroup& g = blocks_.back();
+    for (int l = 0; l < lane_count; ++l) {
+      g.bodies.a[l] = g.bodies.b[l] = static_cast<std::int32_t>(rows_);
+      g.least_scale[l] = g.softness[l] = g.inverse_mass[l] = 1;
+      set_symmetric(g.inverse_inertia_a, l, Mat3::Identity());
+    }
+    g.first = static_cast<std::uint32_t>(block_contacts_.size());
+    g.count = static_cast<std::uint32_t>(count);
+    block_contacts_.resize(block_contacts_.size() + count);
+    g.films = film ? static_cast<std::uint32_t>(block_films_.size()) : no_films;
+    if (film) block_films_.resize(block_films_.size() + count);
+  }
+  BlockGroup& g = blocks_[open.group];
+  const int l = open.lane++;
+  const Contact& c = p.contacts[0];
+  set(g.offset, l, c.r_b - c.r_a);
+  g.inverse_mass[l] = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
+  set_symmetric(g.inverse_inertia_a, l, p.share_a * p.a.inverse_inertia);
+  set_symmetric(g.inverse_inertia_b, l, p.share_b * p.b.inverse_inertia);
+  g.least_scale[l] = p.least_scale;
+  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
+  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
+  g.bodies.again[l] = p.again;
+  constexpr double soft = 1e-5;  // relative to a contact's own compliance
+  double furthest = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
+    add_block_contact(block_contacts_[g.first + k], l, p, k);
+    if (film) set_film(block_films_[g.films + k], l, p, k, block_contacts_[g.first + k]);
+  }
+  g.age[l] = 1;
+  g.carried[l] = 0;
+  g.softness[l] = soft / block_contacts_[g.first].inverse_k_n[l];
+  g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
+  block_order_.push_back({open.group, static_cast<std::uint8_t>(l), false});
+  return block_order_.back();
+}
+
+void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve& p, std::size_t k) {
+  const Contact& c = p.contacts[k];
+  const Mat3 response = compliance(p, c);
+  const Vec3 k_normal = response * c.normal;
+  set(lanes.r, l, c.r_a);
+  set(lanes.normal, l, c.normal);
+  set(lanes.k_normal, l, k_normal);
+  lanes.normal_impulse[l] = lanes.last_normal[l] = p.impulses[k].normal;
+  set(lanes.tangential_impulse, l, p.impulses[k].tangential);
+  set(lanes.last_tangential, l, p.impulses[k].tangential);
+  lanes.target[l] = p.targets[k], lanes.friction[l] = c.friction;
+  lanes.inverse_k_n[l] = 1 / c.normal.dot(k_normal);
+  lanes.inverse_k_t[l] = 1 / tangential_eigenvalue(response, c.normal, k_normal);
+}
+
+void PairLanes::prepare() {
+  switch (chosen_isa()) {
+    case Isa::avx512:
+      return avx512::prepare_blocks(blocks_.data(), blocks_.size());
+    case Isa::avx2:
+      return avx2::prepare_blocks(blocks_.data(), blocks_.size());
+    default:
+      return portable::prepare_blocks(blocks_.data(), blocks_.size());
+  }
+}
+
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const Sweep& sweep) {
+  const auto run = [&](auto central, auto films, auto blocks) {
+    double residual = central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
+    residual = std::max(residual, films(films_.data(), films_.size(), state.data(), sums.data(), sweep));
+    return std::max(residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
+                                     block_films_.data(), state.data(), sweep));
+  };
+  double residual = 0;
+  switch (chosen_isa()) {
+    case Isa::avx512:
+      residual = run(avx512::sweep_central, avx512::sweep_films, avx512::sweep_blocks);
+      break;
+    case Isa::avx2:
+      residual = run(avx2::sweep_central, avx2::sweep_films, avx2::sweep_blocks);
+      break;
+    default:
+      residual = run(portable::sweep_central, portable::sweep_films, portable::sweep_blocks);
+  }
+  sum_blocks(sums, sweep.tolerance);
+  return residual;
+}
+
+void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
+  for (const Place& at : block_order_) {
+    const BlockGroup& g = blocks_[at.group];
+    const int l = at.lane;
+    if (g.relative_change[l] < 0) continue;
+    const Vec3 impulse(g.impulse[0][l], g.impulse[1][l], g.impulse[2][l]);
+    const Vec3 angular(g.angular[0][l], g.angular[1][l], g.angular[2][l]);
+    const Vec3 angular_b = angular + Vec3(g.offset[0][l], g.offset[1][l], g.offset[2][l]).cross(impulse);
+    BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
+    for (int d = 0; d < 3; ++d) {
+      a.impulse[d] -= impulse[d], a.angular[d] -= angular[d];
+      b.impulse[d] += impulse[d], b.angular[d] += angular_b[d];
+    }
+    if (g.relative_change[l] > tolerance) a.changed = b.changed = 1;
+  }
+}
+
+void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) const {
+  const auto read = [&](const auto& lanes, ContactImpulse& p) {
+    p.normal = lanes.normal_impulse[at.lane];
+    for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane] + 0.0;  // no -0
+  };
+  if (at.film) return read(films_[at.group], out[0]);
+  if (at.central) return read(central_[at.group], out[0]);
+  for (std::size_t k = 0; k < out.size(); ++k) read(block_contacts_[blocks_[at.group].first + k], out[k]);
+}
+
+void PairLanes::aim(const Place& at, std::span<const double> targets, double least_scale) {
+  const auto set_target = [&](auto& lanes, double target) {
+    lanes.target[at.lane] = target;
+    lanes.friction[at.lane] = lanes.normal_impulse[at.lane] = lanes.last_normal[at.lane] = 0;
+    for (int d = 0; d < 3; ++d) lanes.tangential_impulse[d][at.lane] = lanes.last_tangential[d][at.lane] = 0;
+  };
+  const auto start_over = [&](auto& group) {
+    group.least_scale[at.lane] = least_scale;
+    group.age[at.lane] = 1;
+    group.carried[at.lane] = 0;
+  };
+  if (at.film) {
+    dry(films_[at.group], at.lane);
+    start_over(films_[at.group]);
+    return set_target(films_[at.group], targets[0]);
+  }
+  if (at.central) {
+    start_over(central_[at.group]);
+    return set_target(central_[at.group], targets[0]);
+  }
+  start_over(blocks_[at.group]);
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    set_target(block_contacts_[blocks_[at.group].first + k], targets[k]);
+}
+
+}  // namespace silt::rigid

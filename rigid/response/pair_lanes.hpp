@@ -1,0 +1,81 @@
+#pragma once
+// Lays the pairs of a step out for the sweeps (contact_lanes.hpp), and runs them.
+#include <span>
+#include <vector>
+
+#include "rigid/bodies/contact.hpp"
+#include "rigid/math/isa.hpp"
+#include "rigid/response/contact_lanes.hpp"
+#include "rigid/response/warm_start.hpp"
+
+namespace silt::rigid {
+
+/// How a body answers an impulse. Infinite mass: zeros.
+struct BodyMass {
+  double inverse_mass = 0;
+  Mat3 inverse_inertia = Mat3::Zero();  // W
+  bool isotropic = true;                // the same about every axis (or infinite)
+  bool turns = false;                   // may have an angular velocity
+};
+
+/// One pair as it is to be laid out. Of either body the pair has the mass divided by `share` to itself.
+struct PairToSolve {
+  std::size_t row_a, row_b;
+  std::span<const Contact> contacts;
+  std::span<const ContactImpulse> impulses;  // to start from
+  std::span<const double> targets;
+  const BodyMass &a, &b;
+  double share_a, share_b;
+  double dt;
+  double least_scale;  // impulses below are rounding
+  bool again;          // false: one sweep is exact, nothing else moves its bodies
+};
+
+class PairLanes {
+ public:
+  /// Where a pair is.
+  struct Place {
+    std::uint32_t group;
+    std::uint8_t lane;
+    bool central, film = false;
+  };
+
+  /// Forgets all pairs. rows: of the BodySet; state and sums have one more, at rest, for unused lanes.
+  void clear(std::size_t rows);
+  /// Call in the order of the pairs' keys.
+  Place add(const PairToSolve&);
+  /// After the last pair, before the first sweep.
+  void prepare();
+  /// One sweep of all pairs from the same velocities. Adds to the bodies' sums in an order
+  /// that only the keys decide, and marks a body as changed where a relative change exceeds the tolerance.
+  /// Returns the largest relative change of a pair that is not final.
+  double sweep(std::span<const BodyState>, std::span<BodySum>, const Sweep&);
+
+  void read_impulses(const Place&, std::span<ContactImpulse>) const;
+  /// Starts over for the position correction: zero impulses, no friction, the target of each contact of the
+  /// pair.
+  void aim(const Place&, std::span<const double> targets, double least_scale);
+
+ private:
+  Place add_central(const PairToSolve&);
+  Place add_film(const PairToSolve&);
+  Place add_block(const PairToSolve&);
+  void add_block_contact(BlockContact&, int lane, const PairToSolve&, std::size_t k);
+  void sum_blocks(std::span<BodySum>, double tolerance) const;
+
+  std::size_t rows_ = 0;
+  int central_lane_ = lane_count, film_lane_ = lane_count;  // the next free one of the last group
+  std::vector<CentralGroup> central_;
+  std::vector<FilmGroup> films_;
+  std::vector<BlockGroup> blocks_;
+  std::vector<BlockContact> block_contacts_;
+  std::vector<BlockFilm> block_films_;
+  struct Open {
+    std::uint32_t group;
+    int lane = lane_count;
+  };
+  std::vector<Open> open_;  // the group being filled, by number of contacts and whether there are films
+  std::vector<Place> block_order_;  // as added
+};
+
+}  // namespace silt::rigid

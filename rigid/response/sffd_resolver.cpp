@@ -1,0 +1,316 @@
+#include "rigid/response/sffd_resolver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr int width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
+constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
+constexpr int accelerated_sweeps = 64;       // what is not at rest by then does better without
+constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
+constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
+constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
+constexpr double hair = 1e-4;                // gap a pressed contact may keep, relative to its lever arms
+
+Vec3 velocity(const BodyState& s) {
+  return {s.v[0], s.v[1], s.v[2]};
+}
+Vec3 angular_velocity(const BodyState& s) {
+  return {s.w[0], s.w[1], s.w[2]};
+}
+Vec3 velocity_at(const BodyState& s, const Vec3& r) {
+  return velocity(s) + angular_velocity(s).cross(r);
+}
+
+void store(BodyState& s, const Vec3& v, const Vec3& w, double number) {
+  for (int d = 0; d < 3; ++d) s.v[d] = v[d], s.w[d] = w[d];
+  s.number = number;
+  s.unused = 0;
+}
+
+std::span<double> as_doubles(std::vector<BodyState>& state) {
+  return {&state.data()->v[0], (state.size() - 1) * width};  // not the one at rest
+}
+
+/// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
+/// of a contact that would be reached, from the velocities before the kick (so that a body at rest does not
+/// bounce) and what a film leaves of them.
+struct Target {
+  double velocity;
+  double blow = 0;  // change of the velocity, where the contact is hit
+};
+Target target_of(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
+  const double closing = c.gap > 0 ? -c.gap / dt : 0.0;
+  const double speed = c.normal.dot(before) / (1 + dt * c.film.normal / reduced_mass);
+  const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
+  if (!hits) return {closing};
+  const double target = std::max(closing, -c.restitution * speed);
+  return {target, target - speed};
+}
+
+double lever_arms(const Contact& c) {
+  return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
+}
+
+/// Of a contact that pressed in the last step: one that has come apart by a hair is held, not let fall. Else
+/// the weight shifts to the contacts that are left and back again, and stacks rock and creep.
+/// A film holds by itself, and its impulse does not mean that the surfaces touched.
+double target_of_pressed(const Contact& c, double dt, double target) {
+  return c.gap > 0 && !c.film ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt) : target;
+}
+
+void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
+  const Vec3 angular = r.cross(impulse);
+  for (int d = 0; d < 3; ++d) sum.impulse[d] += impulse[d], sum.angular[d] += angular[d];
+}
+
+}  // namespace
+
+void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
+  Body& b = bodies_[row];
+  if (b.involved) return;
+  b.involved = true;
+  b.pairs = 0;
+  involved_.push_back(row);
+  const bool free = bodies.is_free(row);
+  b.moves = row < bodies.owned && free;
+  b.inverse_mass = bodies.inverse_mass(row);
+  b.inverse_inertia = bodies.inverse_inertia_W(row);
+  b.isotropic = !free || bodies.is_isotropic(row);
+  b.turns = free || bodies.angular_velocity[row] != Vec3::Zero();
+  b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
+}
+
+/// Returns the number of contacts whose lower body is owned.
+std::size_t SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contact>& contacts) {
+  std::size_t owned_contacts = 0;
+  pairs_.clear();
+  for (const std::size_t row : involved_) bodies_[row].involved = false;
+  bodies_.resize(bodies.size() + 1);
+  involved_.clear();
+  std::size_t row_a = 0;
+  for (std::size_t first = 0, last; first < contacts.size(); first = last) {
+    const Contact& c = contacts[first];
+    for (last = first + 1; last < contacts.size() && contacts[last].pair() == c.pair();) ++last;
+    if (first == 0 || c.a != contacts[first - 1].a) row_a = bodies.row_of(c.a);
+    const std::size_t row_b = bodies.row_of(c.b);
+    if (row_a < bodies.owned) owned_contacts += last - first;
+    involve(bodies, row_a);
+    involve(bodies, row_b);
+    if (!bodies_[row_a].moves && !bodies_[row_b].moves) continue;  // its owners' business
+    ++bodies_[row_a].pairs;
+    ++bodies_[row_b].pairs;
+    pairs_.push_back({first, last, row_a, row_b});
+    pairs_.back().reduced_mass = 1 / (bodies_[row_a].inverse_mass + bodies_[row_b].inverse_mass);
+  }
+  return owned_contacts;
+}
+
+/// Targets, and velocities with the impulses of the step before.
+void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& contacts, double dt,
+                         const StepVelocities& velocities) {
+  const auto before = [&](std::size_t row, const Vec3& r) -> Vec3 {
+    return velocities.before_v[row] + velocities.before_w[row].cross(r);
+  };
+  impulses_.resize(contacts.size());
+  targets_.resize(contacts.size());
+  blows_.resize(contacts.size());
+  state_.resize(bodies.size() + 1);
+  sums_.resize(bodies.size() + 1);
+  state_.back() = {};
+  for (const std::size_t row : involved_) {
+    store(state_[row], velocities.v[row], velocities.w[row], bodies.is_free(row) ? bodies_[row].pairs : 0);
+    sums_[row] = {};
+  }
+  Recall recall(bodies);
+  for (const Pair& p : pairs_) {
+    const std::span of_pair(contacts.data() + p.first, p.last - p.first);
+    for (std::size_t k = p.first; k < p.last; ++k) {
+      const Contact& c = contacts[k];
+      const Target t = target_of(c, dt, p.reduced_mass, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
+      targets_[k] = t.velocity, blows_[k] = t.blow;
+      impulses_[k] = {};
+    }
+    if (settings_.warm_start) warm_start(p, of_pair, dt, recall);
+  }
+  for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
+}
+
+void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, double dt, Recall& recall) {
+  const std::span impulses(impulses_.data() + p.first, contacts.size());
+  if (bodies_[p.row_a].moves)
+    recall.of_lower(p.row_a, contacts, impulses);
+  else
+    recall.of_higher(p.row_b, contacts, impulses);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const Vec3 impulse = impulses[k].along(contacts[k].normal);
+    double& target = targets_[p.first + k];
+    if (impulses[k].normal > 0) target = target_of_pressed(contacts[k], dt, target);
+    add(sums_[p.row_a], contacts[k].r_a, -impulse);
+    add(sums_[p.row_b], contacts[k].r_b, impulse);
+  }
+}
+
+/// Impulses of a pair below this are rounding.
+double SffdResolver::least_scale(const Pair& p) const {
+  const auto speed = [&](std::size_t row) {
+    const BodyState& s = state_[row];
+    return std::max(velocity(s).norm(), bodies_[row].size * angular_velocity(s).norm());
+  };
+  return p.reduced_mass * rounding * std::max(speed(p.row_a), speed(p.row_b));
+}
+
+/// Each pair with the share of its bodies' masses that it has to itself.
+void SffdResolver::lay_out(const std::vector<Contact>& contacts, double dt) {
+  lanes_.clear(bodies_.size() - 1);
+  for (Pair& p : pairs_) {
+    const std::size_t count = p.last - p.first;
+    const bool again = state_[p.row_a].number > 1 || state_[p.row_b].number > 1;
+    p.place = lanes_.add({p.row_a,
+                          p.row_b,
+                          {contacts.data() + p.first, count},
+                          {impulses_.data() + p.first, count},
+                          {targets_.data() + p.first, count},
+                          bodies_[p.row_a],
+                          bodies_[p.row_b],
+                          state_[p.row_a].number,
+                          state_[p.row_b].number,
+                          dt,
+                          least_scale(p),
+                          again});
+  }
+  lanes_.prepare();
+}
+
+/// Moves a body this rank owns.
+void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const {
+  const Body& b = bodies_[row];
+  if (!b.moves) return;
+  const BodySum& sum = sums_[row];
+  store(s, velocity(s) + b.inverse_mass * Eigen::Map<const Vec3>(sum.impulse),
+        angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), number);
+}
+
+/// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
+int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
+                                double tolerance, bool push, double& residual) {
+  bool settled = false;
+  for (int i = 1;; ++i) {
+    const bool plain = settled || i >= std::min(settings_.max_sweeps, accelerated_sweeps);
+    for (const std::size_t row : involved_) sums_[row] = {};
+    residual = exchange.maximum(lanes_.sweep(state, sums_, {i, plain, push, tolerance}));
+    for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
+    if (i >= settings_.max_sweeps || (residual <= tolerance && (plain || i == 1))) return i;
+    settled = residual <= tolerance;
+    exchange.share(bodies, as_doubles(state), width);
+  }
+}
+
+/// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact
+/// may use up the gap that is left.
+void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
+  for (const Pair& p : pairs_) {
+    for (std::size_t k = p.first; k < p.last; ++k) {
+      const Contact& c = contacts[k];
+      const double u =
+          c.normal.dot(velocity_at(state_[p.row_b], c.r_b) - velocity_at(state_[p.row_a], c.r_a));
+      const double overlap = settings_.correction * (-c.gap - settings_.slop) / dt - std::max(0.0, u);
+      targets_[k] = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
+    }
+    lanes_.aim(p.place, {targets_.data() + p.first, p.last - p.first},
+               p.reduced_mass * push_rounding * lever_arms(contacts[p.first]) / dt);
+  }
+}
+
+/// What is around a struck body turns round with it, by its share of the blow: equal and opposite for both.
+void SffdResolver::keep_blow(BodySet& bodies, const Pair& p, std::size_t contact, const Vec3& normal) const {
+  const auto compliance = [&](std::size_t row) {
+    return bodies.inverse_mass(row) / (1 + settings_.entrained * (1 - bodies.weight_factor[row]));
+  };
+  const double share = 1 / (p.reduced_mass * (compliance(p.row_a) + compliance(p.row_b))) - 1;
+  const double blow = std::min(impulses_[contact].normal, p.reduced_mass * blows_[contact]);
+  const Vec3 impulse = share * blow * normal;
+  if (bodies_[p.row_a].moves) bodies.pending_blow[p.row_a] -= impulse;
+  if (bodies_[p.row_b].moves) bodies.pending_blow[p.row_b] += impulse;
+}
+
+/// Reads the impulses, for the next step and for the statistics. Returns the deepest overlap that a
+/// correction is worth, of the pairs solved here; 0: none.
+double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
+                            ResolverStatistics& statistics) {
+  for (std::size_t row = 0; row < bodies.owned; ++row) bodies.stored_impulses[row].clear();
+  double correctable = 0;
+  for (const Pair& p : pairs_) {  // in key order, so each body's list comes out sorted
+    const std::span of_pair(contacts.data() + p.first, p.last - p.first);
+    const std::span impulses(impulses_.data() + p.first, of_pair.size());
+    lanes_.read_impulses(p.place, impulses);
+    for (std::size_t k = 0; k < impulses.size(); ++k) {
+      const Contact& c = of_pair[k];
+      const ContactImpulse& i = impulses[k];
+      statistics.penetration = std::max(statistics.penetration, -c.gap);
+      if (i.normal > 0 && !c.film)
+        statistics.cone_excess =
+            std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
+      if (settings_.entrained > 0 && blows_[p.first + k] > 0) keep_blow(bodies, p, p.first + k, c.normal);
+      if (c.film && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
+        impulses[k] = {};  // mostly a blow, which does not last
+      if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
+        correctable = std::max(correctable, -c.gap);
+    }
+    if (!settings_.warm_start) continue;
+    if (bodies_[p.row_a].moves)
+      remember_impulses(of_pair, impulses, of_pair[0].b, bodies.stored_impulses[p.row_a]);
+    if (bodies_[p.row_b].moves)
+      remember_impulses(of_pair, impulses, of_pair[0].a, bodies.stored_impulses[p.row_b]);
+  }
+  return correctable;
+}
+
+/// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
+/// forgotten.
+void SffdResolver::correct_positions(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
+                                     StepVelocities& velocities, BodyExchange& exchange) {
+  exchange.share(bodies, as_doubles(state_), width);
+  aim_push(contacts, dt);
+  push_.assign(bodies.size() + 1, BodyState{});
+  double residual = 0;
+  sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
+  velocities.push_v.assign(bodies.size(), Vec3::Zero());
+  velocities.push_w.assign(bodies.size(), Vec3::Zero());
+  for (const std::size_t row : involved_) {
+    if (!bodies_[row].moves) continue;
+    velocities.push_v[row] = velocity(push_[row]);
+    velocities.push_w[row] = angular_velocity(push_[row]);
+  }
+}
+
+ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
+                                         StepVelocities& velocities, BodyExchange& exchange) {
+  ResolverStatistics statistics;
+  velocities.push_v.clear();
+  velocities.push_w.clear();
+  statistics.contacts = collect_pairs(bodies, contacts);
+  if (exchange.maximum(contacts.empty() ? 0.0 : 1.0) == 0) {
+    finish(bodies, contacts, statistics);
+    return statistics;
+  }
+  start(bodies, contacts, dt, velocities);
+  exchange.share(bodies, as_doubles(state_), width);
+  lay_out(contacts, dt);
+  statistics.sweeps =
+      sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
+  const double correctable = finish(bodies, contacts, statistics);
+  for (const std::size_t row : involved_) {
+    if (!bodies_[row].moves) continue;
+    velocities.v[row] = velocity(state_[row]);
+    velocities.w[row] = angular_velocity(state_[row]);
+  }
+  if (settings_.correction > 0 && exchange.maximum(correctable) > 0)
+    correct_positions(bodies, contacts, dt, velocities, exchange);
+  return statistics;
+}
+
+}  // namespace silt::rigid

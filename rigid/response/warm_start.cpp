@@ -1,0 +1,71 @@
+#include "rigid/response/warm_start.hpp"
+
+#include <algorithm>
+
+namespace silt::rigid {
+
+namespace {
+
+const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Contact& c) {
+  const StoredImpulse* other_image = nullptr;
+  for (const StoredImpulse& s : of_partner) {
+    if (s.feature != c.feature) continue;
+    if (s.image == c.image) return &s;
+    if (!other_image) other_image = &s;
+  }
+  return other_image;
+}
+
+/// Returns where the partner's begin in `stored`.
+std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact> contacts,
+                   std::span<ContactImpulse> impulses) {
+  auto first = stored.begin();  // a body has few partners
+  while (first != stored.end() && first->partner < partner) ++first;
+  auto last = first;
+  while (last != stored.end() && last->partner == partner) ++last;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const Contact& c = contacts[k];
+    const StoredImpulse* s = find({first, last}, c);
+    const double normal = s ? c.normal.dot(s->impulse) : 0;
+    if (!s || (normal <= 0 && !c.film)) continue;
+    ContactImpulse& p = impulses[k];
+    p.normal = normal;
+    p.tangential = s->impulse - normal * c.normal;
+    if (c.film) continue;  // pulls as well, and drags without pressing
+    const double size = p.tangential.norm(), limit = c.friction * normal;
+    if (size > limit) p.tangential *= limit / size;
+  }
+  return static_cast<std::size_t>(first - stored.begin());
+}
+
+}  // namespace
+
+void Recall::of_lower(std::size_t row_a, std::span<const Contact> contacts,
+                      std::span<ContactImpulse> impulses) {
+  if (row_a != row_) row_ = row_a, behind_ = 0;
+  behind_ +=
+      recall(std::span(bodies_.stored_impulses[row_a]).subspan(behind_), contacts[0].b, contacts, impulses);
+}
+
+void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
+                       std::span<ContactImpulse> impulses) const {
+  recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
+}
+
+Vec3 impulse_of_films(const BodySet& bodies, std::size_t row) {
+  Vec3 sum = Vec3::Zero();
+  for (const StoredImpulse& s : bodies.stored_impulses[row])
+    if (s.feature & film_feature) sum += bodies.id[row] < s.partner ? Vec3(-s.impulse) : s.impulse;
+  return sum;
+}
+
+/// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
+void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
+                       BodyId partner, std::vector<StoredImpulse>& stored) {
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (impulses[k].normal > 0 || contacts[k].film)
+      stored.push_back({partner, contacts[k].image, contacts[k].feature,
+                        impulses[k].along(contacts[k].normal) + Vec3::Zero()});
+}
+
+}  // namespace silt::rigid

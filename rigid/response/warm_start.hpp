@@ -1,0 +1,40 @@
+#pragma once
+// What a step remembers of its contact impulses for the next one. Both bodies of a pair keep the same values,
+// so that the owner of either can start from them.
+#include <span>
+
+#include "rigid/bodies/body_set.hpp"
+
+namespace silt::rigid {
+
+/// The impulse of one contact, on b.
+struct ContactImpulse {
+  double normal = 0;
+  Vec3 tangential = Vec3::Zero();  // W
+
+  Vec3 along(const Vec3& n) const { return normal * n + tangential; }
+};
+
+/// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the
+/// new normal and (without a film) inside the cone. A contact not found keeps its impulse. Where the pair's
+/// image changed (a body crossed a periodic side) the same feature of another image will do.
+class Recall {
+ public:
+  explicit Recall(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
+  /// From the pair's lower body. Call in the order of the keys.
+  void of_lower(std::size_t row_a, std::span<const Contact>, std::span<ContactImpulse>);
+  void of_higher(std::size_t row_b, std::span<const Contact>, std::span<ContactImpulse>) const;
+
+ private:
+  const BodySet& bodies_;
+  std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
+};
+
+/// What the films around a body gave it in the step before; W.
+Vec3 impulse_of_films(const BodySet&, std::size_t row);
+
+/// Appends the pair's impulses to what one of its bodies remembers.
+void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
+                       std::vector<StoredImpulse>& stored);
+
+}  // namespace silt::rigid

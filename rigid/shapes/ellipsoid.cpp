@@ -1,0 +1,119 @@
+#include "rigid/shapes/ellipsoid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace silt::rigid {
+
+namespace {
+
+/// A sum of squares to be made 1: |p(u)| = 1 with p_i = c_i / (u + d_i), u >= 0; c_i >= 0, d_i >= 0 and one
+/// of the d_i is 0.
+struct SecularEquation {
+  Vec3 c, d;
+
+  Vec3 p(double u) const {
+    Vec3 p;
+    for (int i = 0; i < 3; ++i) p[i] = c[i] > 0 ? c[i] / (u + d[i]) : 0;
+    return p;
+  }
+
+  /// The root; 0 if |p| < 1 all the way down (then the terms with d_i = 0 make up for what is missing).
+  /// Newton's method on 1 / |p(u)| = 1, which is concave, increasing and almost straight: from the left it
+  /// approaches the root from the left, and has arrived when it no longer moves that way.
+  double root() const {
+    constexpr int most = 100;  // 3 to 8 are taken
+    double u = 0;
+    for (int i = 0; i < 3; ++i) u = std::max(u, c[i] - d[i]);  // no term alone exceeds 1
+    for (int k = 0; k < most; ++k) {
+      const Vec3 at = p(u);
+      const double norm = at.norm();
+      if (!(norm > 1)) break;
+      double slope = 0;  // of -|p|^2 / 2
+      for (int i = 0; i < 3; ++i)
+        if (c[i] > 0) slope += at[i] * at[i] / (u + d[i]);
+      const double next = u + (norm - 1) * norm * norm / slope;
+      if (!(next > u)) break;
+      u = next;
+    }
+    return u;
+  }
+};
+
+/// Axis numbers, longest axis first.
+std::array<int, 3> by_length(const Vec3& half_axes) {
+  std::array<int, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return half_axes[i] > half_axes[j]; });
+  return order;
+}
+
+/// Nearest point and the way to it, both without cancellation.
+struct Nearest {
+  Vec3 point, way;  // point = x + way
+};
+
+/// The nearest point of the surface is x_i = e_i^2 y_i / (t + e_i^2), t the root beyond minus the square of
+/// the shortest half axis e. In units of that: u = t / e^2 + 1, r_i = e_i^2 / e^2, d_i = r_i - 1.
+Nearest nearest(const Vec3& half_axes, const Vec3& x) {
+  const Vec3 y = x.cwiseAbs();
+  const int shortest = by_length(half_axes)[2];
+  const double e = half_axes[shortest];
+  SecularEquation equation;
+  Vec3 r;
+  for (int i = 0; i < 3; ++i) {
+    r[i] = (half_axes[i] / e) * (half_axes[i] / e);
+    equation.d[i] = (half_axes[i] - e) / e * ((half_axes[i] + e) / e);
+    equation.c[i] = half_axes[i] / e * (y[i] / e);  // r_i y_i / e_i
+  }
+  const double u = equation.root();
+  const Vec3 p = equation.p(u);
+  Nearest n;
+  for (int i = 0; i < 3; ++i) {
+    n.point[i] = half_axes[i] * p[i];
+    n.way[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;
+  }
+  if (u == 0) {  // from the middle plane the nearest points lie on either side of it
+    const double others = p.squaredNorm() - p[shortest] * p[shortest];
+    n.way[shortest] = n.point[shortest] = e * std::sqrt(std::max(0.0, 1 - others));
+  }
+  for (int i = 0; i < 3; ++i)
+    if (x[i] < 0) n.point[i] = -n.point[i], n.way[i] = -n.way[i];
+  return n;
+}
+
+}  // namespace
+
+bool in_ellipsoid(const Vec3& half_axes, const Vec3& x) {
+  return x.cwiseQuotient(half_axes).squaredNorm() <= 1;
+}
+
+Vec3 nearest_on_ellipsoid(const Vec3& half_axes, const Vec3& x) {
+  return nearest(half_axes, x).point;
+}
+
+double ellipsoid_distance(const Vec3& half_axes, const Vec3& x) {
+  const double distance = nearest(half_axes, x).way.norm();
+  if (in_ellipsoid(half_axes, x)) return -distance;
+  return std::max(distance, std::numeric_limits<double>::min());
+}
+
+/// As the nearest point, with the root beyond minus the square of the longest half axis: x_i = -e_i^2 y_i /
+/// (u + e^2 - e_i^2).
+double ellipsoid_reach(const Vec3& half_axes, const Vec3& x) {
+  const Vec3 y = x.cwiseAbs();
+  const int longest = by_length(half_axes)[0];
+  const double e = half_axes[longest];
+  SecularEquation equation;
+  for (int i = 0; i < 3; ++i) {
+    equation.d[i] = (e - half_axes[i]) / e * ((e + half_axes[i]) / e);
+    equation.c[i] = half_axes[i] / e * (y[i] / e);
+  }
+  const double u = equation.root();
+  Vec3 p = equation.p(u);
+  if (u == 0) p[longest] = std::sqrt(std::max(0.0, 1 - (p.squaredNorm() - p[longest] * p[longest])));
+  return (y + half_axes.cwiseProduct(p)).norm();
+}
+
+}  // namespace silt::rigid

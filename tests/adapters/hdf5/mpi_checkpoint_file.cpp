@@ -1,0 +1,355 @@
+// A checkpoint comes back to the bit, on any layout; damage of any kind is found and said.
+#include "adapters/hdf5/checkpoint_file.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/act.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+
+namespace silt::tests {
+namespace {
+
+using adapters::CellBox;
+using adapters::CheckpointReader;
+using adapters::CheckpointWriter;
+using rigid::BodyRecord;
+using rigid::StoredImpulse;
+using Impulses = std::vector<std::vector<StoredImpulse>>;
+
+constexpr std::array<int, 3> cells{11, 6, 9};
+constexpr int populations = 19, bodies_in_all = 37;
+
+template <class T>
+using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+
+/// Any bits at all, among them -0.0, denormals, infinities and NaNs with a payload.
+template <class T>
+Bits<T> bits_of(int q, int x, int y, int z) {
+  const std::uint64_t n = ((q * 100ull + z) * 100 + y) * 100 + x;
+  const Bits<T> sign = Bits<T>{1} << (8 * sizeof(T) - 1);
+  switch (n % 7) {
+    case 0:
+      return sign;  // -0.0
+    case 1:
+      return static_cast<Bits<T>>(n + 1);  // denormal
+    case 2:
+      return std::bit_cast<Bits<T>>(std::numeric_limits<T>::signaling_NaN()) | Bits<T>(n);  // NaN, payload
+    case 3:
+      return 0;
+    case 4:
+      return std::bit_cast<Bits<T>>(-std::numeric_limits<T>::infinity());
+    default:
+      return std::bit_cast<Bits<T>>(static_cast<T>(std::sin(double(n))));
+  }
+}
+
+template <class T>
+void write_populations(CheckpointWriter& writer, const std::vector<CellBox>& boxes) {
+  writer.cells<T>("populations", cells, populations, boxes, [&](int q, std::size_t box, T* out) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+      const auto bits = bits_of<T>(q, x, y, z);
+      std::memcpy(&out[i], &bits, sizeof bits);
+    });
+  });
+}
+
+template <class T>
+std::size_t wrong_populations(const CheckpointReader& reader, const std::vector<CellBox>& boxes) {
+  std::size_t wrong = 0;
+  reader.cells<T>("populations", boxes, [&](int q, std::size_t box, const T* in) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+      const auto bits = bits_of<T>(q, x, y, z);
+      wrong += std::memcmp(&in[i], &bits, sizeof bits) != 0;
+    });
+  });
+  return wrong;
+}
+
+std::uint8_t flag(int x, int y, int z) {
+  return (x * 7 + y * 3 + z) % 5 == 0;
+}
+
+BodyRecord record(std::uint64_t id) {
+  BodyRecord r;
+  r.id = id;
+  r.shape = int(id % 3);
+  r.kind = -int(id);
+  r.motion = static_cast<rigid::Motion>(id % 3);
+  r.mass = std::nextafter(double(id), 0);
+  for (int d = 0; d < 3; ++d) {
+    r.position[d] = std::sin(id + d);
+    r.image[d] = int(id) - d;
+    r.velocity[d] = -0.0;
+    r.angular_momentum[d] = 5e-324 * double(id);
+    r.pending_blow[d] = std::cos(id + d);
+  }
+  r.mapping_orientation[3] = 0.1 * double(id);
+  for (int d = 0; d < 6; ++d) r.owed[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
+  return r;
+}
+
+std::vector<StoredImpulse> impulses(std::uint64_t id) {
+  std::vector<StoredImpulse> list;
+  for (std::uint64_t i = 0; i < id % 4; ++i)
+    list.push_back({id + 1 + i,
+                    {std::int8_t(i % 3 - 1), 0, 1},
+                    id << 32 | i,
+                    rigid::Vec3(0.1 * double(i), -0.0, 1.0 / id)});
+  return list;
+}
+
+void expect_equal(const BodyRecord& a, const BodyRecord& b) {
+  const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
+  EXPECT_TRUE(same(a.id, b.id) && same(a.shape, b.shape) && same(a.material, b.material) &&
+              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.mass, b.mass) &&
+              same(a.weight_factor, b.weight_factor) && same(a.inertia_B, b.inertia_B) &&
+              same(a.position, b.position) && same(a.orientation, b.orientation) && same(a.image, b.image) &&
+              same(a.velocity, b.velocity) && same(a.angular_velocity, b.angular_velocity) &&
+              same(a.angular_momentum, b.angular_momentum) && same(a.mapping_position, b.mapping_position) &&
+              same(a.mapping_orientation, b.mapping_orientation) && same(a.owed, b.owed) &&
+              same(a.pending_blow, b.pending_blow))
+      << "body " << b.id;
+}
+
+struct Layout {
+  MPI_Comm comm = MPI_COMM_WORLD;
+  std::array<int, 3> block{4, 6, 5};
+  bool in_turn = true, idle = false;
+
+  std::vector<CellBox> boxes() const {
+    int r = 0, n = 1;
+    MPI_Comm_rank(comm, &r);
+    MPI_Comm_size(comm, &n);
+    return blocks_of(r, n, cells, block, in_turn, idle);
+  }
+};
+
+const std::string case_text = "title = \"\u00e4\"\n" + std::string(100000, '#');
+
+template <class T>
+void write(const Layout& layout, const std::filesystem::path& path, int keep = 0) {
+  const adapters::Provenance provenance{"0.1.0", "abc", "t", case_text, 3, "auto", "g++", "host", "now"};
+  CheckpointWriter writer(layout.comm, path, provenance);
+  writer.set("step", std::int64_t{1} << 60);
+  writer.set("time", 0.1);
+  writer.set("backend", "analytic");
+  const auto boxes = layout.boxes();
+  write_populations<T>(writer, boxes);
+  writer.cells<std::uint8_t>("flags", cells, 1, boxes, [&](int, std::size_t box, std::uint8_t* out) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) { out[i] = flag(x, y, z); });
+  });
+  int r = 0, n = 1;
+  MPI_Comm_rank(layout.comm, &r);
+  MPI_Comm_size(layout.comm, &n);
+  std::vector<BodyRecord> records;
+  Impulses lists;
+  for (int id = bodies_in_all - r; id > 0; id -= n) {
+    records.push_back(record(id));
+    lists.push_back(impulses(id));
+  }
+  writer.bodies(records, lists);
+  writer.commit(keep);
+}
+
+template <class T>
+void expect_whole(const Layout& layout, const std::filesystem::path& path) {
+  const CheckpointReader reader(layout.comm, path);
+  EXPECT_EQ(reader.integer("step"), std::int64_t{1} << 60);
+  EXPECT_EQ(reader.number("time"), 0.1);
+  EXPECT_EQ(reader.text("backend"), "analytic");
+  EXPECT_TRUE(reader.has("step") && !reader.has("stop"));
+  EXPECT_EQ(reader.case_text(), case_text);
+  EXPECT_EQ(reader.provenance("compiler"), "g++");
+  EXPECT_EQ(reader.lattice("populations"), cells);
+  EXPECT_EQ(reader.components("populations"), populations);
+  const auto boxes = layout.boxes();
+  EXPECT_EQ(wrong_populations<T>(reader, boxes), 0u);
+  std::size_t wrong = 0;
+  reader.cells<std::uint8_t>("flags", boxes, [&](int, std::size_t box, const std::uint8_t* in) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) { wrong += in[i] != flag(x, y, z); });
+  });
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_EQ(reader.body_count(), std::size_t(bodies_in_all));
+  const auto found = reader.bodies([](const BodyRecord& r) { return r.id % 2 == 1; });
+  ASSERT_EQ(found.records.size(), std::size_t(bodies_in_all + 1) / 2);
+  for (std::size_t i = 0; i < found.records.size(); ++i) {
+    const std::uint64_t id = 2 * i + 1;
+    expect_equal(found.records[i], record(id));
+    const auto expected = impulses(id);
+    ASSERT_EQ(found.impulses[i].size(), expected.size());
+    for (std::size_t j = 0; j < expected.size(); ++j) {
+      EXPECT_EQ(found.impulses[i][j].partner, expected[j].partner);
+      EXPECT_TRUE(found.impulses[i][j].image == expected[j].image);
+      EXPECT_EQ(found.impulses[i][j].feature, expected[j].feature);
+      EXPECT_EQ(0, std::memcmp(found.impulses[i][j].impulse.data(), expected[j].impulse.data(),
+                               3 * sizeof(double)));
+    }
+  }
+}
+
+template <class T>
+void round_trip() {
+  const Scratch scratch;
+  const auto path = adapters::checkpoint_path(scratch.path(), 5000);
+  for (const Layout& writer : {Layout{}, Layout{MPI_COMM_WORLD, {11, 1, 2}, false, true}}) {
+    write<T>(writer, path);
+    for (const Layout& reader :
+         {Layout{}, Layout{MPI_COMM_WORLD, {3, 4, 9}, true, true}, Layout{MPI_COMM_WORLD, {11, 6, 9}}})
+      expect_whole<T>(reader, path);
+    if (rank() == 0) expect_whole<T>({MPI_COMM_SELF}, path);  // what n ranks wrote, one rank reads
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  if (rank() == 0) write<T>({MPI_COMM_SELF}, path);  // and the reverse
+  MPI_Barrier(MPI_COMM_WORLD);
+  expect_whole<T>({}, path);
+}
+
+TEST(Checkpoint, comes_back_to_the_bit_in_single_precision) {
+  round_trip<float>();
+}
+TEST(Checkpoint, comes_back_to_the_bit_in_double_precision) {
+  round_trip<double>();
+}
+
+TEST(Checkpoint, of_a_lattice_with_fewer_planes_than_ranks) {
+  const Scratch scratch;
+  const std::array<int, 3> thin{6, 5, 3};
+  const auto path = adapters::checkpoint_path(scratch.path(), 1);
+  const auto boxes = blocks_of(rank(), ranks(), thin, {2, 2, 2});
+  const auto number = [](int q, int x, int y, int z) {
+    return std::uint8_t(q * 90 + z * 30 + y * 6 + x + 1);
+  };
+  {
+    CheckpointWriter writer(MPI_COMM_WORLD, path, {});
+    writer.cells<std::uint8_t>("n", thin, 2, boxes, [&](int q, std::size_t box, std::uint8_t* out) {
+      for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) { out[i] = number(q, x, y, z); });
+    });
+    writer.commit(0);
+  }
+  const CheckpointReader reader(MPI_COMM_WORLD, path);
+  const CellBox box{{1, 0, 1}, {5, 4, 3}};  // the same on every rank: readers may overlap
+  std::size_t wrong = 0, calls = 0;
+  reader.cells<std::uint8_t>("n", {box}, [&](int q, std::size_t, const std::uint8_t* in) {
+    ++calls;
+    for_each_cell(box, [&](int x, int y, int z, std::size_t i) { wrong += in[i] != number(q, x, y, z); });
+  });
+  EXPECT_EQ(calls, 2u);
+  EXPECT_EQ(wrong, 0u);
+}
+
+TEST(Checkpoint, keeps_the_newest_and_removes_unfinished_ones) {
+  const Scratch scratch;
+  if (rank() == 0)
+    std::ofstream(adapters::checkpoint_path(scratch.path(), 150).string() + ".part") << "cut off";
+  for (const int step : {100, 200, 300, 400})
+    write<float>({}, adapters::checkpoint_path(scratch.path(), step), 2);
+  const auto left = adapters::list_checkpoints(scratch.path());
+  ASSERT_EQ(left.size(), 2u);
+  EXPECT_EQ(left[0].step, 400);
+  EXPECT_EQ(left[1].step, 300);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.path()), {}), 2);
+}
+
+TEST(Checkpoint, nothing_is_left_without_commit) {
+  const Scratch scratch;
+  {
+    CheckpointWriter writer(MPI_COMM_WORLD, adapters::checkpoint_path(scratch.path(), 1), {});
+    write_populations<float>(writer, Layout{}.boxes());
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+std::string reading_error(const std::filesystem::path& path) {
+  return error_of([&] { CheckpointReader reader(MPI_COMM_WORLD, path); });
+}
+
+void alter(const std::filesystem::path& path, std::size_t at) {
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekg(at);
+    const char c = static_cast<char>(file.get() ^ 0x10);
+    file.seekp(at);
+    file.put(c);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+}
+
+TEST(Checkpoint, damage_is_named_with_what_to_do) {
+  const Scratch scratch;
+  const auto old = adapters::checkpoint_path(scratch.path(), 100),
+             path = adapters::checkpoint_path(scratch.path(), 200);
+  write<float>({}, old);
+  write<float>({}, path);
+  const std::string advice = "use the previous checkpoint, " + old.string();
+
+  const std::size_t size = std::filesystem::file_size(path);
+  const auto bits = bits_of<float>(5, 5, 5, 5);  // a population's place in the file
+  const std::size_t place =
+      content(path).find(std::string(reinterpret_cast<const char*>(&bits), sizeof bits));
+  ASSERT_NE(place, std::string::npos);
+  alter(path, place);
+  std::string error = reading_error(path);
+  EXPECT_TEXT(error,
+              path.string() + ": the content of /cells/populations does not match its checksum (altered)");
+  EXPECT_TEXT(error, advice);
+  alter(path, place);
+  EXPECT_EQ(reading_error(path), "");
+
+  if (rank() == 0) std::filesystem::resize_file(path, size - 1000);
+  MPI_Barrier(MPI_COMM_WORLD);
+  error = reading_error(path);
+  EXPECT_TEXT(error, path.string() + ": cannot open the file as HDF5 (missing, truncated or altered)");
+  EXPECT_TEXT(error, advice);
+
+  if (rank() == 0) std::filesystem::resize_file(path, 0);
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_TEXT(reading_error(path), advice);
+
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) std::filesystem::remove(path);
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_TEXT(reading_error(path), "there is no such file");
+  EXPECT_TEXT(reading_error(path), advice);
+  if (rank() == 0) std::filesystem::remove(old);
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_TEXT(reading_error(path), "there is no earlier checkpoint next to it, start the case again");
+}
+
+TEST(Checkpoint, asks_for_the_precision_it_was_written_in) {
+  const Scratch scratch;
+  const auto path = adapters::checkpoint_path(scratch.path(), 1);
+  write<float>({}, path);
+  const CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_TEXT(error_of([&] { wrong_populations<double>(reader, Layout{}.boxes()); }), "another precision");
+  EXPECT_TEXT(error_of([&] { reader.integer("stop"); }), "has no attribute stop");
+}
+
+TEST(Checkpoint, an_owner_too_many_is_an_error) {
+  const Scratch scratch;
+  const std::vector<BodyRecord> records(2, record(7));
+  const Impulses lists(2);
+  CheckpointWriter writer(MPI_COMM_WORLD, adapters::checkpoint_path(scratch.path(), 1), {});
+  EXPECT_TEXT(error_of([&] { writer.bodies(records, lists); }), "body 7 has two owners");
+}
+
+// For killed_checkpoint.py, which sets the variable.
+const Act write_checkpoints_without_end("write_checkpoints_without_end", [] {
+  const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
+  const auto before = adapters::list_checkpoints(folder);
+  for (std::int64_t step = before.empty() ? 1 : before[0].step + 1;; ++step)
+    write<float>({}, adapters::checkpoint_path(folder, step), 2);
+});
+
+const Act read_the_newest_checkpoint("read_the_newest_checkpoint", [] {
+  const auto found = adapters::list_checkpoints(std::getenv("SILT_TEST_FOLDER"));
+  ASSERT_FALSE(found.empty());
+  expect_whole<float>({}, found[0].path);
+});
+
+}  // namespace
+}  // namespace silt::tests

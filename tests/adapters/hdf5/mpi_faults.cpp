@@ -1,0 +1,178 @@
+// A full disk (here: a limit on the size of files, which the system reports in the same way) is told to every
+// rank with the file's name, and costs nothing that was there before. And no single damaged byte goes
+// unnoticed.
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstring>
+
+#include "adapters/hdf5/body_series.hpp"
+#include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/field_file.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+
+namespace silt::tests {
+namespace {
+
+using adapters::CellBox;
+
+/// While it lives, no file of this process may grow beyond `bytes`.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_;
+  void (*handler_)(int);
+};
+
+constexpr std::array<int, 3> cells{32, 16, 16};
+
+void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
+                      std::array<int, 3> lattice = cells) {
+  adapters::CheckpointWriter writer(comm, path, {"0.1", "c", "t", "text\n", 1, "auto", "g++", "", ""});
+  writer.set("step", std::int64_t{77});
+  writer.set("label", "some text");
+  writer.cells<float>("populations", lattice, 19, boxes, [&](int q, std::size_t box, float* out) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+      out[i] = 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
+    });
+  });
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::vector<rigid::BodyRecord> records(2);
+  const std::vector<std::vector<rigid::StoredImpulse>> impulses(2);
+  for (int i = 0; i < 2; ++i) records[i].id = 2 * rank + i;
+  writer.bodies(records, impulses);
+  writer.commit(1);
+}
+
+TEST(FullDisk, leaves_the_previous_checkpoint) {
+  const Scratch scratch;
+  const auto first = adapters::checkpoint_path(scratch.path(), 1),
+             second = adapters::checkpoint_path(scratch.path(), 2);
+  const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
+  write_checkpoint(MPI_COMM_WORLD, first, boxes);
+  for (const rlim_t limit : {rlim_t{100}, rlim_t{300000}, rlim_t{19 * 4 * 32 * 16 * 16}}) {
+    std::string error;
+    {
+      const FullDisk full(limit);
+      error = error_of([&] { write_checkpoint(MPI_COMM_WORLD, second, boxes); });
+    }
+    EXPECT_TEXT(error, second.string() + ".part: cannot");
+    EXPECT_TEXT(error, "disk full");
+    MPI_Barrier(MPI_COMM_WORLD);
+    EXPECT_FALSE(std::filesystem::exists(second) || std::filesystem::exists(second.string() + ".part"));
+    EXPECT_EQ(adapters::CheckpointReader(MPI_COMM_WORLD, first).integer("step"), 77);
+  }
+  write_checkpoint(MPI_COMM_WORLD, second, boxes);  // once there is room again
+  EXPECT_EQ(adapters::list_checkpoints(scratch.path()).size(), 1u);
+}
+
+TEST(FullDisk, is_told_of_a_field_file) {
+  const Scratch scratch;
+  const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
+  const auto write = [&] {
+    adapters::write_fields(
+        MPI_COMM_WORLD, scratch / "fields_1.hdf", {cells}, boxes,
+        {{"density", "", 1, [&](std::size_t b, double* out) { std::fill_n(out, boxes[b].cells(), 1.25); }}},
+        0, 1, {});
+  };
+  for (const rlim_t limit : {100, 20000}) {
+    std::string error;
+    {
+      const FullDisk full(limit);
+      error = error_of(write);
+    }
+    EXPECT_TEXT(error, "fields_1.hdf.part: cannot");
+    MPI_Barrier(MPI_COMM_WORLD);
+    EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  EXPECT_EQ(error_of(write), "");
+}
+
+TEST(FullDisk, leaves_a_series_that_goes_on_when_there_is_room) {
+  const Scratch scratch;
+  auto series = adapters::BodySeries::create(MPI_COMM_WORLD, scratch / "bodies.h5", {}, {});
+  std::vector<adapters::BodyRow> rows(100);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].id = 100 * rank() + i;
+  int step = 0;
+  std::string error;
+  {
+    const FullDisk full(std::filesystem::file_size(scratch / "bodies.h5") + 2000000);
+    while (error.empty() && step < 1000) error = error_of([&] { series.append(step++, 0, rows); });
+  }
+  EXPECT_TEXT(error, "bodies.h5: cannot");
+  const int whole = step - 1;
+  auto resumed = adapters::BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "bodies.h5", 1000);
+  EXPECT_TRUE(rank() != 0 || resumed.times() == std::size_t(whole)) << resumed.times() << " of " << whole;
+  resumed.append(step, 0, rows);
+}
+
+/// Whether a checkpoint says what write_checkpoint wrote.
+bool is_whole(const adapters::CheckpointReader& reader, const CellBox& box) {
+  std::size_t wrong = 0;
+  reader.cells<float>("populations", {box}, [&](int q, std::size_t, const float* in) {
+    for_each_cell(box, [&](int x, int y, int z, std::size_t i) {
+      wrong += in[i] != 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
+    });
+  });
+  const auto bodies = reader.bodies([](const auto&) { return true; });
+  return wrong == 0 && reader.integer("step") == 77 && reader.text("label") == "some text" &&
+         reader.case_text() == "text\n" && bodies.records.size() == 2 && bodies.records[1].id == 1 &&
+         bodies.records[1].mass == 1;
+}
+
+TEST(Damage, of_a_single_byte_is_found_or_harmless) {
+  const Scratch scratch;  // each rank damages its share, in a folder of its own
+  const std::filesystem::path mine = scratch / std::to_string(rank());
+  std::filesystem::create_directory(mine);
+  const CellBox box{{0, 0, 0}, {3, 2, 2}};
+  const auto path = adapters::checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
+  write_checkpoint(MPI_COMM_SELF, path, {box}, box.upper);
+  const std::string good = content(path);
+  std::size_t found = 0, harmless = 0;
+  for (std::size_t at = 23 * rank(); at < good.size(); at += 23 * ranks()) {
+    std::string bad = good;
+    bad[at] ^= static_cast<char>(1 << (at % 8));
+    std::ofstream(copy, std::ios::binary) << bad;
+    const std::string error = error_of([&] {
+      const adapters::CheckpointReader reader(MPI_COMM_SELF, copy);
+      if (!is_whole(reader, box)) ADD_FAILURE() << "damage at byte " << at << " went unnoticed";
+    });
+    error.empty() ? ++harmless : ++found;
+    if (!error.empty()) {
+      EXPECT_TEXT(error, "use the previous checkpoint, " + path.string());
+    }
+  }
+  std::printf("%zu damaged bytes: %zu found, %zu in unused space\n", found + harmless, found, harmless);
+  EXPECT_GT(found, 0u);
+}
+
+TEST(Damage, of_a_cut_file_is_found) {
+  const Scratch scratch;  // each rank damages its share, in a folder of its own
+  const std::filesystem::path mine = scratch / std::to_string(rank());
+  std::filesystem::create_directory(mine);
+  const CellBox box{{0, 0, 0}, {3, 2, 2}};
+  const auto path = adapters::checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
+  write_checkpoint(MPI_COMM_SELF, path, {box}, box.upper);
+  const std::string good = content(path);
+  for (std::size_t size = 97 * rank(); size < good.size(); size += 97 * ranks()) {
+    std::ofstream(copy, std::ios::binary) << good.substr(0, size);
+    EXPECT_NE(error_of([&] { adapters::CheckpointReader reader(MPI_COMM_SELF, copy); }), "")
+        << size << " bytes left";
+  }
+}
+
+}  // namespace
+}  // namespace silt::tests

@@ -1,0 +1,99 @@
+// Fields written on several ranks equal those written on one, byte for byte.
+#include "adapters/hdf5/field_file.hpp"
+
+#include "tests/act.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+
+namespace silt::tests {
+namespace {
+
+using adapters::CellBox;
+using adapters::FieldQuantity;
+
+constexpr std::array<int, 3> cells{13, 8, 21};
+const adapters::ImageGrid grid{cells, {-1, 0, 2}, {0.5, 0.5, 0.5}, "m", "s"};
+const adapters::Provenance provenance{"0.1.0", "abc", "a title", "title = \"a title\"\n", 1, "auto",
+                                      "g++",   "",    ""};
+
+double value(int x, int y, int z, int c) {
+  return 0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * c;
+}
+
+std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
+  const auto fill = [&boxes](int components) {
+    return [&boxes, components](std::size_t box, double* out) {
+      for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+        for (int c = 0; c < components; ++c) out[i * components + c] = value(x, y, z, c);
+      });
+    };
+  };
+  return {{"density", "kg/m^3", 1, fill(1)},
+          {"velocity", "m/s", 3, fill(3)},
+          {"pressure", "Pa", 1, fill(1), true}};
+}
+
+void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
+           double time = 1.5) {
+  adapters::write_fields(comm, path, grid, boxes, quantities(boxes), time, 100, provenance);
+}
+
+TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
+  const Scratch scratch;
+  for (const bool in_turn : {true, false})
+    for (const bool idle : {true, false}) {
+      write(MPI_COMM_WORLD, scratch / "many.hdf",
+            blocks_of(rank(), ranks(), cells, {4, 8, 5}, in_turn, idle));
+      if (rank() == 0) {
+        write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, cells}});
+        const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
+        EXPECT_GT(one.size(), 13u * 8 * 21 * (4 + 12 + 8));
+        EXPECT_TRUE(one == many);
+      }
+    }
+}
+
+TEST(FieldFile, cells_no_rank_holds_are_zero) {
+  const Scratch scratch;
+  std::vector<CellBox> boxes = blocks_of(rank(), ranks(), cells, {13, 8, 7});
+  std::erase_if(boxes, [](const CellBox& b) { return b.lower[2] == 7; });
+  write(MPI_COMM_WORLD, scratch / "part.hdf", boxes);
+  if (rank() == 0) {
+    EXPECT_GT(std::filesystem::file_size(scratch / "part.hdf"), 13u * 8 * 21 * 24);
+  }
+}
+
+TEST(FieldFile, keeps_a_list_of_times_and_replaces_later_ones) {
+  const Scratch scratch;
+  const auto boxes = blocks_of(rank(), ranks(), cells, {8, 8, 8});
+  for (const double t : {0.0, 0.1, 0.2, 0.3, 0.15})
+    write(MPI_COMM_WORLD, scratch / ("fields_00" + std::to_string(int(100 * t + 0.5)) + ".hdf"), boxes, t);
+  if (rank() == 0) {
+    EXPECT_EQ(content(scratch / "fields.hdf.series"),
+              "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n"
+              "    {\"name\": \"fields_000.hdf\", \"time\": 0},\n"
+              "    {\"name\": \"fields_0010.hdf\", \"time\": 0.1},\n"
+              "    {\"name\": \"fields_0015.hdf\", \"time\": 0.15}\n  ]\n}\n");
+  }
+}
+
+TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
+  const Scratch scratch;
+  auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5});
+  if (rank() == ranks() - 1) boxes.push_back({{0, 0, 20}, {1, 1, 22}});
+  EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "a.hdf", boxes); }),
+              "outside the lattice of 13 x 8 x 21");
+  EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "no" / "folder.hdf", {}); }), "folder.hdf");
+  EXPECT_TRUE(rank() != 0 || std::filesystem::is_empty(scratch.path()));
+}
+
+// The writer for reads_in_vtk.py, which sets the variable.
+const Act write_fields("write_fields", [] {
+  const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
+  for (const int step : {0, 50}) {
+    const auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5}, step == 0, true);
+    write(MPI_COMM_WORLD, adapters::field_path(folder, step), boxes, 0.01 * step);
+  }
+});
+
+}  // namespace
+}  // namespace silt::tests

@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""bodies.h5 as h5py sees it: series_in_h5py.py TEST_PROGRAM [KILLS]. The program's writers are started on several
+ranks, and one of them is killed again and again in the middle of its work: the file must stay readable, must hold
+what was written, and must take further appends."""
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
+from body_series import BodySeries  # noqa: E402
+
+program = sys.argv[1]
+kills = int(sys.argv[2]) if len(sys.argv) > 2 else 10
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
+                   OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+
+
+def writer(test, folder, launcher=()):
+    command = [*launcher, program, "--act", f"write_{test}"]
+    return subprocess.Popen(command, env=dict(ENVIRONMENT, SILT_TEST_FOLDER=folder), stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
+
+
+def check(series):
+    """Every time of the series holds what the writer makes of its number."""
+    assert (series.step == 10 * np.arange(len(series))).all()
+    assert (series.time == 0.5 * np.arange(len(series))).all()
+    for t in {*range(min(len(series), 20)), *range(max(0, len(series) - 20), len(series))}:
+        rows, ids = series.at(t), np.arange(1, 21 + t % 3)
+        assert (rows["id"] == ids).all() and (rows["kind"] == ids % 2).all()
+        assert (rows["image"] == np.column_stack([0 * ids, -ids, 0 * ids + t])).all()
+        assert (rows["position"] == ids[:, None] + 0.1 * np.arange(3) + 0.001 * t).all()
+        assert np.allclose(rows["velocity"], np.sin((ids * t)[:, None] + np.arange(3)), rtol=0, atol=1e-15)
+        assert (rows["force"] == -ids[:, None] * np.arange(3)).all() and (rows["torque"] == 0).all()
+        assert (rows["orientation"][:, 3] == 1e-3 * t).all()
+
+
+for ranks in (1, 3):
+    with tempfile.TemporaryDirectory() as folder:
+        assert writer("a_series", folder, ("mpirun", "--oversubscribe", "-np", str(ranks))).wait(60) == 0
+        series = BodySeries(folder + "/bodies.h5")
+        check(series)
+        assert len(series) == 10 and series.unit("velocity") == "m/s" and series.unit("torque") == "kg m^2/s^2"
+        assert series.kinds == ["light spheres", "heavy \u2605"] and series.provenance["title"] == "\u00e4"
+        assert series.parts[0]["type"] == "sphere" and series.parts[0]["size"][0] == 0.5
+        assert [p["type"] for p in series.parts] == ["sphere", "cylinder", "polyhedron", "ellipsoid"]
+        rock = series.parts[2]
+        assert (rock["vertices"] == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).all()
+        assert [list(f) for f in rock["faces"]] == [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+        assert len(series.parts[3]["vertices"]) == 0 and series.parts[3]["faces"] == []
+        assert len(series.of_body(21, "position")[0]) == 6
+        try:
+            series.array("position")
+            sys.exit("array() of a changing number of bodies")
+        except ValueError:
+            pass
+
+unreadable, longest = 0, 0
+with tempfile.TemporaryDirectory() as folder:
+    path = folder + "/bodies.h5"
+    for kill in range(kills):
+        process = writer("a_series_without_end", folder)
+        before = longest
+        for _ in range(2000):  # until it has begun
+            if os.path.exists(path) and os.path.getsize(path) > 0 and os.stat(path).st_mtime > before:
+                break
+            time.sleep(0.005)
+        time.sleep(0.05 + random.random() * 0.2)
+        assert process.poll() is None, "the writer ended by itself"
+        process.kill()
+        process.wait()
+        try:
+            series = BodySeries(path)
+            check(series)
+        except OSError as error:
+            unreadable += 1
+            print(f"kill {kill}: {error}")
+            os.remove(path)
+            continue
+        print(f"kill {kill}: {len(series)} times")
+        longest = os.stat(path).st_mtime
+sys.exit(f"{unreadable} of {kills} files unreadable" if unreadable else 0)

@@ -1,0 +1,216 @@
+// Judging: impossible scenes are refused (see also bad_cases/), doubtful ones warned of, legal ones left
+// alone.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "coupler/case/body_check.hpp"
+#include "coupler/case/overlap.hpp"
+#include "tests/coupler/case/case_text.hpp"
+#include "tests/rigid/shapes/solids.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+
+std::string warnings(const CaseText& c) {
+  return listed(check_case(c.read()));
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != text.npos;
+}
+
+TEST(CaseCheck, ALegalSceneHasNothingToSay) {
+  EXPECT_EQ(warnings(CaseText{}), "");
+  EXPECT_EQ(warnings(si_case()), "");
+}
+
+TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
+  CaseText c;
+  c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
+  EXPECT_TRUE(contains(warnings(c), "case.toml:7:1: warning: the relaxation time is 0.505; below 0.51"))
+      << warnings(c);
+  c.fluid = "[fluid]\nrelaxation_time = 2.5\n";
+  EXPECT_TRUE(contains(warnings(c), "above 2 walls and slow flow lose accuracy")) << warnings(c);
+}
+
+TEST(CaseCheck, WarnsOfHighSpeedsAndSmallBodies) {
+  CaseText c;
+  c.bodies += "velocity = [0.15, 0, 0]\n";
+  EXPECT_TRUE(contains(warnings(c), "bodies[0].velocity is 0.15 cells a step; above 0.1")) << warnings(c);
+  c = CaseText{};
+  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2\n";
+  EXPECT_TRUE(contains(warnings(c), "shape 'ball' is 4 cells across; below 6")) << warnings(c);
+  c.fluid = "";  // a dry body needs no resolution
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, WarnsOfEndlessFall) {
+  CaseText c;
+  c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"periodic\"\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
+  EXPECT_TRUE(contains(warnings(c), "gravity acts, but nothing holds")) << warnings(c);
+}
+
+TEST(CaseCheck, WarnsOfBodiesFasterThanTheContactMargin) {
+  CaseText c;
+  c.fluid = "";
+  c.bodies += "velocity = [3, 0, 0]\n";
+  EXPECT_TRUE(contains(warnings(c), "moves 3 cells in a sub-step, but contacts.margin is 1")) << warnings(c);
+}
+
+TEST(CaseCheck, RequireRunnableKeepsWarningsAndThrowsErrors) {
+  CaseText c;
+  c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
+  EXPECT_EQ(require_runnable(c.read()).size(), 1u);
+  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1.2\nposition = [16, 16, 2]\n";
+  EXPECT_THROW(require_runnable(c.read()), CaseError);
+}
+
+TEST(CaseCheck, FixedBodiesMayReachIntoWallsAndEachOther) {
+  CaseText c;
+  c.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\npositions = [[16, 16, 2], [16, 16, 6], "
+      "[16, 0, 2]]\n";
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, TouchingBodiesAreLegal) {
+  CaseText c;
+  c.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\npositions = [[16, 16, 4], [16, 16, 12], [24, 16, 12]]\n";
+  EXPECT_EQ(warnings(c), "");
+  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"box\"\nedges = [8, 8, 8]\n";
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Case made by a program can
+  Case scene = CaseText{}.read();
+  scene.fluid->relaxation_time = 0.5;
+  scene.pair_materials[0].restitution = 1.5;
+  scene.steps = 0;
+  scene.bodies[0].density = -1;
+  const std::string text = listed(check_case(scene));
+  for (const char* part :
+       {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
+    EXPECT_TRUE(contains(text, part)) << part << " is not in\n" << text;
+}
+
+/// A regular prism.
+rigid::Polyhedron prism(int corners) {
+  std::vector<Vec3> vertices;
+  std::vector<std::vector<int>> faces(2);
+  for (int k = 0; k < corners; ++k) {
+    const double angle = 2 * std::numbers::pi * k / corners;
+    for (const double z : {-4.0, 4.0}) vertices.emplace_back(4 * std::cos(angle), 4 * std::sin(angle), z);
+    faces[0].push_back(2 * (corners - 1 - k));
+    faces[1].push_back(2 * k + 1);
+    const int next = (k + 1) % corners;
+    faces.push_back({2 * k, 2 * next, 2 * next + 1, 2 * k + 1});
+  }
+  return {rigid::make_polyhedron_mesh(vertices, faces)};
+}
+
+TEST(CaseCheck, AShapeThatTheBackendCannotAnswerForIsRefused) {
+  Case scene = CaseText{}.read();
+  scene.shapes[0] = prism(8);
+  EXPECT_EQ(listed(check_case(scene)), "");
+  scene.shapes[0] = prism(11000);  // more vertices, edges and faces than 16 bits count
+  const std::string text = listed(check_case(scene));
+  EXPECT_TRUE(
+      contains(text,
+               "contacts.backend is \"auto\"; it cannot answer contacts of shape 'ball' (polyhedron) with a "
+               "wall: use another backend, or a simpler shape (polyhedra of at most some 10000 vertices)"))
+      << text;
+  scene.bodies[0].motion = rigid::Motion::fixed;  // meets nothing
+  EXPECT_FALSE(contains(listed(check_case(scene)), "cannot answer")) << text;
+}
+
+// Legal scenes must never be refused: the depth found is never above the true one.
+TEST(Overlap, FindsOverlapsAndNeverInventsThem) {
+  const rigid::Shape ball = rigid::Sphere{2}, box = rigid::Box{{2, 2, 2}}, rod = rigid::Capsule{1, 3};
+  const auto at = [](double x, double y = 0, double z = 0) {
+    return rigid::Pose{{x, y, z}, rigid::Quat::Identity()};
+  };
+  EXPECT_NEAR(overlap_depth(ball, at(0), ball, at(3)), 1, 1e-12);
+  EXPECT_NEAR(overlap_depth(ball, at(0), ball, at(5)), -1, 1e-12);
+  EXPECT_NEAR(overlap_depth(ball, at(0), box, at(3.5)), 0.5, 1e-12);
+  EXPECT_LE(overlap_depth(box, at(0), box, at(4)), 1e-12) << "face to face";
+  EXPECT_GT(overlap_depth(box, at(0), box, at(3.5)), 0.4);
+  EXPECT_GT(overlap_depth(box, at(0), box, at(0)), 1) << "one inside the other";
+  EXPECT_LE(overlap_depth(rod, at(0), rod, at(2)), 1e-12) << "side by side";
+  EXPECT_GT(overlap_depth(rod, at(0), rod, at(1.5)), 0.4);
+  const rigid::Pose lying{{2, 0, 0}, rigid::Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX()).normalized()};
+  EXPECT_GT(overlap_depth(rod, at(0), rod, lying), 1) << "a rod through another";
+}
+
+TEST(Overlap, SeesPeriodicImages) {
+  rigid::Extent extent;
+  extent.size = Vec3(20, 20, 20);
+  extent.periodic = {true, false, false};
+  const rigid::Shape ball = rigid::Sphere{2};
+  const auto at = [](double x, double y) { return rigid::Pose{{x, y, 0}, rigid::Quat::Identity()}; };
+  EXPECT_NEAR(overlap_depth(ball, at(1, 5), ball, at(18, 5), extent), 1, 1e-12);
+  EXPECT_LT(overlap_depth(ball, at(5, 1), ball, at(5, 18), extent), 0);
+}
+
+/// The widest gap that a plane leaves between two shapes, out of many planes; negative if none parts them.
+double widest_gap(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
+                  const rigid::Pose& pose_b) {
+  const auto furthest = [](const rigid::ConvexShape& s, const rigid::Pose& pose, const rigid::Vec3& n) {
+    return n.dot(pose.to_world(rigid::support(s, pose.orientation.conjugate() * n)));
+  };
+  std::mt19937_64 generator(4);
+  std::normal_distribution<> normal;
+  double gap = -1e9;
+  for (int i = 0; i < 2000; ++i) {
+    const rigid::Vec3 n = rigid::Vec3(normal(generator), normal(generator), normal(generator)).normalized();
+    gap = std::max(gap, -furthest(b, pose_b, -n) - furthest(a, pose_a, n));
+  }
+  return gap;
+}
+
+TEST(Overlap, IsNeverOverstatedAndDeepOnesAreFound) {
+  const std::vector<rigid::ConvexShape> shapes = {
+      rigid::Cylinder{3, 4},     rigid::Cylinder{5, 1}, rigid::Ellipsoid{{5, 3, 2}},
+      rigid::testing::frustum(), rigid::Box{{2, 3, 4}}, rigid::testing::octahedron({4, 3, 5}),
+      rigid::Capsule{1, 4}};
+  std::mt19937_64 generator(9);
+  std::uniform_real_distribution<> uniform(-1, 1);
+  const auto any = [&] { return uniform(generator); };
+  int apart = 0, deep = 0;
+  for (const auto& a : shapes)
+    for (const auto& b : shapes)
+      for (int i = 0; i < 20; ++i) {
+        const rigid::Pose pose_a{rigid::Vec3::Zero(), rigid::Quat(any(), any(), any(), any()).normalized()};
+        const rigid::Pose pose_b{6 * rigid::Vec3(any(), any(), any()),
+                                 rigid::Quat(any(), any(), any(), any()).normalized()};
+        const auto whole = [](const auto& s) -> rigid::Shape { return s; };
+        const double depth = overlap_depth(std::visit(whole, a), pose_a, std::visit(whole, b), pose_b);
+        const double gap = widest_gap(a, pose_a, b, pose_b);
+        EXPECT_LE(depth, -gap + 1e-9) << a.index() << " and " << b.index();
+        apart += gap > 0, deep += gap < -1.5;
+        if (gap < -1.5) {
+          EXPECT_GT(depth, 0) << a.index() << " and " << b.index();
+        }
+      }
+  EXPECT_GT(apart, 50);
+  EXPECT_GT(deep, 50);
+}
+
+TEST(BodyCheck, LeastWidths) {
+  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 2}), 4);
+  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 5}), 6);
+  EXPECT_EQ(resolved_diameter(rigid::Ellipsoid{{3, 5, 4}}), 6);
+  EXPECT_DOUBLE_EQ(resolved_diameter(rigid::testing::cuboid({0, 0, 0}, {4, 2, 3})), 2);
+  // a regular tetrahedron is narrowest between two opposite edges: a / sqrt 2
+  EXPECT_DOUBLE_EQ(
+      resolved_diameter(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing

@@ -1,0 +1,181 @@
+#pragma once
+// Dry scenes for the tests of the body exchange: the same bodies on every rank to start with, to be run on
+// all ranks or, as the reference, by each rank alone.
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <optional>
+#include <random>
+
+#include "adapters/automatic/collision_factory.hpp"
+#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/exchange/check_exchange.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/rigid_step.hpp"
+
+namespace silt::coupler::testing {
+
+using rigid::BodyId;
+using rigid::Vec3;
+
+inline int ranks_of(MPI_Comm comm) {
+  int n = 1;
+  MPI_Comm_size(comm, &n);
+  return n;
+}
+
+inline std::uint64_t sum_of(MPI_Comm comm, std::uint64_t x) {
+  std::uint64_t all = 0;
+  MPI_Allreduce(&x, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
+  return all;
+}
+
+/// Bodies, walls and laws; knows nothing of ranks.
+struct Scene {
+  lbm::Int3 cells{24, 24, 24};
+  std::array<bool, 3> periodic{true, true, true};
+  rigid::World world;
+  rigid::BodySet bodies;
+  rigid::ResolverSettings settings;
+
+  Scene(double restitution, double friction) {
+    world.materials = {{restitution, friction}};
+    world.material_count = 1;
+    world.contact_margin = 0.25;
+  }
+  int shape(const rigid::Shape& s) {
+    world.shapes.push_back(s);
+    world.bounding_radii.push_back(rigid::bounding_radius(s));
+    return static_cast<int>(world.shapes.size()) - 1;
+  }
+  void add(BodyId id, int shape, const Vec3& x, const Vec3& v = Vec3::Zero(), const Vec3& w = Vec3::Zero(),
+           const rigid::Quat& q = rigid::Quat::Identity(), rigid::Motion motion = rigid::Motion::free) {
+    const rigid::MassProperties p = rigid::mass_properties(world.shapes[shape]);
+    rigid::BodyRecord r;
+    r.id = id, r.shape = shape, r.motion = motion;
+    r.mass = p.volume;
+    Eigen::Map<rigid::Mat3>{r.inertia_B} = p.inertia;
+    Eigen::Map<Vec3>{r.position} = x;
+    Eigen::Map<Vec3>{r.mapping_position} =
+        x + Vec3(0.01, 0.02, 0.03);  // something that only a record carries
+    r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
+    bodies.add(r);
+    bodies.reindex();
+    bodies.set_velocity(bodies.row_of(id), v, w);
+  }
+  void add_walls() {  // where not periodic
+    rigid::Extent extent{{double(cells.x), double(cells.y), double(cells.z)}, periodic};
+    std::array<rigid::WallSpec, 6> walls;
+    for (rigid::WallSpec& w : walls) w.solid = true;
+    rigid::add_walls(bodies, world, extent, walls);
+  }
+  std::array<lbm::SideCondition, 6> sides() const {
+    std::array<lbm::SideCondition, 6> s;
+    for (int side = 0; side < 6; ++side)
+      s[side].kind = periodic[side / 2] ? lbm::SideKind::periodic : lbm::SideKind::bounce;
+    return s;
+  }
+};
+
+using Blocks = std::optional<lbm::Int3>;
+
+/// Reach of copies that the contacts of these tests need: half a margin, and some.
+constexpr double contact_rim = 0.25;
+
+/// Keeps account of the contacts that owners are given: each one once at the owner of either body, in order.
+class Witness : public BodyExchange {
+ public:
+  using BodyExchange::BodyExchange;
+  std::uint64_t at_first = 0, at_second = 0;  // wrapping sums of hashes
+  bool in_order = true;
+  std::size_t visitors = 0;
+
+  void exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) override {
+    BodyExchange::exchange_contacts(bodies, contacts);
+    visitors += bodies.visitors;
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const rigid::Contact& c = contacts[k];
+      if (k > 0) in_order &= contacts[k - 1].key() < c.key();
+      if (bodies.row_of(c.a) < bodies.owned) at_first += hash_of_contact(c);
+      if (bodies.row_of(c.b) < bodies.owned) at_second += hash_of_contact(c);
+    }
+  }
+
+ private:
+  static std::uint64_t hash_of_contact(const rigid::Contact& c) {
+    rigid::BodyRecord r;  // borrowed: hashes all bits of what is put into it
+    r.id = c.a, r.mapping_position[0] = std::bit_cast<double>(c.b);
+    r.mapping_position[1] = std::bit_cast<double>(c.feature);
+    r.image[0] = c.image.x, r.image[1] = c.image.y, r.image[2] = c.image.z;
+    for (int d = 0; d < 3; ++d)
+      r.position[d] = c.normal[d], r.velocity[d] = c.r_a[d], r.angular_velocity[d] = c.r_b[d];
+    r.mass = c.gap, r.weight_factor = c.restitution, r.mapping_orientation[0] = c.friction;
+    return hash_of(r);
+  }
+};
+
+/// A scene on a communicator, its bodies spread over the ranks. Exchange: BodyExchange or one derived from
+/// it.
+template <class Exchange = BodyExchange>
+struct SceneRun {
+  Scene scene;
+  MPI_Comm comm;
+  lbm::Domain domain;
+  Exchange exchange;
+  std::unique_ptr<rigid::CollisionBackend> backend = adapters::make_backend("auto");
+  std::unique_ptr<rigid::ContactResolver> resolver;
+  rigid::RigidStep step;
+  rigid::RigidStepReport report;
+  std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0;
+
+  SceneRun(MPI_Comm comm, const Scene& from, std::string_view law = "sffd", Blocks blocks = {},
+           double rim = contact_rim)
+      : scene(from),
+        comm(comm),
+        domain(scene.cells, scene.sides(), blocks, ranks_of(comm)),
+        exchange(comm, domain, scene.world, rim),
+        resolver(rigid::make_resolver(law, scene.settings)),
+        step(scene.world, *backend, *resolver, exchange) {
+    exchange.distribute(scene.bodies);
+  }
+  rigid::BodySet& bodies() { return scene.bodies; }
+  void advance(double dt = 1) {
+    report = step(scene.bodies, dt);
+    contacts += report.resolver.contacts;
+    mixed_contacts += report.mixed_owner_contacts;
+    sweeps += report.resolver.sweeps;
+  }
+  std::uint64_t hash() { return state_hash(comm, scene.bodies); }
+};
+
+/// Spheres of three sizes and boxes on a lattice of places, all of them moving: a gas that never rests.
+inline Scene gas(double restitution, double speed = 0.3) {
+  Scene s(restitution, 0.2);
+  const int shapes[] = {s.shape(rigid::Sphere{1.6}), s.shape(rigid::Sphere{2.2}), s.shape(rigid::Sphere{2.6}),
+                        s.shape(rigid::Box{{1.2, 1.8, 1.4}})};
+  for (int k = 0; k < 64; ++k) {
+    std::mt19937 random(k);
+    std::uniform_real_distribution<> u(-1, 1);
+    const Vec3 x = Vec3(3 + 6 * (k % 4), 3 + 6 * (k / 4 % 4), 3 + 6 * (k / 16)) +
+                   0.3 * Vec3(u(random), u(random), u(random));
+    const Vec3 v(u(random), u(random), u(random)), w(u(random), u(random), u(random));
+    const rigid::Quat q = rigid::Quat(1, u(random), u(random), u(random)).normalized();
+    s.add(1000 - 7 * k, shapes[k % 7 == 0 ? 3 : k % 3], x, speed * v, 0.1 * w, q);
+  }
+  return s;
+}
+
+/// A ball that overlaps every block, small ones around it.
+inline Scene planet() {
+  const Scene whole = gas(1);
+  Scene s = whole;
+  s.bodies = {};
+  const Vec3 centre(12, 12, 12);
+  const double radius = 8.5;
+  for (std::size_t row = 0; row < whole.bodies.owned; ++row)
+    if ((whole.bodies.position[row] - centre).norm() > radius + 2.6) s.bodies.add(whole.bodies.record(row));
+  s.add(5000, s.shape(rigid::Sphere{radius}), centre, {0.02, 0.03, -0.05});
+  return s;
+}
+
+}  // namespace silt::coupler::testing

@@ -1,0 +1,150 @@
+// The same bits on any number of ranks: bodies that cross the borders of ranks and touch there all the time.
+#include <gtest/gtest.h>
+
+#include "tests/coupler/exchange/exchange_scene.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using namespace testing;
+
+/// Runs a scene on all ranks and on one, and compares ids at every step and everything at the end.
+void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, Blocks blocks, int steps,
+                                double dt) {
+  SceneRun<Witness> parallel(MPI_COMM_WORLD, scene, law, blocks), serial(MPI_COMM_SELF, scene, law, blocks);
+  const OwnedBodies all = count_owned(MPI_COMM_SELF, serial.bodies());
+  for (int i = 0; i < steps; ++i) {
+    parallel.advance(dt);
+    serial.advance(dt);
+    ASSERT_EQ(count_owned(MPI_COMM_WORLD, parallel.bodies()), all) << "step " << i;
+    if (i % 50 != 0) continue;
+    ASSERT_EQ(parallel.hash(), serial.hash()) << "step " << i;
+    ASSERT_NO_THROW(check_bodies(parallel.exchange, parallel.bodies())) << "step " << i;
+  }
+  EXPECT_EQ(parallel.hash(), serial.hash());
+  EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.contacts), serial.contacts);
+  EXPECT_EQ(parallel.sweeps, serial.sweeps);
+  EXPECT_TRUE(parallel.exchange.in_order);
+  EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.exchange.at_first), serial.exchange.at_first);
+  EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.exchange.at_second), serial.exchange.at_second);
+  EXPECT_GT(serial.contacts, std::uint64_t(steps));
+  const std::uint64_t migrations = sum_of(MPI_COMM_WORLD, parallel.exchange.counters().migrations);
+  const std::uint64_t mixed = sum_of(MPI_COMM_WORLD, parallel.mixed_contacts);
+  if (ranks_of(MPI_COMM_WORLD) == 1) return;
+  EXPECT_GT(migrations, 20u);
+  EXPECT_GT(mixed, 100u);
+  EXPECT_GT(sum_of(MPI_COMM_WORLD, parallel.exchange.visitors), 0u);
+}
+
+TEST(BodyExchange, GasInPeriodicBox) {
+  expect_same_as_on_one_rank(gas(1), "sffd", {}, 2000, 1);
+}
+TEST(BodyExchange, GasOnCubesSeveralARank) {
+  expect_same_as_on_one_rank(gas(1), "sffd", {{6, 6, 6}}, 400, 1);
+}
+TEST(BodyExchange, GasOnSliversSeveralARank) {
+  expect_same_as_on_one_rank(gas(1), "sffd", {{5, 24, 3}}, 400, 1);
+}
+TEST(BodyExchange, GasWithClassicFfd) {
+  expect_same_as_on_one_rank(gas(0.8), "ffd", {}, 400, 1);
+}
+TEST(BodyExchange, GasWithClassicFfdSeveralBlocksARank) {
+  expect_same_as_on_one_rank(gas(0.8), "ffd", {{6, 12, 5}}, 400, 1);
+}
+
+/// A quarter as wide as the gas: every body meets its neighbours through both sides, close to its own images.
+Scene ring() {
+  const Scene whole = gas(1);
+  Scene s = whole;
+  s.cells = {6, 24, 24};
+  s.bodies = {};
+  for (std::size_t row = 0; row < whole.bodies.owned; ++row)
+    if (whole.bodies.position[row][0] < 6) s.bodies.add(whole.bodies.record(row));
+  s.bodies.reindex();
+  return s;
+}
+TEST(BodyExchange, PeriodicAxisOfOneBlock) {
+  expect_same_as_on_one_rank(ring(), "sffd", {{6, 12, 6}}, 700, 1);
+}
+TEST(BodyExchange, PeriodicAxisOfTwoBlocks) {
+  expect_same_as_on_one_rank(ring(), "sffd", {{3, 12, 12}}, 700, 1);
+}
+
+TEST(BodyExchange, BallLargerThanBlocks) {
+  expect_same_as_on_one_rank(planet(), "sffd", {}, 600, 1);
+  expect_same_as_on_one_rank(planet(), "sffd", {{6, 6, 6}}, 300, 1);
+  expect_same_as_on_one_rank(planet(), "ffd", {{12, 12, 4}}, 300, 1);
+}
+
+/// Falling onto a floor between walls, fixed and moved bodies among them: chains of contacts, impulses
+/// remembered.
+Scene heap() {
+  Scene s = gas(0.3, 0.1);
+  s.periodic = {true, false, false};
+  s.world.gravity = {0.0005, 0.0003, -0.003};
+  s.settings.max_sweeps = 8;
+  s.bodies.motion[5] = rigid::Motion::fixed;
+  s.bodies.set_velocity(5, Vec3::Zero(), Vec3::Zero());
+  s.bodies.motion[40] = rigid::Motion::prescribed;
+  s.bodies.set_velocity(40, {0.05, 0, 0}, {0, 0.01, 0});
+  s.add_walls();
+  return s;
+}
+TEST(BodyExchange, HeapBetweenWalls) {
+  expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 300, 1);
+}
+TEST(BodyExchange, HeapBetweenWallsClassicFfd) {
+  expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
+}
+
+/// Deliberate mistakes, once, in the middle of a run, on ranks that own the first body of an impact.
+enum class Mistake { none, contact_dropped, contact_twice, normal_off_by_a_bit };
+
+class Mistaken : public BodyExchange {
+ public:
+  using BodyExchange::BodyExchange;
+  Mistake mistake = Mistake::none;
+  bool armed = false;
+  int made = 0;
+
+  void exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) override {
+    BodyExchange::exchange_contacts(bodies, contacts);
+    for (std::size_t k = 0; armed && k < contacts.size(); ++k) {
+      rigid::Contact& c = contacts[k];
+      if (bodies.row_of(c.a) >= bodies.owned || !closes(bodies, c)) continue;
+      if (mistake == Mistake::normal_off_by_a_bit) c.normal *= std::nextafter(1.0, 0.0);
+      if (mistake == Mistake::contact_dropped) contacts.erase(contacts.begin() + k);
+      if (mistake == Mistake::contact_twice) contacts.insert(contacts.begin() + k, rigid::Contact(c));
+      ++made;
+      armed = false;
+    }
+  }
+
+ private:
+  static bool closes(const rigid::BodySet& b, const rigid::Contact& c) {
+    const std::size_t i = b.row_of(c.a), j = b.row_of(c.b);
+    return c.gap <= 0 && c.normal.dot(b.velocity[j] - b.velocity[i]) < -1e-3;
+  }
+};
+
+std::uint64_t hash_with(Mistake mistake) {
+  SceneRun<Mistaken> run(MPI_COMM_WORLD, gas(0.5), "sffd");
+  run.exchange.mistake = mistake;
+  for (int i = 0; i < 60; ++i) {
+    if (i == 20) run.exchange.armed = mistake != Mistake::none;
+    run.advance();
+  }
+  EXPECT_EQ(sum_of(MPI_COMM_WORLD, run.exchange.made) > 0, mistake != Mistake::none);
+  return run.hash();
+}
+
+TEST(BodyExchange, HashSeesOneContactTooManyOrTooFew) {
+  const std::uint64_t right = hash_with(Mistake::none);
+  EXPECT_EQ(hash_with(Mistake::none), right);
+  EXPECT_NE(hash_with(Mistake::contact_dropped), right);
+  EXPECT_NE(hash_with(Mistake::contact_twice), right);
+  EXPECT_NE(hash_with(Mistake::normal_off_by_a_bit), right);
+}
+
+}  // namespace
+}  // namespace silt::coupler

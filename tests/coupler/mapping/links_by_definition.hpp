@@ -1,0 +1,138 @@
+#pragma once
+// Cut links as they are defined, enumerated cell by cell and direction by direction, and compared with those
+// of object mapping.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/map_bodies.hpp"
+#include "coupler/simulation.hpp"
+#include "lbm/sweep.hpp"
+
+namespace silt::coupler::testing {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+/// What is where, asked of the shapes themselves; nothing of the map is used.
+class Geometry {
+ public:
+  explicit Geometry(const Simulation& s)
+      : world_(s.scene().world), bodies_(s.bodies()), domain_(s.scene().flow->domain()) {}
+
+  /// A cell's centre from the nearest image of a body.
+  Vec3 arm(std::size_t row, Int3 cell) const {
+    Vec3 r = Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - bodies_.mapping_pose[row].position;
+    for (int d = 0; d < 3; ++d)
+      if (domain_.periodic(d)) r[d] -= domain_.cells()[d] * std::round(r[d] / domain_.cells()[d]);
+    return r;
+  }
+  /// The row of the body that has a cell: -1 none, -2 beyond a wall.
+  int owner(Int3 cell) const {
+    if (!domain_.inside(domain_.wrapped(cell))) return -2;
+    int found = -1;
+    for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
+      const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+      if (rigid::contains(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell)) &&
+          (found < 0 || bodies_.id[row] < bodies_.id[found]))
+        found = int(row);
+    }
+    return found;
+  }
+  double distance(std::size_t row, Int3 cell, int i) const {
+    const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+    const Vec3 c(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z);
+    return rigid::ray_distance(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell),
+                               q.conjugate() * c, 1.0);
+  }
+
+ private:
+  const rigid::World& world_;
+  const rigid::BodySet& bodies_;
+  const lbm::Domain& domain_;
+};
+
+struct Link {
+  std::size_t row;
+  bool narrow;
+  double q;
+  Vec3 arm;
+};
+using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
+
+/// After a part of the dense pass, a cell and all around it have collided.
+inline void expect_all_done(const lbm::Sweep& sweep, Int3 x, int part) {
+  for (int z = x.z - 1; z <= x.z + 1; ++z)
+    for (int y = x.y - 1; y <= x.y + 1; ++y) EXPECT_LE(sweep.part_of(y, z), part);
+}
+
+template <class T>
+void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>& links, WallScheme scheme,
+               Links& found) {
+  const lbm::Sweep sweep(map.box.size, sizeof(T));
+  for (const lbm::LinkGroup& g : links.groups) {
+    const lbm::SurfaceFrame& frame = links.frame;
+    EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
+    for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {
+      const std::uint32_t p = links.place[l];
+      const Int3 x = g.corner + lbm::place_cell(p);
+      bool rim = false;
+      for (int d = 0; d < 3; ++d) rim |= x[d] == 0 || x[d] == map.box.size[d] - 1;
+      EXPECT_EQ(rim, g.ready < 0);
+      if (!rim) expect_all_done(sweep, x, g.ready);
+      Vec3 arm;
+      for (int d = 0; d < 3; ++d) arm[d] = x[d] - frame.cell[d] + frame.offset[d];
+      EXPECT_LE(arm.norm(), frame.reach);
+      const Link link{mask.row, g.scheme != scheme, double(links.q[l]), arm};
+      EXPECT_TRUE(found.insert({{x.x, x.y, x.z, lbm::place_direction(p)}, link}).second)
+          << "a link is listed twice";
+    }
+  }
+}
+
+/// Every link of a block, by its definition; adds the narrow ones. `surfaces`: of the mapping before, then of
+/// this one.
+template <class T>
+void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme scheme, double rounding,
+                      std::vector<SurfaceLinks<T>>& surfaces, int& narrow_ones) {
+  const Geometry geometry(s);
+  CouplingSpec coupling;
+  coupling.wall_scheme = scheme;
+  build_links(map, s.scene().world, s.bodies(), coupling, {}, lbm::Sweep(map.box.size, sizeof(T)), surfaces);
+  Links left;
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    add_links(map, map.masks[k], surfaces[k].links, scheme, left);
+  const Int3 n = map.box.size;
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x) {
+        const Int3 cell = map.box.lower + Int3{x, y, z};
+        if (geometry.owner(cell) != -1) continue;
+        for (int i = 1; i < lbm::directions; ++i) {
+          const int owner = geometry.owner(cell + lbm::c[i]);
+          if (owner < 0) continue;
+          const auto at = left.find({x, y, z, i});
+          ASSERT_NE(at, left.end()) << "no link at " << x << " " << y << " " << z << " along " << i;
+          const Link& link = at->second;
+          EXPECT_EQ(int(link.row), owner);
+          EXPECT_LT((link.arm - geometry.arm(owner, cell)).norm(), 1e-12);
+          const bool blocked = geometry.owner(cell - lbm::c[i]) != -1;
+          const double q = geometry.distance(owner, cell, i);
+          if (scheme != WallScheme::bounce_back) {
+            EXPECT_NEAR(link.q, q, rounding);
+          }
+          const bool reads = lbm::reads_behind(scheme, scheme == WallScheme::bouzidi ? q : 0);
+          if (scheme != WallScheme::bouzidi || std::fabs(q - 0.5) > rounding) {
+            EXPECT_EQ(link.narrow, blocked && reads);
+          }
+          narrow_ones += link.narrow;
+          left.erase(at);
+        }
+      }
+  EXPECT_TRUE(left.empty()) << left.size() << " links that are none";
+}
+
+}  // namespace silt::coupler::testing

@@ -1,0 +1,119 @@
+// The kernels of object mapping, for every kind of part: against the shapes themselves, and the same bits on
+// every instruction set.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/surface_parts.hpp"
+#include "tests/rigid/shapes/solids.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+const rigid::Quat oblique = rigid::Quat(0.7, 0.3, -0.5, 0.2).normalized();
+
+/// A few cells wide each, the inside of the tube too; the compound has parts of every kind.
+std::vector<rigid::Shape> one_of_each_kind() {
+  const std::vector<rigid::ConvexShape> parts = {
+      rigid::Sphere{3.1},        rigid::Box{{4.2, 3.3, 1.7}}, rigid::Capsule{1.9, 3.3},
+      rigid::Cylinder{3.2, 2.9}, rigid::Ellipsoid{{4, 3, 1}}, rigid::testing::octahedron({3, 4, 5})};
+  std::vector<rigid::Shape> all;
+  rigid::Compound every;
+  for (const auto& part : parts) {
+    all.push_back(std::visit([](const auto& s) -> rigid::Shape { return s; }, part));
+    every.parts.push_back({part, {Vec3(0.3, -0.2, 0.5) * double(every.parts.size()), oblique}});
+  }
+  all.push_back(every);
+  all.push_back(rigid::Tube{4.3});
+  return all;
+}
+
+/// Links of all directions from cells about a body, in whole vectors.
+std::vector<std::uint32_t> random_links() {
+  std::mt19937 random(5);
+  std::vector<std::uint32_t> places(512 * lbm::link_lanes);
+  for (std::uint32_t& p : places)
+    p = lbm::link_place({int(random() % 16), int(random() % 16), int(random() % 8)}, int(1 + random() % 18));
+  return places;
+}
+
+const lbm::SurfaceFrame frame{{8, 8, 4}, {0.137, -0.411, 0.279}, 16, true};
+
+template <class T, class Kernel>
+std::vector<T> distances(const rigid::Shape& shape, const Kernel& kernel) {
+  SurfaceParts<T> parts;
+  parts.reset(shape, oblique);
+  const auto places = random_links();
+  std::vector<T> q(places.size());
+  kernel(places.data(), int(places.size()), frame, Int3{}, parts.view(), q.data());
+  return q;
+}
+
+template <class Kernel>
+BitWindow cells(const rigid::Shape& shape, const Kernel& kernel) {
+  SurfaceParts<double> parts;
+  parts.reset(shape, oblique);
+  BitWindow window;
+  window.reset(BitFrame({-12, -12, -12}, {25, 25, 25}));
+  kernel(window.frame(), PointInFrame{0.137, -0.411, 0.279, {-12, -12, -12}}, parts.view(), window.words());
+  return window;
+}
+
+TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
+  for (const rigid::Shape& shape : one_of_each_kind()) {
+    SCOPED_TRACE(std::string(rigid::shape_name(shape)));
+    const BitWindow inside = cells(shape, portable::mark_parts);
+    for (int z = -10; z < 11; ++z)
+      for (int y = -10; y < 11; ++y)
+        for (int x = -10; x < 11; ++x) {
+          const Vec3 r = Vec3(x + 0.5, y + 0.5, z + 0.5) - Vec3(0.137, -0.411, 0.279);
+          EXPECT_EQ(inside.test({x, y, z}), rigid::contains(shape, oblique.conjugate() * r));
+        }
+    const auto places = random_links();
+    const auto q = distances<double>(shape, [](auto... a) { portable::surface_distances(a...); });
+    for (std::size_t l = 0; l < places.size(); ++l) {
+      const Int3 cell = lbm::place_cell(places[l]) - frame.cell, i = lbm::c[lbm::place_direction(places[l])];
+      const Vec3 r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)),
+                 c = oblique.conjugate() * Vec3(i.x, i.y, i.z);
+      if (!rigid::contains(shape, r)) {
+        EXPECT_NEAR(q[l], rigid::ray_distance(shape, r, c, 1), 1e-10);
+      }
+    }
+  }
+}
+
+template <class T>
+void expect_same_distances(const rigid::Shape& shape) {
+  const auto plain = distances<T>(shape, [](auto... a) { portable::surface_distances(a...); });
+  EXPECT_GT(std::count_if(plain.begin(), plain.end(), [](T q) { return q > 0 && q < 1; }), 50);
+  if (chosen_isa() != Isa::portable) {
+    EXPECT_EQ(plain, distances<T>(shape, [](auto... a) { avx2::surface_distances(a...); }));
+  }
+  if (chosen_isa() == Isa::avx512) {
+    EXPECT_EQ(plain, distances<T>(shape, [](auto... a) { avx512::surface_distances(a...); }));
+  }
+}
+
+TEST(SurfaceKernels, SameBitsOnEveryInstructionSet) {
+  for (const rigid::Shape& shape : one_of_each_kind()) {
+    SCOPED_TRACE(std::string(rigid::shape_name(shape)));
+    expect_same_distances<float>(shape);
+    expect_same_distances<double>(shape);
+    const BitWindow plain = cells(shape, portable::mark_parts);
+    EXPECT_EQ(plain.test({0, 0, 0}), !std::holds_alternative<rigid::Tube>(shape));
+    if (chosen_isa() != Isa::portable) {
+      EXPECT_EQ(plain, cells(shape, avx2::mark_parts));
+    }
+    if (chosen_isa() == Isa::avx512) {
+      EXPECT_EQ(plain, cells(shape, avx512::mark_parts));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace silt::coupler

@@ -1,0 +1,104 @@
+// The links of many bodies at once: cells that several claim, gaps, bodies that move and bodies that rest.
+#include "coupler/case/case_file.hpp"
+#include "tests/coupler/coupled_scenes.hpp"
+#include "tests/coupler/mapping/links_by_definition.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using lbm::Int3;
+using rigid::Vec3;
+using testing::expect_all_links;
+
+/// The crowd after some steps, in blocks of several sizes, and then again with some of the bodies moved.
+template <class T>
+void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
+  Simulation s(crowd({blocks}), MPI_COMM_SELF);
+  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
+    s.set_velocity(id, 0.05 * Vec3(std::cos(1.7 * id), std::sin(1.7 * id), std::sin(3.4 * id)),
+                   0.01 * Vec3(std::sin(1.7 * id), 0.3, -0.5));
+  for (int t = 0; t < 80; ++t) s.step();
+  const lbm::Domain& domain = s.scene().flow->domain();
+  std::vector<lbm::CellBox> boxes;
+  for (const auto& place : domain.blocks()) boxes.push_back(place.box);
+  MapBodies map(domain, s.scene().world, boxes);
+  std::vector<std::vector<SurfaceLinks<T>>> surfaces(boxes.size());
+  int narrow = 0, kept = 0, spoilt = 0;  // spoilt: bodies at rest whose links others changed
+  for (unsigned round = 0; round < 3; ++round) {
+    map(s.bodies());
+    for (std::size_t b = 0; b < boxes.size(); ++b)
+      expect_all_links<T>(s, map.blocks()[b], scheme, rounding, surfaces[b], narrow);
+    for (const BlockMap& block : map.blocks())
+      for (const BodyMask& mask : block.masks)
+        (mask.kept ? kept : spoilt) += block.changed && round > 0 && mask.id % 4 != round;
+    for (std::size_t row = 0; row < s.bodies().first_wall(); ++row)
+      if (s.bodies().id[row] % 4 == round + 1) s.bodies().mapping_pose[row].position += Vec3(0.3, -0.4, 0.2);
+  }
+  EXPECT_EQ(narrow > 0, scheme != WallScheme::bounce_back);
+  EXPECT_GT(kept, 0);
+  EXPECT_GT(spoilt, 0);
+}
+
+TEST(Links, AreThoseOfTheDefinition) {
+  check_crowd<double>("domain.blocks=[24,20,28]", WallScheme::cli, 1e-9);
+  check_crowd<double>("domain.blocks=[7,9,5]", WallScheme::bouzidi, 1e-9);
+  check_crowd<float>("domain.blocks=[12,10,14]", WallScheme::cli, 2e-4);
+  check_crowd<float>("domain.blocks=[12,5,28]", WallScheme::bounce_back, 0);
+  check_crowd<double>("domain.blocks=[12,10,14]", WallScheme::parabolic, 1e-9);
+}
+
+/// A ball that comes to rest at mapping poses of our choice, and a smaller one of a lower id.
+Case visited_ball() {
+  return read_case_text(R"(
+title = "visited"
+[units]
+system = "lattice"
+[domain]
+size = [18, 18, 18]
+boundary = "periodic"
+[fluid]
+relaxation_time = 1.0
+[[shapes]]
+name = "visitor"
+type = "sphere"
+diameter = 3.3
+[[shapes]]
+name = "ball"
+type = "sphere"
+diameter = 5.4
+[[bodies]]
+shape = "visitor"
+density = 1
+position = [2.5, 2.5, 2.5]
+[[bodies]]
+shape = "ball"
+density = 1
+position = [9.0312, 8.9371, 9.0523]
+[run]
+steps = 1
+)",
+                        "visited");
+}
+
+// From within, where the visitor takes of the ball's cells without a change of what is solid, to where it is
+// out of reach of its links.
+TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
+  Simulation s(visited_ball(), MPI_COMM_SELF);
+  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {18, 18, 18}}});
+  std::vector<SurfaceLinks<double>> surfaces;
+  int narrow = 0, kept = 0, renewed = 0;
+  const Vec3 centre = s.bodies().mapping_pose[1].position;
+  for (int i = 1; i < lbm::directions; ++i)
+    for (double distance = 1.05; distance < 9; distance += 0.55) {
+      const Vec3 along = Vec3(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z).normalized();
+      s.bodies().mapping_pose[0].position = centre + distance * along;
+      map(s.bodies());
+      expect_all_links<double>(s, map.blocks()[0], WallScheme::cli, 1e-9, surfaces, narrow);
+      ++(map.blocks()[0].masks.back().kept ? kept : renewed);
+    }
+  EXPECT_GT(kept, 10);
+  EXPECT_GT(renewed, 10);
+}
+
+}  // namespace
+}  // namespace silt::coupler

@@ -1,0 +1,288 @@
+// The whole run as a library: the same bits on any number of ranks and block layout, across a checkpoint, and
+// whatever a program does to bodies between steps; guards that say what happened.
+#include <mpi.h>
+
+#include <cstdio>
+
+#include "coupler/guard.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/results/report.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+using tests::alone;
+using tests::rank;
+using tests::ranks;
+using tests::Scratch;
+
+constexpr const char* finely_cut = "domain.blocks=[6, 12, 6]";  // 32 blocks
+
+/// Heavy and light bodies of two shapes that drift through each other, close enough to touch.
+CaseText crowd(const std::string& precision) {
+  CaseText c;
+  c.domain =
+      "[domain]\nsize = [24, 24, 24]\nboundary = { x = \"periodic\", y = \"periodic\", z = [\"no-slip\", "
+      "\"no-slip\"] }\n";
+  c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"" + precision + "\"\n";
+  c.rest = "[gravity]\nacceleration = [2e-3, 1e-3, -2e-3]\n[contacts]\nrestitution = 0.3\nfriction = 0.3\n";
+  c.shapes =
+      "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2.5\n"
+      "[[shapes]]\nname = \"rod\"\ntype = \"capsule\"\nradius = 1.8\nlength = 2\n";
+  c.bodies.clear();
+  for (const char* entry :
+       {"shape = \"ball\"\ndensity = 3\nseed = 1", "shape = \"ball\"\ndensity = 0.5\nseed = 2",
+        "shape = \"rod\"\ndensity = 2\nseed = 3", "shape = \"rod\"\ndensity = 0.6\nseed = 4"})
+    c.bodies += std::string("[[fill]]\ncount = 5\ngap = 0.2\n") + entry + "\n";
+  c.run =
+      "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = \"mean-height\"\n"
+      "[[quantities]]\nname = \"speed\"\ntype = \"max-speed\"\n";
+  return c;
+}
+
+CaseText dry_crowd() {
+  CaseText c = crowd("single");
+  c.fluid.clear();
+  return c;
+}
+
+CaseText pure_fluid() {
+  CaseText c;
+  c.domain =
+      "[domain]\nsize = [20, 16, 24]\nboundary = { x = \"periodic\", y = [\"no-slip\", { type = \"moving\", "
+      "velocity = [0.02, 0, 0] }], z = [\"free-slip\", \"no-slip\"] }\n";
+  c.fluid =
+      "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-5, 0, 2e-5]\n"
+      "initial = { type = \"uniform\", velocity = [0.01, 0.02, 0] }\n";
+  c.shapes.clear(), c.bodies.clear();
+  return c;
+}
+
+std::uint64_t hash_after(const Case& scene, MPI_Comm comm, std::int64_t steps) {
+  Simulation simulation(scene, comm);
+  simulation.run(steps);
+  return simulation.hash();
+}
+
+void expect_same_on_any_ranks(const CaseText& text, std::int64_t steps) {
+  const std::uint64_t one = alone([&] { return hash_after(text.read(), MPI_COMM_SELF, steps); });
+  EXPECT_EQ(hash_after(text.read({finely_cut}), MPI_COMM_WORLD, steps), one);
+}
+
+TEST(Run, CrowdInFluidHasOneHashOnAnyRanksAndBlocks) {
+  constexpr std::int64_t steps = 500;
+  const CaseText text = crowd("single");
+  const std::uint64_t one = alone([&] { return hash_after(text.read(), MPI_COMM_SELF, steps); });
+  Simulation simulation(text.read({finely_cut}), MPI_COMM_WORLD);
+  simulation.run(steps);
+  EXPECT_EQ(simulation.hash(), one);
+  const RunCounters c = simulation.counters();
+  if (rank() == 0)
+    std::printf("%d ranks: migrations %lu, contacts %lu, between owners %lu, covered %lu, uncovered %lu\n",
+                ranks(), c.migrations, c.contacts, c.mixed_owner_contacts, c.covered, c.uncovered);
+  EXPECT_GT(c.contacts, 0u);
+  EXPECT_GT(c.uncovered, 0u);
+  if (ranks() == 1) return;
+  EXPECT_GT(c.migrations, 0u);
+  EXPECT_GT(c.mixed_owner_contacts, 0u);
+}
+
+TEST(Run, DoublePrecisionHasOneHash) {
+  expect_same_on_any_ranks(crowd("double"), 40);
+}
+TEST(Run, DryCrowdHasOneHash) {
+  expect_same_on_any_ranks(dry_crowd(), 200);
+}
+TEST(Run, PureFluidHasOneHash) {
+  expect_same_on_any_ranks(pure_fluid(), 101);
+}
+
+// ---- checkpoints ----
+
+std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene, MPI_Comm comm,
+                           std::int64_t steps, double* speed) {
+  const adapters::CheckpointReader reader(comm, path);
+  Simulation simulation(scene, comm, read_state(reader, scene));
+  Quantities quantities(scene);
+  quantities.set_history(read_history(reader, scene));
+  simulation.run(steps - simulation.steps_done());
+  if (speed) *speed = quantities.evaluate(simulation)[1].second;
+  return simulation.hash();
+}
+
+void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t steps) {
+  const Scratch scratch;
+  const Case scene = text.read({finely_cut}), uncut = text.read();
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  Quantities quantities(scene);
+  for (int i = 0; i < odd; ++i) simulation.step(), quantities.observe(simulation);
+  const double speed = quantities.evaluate(simulation)[1].second;
+  const auto path = write_checkpoint(simulation, quantities, scratch.path(),
+                                     provenance_of(scene, ranks(), simulation.scene().backend_name()));
+  simulation.run(steps - odd);
+  const std::uint64_t uninterrupted = simulation.hash();
+
+  double speed_again = 0;
+  EXPECT_EQ(resumed_hash(path, scene, MPI_COMM_WORLD, steps, &speed_again), uninterrupted);
+  EXPECT_EQ(speed_again, speed);
+  EXPECT_EQ(resumed_hash(path, uncut, MPI_COMM_WORLD, steps, nullptr), uninterrupted) << "other blocks";
+  EXPECT_EQ(alone([&] { return resumed_hash(path, uncut, MPI_COMM_SELF, steps, nullptr); }), uninterrupted)
+      << "one rank";
+}
+
+TEST(Run, ResumesToTheBit) {
+  expect_resume_is_exact(crowd("single"), 151, 200);
+}
+TEST(Run, ResumesToTheBitInExplicitAndExactForm) {
+  CaseText text = crowd("double");
+  text.rest += "[coupling]\nforce = \"exact\"\ntime = \"explicit\"\nwall_scheme = \"bounce-back\"\n";
+  for (const char* light : {"density = 0.5", "density = 0.6"})  // would run away
+    text.bodies.replace(text.bodies.find(light), 13, "density = 4.0");
+  expect_resume_is_exact(text, 33, 60);
+}
+TEST(Run, ResumesDry) {
+  expect_resume_is_exact(dry_crowd(), 151, 200);
+}
+
+TEST(Run, AChangedCaseIsNotResumed) {
+  const Scratch scratch;
+  const CaseText text = dry_crowd();
+  const auto directory = scratch / "case";
+  if (rank() == 0) {
+    std::filesystem::create_directory(directory);
+    std::ofstream(directory / "case.toml") << text.text();
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const Case scene = read_case(directory, {"contacts.friction=0.25"});
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path =
+      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  const Case again = case_to_resume(reader, directory, {"run.steps=900"});
+  EXPECT_EQ(again.steps, 900);
+  EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
+  EXPECT_NE(
+      error_of([&] { case_to_resume(reader, directory, {"contacts.friction=0.5"}); }).find("cannot change"),
+      std::string::npos);
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) {
+    std::string changed = text.text();
+    changed.replace(changed.find("radius = 2.5"), 12, "radius = 2.4");
+    std::ofstream(directory / "case.toml") << changed;
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string error = error_of([&] { case_to_resume(reader, directory, {}); });
+  EXPECT_NE(error.find("has changed"), std::string::npos) << error;
+  EXPECT_NE(error.find("radius = 2.5"), std::string::npos) << error;
+}
+
+// ---- what a program does between steps ----
+
+std::uint64_t steered_hash(const Case& scene, MPI_Comm comm) {
+  Simulation simulation(scene, comm);
+  for (int step = 0; step < 40; ++step) {
+    simulation.add_force(3, Vec3(0.01, 0, 0.02), Vec3(0, 0.01, 0));
+    if (step == 10) simulation.set_velocity(7, Vec3(0.05, -0.03, 0.02), Vec3(0, 0, 0.01));
+    if (step == 20) {
+      rigid::Pose pose;
+      pose.position = Vec3(1, 23, 12);  // across the domain, over two of its periodic borders
+      simulation.set_pose(1, pose);
+    }
+    simulation.step();
+  }
+  return simulation.hash();
+}
+
+TEST(Run, WhatAProgramDoesIsTheSameOnAnyRanks) {
+  CaseText text = crowd("single");
+  text.bodies.clear();  // far apart, so that body 1 finds room
+  for (const char* x :
+       {"5, 5, 5", "17, 5, 5", "5, 17, 5", "17, 17, 5", "5, 5, 19", "17, 5, 19", "5, 17, 19", "17, 17, 19"})
+    text.bodies += std::string("[[bodies]]\nshape = \"ball\"\ndensity = 1.5\nposition = [") + x + "]\n";
+  const std::uint64_t one = alone([&] { return steered_hash(text.read(), MPI_COMM_SELF); });
+  EXPECT_EQ(steered_hash(text.read({finely_cut}), MPI_COMM_WORLD), one);
+  const std::uint64_t unsteered = hash_after(text.read(), MPI_COMM_WORLD, 40);
+  EXPECT_NE(unsteered, one);
+}
+
+TEST(Run, ABodyThatIsNotThereIsAnError) {
+  Simulation simulation(crowd("single").read(), MPI_COMM_WORLD);
+  EXPECT_THROW(simulation.add_force(21, Vec3::Zero()), std::invalid_argument);
+  EXPECT_THROW(simulation.set_velocity(0, Vec3::Zero(), Vec3::Zero()), std::invalid_argument);
+}
+
+// ---- guards and the report ----
+
+TEST(Run, AFlowThatRunsAwayIsStopped) {
+  CaseText text = pure_fluid();
+  text.fluid = "[fluid]\nrelaxation_time = 0.50001\ncollision = \"bgk\"\nbody_force = [2e-2, 1e-2, 0]\n";
+  Simulation simulation(text.read(), MPI_COMM_WORLD);
+  std::string found;
+  try {
+    simulation.run(1000);
+  } catch (const GuardStop& stop) {
+    found = stop.what();
+  }
+  EXPECT_NE(found.find("step 100"), std::string::npos) << found;
+  EXPECT_NE(found.find("raise fluid.relaxation_time"), std::string::npos) << found;
+}
+
+TEST(Run, ABodyThatIsTooFastIsNamed) {
+  CaseText text;
+  Simulation simulation(text.read(), MPI_COMM_WORLD);
+  simulation.set_velocity(1, Vec3(1.5, 0, 0), Vec3::Zero());
+  std::string found;
+  try {
+    check_bodies(simulation.setup(), simulation.bodies(), 12, rank());
+  } catch (const GuardStop& stop) {
+    found = stop.what();
+  }
+  const bool owner = simulation.bodies().row_of(1) < simulation.bodies().owned;
+  EXPECT_EQ(found.find("step 12: body 1 (rank ") == 0, owner) << found;
+}
+
+TEST(Run, AFixedBodyLeavesNoForceBehind) {
+  CaseText text;
+  text.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-4, 0, 0]\n";
+  text.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [16.2, 16, 16]\n";
+  Simulation simulation(text.read(), MPI_COMM_WORLD);
+  simulation.run(50);
+  EXPECT_EQ(simulation.scene().rigid_step, nullptr);
+  double force = 0;
+  for (const BodyLoad& load : simulation.last_loads()) force += load.force[0];
+  force = tests::sum_over_ranks(force);
+  EXPECT_GT(force, 0.01);
+  EXPECT_LT(force, 1.0) << "one step's force, not the sum of all steps";
+}
+
+TEST(Run, TheReportHasTheKeysOthersRead) {
+  const CaseText text = crowd("single");
+  const Case scene = text.read();
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  simulation.run(3);
+  const std::string report = report_of(simulation, Quantities(scene), {}).text();
+  for (const char* key : {"steps",           "ranks",
+                          "blocks",          "cells",
+                          "bodies",          "backend",
+                          "state_hash",      "mlups",
+                          "wall_seconds",    "stage_seconds",
+                          "skipped",         "mass_drift",
+                          "mass_surplus",    "momentum_drift",
+                          "max_velocity",    "max_penetration",
+                          "contacts",        "fallbacks",
+                          "migrations",      "covered",
+                          "uncovered",       "mixed_owner_contacts",
+                          "links",           "quantities",
+                          "exit_reason",     "version",
+                          "commit",          "compiler",
+                          "instruction_set", "precision",
+                          "wall_scheme"})
+    EXPECT_NE(report.find('"' + std::string(key) + "\":"), std::string::npos) << key;
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing

@@ -1,0 +1,355 @@
+#!/usr/bin/python3
+"""The program silt as its users meet it: exit codes, texts, folders of results, signals, damaged files, a full disk.
+
+run_program.py SILT [TEST]
+"""
+import json
+import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SILT = os.path.abspath(sys.argv.pop(1))
+MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet"]
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
+                   OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
+
+CASE = """
+title = "two balls"
+[units]
+system = "lattice"
+[domain]
+size = [24, 16, 16]
+boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
+blocks = [6, 8, 16]
+[fluid]
+relaxation_time = 0.8
+[gravity]
+acceleration = [0, 0, -1e-4]
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 2.5
+[[bodies]]
+shape = "ball"
+density = 1.5
+velocity = [0.02, 0, 0]
+positions = [[6, 8, 8], [18, 8, 9]]
+[run]
+steps = 60
+[output]
+fields = { every = 20 }
+bodies = { every = 7 }
+checkpoint = { every = 25, keep = 3 }
+[[quantities]]
+name = "height"
+type = "mean-height"
+"""
+
+CHANNEL = """
+[units]
+system = "lattice"
+[domain]
+size = [8, 8, 12]
+boundary = { x = "periodic", y = "periodic", z = "no-slip" }
+blocks = [4, 4, 6]
+[fluid]
+relaxation_time = 0.8
+magic = 0.1875
+precision = "double"
+body_force = [1e-6, 0, 0]
+[run]
+steps = 10000
+steady = { quantity = "energy", change = 1e-3, every = 100 }
+[output]
+checkpoint = { every = 250 }
+[[quantities]]
+name = "energy"
+type = "kinetic-energy"
+"""
+
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "run"
+
+
+class Program(unittest.TestCase):
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory(prefix="silt-run-")
+        self.case = pathlib.Path(self.scratch.name) / "case"
+        self.out = self.case / "out"
+        self.case.mkdir()
+        self.write(CASE)
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def write(self, text):
+        (self.case / "case.toml").write_text(text)
+
+    def command(self, arguments, ranks):
+        return (MPIRUN + ["-np", str(ranks)] if ranks > 1 else []) + [SILT] + [str(a) for a in arguments]
+
+    def silt(self, *arguments, ranks=1, code=0, **options):
+        result = subprocess.run(self.command(arguments, ranks), capture_output=True, text=True, env=ENVIRONMENT, timeout=120,
+                                **options)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}{result.stderr}")
+        return result
+
+    def report(self, out=None):
+        return json.loads(((out or self.out) / "report.json").read_text())
+
+    def test_run_and_resume_on_other_ranks(self):
+        self.silt("run", self.case)
+        whole = self.report()
+        self.assertEqual(whole["exit_reason"], "completed")
+        other = pathlib.Path(self.scratch.name) / "other"
+        self.silt("run", self.case, "--out", other, "--steps", 25, ranks=4)
+        # the checkpoint knows that this run was to end at 25
+        self.assertIn("complete", self.silt("resume", self.case, "--out", other, ranks=2).stdout)
+        self.silt("resume", self.case, "--out", other, "--set", "run.steps=60", ranks=2)
+        resumed = self.report(other)
+        self.assertEqual(resumed["resumed_at"], 25)
+        self.assertEqual(resumed["state_hash"], whole["state_hash"])
+        self.assertEqual(resumed["quantities"], whole["quantities"])
+        self.assertEqual(resumed["uncovered"], whole["uncovered"])
+        import h5py
+        with h5py.File(self.out / "bodies.h5") as a, h5py.File(other / "bodies.h5") as b:
+            self.assertEqual(list(a["step"]), [0, 7, 14, 21, 28, 35, 42, 49, 56, 60])
+            # the shorter run also wrote its last step
+            self.assertEqual(list(b["step"]), [0, 7, 14, 21, 25, 28, 35, 42, 49, 56, 60])
+            self.assertTrue((a["bodies/position"][-2:] == b["bodies/position"][-2:]).all())
+            self.assertTrue((a["bodies/force"][-2:] == b["bodies/force"][-2:]).all())
+            self.assertTrue((a["bodies/force"][-2:] != 0).any())
+
+    def test_steady_flow_ends_the_run(self):
+        """After as many steps on any ranks and across a checkpoint; what is left of the approach is as little as asked."""
+        self.write(CHANNEL)
+        self.silt("run", self.case)
+        whole = self.report()
+        self.assertEqual(whole["exit_reason"], "steady")
+        self.assertEqual(whole["steps"] % 100, 0)
+        self.assertLess(whole["steps"], 10000)
+        self.assertTrue((self.out / f"checkpoint_{whole['steps']:012d}.h5").exists())  # its last step, as of any run
+        energy = (1e-6 * 12**2) ** 2 * (1 + 7 / (8 * 12**4)) / (240 * 0.1**2)  # mean of (g y (H - y) / 2 nu)^2 / 2
+        left = 1 - whole["quantities"]["energy"] / energy
+        self.assertTrue(1e-4 < left < 1.01e-3, left)
+        other = pathlib.Path(self.scratch.name) / "other"
+        self.silt("run", self.case, "--out", other, "--steps", 550, ranks=4)
+        self.assertEqual(self.report(other)["exit_reason"], "completed")
+        self.silt("resume", self.case, "--out", other, "--set", "run.steps=10000", ranks=2)
+        resumed = self.report(other)
+        self.assertEqual((resumed["exit_reason"], resumed["steps"]), ("steady", whole["steps"]))
+        self.assertEqual(resumed["state_hash"], whole["state_hash"])
+        self.assertIn("energy was steady at step", self.silt("resume", self.case, "--out", other).stdout)
+        self.silt("resume", self.case, "--out", other, "--set", "run.steady.change=1e-4")
+        self.assertGreater(self.report(other)["steps"], whole["steps"])
+
+    def test_fields_load_in_vtk(self):
+        self.silt("run", self.case, "--steps", 20, ranks=2)
+        try:
+            from vtkmodules.vtkIOHDF import vtkHDFReader
+        except ImportError:
+            from vtk import vtkHDFReader
+        reader = vtkHDFReader()
+        reader.SetFileName(str(self.out / "fields_000000000020.hdf"))
+        reader.Update()
+        image = reader.GetOutput()
+        self.assertEqual(image.GetDimensions(), (24, 16, 16))
+        velocity = image.GetPointData().GetArray("velocity")
+        inside = velocity.GetTuple(6 + 24 * (8 + 16 * 8))  # the first ball's own velocity, but for its rotation
+        import h5py
+        with h5py.File(self.out / "bodies.h5") as f:
+            own = f["bodies/velocity"][-2]
+        self.assertGreater(own[0], 0.003)
+        self.assertLess(max(abs(own - inside)), 0.1 * own[0])
+        density = image.GetPointData().GetArray("density").GetRange()
+        self.assertTrue(0.9 < density[0] <= density[1] < 1.1)
+
+    def test_results_are_never_overwritten_silently(self):
+        self.silt("run", self.case, "--steps", 5)
+        first = self.report()["state_hash"]
+        again = self.silt("run", self.case, "--steps", 6)
+        self.assertIn("out.1", again.stdout)
+        self.assertEqual(self.report(self.case / "out.1")["state_hash"], first)
+        self.silt("run", self.case, "--steps", 7, "--overwrite")
+        self.assertFalse((self.case / "out.2").exists())
+        self.assertEqual(self.report()["steps"], 7)
+        (self.out / "notes.txt").write_text("mine")
+        self.assertIn("notes.txt", self.silt("run", self.case, code=2).stderr)
+
+    def interrupt(self, ranks):
+        self.write(CASE.replace("steps = 60", "steps = 1000000").replace("fields = { every = 20 }\n", ""))
+        process = subprocess.Popen(self.command(["run", self.case], ranks), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True, env=ENVIRONMENT)
+        while not (self.out / "checkpoint_000000000025.h5").exists():
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        if ranks == 1:
+            process.send_signal(signal.SIGTERM)
+        else:  # mpirun kills its ranks soon after a signal: they are told themselves, as scripts/run does
+            children = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+            for child in children:
+                os.kill(int(child), signal.SIGTERM)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 4, errors)
+        self.assertEqual(errors.count("SIGTERM"), 1, errors)
+        step = self.report()["steps"]
+        self.assertTrue((self.out / f"checkpoint_{step:012d}.h5").exists())
+        self.silt("resume", self.case, "--steps", step + 10, ranks=3 - ranks)
+        self.assertEqual(self.report()["steps"], step + 10)
+
+    def test_sigterm_leaves_a_checkpoint(self):
+        self.interrupt(1)
+
+    def test_sigterm_on_two_ranks(self):
+        self.interrupt(2)
+
+    def test_time_limit(self):
+        self.silt("run", self.case, "--steps", 1000000, "--time-limit", 1, "--set", "output.fields.every=0", code=4)
+        self.assertIn("time limit", self.report()["exit_text"])
+
+    def test_guard_of_the_fluid(self):
+        self.write(re.sub(r"\[gravity\].*?(?=\[run\])", "", CASE, flags=re.S).replace("0.8", '0.50001\ncollision = "bgk"\n'
+                   "body_force = [1e-2, 2e-2, 0]").split("[output]")[0].replace("steps = 60", "steps = 1000"))
+        for ranks in (1, 4):
+            errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
+            self.assertEqual(errors.count("step 100: "), 1, errors)
+            self.assertIn("raise fluid.relaxation_time", errors)
+            self.assertIn("no checkpoint has been written", errors)
+            self.assertEqual(self.report()["exit_reason"], "guard")
+
+    def test_guard_of_a_body_on_one_rank(self):
+        """Only its owner notices; all ranks end, with one text."""
+        self.write(CASE.replace("-1e-4", "-20").split("[output]")[0])
+        for ranks in (1, 4):
+            errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
+            self.assertRegex(errors, r"step 1: body [12] \(rank \d\) moves")
+            self.assertEqual(self.report()["exit_reason"], "guard")
+
+    def test_bad_case_and_usage(self):
+        self.write(CASE.replace("relaxation_time", "relaxation_tiem"))
+        for ranks in (1, 2):
+            errors = self.silt("run", self.case, ranks=ranks, code=2).stderr
+            self.assertEqual(errors.count("did you mean 'relaxation_time'"), 1, errors)
+        self.assertFalse(self.out.exists())
+        self.silt("run", code=2)
+        self.silt("walk", self.case, code=2)
+        errors = self.silt("run", self.case, "--steps", 0, code=2).stderr
+        self.assertEqual(errors.splitlines()[0], "--steps: 0 is not a number above 0")
+        self.silt("resume", self.case, code=2)
+        self.write(CASE)
+        self.assertIn("blocks", self.silt("run", self.case, "--set", "domain.blocks=[24, 16, 16]", ranks=2, code=2).stderr)
+        self.assertIn("silt", self.silt("--version").stdout)
+        self.assertIn("relaxation time", self.silt("check", self.case).stdout)
+
+    def test_the_table_counts_what_is_written(self):
+        table = self.silt("check", self.case).stdout
+        self.silt("run", self.case)
+        import h5py
+        with h5py.File(self.out / "bodies.h5") as f:
+            bodies = len(f["step"])
+        for name, times in (("fields", len(list(self.out.glob("fields_*.hdf")))), ("bodies", bodies),
+                            ("checkpoints", len(list(self.out.glob("checkpoint_*.h5"))))):
+            self.assertRegex(table, rf"{name} +every \d+ steps, .*at the end, {times} times\n")
+
+    def test_damaged_checkpoint_names_the_previous_one(self):
+        self.silt("run", self.case)
+        last = self.out / "checkpoint_000000000060.h5"
+        data = bytearray(last.read_bytes())
+        data[len(data) // 2] ^= 0xFF
+        last.write_bytes(data)
+        errors = self.silt("resume", self.case, "--steps", 80, ranks=2, code=2).stderr
+        self.assertIn("checkpoint_000000000050.h5", errors)
+        self.silt("resume", self.case, "--steps", 80, "--checkpoint", self.out / "checkpoint_000000000050.h5")
+        self.assertEqual(self.report()["resumed_at"], 50)
+
+    def test_info(self):
+        self.silt("run", self.case, "--steps", 5)
+        for name, word in (("bodies.h5", "angular_velocity"), ("fields_000000000000.hdf", "density"),
+                           ("checkpoint_000000000005.h5", "populations")):
+            text = self.silt("info", self.out / name).stdout
+            self.assertIn(word, text)
+            self.assertIn("two balls", text)
+        self.assertIn("case.toml", self.silt("info", self.case / "case.toml", code=2).stderr)
+
+    def test_full_disk(self):
+        """A limit on the size of files, set while the run goes on, stands for a full disk."""
+        self.write(CASE.replace("steps = 60", "steps = 1000000").replace("every = 25", "every = 250"))
+        ignore = lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # noqa: E731
+        process = subprocess.Popen(self.command(["run", self.case, "--set", "output.fields.every=0"], 1), text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=ENVIRONMENT, preexec_fn=ignore)
+        first = self.out / "checkpoint_000000000250.h5"
+        while not first.exists():
+            self.assertIsNone(process.poll())
+            time.sleep(0.02)
+        resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (100_000, 100_000))
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, errors)
+        self.assertRegex(errors, r"checkpoint_\d+\.h5|bodies\.h5")
+        self.assertIn("last checkpoint", errors)
+        self.assertFalse(list(self.out.glob("*.part")))
+        step = max(int(path.stem.split("_")[1]) for path in self.out.glob("checkpoint_*.h5"))
+        self.silt("resume", self.case, "--steps", step + 10)
+        self.assertEqual(self.report()["resumed_at"], step)
+
+
+class Launcher(unittest.TestCase):
+    """scripts/run in a tree of its own, where nothing is built and nothing drawn."""
+
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory(prefix="silt-launch-")
+        self.root = pathlib.Path(self.scratch.name)
+        for folder in ("scripts", "cases/two-balls", "build/release/coupler", "elsewhere"):
+            (self.root / folder).mkdir(parents=True)
+        shutil.copy(SCRIPT, self.root / "scripts/run")
+        self.program("scripts/build", "exit 0")
+        (self.root / "build/release/coupler/silt").symlink_to(SILT)
+        (self.root / "cases/two-balls/case.toml").write_text(CASE)
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def program(self, name, text):
+        path = self.root / name
+        path.unlink(missing_ok=True)
+        path.write_text(f"#!/bin/bash\n{text}\n")
+        path.chmod(0o755)
+
+    def launch(self, *arguments, code=0):
+        result = subprocess.run([self.root / "scripts/run", *map(str, arguments)], capture_output=True, text=True,
+                                env=ENVIRONMENT, timeout=120, cwd=self.root / "elsewhere")
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def test_finds_a_case_from_anywhere(self):
+        for case in ("two-balls", "cases/two-balls", "../cases/two-balls/", "../cases/two-balls/case.toml"):
+            self.launch(case, "--steps", 2, "--out", "out", "--overwrite")
+            self.assertTrue((self.root / "elsewhere/out/report.json").exists(), case)
+
+    def test_says_which_cases_there_are(self):
+        errors = self.launch("two-bals", code=2).stderr
+        self.assertIn("no case two-bals", errors)
+        self.assertIn("among Silt's: two-balls\n", errors)
+        self.assertIn("There are: two-balls\n", self.launch(code=2).stderr)
+
+    def test_says_how_to_go_on(self):
+        errors = self.launch("two-balls", "-n", 2, "--out", "out", "--steps", 1000000, "--time-limit", 1,
+                             "--set", "output.fields.every=0", code=4).stderr
+        last = max((self.root / "elsewhere/out").glob("checkpoint_*.h5"))
+        command = f"{self.root}/scripts/run two-balls -n 2 --out out --resume"
+        self.assertIn(f"go on from out/{last.name} with: {command}\n", errors)
+        self.program("build/release/coupler/silt", "kill -9 $$")
+        errors = self.launch("two-balls", "--out", "out", code=137).stderr
+        self.assertIn("killed (SIGKILL)", errors)
+        self.assertIn(f"go on from out/{last.name}", errors)
+
+
+if __name__ == "__main__":
+    unittest.main()

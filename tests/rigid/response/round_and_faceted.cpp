@@ -1,0 +1,268 @@
+// Rest, sliding, rolling, rocking and toppling of cylinders, ellipsoids and polyhedra against closed forms.
+// g = 9.81, dt = 1e-3.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "tests/rigid/scene.hpp"
+
+namespace silt::rigid {
+namespace {
+
+using testing::Scene;
+
+constexpr double g = 9.81;
+
+Vec3 slope(double angle) {  // falling along +x
+  return g * Vec3(std::sin(angle), 0, -std::cos(angle));
+}
+
+class RoundBodies : public ::testing::TestWithParam<const char*> {
+  void SetUp() override { testing::backend_name = GetParam(); }
+  void TearDown() override { testing::backend_name = "analytic"; }
+};
+INSTANTIATE_TEST_SUITE_P(Backends, RoundBodies, ::testing::Values("auto", "analytic", "bullet", "fcl"),
+                         [](const auto& info) { return info.param; });
+
+class FacetedBodies : public ::testing::Test {
+  void SetUp() override { testing::backend_name = "auto"; }
+  void TearDown() override { testing::backend_name = "analytic"; }
+};
+
+/// One body over a floor; its id is 0.
+Scene alone(const Shape& shape, double friction, const Vec3& gravity, double height,
+            const Quat& q = Quat::Identity(), const Vec3& v = Vec3::Zero()) {
+  Scene s(0, friction);
+  s.world.gravity = gravity;
+  s.add_with_id(0, s.shape(shape), {10, 10, height}, v, Vec3::Zero(), 1, q);
+  s.floor();
+  s.start();
+  return s;
+}
+
+const Quat lying(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()));  // the axis along y
+
+TEST_P(RoundBodies, CylinderStandsOnItsEnd) {
+  Scene s = alone(Cylinder{0.4, 0.5}, 0.5, slope(0), 0.5);
+  s.run(10000);
+  EXPECT_LT((s.x(0) - Vec3(10, 10, 0.5)).norm(), 1e-9);
+  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-9);
+}
+
+TEST_P(RoundBodies, StandingCylinderTopplesAtTheRightAngle) {  // tan = radius / half length
+  const double angle = std::atan(0.2 / 0.5);
+  for (double share : {0.97, 1.03}) {
+    Scene s = alone(Cylinder{0.2, 0.5}, 3, slope(share * angle), 0.5);
+    s.run(1000);
+    EXPECT_EQ(s.w(0).norm() > 0.02, share > 1) << share << ", omega " << s.w(0).norm();
+  }
+}
+
+TEST_P(RoundBodies, CylinderOnAnInclineSticksOrSlides) {
+  for (double degrees : {20.0, 30.0}) {
+    const double a = degrees * M_PI / 180;
+    Scene s = alone(Cylinder{0.5, 0.2}, 0.5, slope(a), 0.2);
+    s.run(1000);
+    const double expected = degrees < 26 ? 0 : 0.5 * g * (std::sin(a) - 0.5 * std::cos(a));
+    EXPECT_NEAR(s.x(0)[0] - 10, expected, 1e-6) << degrees;
+    EXPECT_LT(s.w(0).norm(), 1e-6);
+  }
+}
+
+TEST_P(RoundBodies, CylinderRollsDownAnIncline) {  // 2/3 g sin
+  Scene s = alone(Cylinder{0.2, 0.5}, 0.5, slope(0.3), 0.2, lying);
+  s.run(1000);
+  EXPECT_NEAR(s.v(0)[0] / (2.0 / 3 * g * std::sin(0.3)), 1, 1e-6);
+  EXPECT_NEAR(s.w(0)[1] * 0.2, s.v(0)[0], 1e-6);
+}
+
+TEST_P(RoundBodies, CylinderSlidesThenRolls) {  // t = v0 / (3 mu g), then v = 2/3 v0
+  const double v0 = 1, mu = 0.2, r = 0.2;
+  Scene s = alone(Cylinder{r, 0.5}, mu, slope(0), r, lying, {v0, 0, 0});
+  double rolls = 0;
+  for (int i = 1; i <= 400; ++i) {
+    s.run(1);
+    if (rolls == 0 && std::abs(s.v(0)[0] - r * s.w(0)[1]) < 1e-6) rolls = 1e-3 * i;
+  }
+  EXPECT_NEAR(rolls, v0 / (3 * mu * g), 1e-3);
+  EXPECT_NEAR(s.v(0)[0], 2.0 / 3 * v0, 1e-6);
+}
+
+TEST_P(RoundBodies, EllipsoidRestsOnItsFlatPole) {
+  Scene s = alone(Ellipsoid{{0.6, 0.5, 0.3}}, 0.5, slope(0), 0.3);
+  s.run(5000);
+  EXPECT_LT((s.x(0) - Vec3(10, 10, 0.3)).norm(), 1e-9);
+  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-9);
+}
+
+TEST_P(RoundBodies, EllipsoidRocks) {
+  // The centre is at sqrt(c^2 cos^2 + a^2 sin^2) over the plane: omega^2 = g (a^2 / c - c) / (I / m + c^2).
+  const double a = 0.6, c = 0.3, tilt = 0.02;
+  const double height = std::hypot(c * std::cos(tilt), a * std::sin(tilt));
+  Scene s = alone(Ellipsoid{{a, 0.5, c}}, 1, slope(0), height, Quat(Eigen::AngleAxisd(tilt, Vec3::UnitY())));
+  const double period = 2 * M_PI * std::sqrt(((a * a + c * c) / 5 + c * c) / (g * (a * a / c - c)));
+  std::vector<double> turns;  // where the angular velocity changes its sign: half periods
+  double before = 0;
+  for (int i = 1; i <= 5000 && turns.size() < 5; ++i) {
+    s.run(1);
+    const double now = s.w(0)[1];
+    if (i > 5 && before * now < 0) turns.push_back(1e-3 * (i - now / (now - before)));
+    before = now;
+  }
+  ASSERT_EQ(turns.size(), 5u);
+  EXPECT_NEAR((turns[4] - turns[0]) / 2 / period, 1, 2e-3);  // amplitude: 1e-4, a step: 1e-3
+}
+
+/// The hull of points that are all corners of it.
+Polyhedron hull(const std::vector<Vec3>& points) {
+  std::set<std::vector<int>> seen;
+  std::vector<std::vector<int>> faces;
+  const int n = static_cast<int>(points.size());
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        const Vec3 normal = (points[j] - points[i]).cross(points[k] - points[i]).normalized();
+        if (i == j || j == k || i == k || !normal.allFinite()) continue;
+        std::vector<int> on;
+        double above = 0;
+        for (int m = 0; m < n; ++m) {
+          const double d = normal.dot(points[m] - points[i]);
+          above = std::max(above, d);
+          if (std::abs(d) < 1e-9) on.push_back(m);
+        }
+        if (above > 1e-9 || !seen.insert(on).second) continue;
+        Vec3 centre = Vec3::Zero();
+        for (int m : on) centre += points[m] / on.size();
+        const Vec3 x = (points[on[0]] - centre).normalized(), y = normal.cross(x);
+        std::sort(on.begin(), on.end(), [&](int p, int q) {
+          const Vec3 a = points[p] - centre, b = points[q] - centre;
+          return std::atan2(y.dot(a), x.dot(a)) < std::atan2(y.dot(b), x.dot(b));
+        });
+        faces.push_back(on);
+      }
+  return {make_polyhedron_mesh(points, faces)};
+}
+
+Polyhedron octahedron() {
+  return hull({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}});
+}
+
+Polyhedron dodecahedron() {
+  const double p = 0.5 * (1 + std::sqrt(5.0));
+  std::vector<Vec3> corners;
+  for (double i : {-1.0, 1.0})
+    for (double j : {-1.0, 1.0}) {
+      for (double k : {-1.0, 1.0}) corners.push_back({i, j, k});
+      corners.push_back({0, i / p, j * p});
+      corners.push_back({i / p, j * p, 0});
+      corners.push_back({i * p, 0, j / p});
+    }
+  return hull(corners);
+}
+
+Polyhedron irregular() {  // on a sphere, so that all are corners
+  std::mt19937 random(11);
+  std::normal_distribution<> u;
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 12; ++i) corners.push_back(Vec3(u(random), u(random), u(random)).normalized());
+  const Shape centred = recentred(hull(corners), mass_properties(hull(corners)).centre);
+  return std::get<Polyhedron>(centred);
+}
+
+Polyhedron hexagonal_prism(double radius, double half_height) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 6; ++i)
+    for (double z : {-half_height, half_height})
+      corners.push_back({radius * std::cos(i * M_PI / 3), radius * std::sin(i * M_PI / 3), z});
+  return hull(corners);
+}
+
+/// How to lie on the lowest face, with the edge nearest below the centre towards +x; and when it topples.
+struct Lying {
+  Quat orientation;
+  double height = 1e300, edge = 1e300;  // of the centre over the face; of its foot to that edge
+};
+
+Lying on_lowest_face(const Polyhedron& p) {
+  Lying best;
+  const PolyhedronMesh::Face* face = nullptr;
+  for (const auto& f : p.mesh->faces)
+    if (f.offset < best.height) best.height = f.offset, face = &f;
+  Vec3 outward = Vec3::Zero();
+  for (std::size_t i = 0; i < face->corners.size(); ++i) {
+    const Vec3 &a = p.mesh->vertices[face->corners[i]],
+               &b = p.mesh->vertices[face->corners[(i + 1) % face->corners.size()]];
+    const Vec3 out = (b - a).cross(face->normal).normalized();
+    if (out.dot(a) < best.edge) best.edge = out.dot(a), outward = out;
+  }
+  Mat3 from;  // columns: what is to be x, y, z
+  from << outward, -face->normal.cross(outward), -face->normal;
+  best.orientation = Quat(Mat3(from.transpose())).normalized();
+  return best;
+}
+
+TEST_F(FacetedBodies, RestOnAFace) {
+  for (const Polyhedron& p : {octahedron(), dodecahedron(), irregular()}) {
+    const Lying l = on_lowest_face(p);
+    ASSERT_GT(l.edge, 0);
+    Scene s = alone(p, 0.5, slope(0), l.height, l.orientation);
+    s.run(3000);
+    EXPECT_LT((s.x(0) - Vec3(10, 10, l.height)).norm(), 1e-9) << p.mesh->faces.size() << " faces";
+    EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-9);
+  }
+}
+
+TEST_F(FacetedBodies, ToppleAtTheRightAngle) {
+  for (const Polyhedron& p : {octahedron(), dodecahedron(), irregular(), hexagonal_prism(0.5, 0.5)}) {
+    const Lying l = on_lowest_face(p);
+    const double angle = std::atan(l.edge / l.height);
+    for (double share : {0.97, 1.03}) {
+      Scene s = alone(p, 3, slope(share * angle), l.height, l.orientation);
+      s.run(1000);
+      EXPECT_EQ(s.w(0).norm() > 0.02, share > 1)
+          << p.mesh->faces.size() << " faces, " << share << ", omega " << s.w(0).norm();
+    }
+  }
+}
+
+TEST_F(FacetedBodies, StackOfTurnedPrismsComesToRest) {  // twelve corners a contact, of which eight are kept
+  Scene s(0, 0.5);
+  s.world.gravity = slope(0);
+  const int prism = s.shape(hexagonal_prism(0.5, 0.25));
+  std::array<Vec3, 5> start, settled;
+  for (int i = 0; i < 5; ++i) {
+    start[i] = {10, 10, 0.25 + 0.5 * i};
+    s.add_with_id(i, prism, start[i], Vec3::Zero(), Vec3::Zero(), 1,
+                  Quat(Eigen::AngleAxisd(0.2 * i, Vec3::UnitZ())));
+  }
+  s.floor();
+  s.start();
+  s.run(2000);
+  for (int i = 0; i < 5; ++i) settled[i] = s.x(i);
+  s.run(2000);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LT((settled[i] - start[i]).norm(), 2e-4) << i << ": while the corners share out the weight";
+    EXPECT_LT((s.x(i) - settled[i]).norm(), 1e-8) << i;
+    EXPECT_LT(s.v(i).norm() + s.w(i).norm(), 1e-8) << i;
+  }
+}
+
+TEST_F(FacetedBodies, StackOfHexagonalPrisms) {
+  Scene s(0, 0.5);
+  s.world.gravity = slope(0);
+  const int prism = s.shape(hexagonal_prism(0.5, 0.25));
+  for (int i = 0; i < 5; ++i)
+    s.add_with_id(i, prism, {10, 10, 0.25 + 0.5 * i}, Vec3::Zero(), Vec3::Zero(), 1, Quat::Identity());
+  s.floor();
+  s.start();
+  s.run(3000);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LT((s.x(i) - Vec3(10, 10, 0.25 + 0.5 * i)).norm(), 1e-4) << i;
+    EXPECT_LT(s.v(i).norm(), 1e-6) << i;
+  }
+}
+
+}  // namespace
+}  // namespace silt::rigid

@@ -1,0 +1,264 @@
+// Shapes: closed forms, and properties that must hold for any pose and ray.
+#include "rigid/shapes/shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "rigid/shapes/ellipsoid.hpp"
+#include "rigid/shapes/ray_interval.hpp"
+#include "tests/rigid/shapes/solids.hpp"
+
+namespace silt::rigid {
+namespace {
+
+std::mt19937 generator(7);
+double uniform(double a, double b) {
+  return std::uniform_real_distribution<>(a, b)(generator);
+}
+Vec3 random_vector(double size) {
+  return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
+}
+Quat random_turn() {
+  return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
+}
+
+/// Long and flat ones, with corners sharp and blunt, with the origin inside and out.
+std::vector<ConvexShape> newer_solids() {
+  return {Cylinder{0.6, 0.9},
+          Cylinder{1.5, 0.05},
+          Cylinder{0.05, 1.7},
+          Ellipsoid{{1.4, 0.5, 0.9}},
+          Ellipsoid{{1.5, 1.5, 0.015}},
+          Ellipsoid{{0.02, 0.02, 2}},
+          Ellipsoid{{1, 1, 1 + 1e-9}},
+          testing::cuboid({-0.5, -0.7, -1.1}, {0.5, 0.7, 1.1}),
+          testing::frustum(),
+          testing::octahedron({1.2, 0.8, 1.7}),
+          testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6})};
+}
+
+std::vector<Shape> solids() {
+  Compound star;
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+    star.parts.push_back({Capsule{0.3, 1.1}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
+  Compound mixed{{{Box{{1, 0.4, 0.3}}, {{0.2, 0, 0}, random_turn()}},
+                  {Sphere{0.7}, {{-0.9, 0.1, 0}, Quat::Identity()}},
+                  {Capsule{0.25, 0.8}, {{0, 0.5, 0.2}, random_turn()}}}};
+  Compound newer{{{Cylinder{0.5, 0.9}, {{0.4, 0, 0}, random_turn()}},
+                  {Ellipsoid{{0.9, 0.3, 0.5}}, {{-0.5, 0.3, 0}, random_turn()}},
+                  {testing::frustum(), {{0, -0.4, 0.2}, random_turn()}}}};
+  std::vector<Shape> all = {Sphere{1.3}, Box{{0.5, 1.1, 0.8}}, Capsule{0.6, 0.9}, star, newer, mixed};
+  for (const ConvexShape& shape : newer_solids())
+    all.insert(all.begin(), std::visit([](const auto& s) -> Shape { return s; }, shape));
+  return all;
+}
+
+TEST(Shape, ClosedForms) {
+  EXPECT_DOUBLE_EQ(signed_distance(Box{{1, 2, 3}}, {2, 3, 0}), std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(signed_distance(Box{{1, 2, 3}}, {0.5, 0, 0}), -0.5);
+  EXPECT_DOUBLE_EQ(signed_distance(Capsule{0.5, 1}, {0, 0, 2}), 0.5);
+  EXPECT_DOUBLE_EQ(signed_distance(Capsule{0.5, 1}, {2, 0, 0.7}), 1.5);
+  EXPECT_DOUBLE_EQ(signed_distance(HalfSpace{Vec3::UnitZ()}, {3, 4, -5}), -5);
+  EXPECT_DOUBLE_EQ(signed_distance(Cylinder{0.5, 1}, {3.5, 0, 5}), 5);
+  EXPECT_DOUBLE_EQ(signed_distance(Cylinder{0.5, 1}, {0, 0.3, 0.9}), -0.1);
+  EXPECT_DOUBLE_EQ(signed_distance(Ellipsoid{{1, 2, 3}}, {0, 0, 5}), 2);
+  EXPECT_DOUBLE_EQ(signed_distance(Ellipsoid{{1, 2, 3}}, {0, 0, 0}), -1);
+  EXPECT_DOUBLE_EQ(signed_distance(testing::cuboid({-1, -2, -3}, {1, 2, 3}), {2, 3, 0}), std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(signed_distance(testing::cuboid({-1, -2, -3}, {1, 2, 3}), {2, 3, 4}), std::sqrt(3.0));
+  EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {0.2, 0, 4}, {0, 0, -2}, 10), 1.5);
+  EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 0.9}, {-1, 0, 0}, 10), 2.5);
+  EXPECT_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 1.1}, {-1, 0, 0}, 10), 10);
+  EXPECT_DOUBLE_EQ(ray_distance(Ellipsoid{{1, 2, 3}}, {0, 0, 8}, {0, 0, -1}, 10), 5);
+  EXPECT_DOUBLE_EQ(ray_distance(testing::octahedron({1, 1, 1}), {1, 1, 1}, {-1, -1, -1}, 10), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(ray_distance(Sphere{1}, {-3, 0, 0}, {2, 0, 0}, 10), 1);
+  EXPECT_EQ(ray_distance(Sphere{1}, {-3, 0, 0}, {-2, 0, 0}, 10), 10);
+  EXPECT_DOUBLE_EQ(ray_distance(Box{{1, 1, 1}}, {0.2, -4, 0.3}, {0, 1, 0}, 10), 3);
+  EXPECT_EQ(ray_distance(Box{{1, 1, 1}}, {1.2, -4, 0.3}, {0, 1, 0}, 10), 10);
+  EXPECT_DOUBLE_EQ(ray_distance(Capsule{0.5, 1}, {0, 0, 4}, {0, 0, -1}, 10), 2.5);
+  EXPECT_DOUBLE_EQ(ray_distance(HalfSpace{Vec3::UnitZ()}, {0, 0, 4}, {0, 1, -2}, 10), 2);
+  EXPECT_EQ(shape_name(Compound{}), "compound");
+  EXPECT_EQ(shape_name(HalfSpace{Vec3::UnitX()}), "half-space");
+  EXPECT_DOUBLE_EQ(bounding_radius(Box{{1, 2, 2}}), 3);
+  EXPECT_DOUBLE_EQ(bounding_radius(Compound{{{Capsule{0.5, 1}, {{1, 0, 0}, Quat::Identity()}}}}),
+                   0.5 + std::sqrt(2.0));
+  EXPECT_TRUE(is_sphere(Sphere{1}));
+  EXPECT_FALSE(is_sphere(Capsule{1, 0.1}));
+  EXPECT_THROW(mass_properties(HalfSpace{Vec3::UnitX()}), std::invalid_argument);
+}
+
+TEST(Shape, RayHitsTheSurfaceAndNothingBefore) {
+  for (const Shape& shape : solids())
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 origin = random_vector(4), direction = random_vector(1);
+      if (contains(shape, origin)) continue;
+      const double t = ray_distance(shape, origin, direction, 20);
+      if (t < 20) {
+        EXPECT_NEAR(signed_distance(shape, origin + t * direction), 0, 1e-12) << shape_name(shape);
+      }
+      for (int k = 1; k < 20; ++k)
+        EXPECT_GT(signed_distance(shape, origin + t * (k / 20.0) * direction), -1e-12) << shape_name(shape);
+    }
+}
+
+TEST(Shape,
+     DistanceIsHowFarASphereTracerMayGo) {  // |d(x) - d(y)| <= |x - y|, and the nearest surface is that far
+  for (const Shape& shape : solids())
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 x = random_vector(3), y = x + random_vector(0.3);
+      EXPECT_LE(std::abs(signed_distance(shape, x) - signed_distance(shape, y)), (x - y).norm() + 1e-12);
+      EXPECT_EQ(contains(shape, x), signed_distance(shape, x) <= 0);
+      const double d = signed_distance(shape, x);
+      if (d > 0) {
+        EXPECT_GE(ray_distance(shape, x, random_vector(1).normalized(), 100), d - 1e-12);
+      }
+    }
+}
+
+TEST(Shape, BoxAndSupportAgree) {
+  for (const Shape& shape : solids())
+    for (int i = 0; i < 200; ++i) {
+      const Pose pose{random_vector(5), random_turn()};
+      const BoundingBox box = bounding_box(shape, pose);
+      BoundingBox tight{Vec3::Constant(1e9), Vec3::Constant(-1e9)};
+      double furthest = 0;
+      for (const Part& part : convex_parts(shape)) {
+        const Pose part_pose = pose * part.pose;
+        for (int d = 0; d < 3; ++d)
+          for (double sign : {-1.0, 1.0}) {
+            const Vec3 x = part_pose.to_world(
+                support(part.shape, part_pose.orientation.conjugate() * (sign * Vec3::Unit(d))));
+            tight.lower = tight.lower.cwiseMin(x);
+            tight.upper = tight.upper.cwiseMax(x);
+            furthest = std::max(furthest, (x - pose.position).norm());
+            EXPECT_NEAR(signed_distance(shape, pose.to_body(x)) > 1e-12, false, 0);
+          }
+      }
+      EXPECT_NEAR((tight.lower - box.lower).cwiseAbs().maxCoeff(), 0, 1e-12) << shape_name(shape);
+      EXPECT_NEAR((tight.upper - box.upper).cwiseAbs().maxCoeff(), 0, 1e-12) << shape_name(shape);
+      EXPECT_LE(furthest, bounding_radius(shape) + 1e-12);
+    }
+}
+
+TEST(Shape, SupportIsFurthest) {
+  auto shapes = newer_solids();
+  shapes.insert(shapes.end(), {Sphere{1.3}, Box{{0.5, 1.1, 0.8}}, Capsule{0.6, 0.9}});
+  for (const ConvexShape& shape : shapes)
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 d = random_vector(1), s = support(shape, d);
+      const Shape solid = std::visit([](auto x) -> Shape { return x; }, shape);
+      EXPECT_NEAR(signed_distance(solid, s), 0, 1e-12);
+      const Vec3 x = random_vector(2.5);
+      if (contains(solid, x)) {
+        EXPECT_LE(d.dot(x), d.dot(s) + 1e-12);
+      }
+    }
+}
+
+/// n . x - h(n), h(n) how far the shape reaches along n. The signed distance of a convex shape is the largest
+/// over all directions n, inside and outside (duality); nothing of the shape is looked at but `support`.
+double height(const ConvexShape& shape, const Vec3& x, const Vec3& n) {
+  return n.dot(x - support(shape, n));
+}
+
+double largest_height(const ConvexShape& shape, const Vec3& x) {
+  const int directions = 4000;
+  double best = -1e9;
+  for (int i = 0; i < directions; ++i) {
+    const double z = 1 - (2 * i + 1.) / directions, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double r = std::sqrt(1 - z * z);
+    best = std::max(best, height(shape, x, {r * std::cos(turn), r * std::sin(turn), z}));
+  }
+  return best;
+}
+
+/// Of the distance, next to x: at x itself it may have a kink.
+Vec3 gradient(const Shape& solid, const Vec3& x) {
+  const Vec3 beside = x + random_vector(1e-7);
+  Vec3 g;
+  for (int d = 0; d < 3; ++d) {
+    const Vec3 step = 1e-9 * Vec3::Unit(d);
+    g[d] = signed_distance(solid, beside + step) - signed_distance(solid, beside - step);
+  }
+  return g.normalized();
+}
+
+TEST(Shape,
+     DistanceIsTheOneToTheFurthestPlane) {  // none is further, and the one across the gradient is as far
+  for (const ConvexShape& shape : newer_solids())
+    for (int i = 0; i < 60; ++i) {
+      const Shape solid = std::visit([](auto s) -> Shape { return s; }, shape);
+      Vec3 x = random_vector(i % 2 ? 1 : 2.5);
+      if (i % 5 == 0) x = support(shape, random_vector(1)) * uniform(0.8, 1.2);  // close to the surface
+      if (i % 7 == 0) x[i % 3] = 0;
+      const double distance = signed_distance(solid, x);
+      EXPECT_LE(largest_height(shape, x), distance + 1e-12) << shape_name(solid) << " at " << x.transpose();
+      EXPECT_NEAR(height(shape, x, gradient(solid, x)), distance, 1e-6)
+          << shape_name(solid) << " at " << x.transpose();
+    }
+}
+
+TEST(Shape, NearestPointOfAnEllipsoidIsStationary) {  // on the surface, and the way to it along the normal
+  for (int i = 0; i < 20000; ++i) {
+    Vec3 axes, x;
+    for (int d = 0; d < 3; ++d) {
+      axes[d] = std::pow(10, uniform(0, 2));
+      x[d] = axes[d] * uniform(-1, 1) * std::pow(10, uniform(-1, 1));
+    }
+    if (i % 4 == 0) axes[1] = axes[0];
+    if (i % 5 == 0) x[i % 3] = 0;  // in a plane of symmetry, where the nearest point may lie outside of it
+    if (i % 7 == 0) x[i % 2] = 0, x[2] = 0;
+    const Vec3 p = nearest_on_ellipsoid(axes, x),
+               normal = p.cwiseQuotient(axes).cwiseQuotient(axes).normalized();
+    EXPECT_NEAR(p.cwiseQuotient(axes).norm(), 1, 1e-14);
+    const double distance = signed_distance(Ellipsoid{axes}, x), size = axes.maxCoeff() + std::abs(distance);
+    EXPECT_NEAR((x - p).norm(), std::abs(distance), 1e-14 * size);
+    EXPECT_LT((x - p - distance * normal).norm(), 1e-12 * size)
+        << axes.transpose() << " at " << x.transpose();
+    EXPECT_EQ(distance <= 0, in_ellipsoid(axes, x));
+  }
+}
+
+TEST(Shape, DistanceToADiscSeenAlongItsAxis) {  // the ellipse (cos, 100 sin): on the axes in closed form
+  const double a = 100, c = 1;
+  for (const double x :
+       {0.0, 10.0, 50.0, 99.98, 99.995}) {  // inside on the long axis, to either side of the focus
+    const double focal = (a * a - c * c) / a;
+    const double exact = x < focal ? c * std::sqrt(1 - x * x / (a * a - c * c)) : a - x;
+    EXPECT_NEAR(signed_distance(Ellipsoid{{a, a, c}}, {x, 0, 0}), -exact, 1e-13 * a) << x;
+    EXPECT_NEAR(signed_distance(Ellipsoid{{c, c, a}}, {0, 0, x}), -exact, 1e-13 * a) << x;
+  }
+}
+
+TEST(Shape, ReachIsThatOfTheFurthestPoint) {
+  for (const ConvexShape& shape : newer_solids())
+    for (int i = 0; i < 40; ++i) {
+      const Part part{shape,
+                      {i % 4 ? random_vector(2) : Vec3(0, 0, 0), i % 3 ? random_turn() : Quat(1, 0, 0, 0)}};
+      double furthest = 0;
+      Vec3 n = random_vector(1);
+      for (int start = 0; start < 30; ++start, n = random_vector(1))
+        for (int k = 0; k < 100; ++k) {  // the point furthest along the way to the last one is further still
+          const Vec3 x = part.pose.to_world(support(shape, part.pose.orientation.conjugate() * n));
+          furthest = std::max(furthest, x.norm());
+          n = x;
+        }
+      EXPECT_NEAR(reach(part), furthest, 1e-6) << shape.index();
+      EXPECT_GE(reach(part), furthest - 1e-14);
+    }
+}
+
+TEST(Shape, RecentringMovesTheSolid) {
+  const Vec3 c(0.3, -0.2, 0.5);
+  for (const Shape& shape : {solids().back(), Shape(testing::frustum())}) {
+    const Shape moved = recentred(shape, c);
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 x = random_vector(2);
+      EXPECT_NEAR(signed_distance(shape, x), signed_distance(moved, x - c), 1e-13);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace silt::rigid
