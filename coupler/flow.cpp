@@ -121,7 +121,7 @@ class FlowOf final : public Flow {
 
  private:
   static lbm::CollisionSpec collision(const FluidSpec& f) {
-    return {f.relaxation_time, f.magic, f.bgk, {f.body_force[0], f.body_force[1], f.body_force[2]}};
+    return {f.relaxation_time, f.magic, f.collision, {f.body_force[0], f.body_force[1], f.body_force[2]}};
   }
   static bool has_outlet(const Case& scene) {
     return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& b) {

@@ -8,19 +8,13 @@
 // p - q against it:
 //     p = s (1 - omega_even)/2 + omega_even w_i [ rho + 9/2 (c.u)^2 - 3/2 u^2 ] + force
 //     q = d (1 - omega_odd)/2 + omega_odd w_i 3 c.u + force
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-namespace silt::lbm {
+#include "lbm/collision_model.hpp"
 
-struct CollisionSpec {
-  double relaxation_time = 1;
-  double magic = 1.0 / 6;  // ignored by bgk
-  bool bgk = false;
-  std::array<double, 3> force{};  // acceleration of the fluid, uniform
-};
+namespace silt::lbm {
 
 /// What the kernel multiplies with, for a diagonal direction (w = 1/36); along an axis it is twice that, at
 /// rest twelve times. Rounding a rate must not make or destroy mass or momentum, step after step the same
@@ -37,7 +31,7 @@ struct CollisionRates {
 
   explicit CollisionRates(const CollisionSpec& s) {
     if (!(s.relaxation_time > 0.5)) throw std::invalid_argument("the relaxation time must be above 1/2");
-    const double tau_odd = s.bgk ? s.relaxation_time : 0.5 + s.magic / (s.relaxation_time - 0.5);
+    const double tau_odd = s.odd_relaxation_time();
     density = on_grid(1 / s.relaxation_time / 36), momentum = on_grid(1 / tau_odd / 12);
     square = T(1.5 * density);
     keep_even_twice = T(1 - 36 * double(density)), keep_even = keep_even_twice / 2;

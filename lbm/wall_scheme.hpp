@@ -22,7 +22,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 
 namespace silt::lbm {
 
@@ -74,7 +74,7 @@ struct WallFluid {
   T force[3] = {};
   WallFluid() = default;
   explicit WallFluid(const CollisionSpec& s)
-      : magic(T(s.bgk ? (s.relaxation_time - 0.5) * (s.relaxation_time - 0.5) : s.magic)),
+      : magic(T(s.magic_in_effect())),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };

@@ -37,8 +37,8 @@ enum class ForceForm { galilean, exact };
 
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;
-  bool bgk = false;       // else trt
-  double magic = 1. / 6;  // Lambda of trt; with bodies or [[walls]] best_magic of the wall scheme
+  lbm::Collision collision = lbm::Collision::trt;
+  double magic = 1. / 6;  // Lambda; with bodies or [[walls]] best_magic of the wall scheme
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too

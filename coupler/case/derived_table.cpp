@@ -101,7 +101,9 @@ void add_fluid(const Case& scene, Table& table) {
   table.quantity("kinematic viscosity", fluid.kinematic_viscosity, dimension::viscosity, "m2/s",
                  "cells2/step");
   table.line("relaxation time", "", shown(fluid.relaxation_time));
-  table.line("collision", fluid.bgk ? "bgk" : fmt::format("trt, Lambda = {}", shown(fluid.magic)));
+  const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
+  const std::string magic = model.has_magic ? ", Lambda = " + shown(fluid.magic) : "";
+  table.line("collision", std::string(model.name) + magic);
   table.line("storage", fluid.precision == Precision::double_ ? "double" : "single");
   double fastest = fluid.initial == "rest" ? 0 : fluid.initial_velocity.norm();
   for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());

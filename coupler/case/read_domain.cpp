@@ -263,6 +263,18 @@ void read_domain(TableReader& root, Case& scene) {
   read_blocks(domain, scene);
 }
 
+namespace {
+void read_collision(TableReader& fluid, FluidSpec& spec) {
+  std::vector<std::string> names;
+  for (const lbm::CollisionModel& model : lbm::collision_models) names.emplace_back(model.name);
+  if (const auto name = fluid.choice("collision", names))
+    spec.collision = lbm::Collision(std::find(names.begin(), names.end(), *name) - names.begin());
+  const lbm::CollisionModel& model = lbm::model_of(spec.collision);
+  if (fluid.has("magic") && !model.has_magic)
+    fluid.fail("magic", fmt::format("fluid.magic is Lambda of trt; {} has none, remove it", model.name));
+}
+}  // namespace
+
 void read_fluid(TableReader& root, Case& scene) {
   TableReader fluid = root.table("fluid");
   if (fluid.present()) {
@@ -278,9 +290,7 @@ void read_fluid(TableReader& root, Case& scene) {
           fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);
       spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
     }
-    spec.bgk = fluid.choice("collision", {"trt", "bgk"}).value_or("trt") == "bgk";
-    if (fluid.has("magic") && spec.bgk)
-      fluid.fail("magic", "fluid.magic is Lambda of trt; bgk has none, remove it");
+    read_collision(fluid, spec);
     if (fluid.choice("precision", {"single", "double"}).value_or("single") == "double")
       spec.precision = Precision::double_;
     spec.body_force = fluid.vector("body_force", dimension::acceleration).value_or(spec.body_force);

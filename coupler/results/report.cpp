@@ -110,7 +110,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["backend"] = scene.backend_name();
   report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
   if (c.fluid) {
-    report["collision"] = c.fluid->bgk ? "bgk" : "trt";
+    report["collision"] = std::string(lbm::model_of(c.fluid->collision).name);
     report["relaxation_time"] = c.fluid->relaxation_time;
     report["precision"] = c.fluid->precision == Precision::double_ ? "double" : "single";
     report["wall_scheme"] = std::string(lbm::wall_scheme_names[int(c.coupling.wall_scheme)]);

@@ -112,7 +112,7 @@ class Machine {
  public:
   explicit Machine(lbm::Int3 n)
       : cells_(count_of(n)),
-        fluid_(lbm::Domain(n, {}, std::nullopt, 1), {1.2, 1. / 6, false, {}}, MPI_COMM_SELF),
+        fluid_(lbm::Domain(n, {}, std::nullopt, 1), {1.2, 1. / 6, lbm::Collision::trt, {}}, MPI_COMM_SELF),
         bound_(std::ptrdiff_t(cells_)) {
     take_turn();
     alone_ = {}, bound_.forget();

@@ -72,9 +72,9 @@ class Textbook {
 };
 
 template <class T>
-lbm::Fluid<T> periodic_box(lbm::Int3 cells, bool bgk, int ranks, MPI_Comm comm) {
+lbm::Fluid<T> periodic_box(lbm::Int3 cells, lbm::Collision model, int ranks, MPI_Comm comm) {
   const std::array<lbm::SideCondition, 6> periodic{};
-  return lbm::Fluid<T>(lbm::Domain(cells, periodic, std::nullopt, ranks), {0.8, 3. / 16, bgk, {}}, comm);
+  return lbm::Fluid<T>(lbm::Domain(cells, periodic, std::nullopt, ranks), {0.8, 3. / 16, model, {}}, comm);
 }
 
 template <class T>
@@ -87,7 +87,7 @@ void step(lbm::Fluid<T>& fluid) {
 template <class T>
 void require_same_flow(const Variant& variant) {
   constexpr int n = 12, steps = 5;
-  auto fluid = periodic_box<T>({n, n, n}, true, 1, MPI_COMM_SELF);
+  auto fluid = periodic_box<T>({n, n, n}, lbm::Collision::bgk, 1, MPI_COMM_SELF);
   Textbook<T> book(n, variant, 0.8);
   const auto for_cells = [&](auto&& f) {
     for (int z = 0; z < n; ++z)
@@ -165,7 +165,7 @@ int steps_of(int n, double millions) {
 template <class T>
 void one_core(int n, const Plan& plan, double peak, Figures& out) {
   const double cells = double(n) * n * n;
-  auto fluid = periodic_box<T>({n, n, n}, false, 1, MPI_COMM_SELF);
+  auto fluid = periodic_box<T>({n, n, n}, lbm::Collision::trt, 1, MPI_COMM_SELF);
   Bound<T> bound(fluid.blocks()[0].box().cells());
   std::vector<Textbook<T>> books;
   for (const Variant& v : variants) books.emplace_back(n, v, 0.8);
@@ -210,7 +210,7 @@ class Side {
       : cells_(double(n) * n * n * ranks),
         ranks_(ranks),
         comm_(comm),
-        fluid_(periodic_box<T>({n, n, n * ranks}, false, ranks, comm)),
+        fluid_(periodic_box<T>({n, n, n * ranks}, lbm::Collision::trt, ranks, comm)),
         bound_(std::ptrdiff_t(n) * n * n) {}
   void sample(int steps) {
     const auto together = [&] { MPI_Barrier(comm_); };

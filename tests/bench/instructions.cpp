@@ -20,7 +20,7 @@ const double cells = double(box.x) * box.y * box.z;
 template <class T>
 void count_kernel(const std::string& name, const std::array<double, 3>& force) {
   const std::array<lbm::SideCondition, 6> periodic{};
-  lbm::Fluid<T> fluid(lbm::Domain(box, periodic, std::nullopt, 1), {0.8, 1. / 6, false, force},
+  lbm::Fluid<T> fluid(lbm::Domain(box, periodic, std::nullopt, 1), {0.8, 1. / 6, lbm::Collision::trt, force},
                       MPI_COMM_SELF);
   count_piece(name, [&] {
     for (int t = 0; t < 2; ++t) fluid.stream_collide(), fluid.exchange();

@@ -45,7 +45,7 @@ class Links {
  public:
   explicit Links(const Layers& layers)
       : scene_(coupler::read_case_text(layers.text(), "bench"), MPI_COMM_SELF),
-        fluid_(scene_.scene().flow->domain(), {1.2, 1. / 6, false, {}}, MPI_COMM_SELF) {
+        fluid_(scene_.scene().flow->domain(), {1.2, 1. / 6, lbm::Collision::trt, {}}, MPI_COMM_SELF) {
     const lbm::CellBox box{{}, fluid_.domain().cells()};
     coupler::MapBodies map(fluid_.domain(), scene_.scene().world, std::vector<lbm::CellBox>{box});
     map(scene_.bodies());

@@ -84,7 +84,8 @@ Row row(const std::string& key, const std::string& without, const SceneText& tex
 Row no_bodies() {
   const std::array<lbm::SideCondition, 6> periodic{};
   auto fluid = std::make_shared<lbm::Fluid<float>>(lbm::Domain({48, 48, 48}, periodic, std::nullopt, 1),
-                                                   lbm::CollisionSpec{0.8, 1. / 6, false, {}}, MPI_COMM_SELF);
+                                                   lbm::CollisionSpec{0.8, 1. / 6, lbm::Collision::trt, {}},
+                                                   MPI_COMM_SELF);
   return row("bodies", "bodies: kernel and ghost layer alone", {}, [fluid] {
     fluid->stream_collide();
     fluid->exchange();

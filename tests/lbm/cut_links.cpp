@@ -115,7 +115,7 @@ struct ShearErrors {
 /// The second wall slides within its plane, partly along z.
 ShearErrors oblique_shear(WallScheme scheme) {
   constexpr double speed = 1e-5, tau = 0.9;  // so slow that the quadratic terms are not seen
-  Walled flow(oblique_channel(), scheme, {tau, 1.0 / 6, false, {}});
+  Walled flow(oblique_channel(), scheme, {tau, 1.0 / 6, Collision::trt, {}});
   const double along[3] = {2 / 3.0, -1 / 3.0, 2 / 3.0};
   for (int d = 0; d < 3; ++d) flow.motions[1].v[d] = speed * along[d];
   for (int t = 0; t < 20000; ++t) flow.step();
@@ -158,7 +158,7 @@ TEST(CutLinks, ShearInAGapOfOneCellIsExact) {
     for (const double below : {0.51, 0.7, 0.99})
       for (const double above : {0.51, 0.8}) {
         const double tau = 0.7, nu = (tau - 0.5) / 3;
-        Walled flow(one_cell(below, above), scheme, {tau, 1.0 / 6, false, {}});
+        Walled flow(one_cell(below, above), scheme, {tau, 1.0 / 6, Collision::trt, {}});
         EXPECT_EQ(flow.narrow_links() > 0, scheme == WallScheme::cli);
         flow.motions[1].v[0] = speed;
         for (int t = 0; t < 2000; ++t) flow.step();
@@ -176,7 +176,7 @@ TEST(CutLinks, FlowInAGapOfOneCellDoesNotDependOnViscosity) {
   for (const double q : {0.51, 0.7, 0.95})
     for (const double tau : {0.51, 0.6, 1.0, 2.0}) {
       const double nu = (tau - 0.5) / 3;
-      Walled flow(one_cell(q, q), WallScheme::cli, {tau, magic, false, {g, 0, 0}});
+      Walled flow(one_cell(q, q), WallScheme::cli, {tau, magic, Collision::trt, {g, 0, 0}});
       for (int t = 0; t < int(20 * q * q / nu) + 2000; ++t) flow.step();
       EXPECT_NEAR(nu * flow.velocity({1, 0, 2})[0] / (g * 4 * q * q), magic / (3 * q), 1e-6) << tau;
     }
@@ -206,7 +206,7 @@ double pipe_error(WallScheme scheme, double radius) {
   double mean = 0;
   for (const double offset : {0.11, 0.23, 0.37, 0.58, 0.83, 0.96}) {
     const double g = 4 * nu * speed / (radius * radius);
-    Walled flow(pipe(radius, offset, 0.71 * offset), scheme, {tau, 1.0 / 6, false, {0, 0, g}});
+    Walled flow(pipe(radius, offset, 0.71 * offset), scheme, {tau, 1.0 / 6, Collision::trt, {0, 0, g}});
     const double cx = pipe_box(radius) / 2 + offset, cy = pipe_box(radius) / 2 + 0.71 * offset;
     const auto exact = [&](Int3 x) {
       const double r = std::hypot(x.x + 0.5 - cx, x.y + 0.5 - cy) / radius;
@@ -238,7 +238,7 @@ TEST(CutLinks, PipeConvergesWithSecondOrder) {
 // A pressure that is the same everywhere moves nothing, whatever the scheme.
 TEST(CutLinks, FluidAtRestStaysAtRest) {
   for (int s = 0; s < int(wall_scheme_names.size()); ++s) {
-    Walled flow(oblique_channel(), WallScheme(s), {0.8, 1.0 / 6, false, {}});
+    Walled flow(oblique_channel(), WallScheme(s), {0.8, 1.0 / 6, Collision::trt, {}});
     flow.for_fluid([&](Int3 x) { flow.fluid().set_equilibrium(0, x, 0.01, {}); });
     for (int t = 0; t < 100; ++t) flow.step();
     double worst = 0;
@@ -267,7 +267,7 @@ TEST(CutLinks, CoefficientsAreConsistent) {
     }
   };
   for (const double tau : {0.501, 0.51, 1.0, 2.0, 10.0}) {
-    const WallFluid<double> fluid(CollisionSpec{tau, 1.0 / 6, false, {}});
+    const WallFluid<double> fluid(CollisionSpec{tau, 1.0 / 6, Collision::trt, {}});
     check(std::integral_constant<WallScheme, WallScheme::cli>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::bouzidi>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::parabolic>{}, fluid);

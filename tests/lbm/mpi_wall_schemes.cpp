@@ -49,7 +49,7 @@ void set_far_wall(CutLinks<double>& links, double q, double speed) {
 std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   const SideCondition periodic{SideKind::periodic, {}, 0};
   const Int3 n{width, width, channel.layers + 2};
-  const CollisionSpec spec{channel.tau, channel.magic, false, {channel.force, 0, 0}};
+  const CollisionSpec spec{channel.tau, channel.magic, Collision::trt, {channel.force, 0, 0}};
   Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
                       MPI_COMM_SELF);
   const WallFluid<double> wall(spec);

@@ -1,0 +1,39 @@
+#pragma once
+// The collision models by name, and what a run chooses: the model, its rates and the force on the fluid.
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace silt::lbm {
+
+/// `trt` relaxes the even half of each pair of populations with 1/tau and the odd half so that
+/// (tau - 1/2)(tau_odd - 1/2) = magic (Ginzburg, Verhaeghe, d'Humieres 2008); `bgk` relaxes both with 1/tau.
+enum class Collision : std::uint8_t { trt, bgk };
+
+struct CollisionModel {
+  std::string_view name;
+  bool has_magic;  // whether `magic` is free to choose
+};
+/// The models in the order of the enumerators.
+inline constexpr std::array<CollisionModel, 2> collision_models = {{{"trt", true}, {"bgk", false}}};
+constexpr const CollisionModel& model_of(Collision collision) {
+  return collision_models[static_cast<std::size_t>(collision)];
+}
+
+struct CollisionSpec {
+  double relaxation_time = 1;
+  double magic = 1.0 / 6;  // ignored by models without one
+  Collision model = Collision::trt;
+  std::array<double, 3> force{};  // acceleration of the fluid, uniform
+
+  /// tau_odd.
+  double odd_relaxation_time() const {
+    return model_of(model).has_magic ? 0.5 + magic / (relaxation_time - 0.5) : relaxation_time;
+  }
+  /// (tau - 1/2)(tau_odd - 1/2).
+  double magic_in_effect() const {
+    return model_of(model).has_magic ? magic : (relaxation_time - 0.5) * (relaxation_time - 0.5);
+  }
+};
+
+}  // namespace silt::lbm
