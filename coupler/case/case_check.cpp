@@ -264,7 +264,7 @@ void check_quantities(const Case& scene, Findings& findings) {
           entry + ".time",
           fmt::format("{}.time is not before the end of the run: the quantity will have no value", entry));
     if (type.takes(QuantityType::side)) check_side(scene, findings, quantity, entry + ".side");
-    if (quantity.type == "relative-viscosity") check_shear(scene, findings, quantity, entry + ".axis");
+    if (type.asks_for(QuantityType::sheared)) check_shear(scene, findings, quantity, entry + ".axis");
     if (type.takes(QuantityType::box)) check_sampled_box(scene, findings, quantity, entry + ".box");
   }
 }

@@ -39,7 +39,7 @@ void read_field_names(TableReader& fields, OutputSpec& output) {
 
 std::vector<std::string> type_names() {
   std::vector<std::string> names;
-  for (const QuantityType& type : quantity_types()) names.emplace_back(type.name);
+  for (const QuantityType& type : quantity_types) names.emplace_back(type.name);
   return names;
 }
 

@@ -17,8 +17,6 @@ using rigid::FixedSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
 /// Sums of N terms a body, over the owned bodies of a kind on all ranks: each in fixed point relative to its
 /// largest term, so that small numbers keep their digits.
 template <int N, class Terms>
@@ -49,7 +47,7 @@ double mean_over(const Simulation& simulation, const QuantitySpec& q, Value&& va
       sums_over<2>(simulation.scene().comm, simulation.bodies(), q, [&](std::size_t row) {
         return std::array<double, 2>{value(row), 1.0};
       });
-  return count > 0 ? sum / count : nothing;
+  return count > 0 ? sum / count : no_value;
 }
 
 /// Where a body is, counting the periods it has crossed.
@@ -68,9 +66,9 @@ BodySet bodies_at_start(const Case& scene) {
   return bodies;
 }
 
-/// Calls visit(row, way) for the owned bodies of a kind, way: from where they started.
+/// Calls visit(row, displacement since the start) for the owned bodies of a kind.
 template <class Visit>
-void for_each_way(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
+void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
   const Case& scene = simulation.setup();
   const BodySet& bodies = simulation.bodies();
   const Vec3 period = extent_of(scene).size;
@@ -112,7 +110,7 @@ Totals totals_at_start(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 double relative(double change, double start) {
-  return start == 0 ? nothing : change / start;
+  return start == 0 ? no_value : change / start;
 }
 
 // ---- sampled volume ----
@@ -177,16 +175,17 @@ double mean_height(const Simulation& simulation, const QuantitySpec& q) {
 
 double drift(const Simulation& simulation, const QuantitySpec& q) {
   double furthest = not_yet;
-  for_each_way(simulation, q,
-               [&](std::size_t, const Vec3& way) { furthest = std::max(furthest, way.norm()); });
+  for_each_displacement(simulation, q,
+                        [&](std::size_t, const Vec3& moved) { furthest = std::max(furthest, moved.norm()); });
   furthest = max_over_ranks(simulation.scene().comm, furthest);
-  return furthest == not_yet ? nothing : furthest;
+  return furthest == not_yet ? no_value : furthest;
 }
 
 double displacement(const Simulation& simulation, const QuantitySpec& q) {
-  std::vector<double> ways(simulation.bodies().owned, 0);
-  for_each_way(simulation, q, [&](std::size_t row, const Vec3& way) { ways[row] = way[q.axis]; });
-  return mean_over(simulation, q, [&](std::size_t row) { return ways[row]; });
+  std::vector<double> along(simulation.bodies().owned, 0);
+  for_each_displacement(simulation, q,
+                        [&](std::size_t row, const Vec3& moved) { along[row] = moved[q.axis]; });
+  return mean_over(simulation, q, [&](std::size_t row) { return along[row]; });
 }
 
 double mean_velocity(const Simulation& simulation, const QuantitySpec& q) {
@@ -237,6 +236,10 @@ double packing_fraction(const Simulation& simulation, const QuantitySpec& q) {
   return static_cast<double>(inside) / box.points();
 }
 
+double max_penetration(const Simulation& simulation) {
+  return simulation.counters().penetration;
+}
+
 // ---- over the run ----
 
 void observe_speed(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& largest) {
@@ -264,7 +267,7 @@ void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
 
 double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory& against_and_along) {
   const auto [against, along] = against_and_along;
-  return against > 0 ? std::max(along, 0.0) / against : nothing;
+  return against > 0 ? std::max(along, 0.0) / against : no_value;
 }
 
 /// The spin about the axis of the middle moment of inertia, and (Euler's equation without a torque) its rate
@@ -288,8 +291,8 @@ void observe_energy(const Simulation& simulation, const QuantitySpec& q, Quantit
   energy[1] = std::max(energy[1], now);
 }
 
-double energy_growth(const QuantityHistory& energy) {
-  return energy[0] == not_yet ? nothing : relative(energy[1] - energy[0], energy[0]);
+double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHistory& energy) {
+  return energy[0] == not_yet ? no_value : relative(energy[1] - energy[0], energy[0]);
 }
 
 namespace {
@@ -310,7 +313,7 @@ void observe_discharge(const Simulation& simulation, const QuantitySpec& q, Quan
 
 double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
   const double duration = static_cast<double>(simulation.steps_done()) - start[1];
-  if (start[0] == not_yet || duration == 0) return nothing;
+  if (start[0] == not_yet || duration == 0) return no_value;
   return (mass_below(simulation, q) - start[0]) / duration;
 }
 
@@ -323,8 +326,8 @@ void observe_bed(const Simulation& simulation, const QuantitySpec& q, QuantityHi
     const Vec3 m = bodies.mass[row] * (bodies.position[row] - q.centre);
     return std::array<double, 4>{m[0], m[1], m[2], bodies.mass[row]};
   });
-  const Vec3 g = simulation.setup().gravity, way(s[0], s[1], s[2]);
-  const Vec3 axis = Vec3::Unit(q.axis), across = way - way.dot(axis) * axis;
+  const Vec3 g = simulation.setup().gravity, moment(s[0], s[1], s[2]);
+  const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
   const double angle = std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
   if (sum[0] == not_yet) sum = {0, 0};
   sum[0] += angle, sum[1] += 1;

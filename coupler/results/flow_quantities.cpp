@@ -17,8 +17,6 @@ using rigid::FixedSum;
 using rigid::from_fixed;
 using rigid::to_fixed;
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
 /// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const Flow& flow = *simulation.scene().flow;
@@ -75,7 +73,7 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   sum_over_ranks(simulation.scene().comm, sums);
   const double speed = superficial_velocity(simulation, q.axis, 0),
                viscosity = scene.fluid->kinematic_viscosity;
-  if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return nothing;
+  if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return no_value;
   const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count,
                radius = from_fixed(sums[1]) / count;
   return force / (6 * std::numbers::pi * viscosity * radius * speed);
@@ -93,7 +91,7 @@ double mean_over_fluid(const Simulation& simulation, Of&& of) {
     sums[0] += to_fixed(of(b, cell, flow.moments(b, cell))), sums[1] += to_fixed(1);
   });
   sum_over_ranks(simulation.scene().comm, sums);
-  return sums[1] > 0 ? from_fixed(sums[0]) / from_fixed(sums[1]) : nothing;
+  return sums[1] > 0 ? from_fixed(sums[0]) / from_fixed(sums[1]) : no_value;
 }
 
 /// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]
@@ -164,7 +162,7 @@ double vortex_velocity_error(const Simulation& simulation) {
 }
 
 double vortex_decay_error(const Simulation& simulation) {
-  if (simulation.steps_done() == 0) return nothing;
+  if (simulation.steps_done() == 0) return no_value;
   const TaylorGreen exact(simulation.setup());
   const VortexSums sums = vortex_sums(simulation, exact);
   const double rate =

@@ -1,13 +1,11 @@
 #include "coupler/results/quantities.hpp"
 
-#include <cmath>
-#include <limits>
-#include <map>
-#include <string_view>
+#include <utility>
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/exchange/reduce.hpp"
+#include "coupler/results/body_quantities.hpp"
 #include "coupler/results/flow_quantities.hpp"
 #include "coupler/results/wall_quantities.hpp"
 
@@ -15,102 +13,28 @@ namespace silt::coupler {
 
 namespace {
 
-using Spec = QuantitySpec;
-using History = QuantityHistory;
-
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-using Observe = void (*)(const Simulation&, const Spec&, History&);
-using Value = double (*)(const Simulation&, const Spec&, const History&);
-
-double seen(const Simulation&, const Spec&, const History& h) {
-  return h[0] == not_yet ? nothing : h[0];
+/// By row of quantity_types. The families included above give them; a row without one does not compile.
+constexpr auto computations = []<std::size_t... row>(std::index_sequence<row...>) {
+  return std::array{computation<TypeName(quantity_types[row].name)>...};
 }
+(std::make_index_sequence<quantity_types.size()>());
 
-double mean_seen(const Simulation&, const Spec&, const History& h) {
-  return h[0] == not_yet ? nothing : h[0] / h[1];
+const Computation& computation_of(const QuantitySpec& q) {
+  return computations[&quantity_type(q.type) - quantity_types.data()];
 }
-
-template <double (*function)(const Simulation&, const Spec&)>
-double at_end(const Simulation& simulation, const Spec& q, const History&) {
-  return function(simulation, q);
-}
-
-template <double (*function)(const Simulation&)>
-double of_flow(const Simulation& simulation, const Spec&, const History&) {
-  return function(simulation);
-}
-
-double growth(const Simulation&, const Spec&, const History& h) {
-  return energy_growth(h);
-}
-
-double penetration(const Simulation& simulation, const Spec&, const History&) {
-  return simulation.counters().penetration;
-}
-
-/// Looks once: at the first step within half a step of the time or after it.
-template <double (*function)(const Simulation&)>
-void observe_instant(const Simulation& simulation, const Spec& q, History& h) {
-  if (h[0] == not_yet && static_cast<double>(simulation.steps_done()) >= q.time - 0.5)
-    h[0] = function(simulation);
-}
-
-template <double (*function)(const Simulation&)>
-double at_instant(const Simulation& simulation, const Spec& q, const History& h) {
-  return std::isfinite(q.time) ? seen(simulation, q, h) : function(simulation);
-}
-
-struct Computation {
-  Observe observe;  // null: does not look at the run
-  Value value;
-};
-
-/// By the name of the type: a row for each of quantity_types().
-const std::map<std::string_view, Computation> computations = {
-    {"max-speed", {observe_speed, seen}},
-    {"drag-coefficient", {nullptr, at_end<drag_coefficient>}},
-    {"superficial-velocity", {nullptr, at_end<superficial_velocity>}},
-    {"profile-error", {nullptr, at_end<profile_error>}},
-    {"taylor-green-velocity", {nullptr, of_flow<vortex_velocity_error>}},
-    {"taylor-green-decay", {nullptr, of_flow<vortex_decay_error>}},
-    {"kinetic-energy", {observe_instant<kinetic_energy>, at_instant<kinetic_energy>}},
-    {"dissipation", {observe_instant<dissipation>, at_instant<dissipation>}},
-    {"mean-height", {nullptr, at_end<mean_height>}},
-    {"drift", {nullptr, at_end<drift>}},
-    {"max-height-after", {observe_height, seen}},
-    {"displacement", {nullptr, at_end<displacement>}},
-    {"mean-velocity", {nullptr, at_end<mean_velocity>}},
-    {"mean-angular-velocity", {nullptr, at_end<mean_angular_velocity>}},
-    {"max-penetration", {nullptr, penetration}},
-    {"momentum-change", {nullptr, at_end<momentum_change>}},
-    {"angular-momentum-change", {nullptr, at_end<angular_momentum_change>}},
-    {"energy-change", {nullptr, at_end<energy_change>}},
-    {"energy-growth", {observe_energy, growth}},
-    {"last-reversal", {observe_reversal, seen}},
-    {"discharge-rate", {observe_discharge, discharge_rate}},
-    {"bed-angle", {observe_bed, mean_seen}},
-    {"rebound-ratio", {observe_rebound, rebound_ratio}},
-    {"axis-distance", {nullptr, at_end<axis_distance>}},
-    {"wall-stress", {observe_wall_stress, mean_seen}},
-    {"wall-force", {observe_wall_force, mean_seen}},
-    {"wall-torque", {observe_wall_torque, mean_seen}},
-    {"relative-viscosity", {observe_relative_viscosity, mean_seen}},
-    {"packing-fraction", {nullptr, at_end<packing_fraction>}},
-};
 
 }  // namespace
 
 Quantities::Quantities(const Case& scene)
     : setup_(scene), history_(scene.quantities.size(), {not_yet, not_yet}) {
   for (const QuantitySpec& q : setup_.quantities)
-    if (q.type == "profile-error") exact_profile(setup_, q.profile);
+    if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(setup_, q.profile);
 }
 
 void Quantities::observe(const Simulation& simulation) {
   for (std::size_t i = 0; i < setup_.quantities.size(); ++i) {
     const QuantitySpec& q = setup_.quantities[i];
-    if (const Observe look = computations.at(q.type).observe) look(simulation, q, history_[i]);
+    if (const auto look = computation_of(q).observe) look(simulation, q, history_[i]);
   }
 }
 
@@ -130,7 +54,7 @@ double Quantities::evaluate(const Simulation& simulation, const std::string& nam
 
 double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
                             const QuantityHistory& history) const {
-  const double value = computations.at(q.type).value(simulation, q, history);
+  const double value = computation_of(q).value(simulation, q, history);
   return setup_.units.physical(value, quantity_type(q.type).dimension);
 }
 

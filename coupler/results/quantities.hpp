@@ -1,10 +1,10 @@
 #pragma once
-// The figures a case asks for under [[quantities]] (see QuantitySpec), in the units of the case.
+// The values of the quantities a case asks for under [[quantities]], in the units of the case.
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "coupler/results/body_quantities.hpp"
+#include "coupler/results/quantity_computation.hpp"
 
 namespace silt::coupler {
 
@@ -13,15 +13,16 @@ class Quantities {
   /// Throws CaseError for a quantity this scene cannot have (a profile without its walls).
   explicit Quantities(const Case&);
 
-  /// Collective; at the start and after every step. Does nothing unless a quantity looks at the whole run.
+  /// Collective; to be called at the start and after every step. Does nothing unless a quantity looks at the
+  /// whole run.
   void observe(const Simulation&);
-  /// Collective; the same on every rank and any number of ranks. In the order of the case. NaN where there is
-  /// nothing to speak of (no such body, no step yet).
+  /// Collective. Returns names and values in the order of the case, the same on every rank and any number of
+  /// ranks; NaN for a value that does not exist (no such body, no step yet).
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
-  /// The same of one; std::out_of_range for a name the case does not give.
+  /// Collective. Returns the value of one quantity; std::out_of_range for a name the case does not give.
   double evaluate(const Simulation&, const std::string& name) const;
 
-  /// What observe has gathered: for checkpoints. Collective.
+  /// Collective. Returns what observe has gathered, for checkpoints.
   std::vector<QuantityHistory> history(MPI_Comm) const;
   void set_history(const std::vector<QuantityHistory>&);
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "coupler/exchange/reduce.hpp"
+#include "coupler/results/body_quantities.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 
 namespace silt::coupler {

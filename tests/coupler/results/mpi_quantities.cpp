@@ -218,7 +218,7 @@ CaseText watched_crowd() {
       "[[fill]]\nshape = \"ball\"\ndensity = 2\ncount = 20\ngap = 0.1\n"
       "[[fill]]\nshape = \"brick\"\ndensity = 3\ncount = 20\ngap = 0.1\n";
   int n = 0;
-  for (const QuantityType& type : quantity_types()) {
+  for (const QuantityType& type : quantity_types) {
     if (type.asks_for(QuantityType::fluid)) continue;
     c.run +=
         "[[quantities]]\nname = \"" + std::to_string(n++) + "\"\ntype = \"" + std::string(type.name) + "\"\n";
