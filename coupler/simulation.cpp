@@ -101,6 +101,34 @@ void Simulation::count(const rigid::RigidStepReport& report) {
   counters_.residual = std::max(counters_.residual, report.resolver.residual);
 }
 
+namespace {
+
+struct Gather {
+  std::vector<std::uint64_t>& sums;
+  std::vector<double>& largest;
+  void operator()(const CounterName&, std::uint64_t x) { sums.push_back(x); }
+  void operator()(const CounterName&, double x) { largest.push_back(x); }
+};
+
+struct Scatter {
+  const std::uint64_t* sum;
+  const double* largest;
+  void operator()(const CounterName&, std::uint64_t& x) { x = *sum++; }
+  void operator()(const CounterName&, double& x) { x = *largest++; }
+};
+
+RunCounters over_ranks(RunCounters c, MPI_Comm comm) {
+  std::vector<std::uint64_t> sums;
+  std::vector<double> largest;
+  visit_counters(c, Gather{sums, largest});
+  sum_over_ranks(comm, sums);
+  max_over_ranks(comm, largest);
+  visit_counters(c, Scatter{sums.data(), largest.data()});
+  return c;
+}
+
+}  // namespace
+
 RunCounters Simulation::counters() const {
   RunCounters c = counters_;
   c.migrations += scene_.exchange->counters().migrations;
@@ -108,14 +136,7 @@ RunCounters Simulation::counters() const {
     c.queries += scene_.backend->counters().queries;
     c.fallbacks += scene_.backend->counters().fallbacks;
   }
-  std::uint64_t sums[] = {
-      c.covered,    c.uncovered, c.migrations, c.contacts, c.mixed_owner_contacts, c.sweeps,
-      c.infeasible, c.queries,   c.fallbacks,  c.films,    c.narrow_without_film};
-  sum_over_ranks(scene_.comm, sums);
-  double most[] = {c.body_speed, c.penetration, c.residual};
-  max_over_ranks(scene_.comm, most);
-  return {sums[0], sums[1], sums[2], sums[3],  sums[4], sums[5], sums[6],
-          sums[7], sums[8], sums[9], sums[10], most[0], most[1], most[2]};
+  return over_ranks(c, scene_.comm);
 }
 
 // ---- what a program may do ----

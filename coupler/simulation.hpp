@@ -11,18 +11,10 @@
 // and the result does not depend on how many there are. Lattice units.
 #include <functional>
 
+#include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
 namespace silt::coupler {
-
-/// What happened since step 0. Counts of contacts are sums over steps.
-struct RunCounters {
-  std::uint64_t covered = 0, uncovered = 0, migrations = 0;
-  std::uint64_t contacts = 0, mixed_owner_contacts = 0, sweeps = 0, infeasible = 0, queries = 0,
-                fallbacks = 0;
-  std::uint64_t films = 0, narrow_without_film = 0;      // contacts with lubrication, and as narrow without
-  double body_speed = 0, penetration = 0, residual = 0;  // largest
-};
 
 /// Mass and momentum of everything there is at one time.
 struct Balance {

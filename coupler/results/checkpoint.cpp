@@ -18,27 +18,21 @@ using adapters::CheckpointWriter;
 
 // ---- numbers: one list serves writing and reading ----
 
-template <class Counters, class Visit>
-void visit_counters(Counters& c, Visit&& visit) {
-  visit("covered", c.covered), visit("uncovered", c.uncovered), visit("migrations", c.migrations);
-  visit("contacts", c.contacts), visit("mixed_owner_contacts", c.mixed_owner_contacts);
-  visit("sweeps", c.sweeps), visit("infeasible", c.infeasible);
-  visit("queries", c.queries), visit("fallbacks", c.fallbacks);
-  visit("films", c.films), visit("narrow_without_film", c.narrow_without_film);
-  visit("body_speed", c.body_speed), visit("penetration", c.penetration), visit("residual", c.residual);
-}
-
 template <class Balance, class Visit>
 void visit_balance(Balance& b, Visit&& visit) {
-  visit("initial_mass_deviation", b.mass_deviation), visit("initial_fluid_cells", b.fluid_cells);
-  visit("initial_momentum_x", b.momentum[0]), visit("initial_momentum_y", b.momentum[1]);
-  visit("initial_momentum_z", b.momentum[2]), visit("initial_momentum_scale", b.momentum_scale);
+  visit("initial_mass_deviation", b.mass_deviation);
+  visit("initial_fluid_cells", b.fluid_cells);
+  visit("initial_momentum_x", b.momentum[0]);
+  visit("initial_momentum_y", b.momentum[1]);
+  visit("initial_momentum_z", b.momentum[2]);
+  visit("initial_momentum_scale", b.momentum_scale);
 }
 
 struct Write {
   CheckpointWriter& writer;
   void operator()(const char* name, std::uint64_t x) const { writer.set(name, static_cast<std::int64_t>(x)); }
   void operator()(const char* name, double x) const { writer.set(name, x); }
+  void operator()(const CounterName& name, auto x) const { (*this)(name.checkpoint, x); }
 };
 
 struct Read {
@@ -47,6 +41,7 @@ struct Read {
     x = static_cast<std::uint64_t>(reader.integer(name));
   }
   void operator()(const char* name, double& x) const { x = reader.number(name); }
+  void operator()(const CounterName& name, auto& x) const { (*this)(name.checkpoint, x); }
 };
 
 std::string history_name(const QuantitySpec& q, int k) {

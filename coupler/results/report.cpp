@@ -139,6 +139,15 @@ void add_balance(Simulation& simulation, Json& report) {
                                  : unknown;
 }
 
+struct PutCounter {
+  const Units& units;
+  Json& report;
+  void operator()(const CounterName& name, std::uint64_t x) { report[name.report] = x; }
+  void operator()(const CounterName& name, double x) {
+    report[name.report] = units.physical(x, name.dimension);
+  }
+};
+
 void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& report) {
   const Units& units = simulation.setup().units;
   const RunCounters c = simulation.counters();
@@ -146,28 +155,13 @@ void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& 
   const double fastest = std::max(c.body_speed, fluid);
   report["max_velocity"] = units.physical(fastest, dimension::velocity);
   report["max_velocity_lattice"] = fastest;
-  report["max_body_velocity"] = units.physical(c.body_speed, dimension::velocity);
   if (totals) {
     report["min_density"] = totals->min_density;
     report["max_density"] = totals->max_density;
     report["fluid_cells"] = totals->fluid_cells;
   }
-  report["max_penetration"] = units.physical(c.penetration, dimension::length);
-  report["contacts"] = c.contacts;
+  visit_counters(c, PutCounter{units, report});
   report["contacts_now"] = simulation.contacts_now();
-  report["mixed_owner_contacts"] = c.mixed_owner_contacts;
-  report["resolver_sweeps"] = c.sweeps;
-  report["resolver_residual"] = c.residual;
-  report["infeasible"] = c.infeasible;
-  report["collision_queries"] = c.queries;
-  report["fallbacks"] = c.fallbacks;
-  report["migrations"] = c.migrations;
-  report["covered"] = c.covered;
-  report["uncovered"] = c.uncovered;
-  if (simulation.scene().world.films) {
-    report["lubricated_contacts"] = c.films;
-    report["unlubricated_contacts"] = c.narrow_without_film;
-  }
   report["links"] = simulation.links();
 }
 

@@ -1,0 +1,45 @@
+#pragma once
+// What a run counts. A new counter is a member and its line in visit_counters: checkpoints, report.json and
+// the sums over ranks follow from that.
+#include <cstdint>
+
+#include "coupler/case/units.hpp"
+
+namespace silt::coupler {
+
+/// What happened since step 0. Counts of contacts are sums over steps; lattice units.
+struct RunCounters {
+  std::uint64_t covered = 0, uncovered = 0;  // cells, by bodies
+  std::uint64_t migrations = 0;              // bodies that changed their owner
+  std::uint64_t contacts = 0, mixed_owner_contacts = 0;
+  std::uint64_t sweeps = 0, infeasible = 0;              // of the resolver (ResolverStatistics)
+  std::uint64_t queries = 0, fallbacks = 0;              // of the collision backend
+  std::uint64_t films = 0, narrow_without_film = 0;      // contacts with lubrication, and as narrow without
+  double body_speed = 0, penetration = 0, residual = 0;  // largest
+};
+
+struct CounterName {
+  const char *checkpoint, *report;        // attribute of a checkpoint, key of report.json
+  Dimension dimension = dimension::none;  // of the value in the report
+};
+
+/// Calls visit(name, counter) for each: std::uint64_t are sums over ranks and steps, double are maxima.
+template <class Counters, class Visit>
+void visit_counters(Counters& c, Visit&& visit) {
+  visit(CounterName{"covered", "covered"}, c.covered);
+  visit(CounterName{"uncovered", "uncovered"}, c.uncovered);
+  visit(CounterName{"migrations", "migrations"}, c.migrations);
+  visit(CounterName{"contacts", "contacts"}, c.contacts);
+  visit(CounterName{"mixed_owner_contacts", "mixed_owner_contacts"}, c.mixed_owner_contacts);
+  visit(CounterName{"sweeps", "resolver_sweeps"}, c.sweeps);
+  visit(CounterName{"infeasible", "infeasible"}, c.infeasible);
+  visit(CounterName{"queries", "collision_queries"}, c.queries);
+  visit(CounterName{"fallbacks", "fallbacks"}, c.fallbacks);
+  visit(CounterName{"films", "lubricated_contacts"}, c.films);
+  visit(CounterName{"narrow_without_film", "unlubricated_contacts"}, c.narrow_without_film);
+  visit(CounterName{"body_speed", "max_body_velocity", dimension::velocity}, c.body_speed);
+  visit(CounterName{"penetration", "max_penetration", dimension::length}, c.penetration);
+  visit(CounterName{"residual", "resolver_residual"}, c.residual);
+}
+
+}  // namespace silt::coupler
