@@ -58,9 +58,9 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
       halo_(domain_, comm, blocks_, sweeps_, spec.force) {}
 
 template <class T>
-void Fluid<T>::set_anchor(double density_per_cell) {
-  rates_.anchor = T(density_per_cell);
-  rates_.source = CollisionRates<T>(spec_).source || rates_.anchor != 0;
+void Fluid<T>::set_mass_source(double density_per_cell) {
+  rates_.mass_source = T(density_per_cell);
+  rates_.source = CollisionRates<T>(spec_).source || rates_.mass_source != 0;
 }
 
 template <class T>

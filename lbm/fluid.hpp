@@ -34,7 +34,7 @@ class Fluid {
   MPI_Comm comm() const { return comm_; }
 
   /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
-  void set_anchor(double density_per_cell);
+  void set_mass_source(double density_per_cell);
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as

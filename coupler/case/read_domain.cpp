@@ -217,7 +217,7 @@ void read_coupling(TableReader& root, Case& scene) {
     c.refill = *name == "grad" ? Refill::grad : Refill::equilibrium;
   if (const auto name = table.choice("force", {"galilean", "exact"}))
     c.force = *name == "exact" ? ForceForm::exact : ForceForm::galilean;
-  c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
+  c.mass_correction = table.boolean("mass_correction").value_or(c.mass_correction);
   c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
   c.lubrication = table.boolean("lubrication").value_or(c.lubrication);
   c.lubrication_min_gap =
