@@ -167,7 +167,10 @@ std::vector<Use> uses_of(const Case& scene) {
     ++uses[body.shape].count;
     uses[body.shape].free |= body.motion == Motion::free;
   }
-  for (const FillSpec& fill : scene.fills) uses[fill.shape].count += fill.count, uses[fill.shape].free = true;
+  for (const FillSpec& fill : scene.fills) {
+    uses[fill.shape].count += fill.count;
+    uses[fill.shape].free = true;
+  }
   return uses;
 }
 
@@ -277,7 +280,7 @@ double resolved_diameter(const rigid::Shape& shape) {
   return std::cbrt(6 / std::numbers::pi * rigid::mass_properties(shape).volume);
 }
 
-void check_bodies(const Case& scene, Findings& findings) {
+void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
   check_sizes(scene, findings);
   bool placed = true;
@@ -289,7 +292,10 @@ void check_bodies(const Case& scene, Findings& findings) {
                                                      "domain.boundary");
       return;
     }
-    if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;
+    if (messages < most_messages && !check_place(scene, findings, body)) {
+      placed = false;
+      ++messages;
+    }
   }
   check_backend(scene, findings);
   if (placed) check_pairs(scene, findings);

@@ -164,8 +164,8 @@ void write_flow_fields(const Simulation& simulation, const std::filesystem::path
   grid.spacing = {cell, cell, cell};
   if (scene.units.si) grid.length_unit = std::string("m"), grid.time_unit = std::string("s");
   std::vector<adapters::FieldQuantity> quantities;
-  for (const std::string& name : scene.output.quantities)
-    quantities.push_back(name == "density" ? density_field(simulation) : velocity_field(simulation));
+  for (const Field field : scene.output.quantities)
+    quantities.push_back(field == Field::density ? density_field(simulation) : velocity_field(simulation));
   const std::int64_t step = simulation.steps_done();
   adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, step), grid,
                          boxes_of(simulation.scene().flow.get()), quantities,
