@@ -8,6 +8,7 @@
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

@@ -20,10 +20,6 @@ struct Findings {
   std::vector<Diagnostic> list;
 };
 
-/// Diameter a shape is resolved by, in cells: its least extent; for a compound that of the sphere of its
-/// volume.
-double resolved_diameter(const rigid::Shape&);
-
 void check_bodies(const Case&, Findings&);
 
 }  // namespace silt::coupler

@@ -6,6 +6,7 @@
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/results/tessellation.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

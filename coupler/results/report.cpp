@@ -7,7 +7,7 @@
 #include "coupler/results/build_info.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
-#include "rigid/shapes/curvature.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

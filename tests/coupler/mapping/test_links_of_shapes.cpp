@@ -2,6 +2,7 @@
 #include <string>
 
 #include "coupler/case/case_file.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/mapping/links_by_definition.hpp"
 
 namespace silt::coupler {

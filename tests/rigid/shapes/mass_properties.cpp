@@ -5,7 +5,6 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/shapes/ray_interval.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 
@@ -111,7 +110,7 @@ MassProperties by_rays(const ConvexShape& shape) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
       const double x = box.lower[0] + (i + 0.5) * cell[0], y = box.lower[1] + (j + 0.5) * cell[1];
-      const auto z = ray_interval(shape, {x, y, 0}, Vec3::UnitZ());
+      const auto z = line_interval(shape, {x, y, 0}, Vec3::UnitZ());
       if (!z) continue;
       const double l = cell[0] * cell[1] * (z->leave - z->enter), mean = 0.5 * (z->leave + z->enter);
       const double square = (z->leave * z->leave + z->leave * z->enter + z->enter * z->enter) / 3;

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/shapes/ellipsoid.hpp"
-#include "rigid/shapes/ray_interval.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 
 namespace silt::rigid {
@@ -209,14 +207,14 @@ TEST(Shape, NearestPointOfAnEllipsoidIsStationary) {  // on the surface, and the
     if (i % 4 == 0) axes[1] = axes[0];
     if (i % 5 == 0) x[i % 3] = 0;  // in a plane of symmetry, where the nearest point may lie outside of it
     if (i % 7 == 0) x[i % 2] = 0, x[2] = 0;
-    const Vec3 p = nearest_on_ellipsoid(axes, x),
+    const Vec3 p = Ellipsoid{axes}.nearest_point(x),
                normal = p.cwiseQuotient(axes).cwiseQuotient(axes).normalized();
     EXPECT_NEAR(p.cwiseQuotient(axes).norm(), 1, 1e-14);
     const double distance = signed_distance(Ellipsoid{axes}, x), size = axes.maxCoeff() + std::abs(distance);
     EXPECT_NEAR((x - p).norm(), std::abs(distance), 1e-14 * size);
     EXPECT_LT((x - p - distance * normal).norm(), 1e-12 * size)
         << axes.transpose() << " at " << x.transpose();
-    EXPECT_EQ(distance <= 0, in_ellipsoid(axes, x));
+    EXPECT_EQ(distance <= 0, contains(Ellipsoid{axes}, x));
   }
 }
 
@@ -244,7 +242,7 @@ TEST(Shape, ReachIsThatOfTheFurthestPoint) {
           furthest = std::max(furthest, x.norm());
           n = x;
         }
-      EXPECT_NEAR(reach(part), furthest, 1e-6) << shape.index();
+      EXPECT_NEAR(reach(part), furthest, 1e-6) << shape_name(shape);
       EXPECT_GE(reach(part), furthest - 1e-14);
     }
 }

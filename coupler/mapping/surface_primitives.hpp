@@ -1,14 +1,50 @@
 #pragma once
-// Where straight lines are inside the convex parts of a surface: one interval each, one lane a line. Only for
-// kernels that are built once an instruction set. rigid/shapes/ray_interval.hpp is the same for one line, in
-// double and with care for lines from afar; here lines start within a few cells of the part, and every branch
-// is a selection.
+// Surfaces as the kernels of object mapping see them: the convex parts of a body, turned as the body is, in the
+// precision of the kernel, each one of few kinds. And, for kernels that are built once an instruction set,
+// where straight lines are inside a part: one interval each, one lane a line. rigid/shapes/line_interval.hpp is
+// the same for one line, in double and with care for lines from afar; here lines start within a few cells of
+// the part, and every branch is a selection.
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
-#include "coupler/mapping/surface_kernels.hpp"
+#ifdef SILT_ISA
 #include "lbm/link_lanes.hpp"
+#endif
 
+namespace silt::coupler {
+
+/// normal . x <= offset inside.
+template <class T>
+struct Plane {
+  T normal[3], offset;
+};
+
+/// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
+enum class PartKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, planes, hollow };
+
+/// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
+template <class T>
+struct SurfacePart {
+  PartKind kind;
+  T axes[3][3];  // rows: the part's axes in the world
+  T centre[3];   // from the body's reference point
+  T size[3];     // half edges; or radius, radius, half length
+  T extent[3];   // half edges of a box around it
+  std::uint32_t first_plane, planes;
+};
+
+/// All of a body. A line meets it where it meets the first part.
+template <class T>
+struct SurfaceView {
+  const SurfacePart<T>* parts;
+  int count;
+  const Plane<T>* planes;
+};
+
+}  // namespace silt::coupler
+
+#ifdef SILT_ISA
 namespace silt::coupler::SILT_ISA {
 
 /// Parameters along the lines; enter > leave: the line misses.
@@ -144,3 +180,4 @@ void with_kind(PartKind kind, F&& use) {
 }
 
 }  // namespace silt::coupler::SILT_ISA
+#endif
