@@ -58,7 +58,8 @@ class BulletSupport : public btConvexInternalShape {
   const ConvexShape& shape_;
 };
 
-/// What Bullet has a shape of its own for; an ellipsoid is neither its scaled sphere nor its scaled multi-sphere.
+/// What Bullet has a shape of its own for; an ellipsoid is neither its scaled sphere nor its scaled
+/// multi-sphere.
 template <class S>
 constexpr bool has_bullet_shape = false;
 template <>
@@ -74,8 +75,8 @@ constexpr bool has_bullet_shape<Polyhedron> = true;
 template <>
 constexpr bool has_bullet_shape<HalfSpace> = true;
 
-/// A Bullet shape on the stack; it refers to the shape. Margins: the radius of sphere and capsule, none of what
-/// is given by its support, else `margin` (Bullet's default of 0.04 would round the edges).
+/// A Bullet shape on the stack; it refers to the shape. Margins: the radius of sphere and capsule, none of
+/// what is given by its support, else `margin` (Bullet's default of 0.04 would round the edges).
 class BulletShape {
  public:
   explicit BulletShape(const ConvexShape& shape, double margin = 0) {

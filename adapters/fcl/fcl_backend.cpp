@@ -71,7 +71,8 @@ constexpr bool has_fcl_shape<Polyhedron> = true;
 template <>
 constexpr bool has_fcl_shape<HalfSpace> = true;
 
-/// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius. It refers to the shape.
+/// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius. It refers to the
+/// shape.
 class FclShape {
  public:
   explicit FclShape(const ConvexShape& shape, double radius_share = 1, double lift = 0)
@@ -149,9 +150,9 @@ std::optional<Answer> deepest_overlap(SupportShape a, SupportShape b) {
   constexpr double tolerance = 1e-6;
   double depth = 0;
   Vec3 normal = Vec3::Zero();
-  const bool overlap = fcl::detail::GJKCollide<double>(
-      &a, &SupportShape::support, &SupportShape::centre, &b, &SupportShape::support, &SupportShape::centre,
-      most_iterations, tolerance, nullptr, &depth, &normal);
+  const bool overlap = fcl::detail::GJKCollide<double>(&a, &SupportShape::support, &SupportShape::centre, &b,
+                                                       &SupportShape::support, &SupportShape::centre,
+                                                       most_iterations, tolerance, nullptr, &depth, &normal);
   return overlap ? std::optional(Answer{normal, -depth}) : std::nullopt;
 }
 

@@ -4,12 +4,13 @@
 #include <vector>
 
 #include "rigid/bodies/body_exchange.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 #include "rigid/shapes/solid.hpp"
 
 namespace silt::coupler {
 
-/// Balls and points inside a shape that together stand for it: exact for a sphere; for a compound those of its
-/// parts.
+/// Balls and points inside a shape that together stand for it: exact for a sphere; for a compound those of
+/// its parts.
 std::vector<rigid::InnerBall> inner_balls(const rigid::Shape&);
 
 /// How far a shape reaches into another, at least, in cells; negative if no overlap is found (then, for two

@@ -120,9 +120,8 @@ void add_type(std::vector<ConvexType>& types) {
   if constexpr (std::is_same_v<S, rigid::Polyhedron>)
     types.push_back({std::string(S::name), read_polyhedron});
   else if constexpr (!std::is_same_v<S, rigid::HalfSpace>)  // only walls are half-spaces
-    types.push_back({std::string(S::name), [](TableReader& table, Case&) -> rigid::ConvexShape {
-                       return read_sizes<S>(table);
-                     }});
+    types.push_back({std::string(S::name),
+                     [](TableReader& table, Case&) -> rigid::ConvexShape { return read_sizes<S>(table); }});
 }
 
 template <class... S>

@@ -25,9 +25,9 @@ struct Track {
   }
 };
 
-/// The step of Newton's method in the tangent plane at n; nothing where the height is not curved downwards. On
-/// a circle n = c a + s e, s^2 = 1 - c^2, with the tangent t = a x e: along t by x,
-/// s (s t.K t + e.D) x = s t.D.
+/// The step of Newton's method in the tangent plane at n; nothing where the height is not curved downwards.
+/// On a circle n = c a + s e, s^2 = 1 - c^2, with the tangent t = a x e: along t by x, s (s t.K t + e.D) x =
+/// s t.D.
 std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, const Track& track) {
   const double height = n.dot(d);
   if (track.circle && track.circle->c == 0) {
@@ -96,8 +96,8 @@ struct Best {
   }
 };
 
-/// Of the directions on both circles the one nearer to n; nothing where the axes are parallel or the circles do
-/// not cross.
+/// Of the directions on both circles the one nearer to n; nothing where the axes are parallel or the circles
+/// do not cross.
 std::optional<Vec3> on_both(const Kinks::Circle& u, const Kinks::Circle& v, const Vec3& n) {
   const Vec3 cross = u.axis.cross(v.axis);
   const double sine = cross.norm();

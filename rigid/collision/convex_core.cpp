@@ -54,7 +54,8 @@ void ConvexCore::plane_points(const Vec3& n, std::vector<PlanePoint>& out) const
 }
 
 ConvexCore convex_core(const ConvexShape& shape, const Pose& pose) {
-  ConvexCore core{{pose.position, pose.orientation.toRotationMatrix()}, &shape, Vec3::Zero(), 0, false, false};
+  ConvexCore core{
+      {pose.position, pose.orientation.toRotationMatrix()}, &shape, Vec3::Zero(), 0, false, false};
   core.radius = std::visit([](const auto& s) { return solid::core_radius(s); }, shape);
   visit_core(shape, [&]<class Core>(const Core& swept) {
     core.half = solid::half_widths(swept);

@@ -1,7 +1,7 @@
 #pragma once
 // Any bounded convex shape as a core swept by a sphere, with all that a search over directions asks of it.
-// For a sphere, capsule or box it is the same core as rounded_box gives; every other shape is its own core, of
-// radius 0.
+// For a sphere, capsule or box it is the same core as rounded_box gives; every other shape is its own core,
+// of radius 0.
 #include "rigid/collision/rounded_box.hpp"
 #include "rigid/shapes/contact_outline.hpp"
 
@@ -49,8 +49,8 @@ struct ConvexCore : Placement {
 /// Not for a half-space.
 ConvexCore convex_core(const ConvexShape&, const Pose&);
 
-/// Whether the codes of all its features fit into half a contact's (a polyhedron of some 10000 vertices; every
-/// other shape's do).
+/// Whether the codes of all its features fit into half a contact's (a polyhedron of some 10000 vertices;
+/// every other shape's do).
 bool has_codes(const ConvexShape&);
 
 /// As for rounded boxes: what tolerances of rounding are relative to.

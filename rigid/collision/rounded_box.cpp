@@ -31,7 +31,8 @@ RoundedBox rounded_box(const ConvexShape& shape, const Pose& pose) {
   if (!box) throw std::invalid_argument("only a sphere, a capsule and a box have a box for a core");
   const double radius = std::visit([](const auto& s) { return solid::core_radius(s); }, shape);
   RoundedBox core{pose.position, Mat3::Identity(), box->half_edges, radius};
-  if (core.extent() > 0) core.axes = pose.orientation.toRotationMatrix();  // else it looks alike from everywhere
+  if (core.extent() > 0)
+    core.axes = pose.orientation.toRotationMatrix();  // else it looks alike from everywhere
   return core;
 }
 

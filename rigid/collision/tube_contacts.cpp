@@ -28,8 +28,9 @@ class CrossSection {
   Mat3 turn_;
 };
 
-/// Calls use(centre, radius, feature) for balls or points of a body, the furthest from the axis among them. The
-/// body says which balls, discs and ellipsoids it is the hull of (`extremes`); one that does not is searched.
+/// Calls use(centre, radius, feature) for balls or points of a body, the furthest from the axis among them.
+/// The body says which balls, discs and ellipsoids it is the hull of (`extremes`); one that does not is
+/// searched.
 template <class Use>
 class ExtremePoints {
  public:
@@ -50,7 +51,8 @@ class ExtremePoints {
   /// About the body's z axis, at this z. Its rim is an ellipse in the cross-section.
   void disc(double z, double radius, std::uint32_t first_feature) const {
     const Mat3 turn = pose_.orientation.toRotationMatrix();
-    const Vec2 u = radius * section_.of_direction(turn.col(0)), v = radius * section_.of_direction(turn.col(1));
+    const Vec2 u = radius * section_.of_direction(turn.col(0)),
+               v = radius * section_.of_direction(turn.col(1));
     const Eigen::Matrix2d spread = u * u.transpose() + v * v.transpose();
     const Vec3 centre = pose_.to_world({0, 0, z});
     for_furthest(centre, spread, first_feature, [&](const Vec3& n) -> Vec3 {
@@ -83,7 +85,8 @@ class ExtremePoints {
     }
   }
 
-  /// From directions all round: the point furthest along the way from the axis to the last one is further still.
+  /// From directions all round: the point furthest along the way from the axis to the last one is further
+  /// still.
   template <class S>
   void search(const S& shape) const {
     constexpr int directions = 8, steps = 100;

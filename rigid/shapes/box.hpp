@@ -24,8 +24,8 @@ struct Feature {
 struct Box {
   static constexpr std::string_view name = "box";
   Vec3 half_edges;
-  static constexpr auto fields = std::tuple{Field<Box, Vec3>{
-      "edges", &Box::half_edges, "the lengths of the box, [x, y, z]", 0.5}};
+  static constexpr auto fields =
+      std::tuple{Field<Box, Vec3>{"edges", &Box::half_edges, "the lengths of the box, [x, y, z]", 0.5}};
 
   double signed_distance(const Vec3& x) const;
   std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const;

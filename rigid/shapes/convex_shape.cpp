@@ -5,7 +5,9 @@ namespace silt::rigid {
 namespace {
 
 template <class S>
-constexpr bool has_curvature = requires(const S& s, const Vec3& x) { s.curvature(x, x); };
+constexpr bool has_curvature = requires(const S& s, const Vec3& x) {
+  s.curvature(x, x);
+};
 
 }  // namespace
 

@@ -8,9 +8,9 @@ namespace silt::rigid {
 struct Cylinder {
   static constexpr std::string_view name = "cylinder";
   double radius, half_length;
-  static constexpr auto fields = std::tuple{
-      Field<Cylinder, double>{"length", &Cylinder::half_length, "from end to end, along z", 0.5},
-      radius_field(&Cylinder::radius)};
+  static constexpr auto fields =
+      std::tuple{Field<Cylinder, double>{"length", &Cylinder::half_length, "from end to end, along z", 0.5},
+                 radius_field(&Cylinder::radius)};
 
   double signed_distance(const Vec3& x) const;
   std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const;

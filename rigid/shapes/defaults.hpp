@@ -55,7 +55,9 @@ double core_radius(const S& s) {
 
 /// Whether it is the hull of its corners: the supporting point stays where the direction changes a little.
 template <class S>
-constexpr bool is_polytope = requires { S::is_polytope; };
+constexpr bool is_polytope = requires {
+  S::is_polytope;
+};
 
 /// Half the widths of a box about the origin that it is in.
 template <class S>
@@ -141,7 +143,8 @@ void facing_outline(const S& s, const Placement& at, const Vec3& n, ContactOutli
     out.set_point(at.to_world(s.support(at.direction_B(n))), 0);
 }
 
-/// Adds the points that may touch a plane normal to unit n, in the order of their codes: the supporting point.
+/// Adds the points that may touch a plane normal to unit n, in the order of their codes: the supporting
+/// point.
 template <class S>
 void plane_points(const S& s, const Placement& at, const Vec3& n, std::vector<PlanePoint>& out) {
   if constexpr (requires { s.plane_points(at, n, out); })

@@ -21,8 +21,8 @@ void Disc::outline(const Placement& at, ContactOutline& out) const {
   out.disc_radius = radius;
   for (int k = 0; k < rim_points; ++k) {
     const double angle = 2 * std::numbers::pi * k / rim_points;
-    const Vec3 x = out.centre +
-                   out.disc_radius * (std::cos(angle) * at.axes.col(0) + std::sin(angle) * at.axes.col(1));
+    const Vec3 x =
+        out.centre + out.disc_radius * (std::cos(angle) * at.axes.col(0) + std::sin(angle) * at.axes.col(1));
     const std::uint32_t which = upper * rim_points + k;
     out.corners.push_back({x, first_rim + which, first_chord + which});
   }

@@ -13,9 +13,9 @@ struct Disc {
 
   /// Points of the rim that stand for the disc, at fixed angles of its frame.
   static constexpr int rim_points = 8;
-  /// Sine of the tilt up to which it lies flat against a plane. Beyond, only the furthest point of its rim can
-  /// meet the plane: of points fixed on the rim, those beside it would roll into the plane and be stopped while
-  /// they are still above it.
+  /// Sine of the tilt up to which it lies flat against a plane. Beyond, only the furthest point of its rim
+  /// can meet the plane: of points fixed on the rim, those beside it would roll into the plane and be stopped
+  /// while they are still above it.
   static constexpr double flat_sine = 0.1;
 
   // Codes of a shape of revolution: 0 unused, then the rim points of either end, the chords between them, the

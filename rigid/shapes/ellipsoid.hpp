@@ -6,9 +6,8 @@ namespace silt::rigid {
 struct Ellipsoid {
   static constexpr std::string_view name = "ellipsoid";
   Vec3 half_axes;
-  static constexpr auto fields = std::tuple{
-      Field<Ellipsoid, Vec3>{"diameters", &Ellipsoid::half_axes,
-                             "how long it is along each of its axes, [x, y, z]", 0.5}};
+  static constexpr auto fields = std::tuple{Field<Ellipsoid, Vec3>{
+      "diameters", &Ellipsoid::half_axes, "how long it is along each of its axes, [x, y, z]", 0.5}};
 
   bool contains(const Vec3& x) const { return x.cwiseQuotient(half_axes).squaredNorm() <= 1; }
   /// The error is below 1e-14 of the largest axis plus 1e-14 of the distance, for axes of any ratio; the sign
@@ -33,8 +32,9 @@ struct Ellipsoid {
   std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
   Vec3 half_widths() const { return half_axes; }
   Mat3 support_derivative(const Vec3& n) const;
-  /// (Least half axis)^2 / (width along n), less than the largest there is: with |m| the norm sqrt(m.Am) and a
-  /// the least half axis, |m||n| - m.An is half the square of a vector's norm, which is at least a^2 (1 - m.n).
+  /// (Least half axis)^2 / (width along n), less than the largest there is: with |m| the norm sqrt(m.Am) and
+  /// a the least half axis, |m||n| - m.An is half the square of a vector's norm, which is at least a^2 (1 -
+  /// m.n).
   double touching_ball(const Vec3&, const Vec3& n) const {
     const double least = half_axes.minCoeff();
     return least * least / half_axes.cwiseProduct(n).norm();

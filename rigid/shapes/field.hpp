@@ -4,8 +4,8 @@
 
 namespace silt::rigid {
 
-/// A length, or for a member that is a vector three lengths along the axes. member = share * what `key` gives,
-/// or other_share * what `other_key` gives, where there is one; the case has one of the two.
+/// A length, or for a member that is a vector three lengths along the axes. member = share * what `key`
+/// gives, or other_share * what `other_key` gives, where there is one; the case has one of the two.
 template <class Solid, class Value>
 struct Field {
   const char* key;

@@ -33,8 +33,8 @@ struct SolidMoments {
 SolidMoments moments(const MassProperties&, const Pose&);
 /// The inertia of a solid whose second moments about its centre are these.
 Mat3 inertia_of(const Mat3& second);
-/// Values below `error` (relative to the size), that of the integration, become what symmetry would make them:
-/// a star's centre is its centre, and a body with equal moments needs no gyroscopic term.
+/// Values below `error` (relative to the size), that of the integration, become what symmetry would make
+/// them: a star's centre is its centre, and a body with equal moments needs no gyroscopic term.
 void snap_to_symmetry(MassProperties&, double error);
 
 }  // namespace silt::rigid

@@ -80,7 +80,7 @@ class OverlapIntegral {
     intervals_.clear();
     for (const Part& part : parts_) {
       const auto i = line_interval(part.shape, part.pose.to_body({x, y, 0}),
-                                  part.pose.orientation.conjugate() * Vec3::UnitZ());
+                                   part.pose.orientation.conjugate() * Vec3::UnitZ());
       if (i && i->enter < i->leave) intervals_.push_back({i->enter, i->leave});
     }
     if (intervals_.size() < 2) return;

@@ -11,8 +11,7 @@ std::variant<S..., Compound, Tube> and_unions_and_walls(const std::variant<S...>
 /// A convex shape, a union of such, or a wall that is not convex.
 struct Shape : decltype(and_unions_and_walls(std::declval<ConvexShape>())) {
   using variant::variant;
-  Shape(const ConvexShape& convex)
-      : Shape(std::visit([](const auto& s) { return Shape(s); }, convex)) {}
+  Shape(const ConvexShape& convex) : Shape(std::visit([](const auto& s) { return Shape(s); }, convex)) {}
 };
 
 std::string_view shape_name(const Shape&);  // "sphere", "box", "capsule", "cylinder", ...

@@ -1,6 +1,6 @@
 #pragma once
-// What a convex shape says of itself. Its own frame and lattice units throughout; directions are unit vectors.
-// README.md of this folder says how to add one.
+// What a convex shape says of itself. Its own frame and lattice units throughout; directions are unit
+// vectors. README.md of this folder says how to add one.
 #include <concepts>
 #include <optional>
 #include <string_view>
@@ -29,13 +29,15 @@ inline Mat3 across(const Vec3& n) {
 /// - name: what a case calls its type;
 /// - fields: a tuple of Field, its sizes as a case gives them;
 /// - signed_distance(x): from x to the surface, negative inside; exact;
-/// - line_interval(o, d): the part of the line o + t d inside it; none where the line misses; exact for any d;
+/// - line_interval(o, d): the part of the line o + t d inside it; none where the line misses; exact for any
+/// d;
 /// - bounding_box(pose): the tight one along the axes of the frame that the pose is given in;
 /// - reach(pose): how far its furthest point is from that frame's origin;
 /// - support(n): its point furthest along unit n;
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
-/// - add_inner_balls(balls): balls and points inside it that together stand for it (coupler/case/overlap.hpp).
+/// - add_inner_balls(balls): balls and points inside it that together stand for it
+/// (coupler/case/overlap.hpp).
 template <class S>
 concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std::vector<InnerBall>& balls) {
   { S::name } -> std::convertible_to<std::string_view>;
