@@ -6,7 +6,7 @@
 #include <random>
 
 #include "rigid/shapes/shape.hpp"
-#include "tests/rigid/shapes/solids.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -126,13 +126,8 @@ MassProperties by_rays(const ConvexShape& shape) {
 }
 
 TEST(MassProperties, OfEveryShapeAreThoseOfItsRays) {
-  const std::vector<ConvexShape> shapes = {
-      Cylinder{0.6, 0.9},
-      Ellipsoid{{1.4, 0.5, 0.9}},
-      testing::frustum(),
-      testing::octahedron({1.2, 0.8, 1.7}),
-      testing::cuboid({3, 4, 5}, {4, 6, 8}),
-      testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6})};
+  auto shapes = tests::all_solids();
+  shapes.push_back(testing::cuboid({3, 4, 5}, {4, 6, 8}));
   for (const ConvexShape& shape : shapes) {
     const Shape solid = std::visit([](const auto& s) -> Shape { return s; }, shape);
     const MassProperties p = mass_properties(solid), q = by_rays(shape);

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/rigid/shapes/solids.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -22,19 +22,16 @@ Quat random_turn() {
   return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
 }
 
-/// Long and flat ones, with corners sharp and blunt, with the origin inside and out.
-std::vector<ConvexShape> newer_solids() {
-  return {Cylinder{0.6, 0.9},
-          Cylinder{1.5, 0.05},
-          Cylinder{0.05, 1.7},
-          Ellipsoid{{1.4, 0.5, 0.9}},
-          Ellipsoid{{1.5, 1.5, 0.015}},
-          Ellipsoid{{0.02, 0.02, 2}},
-          Ellipsoid{{1, 1, 1 + 1e-9}},
-          testing::cuboid({-0.5, -0.7, -1.1}, {0.5, 0.7, 1.1}),
-          testing::frustum(),
-          testing::octahedron({1.2, 0.8, 1.7}),
-          testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6})};
+using tests::all_solids;
+
+TEST(Shape, HasARowOfTheTestsTable) {
+  const auto expect_rows = []<class... S>(const std::variant<S...>*) {
+    for (const std::string_view name : {S::name...})
+      if (name != HalfSpace::name) {
+        EXPECT_FALSE(tests::row_of(name).solids.empty()) << name;
+      }
+  };
+  expect_rows(static_cast<const ConvexShape*>(nullptr));
 }
 
 std::vector<Shape> solids() {
@@ -44,12 +41,11 @@ std::vector<Shape> solids() {
   Compound mixed{{{Box{{1, 0.4, 0.3}}, {{0.2, 0, 0}, random_turn()}},
                   {Sphere{0.7}, {{-0.9, 0.1, 0}, Quat::Identity()}},
                   {Capsule{0.25, 0.8}, {{0, 0.5, 0.2}, random_turn()}}}};
-  Compound newer{{{Cylinder{0.5, 0.9}, {{0.4, 0, 0}, random_turn()}},
-                  {Ellipsoid{{0.9, 0.3, 0.5}}, {{-0.5, 0.3, 0}, random_turn()}},
-                  {testing::frustum(), {{0, -0.4, 0.2}, random_turn()}}}};
-  std::vector<Shape> all = {Sphere{1.3}, Box{{0.5, 1.1, 0.8}}, Capsule{0.6, 0.9}, star, newer, mixed};
-  for (const ConvexShape& shape : newer_solids())
-    all.insert(all.begin(), std::visit([](const auto& s) -> Shape { return s; }, shape));
+  Compound every;
+  for (const tests::ShapeRow& row : tests::shape_rows())
+    every.parts.push_back({row.solids[0], {random_vector(0.6), random_turn()}});
+  std::vector<Shape> all = {star, every, mixed};
+  for (const ConvexShape& shape : all_solids()) all.insert(all.begin(), shape);
   return all;
 }
 
@@ -140,9 +136,7 @@ TEST(Shape, BoxAndSupportAgree) {
 }
 
 TEST(Shape, SupportIsFurthest) {
-  auto shapes = newer_solids();
-  shapes.insert(shapes.end(), {Sphere{1.3}, Box{{0.5, 1.1, 0.8}}, Capsule{0.6, 0.9}});
-  for (const ConvexShape& shape : shapes)
+  for (const ConvexShape& shape : all_solids())
     for (int i = 0; i < 500; ++i) {
       const Vec3 d = random_vector(1), s = support(shape, d);
       const Shape solid = std::visit([](auto x) -> Shape { return x; }, shape);
@@ -184,7 +178,7 @@ Vec3 gradient(const Shape& solid, const Vec3& x) {
 
 TEST(Shape,
      DistanceIsTheOneToTheFurthestPlane) {  // none is further, and the one across the gradient is as far
-  for (const ConvexShape& shape : newer_solids())
+  for (const ConvexShape& shape : all_solids())
     for (int i = 0; i < 60; ++i) {
       const Shape solid = std::visit([](auto s) -> Shape { return s; }, shape);
       Vec3 x = random_vector(i % 2 ? 1 : 2.5);
@@ -230,7 +224,7 @@ TEST(Shape, DistanceToADiscSeenAlongItsAxis) {  // the ellipse (cos, 100 sin): o
 }
 
 TEST(Shape, ReachIsThatOfTheFurthestPoint) {
-  for (const ConvexShape& shape : newer_solids())
+  for (const ConvexShape& shape : all_solids())
     for (int i = 0; i < 40; ++i) {
       const Part part{shape,
                       {i % 4 ? random_vector(2) : Vec3(0, 0, 0), i % 3 ? random_turn() : Quat(1, 0, 0, 0)}};
