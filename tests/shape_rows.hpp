@@ -117,6 +117,18 @@ inline std::vector<ShapeRow> shape_rows() {
            k.circles.push_back({(mesh.vertices[e.corners[1]] - mesh.vertices[e.corners[0]]).normalized()});
          for (const auto& f : mesh.faces) k.faces.push_back(f.normal);
        }},
+      {"cone",
+       {Cone{0.8, 1.5}, Cone{1.5, 0.1}, Cone{0.05, 2}},
+       Cone{3.4, 5.9},
+       "radius = 3.6\nheight = 6.7",
+       [](const Sizes& s) -> ConvexShape {
+         return Cone{s(), s()};
+       },
+       [](const ConvexShape& shape, Kinks& k) {
+         const auto& cone = std::get<Cone>(shape);
+         k.circles.push_back({Vec3::UnitZ(), cone.radius / std::hypot(cone.radius, cone.height)});
+         k.faces.push_back(-Vec3::UnitZ());
+       }},
   };
 }
 

@@ -4,6 +4,7 @@
 
 #include "rigid/shapes/box.hpp"
 #include "rigid/shapes/capsule.hpp"
+#include "rigid/shapes/cone.hpp"
 #include "rigid/shapes/cylinder.hpp"
 #include "rigid/shapes/ellipsoid.hpp"
 #include "rigid/shapes/half_space.hpp"
@@ -17,7 +18,7 @@ template <ConvexSolid... S>
 using ConvexShapes = std::variant<S...>;
 
 /// All convex shapes there are.
-struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace> {
+struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, Cone, HalfSpace> {
   using variant::variant;
 };
 
