@@ -20,10 +20,6 @@ struct Findings {
   std::vector<Diagnostic> list;
 };
 
-/// Returns the diameter a shape is resolved by, in cells: its least extent; for a compound that of the sphere
-/// of its volume.
-double resolved_diameter(const rigid::Shape&);
-
 /// Judges sizes, places and overlaps of the bodies, and whether the backend can answer for their shapes.
 void find_body_faults(const Case&, Findings&);
 

@@ -127,7 +127,7 @@ struct Case {
 
   // material 0 is "default": of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
-  std::vector<rigid::Shape> shapes;             // as given (a compound need not be centred)
+  rigid::ShapeList shapes;                      // as given (a compound need not be centred)
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FillSpec> fills;

@@ -12,6 +12,7 @@
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/case/speed_check.hpp"
 #include "coupler/case/wall_check.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {

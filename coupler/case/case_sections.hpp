@@ -16,6 +16,8 @@ void read_shapes(TableReader& root, Case&);  // [[shapes]]
 /// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);
+/// Reads a tube of the given radius or diameter.
+rigid::Tube read_tube(TableReader&);
 
 // read_walls.cpp
 void read_walls(TableReader& root, Case&);  // [[walls]]; after the materials
@@ -32,8 +34,6 @@ void read_quantities(TableReader& root, Case&);  // [[quantities]]
 
 /// Returns the index into Case::material_names, 0 ("default") without the key.
 int read_material_name(TableReader&, const Case&);
-/// Returns the radius, from `radius` or `diameter`.
-double read_radius(TableReader&);
 
 /// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
 /// it is not there.

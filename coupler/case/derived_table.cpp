@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coupler/case/body_check.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -113,7 +114,7 @@ void add_kind(const Case& scene, Table& table, const std::string& name, const Ki
   const double volume = rigid::mass_properties(shape).volume;
   table.line(name, fmt::format("{} of shape '{}' ({})", kind.count, scene.shape_names[kind.shape],
                                rigid::shape_name(shape)));
-  table.quantity("  cells across", resolved_diameter(shape), dimension::length, "m", "cells");
+  table.quantity("  cells across", rigid::least_width(shape), dimension::length, "m", "cells");
   table.line("  density ratio", "", shown(kind.density));
   if (!scene.fluid || !kind.free || scene.gravity.norm() == 0) return;
   const double diameter = std::cbrt(6 / std::numbers::pi * volume), nu = scene.fluid->kinematic_viscosity;

@@ -11,6 +11,7 @@
 #include "coupler/case/neighbour_grid.hpp"
 #include "coupler/case/overlap.hpp"
 #include "rigid/collision/tube_contacts.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {

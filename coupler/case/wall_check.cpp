@@ -6,6 +6,7 @@
 
 #include "coupler/case/speed_check.hpp"
 #include "rigid/collision/tube_contacts.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "coupler/case/fill.hpp"
 #include "coupler/exchange/reduce.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

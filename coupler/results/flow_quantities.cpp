@@ -8,6 +8,7 @@
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/results/body_quantities.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

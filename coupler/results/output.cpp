@@ -7,6 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/results/tessellation.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

@@ -8,7 +8,7 @@
 #include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
-#include "rigid/shapes/curvature.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

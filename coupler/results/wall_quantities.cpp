@@ -5,6 +5,7 @@
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "rigid/collision/tube_contacts.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

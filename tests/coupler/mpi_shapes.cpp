@@ -9,6 +9,7 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/simulation.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

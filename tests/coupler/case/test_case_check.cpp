@@ -204,13 +204,13 @@ TEST(Overlap, IsNeverOverstatedAndDeepOnesAreFound) {
 }
 
 TEST(BodyCheck, LeastWidths) {
-  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 2}), 4);
-  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 5}), 6);
-  EXPECT_EQ(resolved_diameter(rigid::Ellipsoid{{3, 5, 4}}), 6);
-  EXPECT_DOUBLE_EQ(resolved_diameter(rigid::testing::cuboid({0, 0, 0}, {4, 2, 3})), 2);
+  EXPECT_EQ(rigid::least_width(rigid::Cylinder{3, 2}), 4);
+  EXPECT_EQ(rigid::least_width(rigid::Cylinder{3, 5}), 6);
+  EXPECT_EQ(rigid::least_width(rigid::Ellipsoid{{3, 5, 4}}), 6);
+  EXPECT_DOUBLE_EQ(rigid::least_width(rigid::testing::cuboid({0, 0, 0}, {4, 2, 3})), 2);
   // a regular tetrahedron is narrowest between two opposite edges: a / sqrt 2
   EXPECT_DOUBLE_EQ(
-      resolved_diameter(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
+      rigid::least_width(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "coupler/case/derived_table.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
