@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
