@@ -141,7 +141,7 @@ class FlowOf final : public Flow {
     const std::int64_t surplus = anchor_.mass + anchor_.gain;
     anchor_density_ =
         anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0;
-    fluid_.set_anchor(anchor_density_);
+    fluid_.set_mass_correction(anchor_density_);
     anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
@@ -190,8 +190,8 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_, fluid, fluid_.sweep_of(int(b)), block.surfaces);
-        block.order_groups(fluid_.sweep_of(int(b)));
+        build_links(map, world_, bodies, coupling_, fluid, fluid_.pass_order(int(b)), block.surfaces);
+        block.order_groups(fluid_.pass_order(int(b)));
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
       }

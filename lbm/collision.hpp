@@ -26,8 +26,8 @@ struct CollisionRates {
   T momentum;  // omega_odd/12, of u
   T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
   T half_force[3], even_force[3], odd_force[3];
-  T anchor = 0;         // added to the density of every cell
-  bool source = false;  // force or anchor present
+  T mass_correction = 0;  // added to the density of every cell
+  bool source = false;    // force or mass correction present
 
   explicit CollisionRates(const CollisionSpec& s) {
     if (!(s.relaxation_time > 0.5)) throw std::invalid_argument("the relaxation time must be above 1/2");

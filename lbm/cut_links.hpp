@@ -8,12 +8,13 @@
 //
 // A group is what is applied at a time: links of a surface whose fluid cells lie in a plane, or a few of
 // small ones, of all directions. It may be applied once its cells and their neighbours have collided: inner
-// groups as soon as the dense pass is done with part `ready` (sweep.hpp), while the populations are still in
-// cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
+// groups as soon as the dense pass is done with part `ready` (pass_order.hpp), while the populations are
+// still in cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
 #include <cstdint>
 #include <vector>
 
 #include "lbm/block.hpp"
+#include "lbm/force_form.hpp"
 #include "lbm/prefetch.hpp"
 #include "lbm/wall_scheme.hpp"
 
@@ -22,7 +23,7 @@ namespace silt::lbm {
 /// Groups are filled up to a multiple of this with copies of their last link (which then is written twice,
 /// with the same value, and counted once).
 inline constexpr int link_lanes = 16;
-constexpr std::uint32_t filled_up(std::uint32_t links) {
+constexpr std::uint32_t padded(std::uint32_t links) {
   return (links + link_lanes - 1) / link_lanes * link_lanes;
 }
 
@@ -53,9 +54,9 @@ inline constexpr int place_direction(std::uint32_t p) {
 struct LinkGroup {
   std::uint32_t begin, count;  // of the arrays of CutLinks
   WallScheme scheme;
-  Int3 corner;            // cell of the block that places count from (may lie outside of it)
-  std::int32_t ready;     // last part of the dense pass that the links read or write; -1: at the rim
-  std::uint32_t far = 0;  // of `narrow`: of CutLinks::far_q and far_u
+  Int3 corner;                 // cell of the block that places count from (may lie outside of it)
+  std::int32_t ready;          // last part of the dense pass that the links read or write; -1: at the rim
+  std::uint32_t opposite = 0;  // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
 };
 
 /// Reference point of a surface: the centre of block cell `cell` is at `offset` from it.
@@ -74,7 +75,7 @@ struct CutLinks {
   std::vector<LinkGroup> groups;
   std::vector<std::uint32_t> place;  // of whole groups, filled up
   std::vector<T> q;
-  std::vector<T> far_q, far_u;  // FarWall of the links of `narrow`; empty: of none
+  std::vector<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
 
   /// A hint that a group will be wanted soon.
   void prefetch(const LinkGroup& g) const {
@@ -131,9 +132,6 @@ inline int stiffness_exponent(double radius) {
   while (double(1 << e) < 1.5 * (radius + 2)) ++e;
   return e;
 }
-
-/// `galilean`: Wen et al. 2014, F = sum c (f* + f_opp) - u_w (f* - f_opp). `exact`: equation 6 alone.
-enum class ForceForm : std::uint8_t { galilean, exact };
 
 /// The group that the next call is for, of the same block: its populations are fetched in the meantime.
 /// Waiting for them would take longer than what is computed.

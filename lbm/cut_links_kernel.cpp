@@ -52,7 +52,7 @@ struct Exchange {
 template <WallScheme scheme, class T>
 Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
                      const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
-                     const FarWall<typename Lanes<T>::Real>& far) {
+                     const OppositeWall<typename Lanes<T>::Real>& far) {
   using L = Lanes<T>;
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
   const auto out = L::gather(data, at.slots(slots.out));
@@ -62,9 +62,9 @@ Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& 
                behind = L::gather(data, at.slots(slots.behind));
     const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
     back += s.b * behind + s.c * against + T(0.5) * (s.k - at.weight6() * (s.a - s.c)) * cf;
-  } else if constexpr (scheme == WallScheme::narrow) {
+  } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, slots, fluid, at);
-    back -= (at.weight6() - s.k) * along + at.weight6() * narrow_bend(q, along, cu, far, fluid);
+    back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, far, fluid);
   }
   return {out, back};
 }
@@ -89,7 +89,7 @@ class GroupSums {
     for (int d = 0; d < 3; ++d) force_[d].add(g[d]);
     torque_[0].add(r[1] * g[2] - r[2] * g[1]), torque_[1].add(r[2] * g[0] - r[0] * g[2]);
     torque_[2].add(r[0] * g[1] - r[1] * g[0]);
-    mass_.add(returned * mass_scale), mass_.take_off(in * mass_scale);
+    mass_.add(returned * mass_scale), mass_.subtract(in * mass_scale);
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
   void add_to(LinkSums& sums) const {
@@ -122,11 +122,11 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
     const Places<T> at(place + l, origin);
     const auto q = L::template load<typename L::Real>(distance + l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-    FarWall<typename L::Real> far;
-    if constexpr (scheme == WallScheme::narrow) {
-      if (!links.far_q.empty()) {
-        far.q = L::template load<typename L::Real>(links.far_q.data() + group.far + l);
-        far.u = L::template load<typename L::Real>(links.far_u.data() + group.far + l);
+    OppositeWall<typename L::Real> far;
+    if constexpr (scheme == WallScheme::single_cell_gap) {
+      if (!links.opposite_q.empty()) {
+        far.q = L::template load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
+        far.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
       }
     }
     const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far);
@@ -162,7 +162,7 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
     L::scatter(data, slot, after);
     const auto counted = L::below(count - l);
     constexpr T scale = T(1 / mass_quantum);
-    mass.add(counted ? V(after * scale) : V{}), mass.take_off(counted ? V(before * scale) : V{});
+    mass.add(counted ? V(after * scale) : V{}), mass.subtract(counted ? V(before * scale) : V{});
   }
   fetch.finish(l);
   sums.mass += mass.total();

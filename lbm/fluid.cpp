@@ -31,13 +31,13 @@ ShellFaces shell_of(const Domain& domain, int b) {
 }
 
 template <class T>
-std::vector<Sweep> sweeps_of(const Domain& domain, MPI_Comm comm) {
+std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  std::vector<Sweep> sweeps;
+  std::vector<PassOrder> orders;
   for (int b : domain.blocks_of(rank))
-    sweeps.emplace_back(domain.blocks()[b].box.size, sizeof(T), shell_of(domain, b));
-  return sweeps;
+    orders.emplace_back(domain.blocks()[b].box.size, sizeof(T), shell_of(domain, b));
+  return orders;
 }
 }  // namespace
 
@@ -53,20 +53,20 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
       rates_(spec),
       comm_(comm),
       blocks_(local_blocks<T>(domain, comm)),
-      sweeps_(sweeps_of<T>(domain, comm)),
+      orders_(orders_of<T>(domain, comm)),
       idle_(blocks_.size(), 0),
-      halo_(domain_, comm, blocks_, sweeps_, spec.force) {}
+      halo_(domain_, comm, blocks_, orders_, spec.force) {}
 
 template <class T>
-void Fluid<T>::set_anchor(double density_per_cell) {
-  rates_.anchor = T(density_per_cell);
-  rates_.source = CollisionRates<T>(spec_).source || rates_.anchor != 0;
+void Fluid<T>::set_mass_correction(double density_per_cell) {
+  rates_.mass_correction = T(density_per_cell);
+  rates_.source = CollisionRates<T>(spec_).source || rates_.mass_correction != 0;
 }
 
 template <class T>
 void Fluid<T>::collide_shells() {
   for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (const RowRange& rows : sweeps_[b].shell())
+    for (const RowRange& rows : orders_[b].shell())
       if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, rates_, rows);
   halo_.start(blocks_, flipped(parity_));
 }
@@ -76,7 +76,7 @@ void Fluid<T>::stream_collide() {
   collide_shells();
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     if (idle_[b]) continue;
-    const RowRange inner = sweeps_[b].inner();
+    const RowRange inner = orders_[b].inner();
     const int planes = std::max(1, (inner.z1 - inner.z0 + 7) / 8);  // between looks at the messages
     for (int z = inner.z0; z < inner.z1; z += planes) {
       lbm::stream_collide(blocks_[b], parity_, rates_,

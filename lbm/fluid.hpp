@@ -8,8 +8,8 @@
 #include "lbm/collision.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
+#include "lbm/pass_order.hpp"
 #include "lbm/stream_collide.hpp"
-#include "lbm/sweep.hpp"
 
 namespace silt::lbm {
 
@@ -33,27 +33,27 @@ class Fluid {
   const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
 
-  /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
-  void set_anchor(double density_per_cell);
+  /// Each collision adds this density to every cell from now on, in the shares w_i; 0 adds none.
+  void set_mass_correction(double density_per_cell);
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
   /// soon as what they carry is there. Then exchange().
   void stream_collide();
-  /// The same, part by part (sweep.hpp): calls after_part(block, part) when a part of a block is done, in the
-  /// order of blocks and parts.
+  /// The same, part by part (pass_order.hpp): calls after_part(block, part) when a part of a block is done,
+  /// in the order of blocks and parts.
   template <class AfterPart>
   void stream_collide(AfterPart&& after_part) {
     collide_shells();
     for (int b = 0; b < int(blocks_.size()); ++b)
-      for (int part = 0; !idle_[b] && part < sweeps_[b].parts(); ++part) {
-        lbm::stream_collide(blocks_[b], parity_, rates_, sweeps_[b].rows_of(part));
+      for (int part = 0; !idle_[b] && part < orders_[b].parts(); ++part) {
+        lbm::stream_collide(blocks_[b], parity_, rates_, orders_[b].rows_of(part));
         halo_.progress();
         after_part(b, part);
       }
     parity_ = flipped(parity_);
   }
-  const Sweep& sweep_of(int b) const { return sweeps_[b]; }
+  const PassOrder& pass_order(int b) const { return orders_[b]; }
   /// Ghost slots and domain walls, for the pass just done: what messages are left, and waiting for all. Cut
   /// links of the rim come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
@@ -85,7 +85,7 @@ class Fluid {
   CollisionRates<T> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
-  std::vector<Sweep> sweeps_;  // of the blocks
+  std::vector<PassOrder> orders_;  // of the blocks
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   Halo<T> halo_;

@@ -146,7 +146,7 @@ struct Halo<T>::Builder {
   const Domain& domain;
   std::vector<int> local;  // global block -> local index, or -1
   std::vector<const Block<T>*> layout;
-  std::span<const Sweep> sweeps;
+  std::span<const PassOrder> orders;
   std::map<std::pair<int, int>, Copy> copies;
   std::map<std::tuple<int, int, int, int, int>, Wall> walls;  // by block, sides met, direction
   std::map<std::tuple<int, int, bool>, Outlet> outlets;
@@ -175,11 +175,11 @@ struct Halo<T>::Builder {
     } else if (here >= 0) {
       const Int3 writer = g - c[j];
       Peer& peer = peers[domain.blocks()[home_block].rank];
-      peer.early &= sweeps[here].in_shell(writer.y, writer.z);
+      peer.early &= orders[here].in_shell(writer.y, writer.z);
       add_to(peer.ghosts, here, slot(here, g, j));
     } else if (there >= 0) {
       Peer& peer = peers[place.rank];
-      peer.early &= sweeps[there].in_shell(cell.y, cell.z);
+      peer.early &= orders[there].in_shell(cell.y, cell.z);
       add_to(peer.homes, there, slot(there, cell, home.direction));
     }
   }
@@ -226,12 +226,12 @@ struct Halo<T>::Builder {
 };
 
 template <class T>
-Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks, std::span<const Sweep> sweeps,
-              const std::array<double, 3>& force)
+Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
+              std::span<const PassOrder> orders, const std::array<double, 3>& force)
     : comm_(comm), force_(force) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, sweeps, {}, {}, {}, {}};
+  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, orders, {}, {}, {}, {}};
   int k = 0;
   for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
   for (auto& b : blocks) builder.layout.push_back(&b);

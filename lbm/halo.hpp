@@ -21,16 +21,16 @@
 #include <vector>
 
 #include "lbm/domain.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 
 namespace silt::lbm {
 
 template <class T>
 class Halo {
  public:
-  /// blocks: the local ones, in the order of domain.blocks_of(rank), and their sweeps; gives them their row
-  /// ends. force: the uniform acceleration.
-  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const Sweep> sweeps,
+  /// blocks: the local ones, in the order of domain.blocks_of(rank), and the orders of their passes; gives
+  /// them their row ends. force: the uniform acceleration.
+  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const PassOrder> orders,
        const std::array<double, 3>& force);
   /// The shells have collided: messages of which they write all set out. `parity`: of the blocks after the
   /// dense pass.

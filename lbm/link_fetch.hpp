@@ -64,7 +64,7 @@ class LinkFetch {
 
   template <class Add>
   void add_read(WallScheme scheme, const Places<T>& at, Add&& add) const {
-    if (scheme == WallScheme::narrow) {
+    if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
     } else {
       add(at.slots(slots_.out));

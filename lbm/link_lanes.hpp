@@ -109,7 +109,7 @@ class FixedSum {
   void add(const Real& x) {
     sum_ += rounded(x);
   }
-  void take_off(const Real& x) {
+  void subtract(const Real& x) {
     sum_ -= rounded(x);
   }
   std::int64_t total() const {
@@ -136,7 +136,7 @@ class FixedSum {
   void add(const Real& x) {
     sum_ += rounded(x);
   }
-  void take_off(const Real& x) {
+  void subtract(const Real& x) {
     sum_ -= rounded(x);
   }
   std::int64_t total() const {

@@ -89,7 +89,7 @@ template <bool source, class V, class T, class Keep>
   if constexpr (source) kx += r.even_force[0], ky += r.even_force[1], kz += r.even_force[2];
   const V xx = kx * ux, yy = ky * uy, zz = kz * uz;
   V isotropic = r.density * rho - (xx + yy + zz);
-  if constexpr (source) isotropic += T(1. / 36) * r.anchor;
+  if constexpr (source) isotropic += T(1. / 36) * r.mass_correction;
   V qx = r.momentum * ux, qy = r.momentum * uy, qz = r.momentum * uz;
   if constexpr (source) qx += r.odd_force[0], qy += r.odd_force[1], qz += r.odd_force[2];
 

@@ -4,8 +4,8 @@
 // its coefficients functions of the wall distance q and the rates of the collision (x the fluid cell, the
 // surface at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision).
 // a + b + c = 1: fluid at rest stays at rest at any pressure; e = (k - 6 w_i (a - c)) / 2: also where a
-// pressure gradient balances F. `narrow` has b = c = e = 0 and a term in the cell's velocity u,
-// - (6 w_i - k) c_i.u, and may have one in its second difference (narrow_bend).
+// pressure gradient balances F. `single_cell_gap` has b = c = e = 0 and a term in the cell's velocity u,
+// - (6 w_i - k) c_i.u, and may have one in its second difference (gap_curvature).
 //
 // In steady flow such a scheme holds, with d = c_i.grad and u along c_i, the velocity at
 //   u + q d u + T (d^2 u - (grad p - F).c_i / (tau - 1/2)) = u_w,
@@ -33,11 +33,11 @@ namespace silt::lbm {
 /// of d^2 u, but part of that is taken up by the pressure: 3/4 q^2 is exact for Poiseuille flow along the
 /// grid, 5/8 q^2 leaves the least of the drag of spheres. Of the multi-reflection kind (Ginzburg, d'Humieres
 /// 2003), with the odd half that relaxes taken from the three populations of a linear scheme: [f*_i(x - c_i)
-/// - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `narrow`: of the cell alone, for links of the others
-/// where x - c_i is not fluid; no choice of a case. Bounce-back half-way at the velocity there, interpolated
-/// between the surface's and the cell's own u(x), and under `parabolic` the surface's on the other side; a
-/// surface nearer than half-way is taken to be there.
-enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, narrow };
+/// - f_opp(x, t+1)] - [f*_i(x) - f*_opp(x)], halved. `single_cell_gap`: of the cell alone, for links of the
+/// others where x - c_i is not fluid; no choice of a case. Bounce-back half-way at the velocity there,
+/// interpolated between the surface's and the cell's own u(x), and under `parabolic` the surface's on the
+/// other side; a surface nearer than half-way is taken to be there.
+enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, single_cell_gap };
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic"};
 
@@ -52,8 +52,8 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, bouzidi>{});
     case parabolic:
       return f(std::integral_constant<WallScheme, parabolic>{});
-    case narrow:
-      return f(std::integral_constant<WallScheme, narrow>{});
+    case single_cell_gap:
+      return f(std::integral_constant<WallScheme, single_cell_gap>{});
     case bounce_back:
       return f(std::integral_constant<WallScheme, bounce_back>{});
   }
@@ -87,9 +87,9 @@ struct LinkCoefficients {
 
 /// Least T - magic of interpolated schemes, over 1/2 + q.
 inline constexpr double least_excess = 0.0005;
-/// Least distance of `narrow`: under bounce-back (1/2) a cell shut in on all sides keeps its momentum for
-/// ever; so it loses 2 % a step.
-inline constexpr double least_narrow = 1 / 1.98;
+/// Least distance of `single_cell_gap`: under bounce-back (1/2) a cell shut in on all sides keeps its
+/// momentum for ever; so it loses 2 % a step.
+inline constexpr double least_gap_distance = 1 / 1.98;
 
 /// Of the scheme that holds the velocity at T = magic + excess, on both sides of the cell.
 template <class V, class T>
@@ -101,14 +101,14 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
 /// The surface that a link's opposite hits, when that is cut too: how far it is (0: not known) and c_i.u
 /// there.
 template <class V>
-struct FarWall {
+struct OppositeWall {
   V q{}, u{};
 };
 
-/// q of `narrow`. V: T or a vector of it.
+/// q of `single_cell_gap`. V: T or a vector of it.
 template <class T, class V>
-constexpr V narrow_distance(V q) {
-  return q < T(least_narrow) ? V{} + T(least_narrow) : q;
+constexpr V gap_distance(V q) {
+  return q < T(least_gap_distance) ? V{} + T(least_gap_distance) : q;
 }
 
 /// What the velocity half-way has beyond interpolation, - q/4 d^2 u, for a cell between two walls: of its
@@ -116,8 +116,8 @@ constexpr V narrow_distance(V q) {
 /// bracket above, has part of it: two thirds of d^2 u remain there, as in flow along a gap, which comes out
 /// exactly, at any viscosity, for q of 8/3 magic and more.
 template <class V, class T>
-constexpr V narrow_bend(V q, V u, V u_w, const FarWall<V>& far, const WallFluid<T>& fluid) {
-  const V none{}, h = narrow_distance<T>(q), p = narrow_distance<T>(far.q);
+constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& far, const WallFluid<T>& fluid) {
+  const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(far.q);
   const V share = h * T(0.25) - T(2.0 / 3) * fluid.magic;
   const V second = T(2) * ((u_w - u) / h + (far.u - u) / p) / (h + p);
   return far.q > none ? (share > none ? -share * second : none) : none;
@@ -135,8 +135,8 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
   } else if constexpr (scheme == WallScheme::bouzidi) {
     const V near = T(2) * q, s = T(1) / (near < T(1) ? one : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : none, T(1) - s, weight6 * s};
-  } else if constexpr (scheme == WallScheme::narrow) {
-    return {one, none, none, weight6 * T(0.5) / narrow_distance<T>(q)};
+  } else if constexpr (scheme == WallScheme::single_cell_gap) {
+    return {one, none, none, weight6 * T(0.5) / gap_distance<T>(q)};
   } else {
     return {one, none, none, weight6};
   }

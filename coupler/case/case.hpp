@@ -12,6 +12,8 @@
 
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/units.hpp"
+#include "lbm/collision_model.hpp"
+#include "lbm/force_form.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
@@ -33,7 +35,7 @@ enum class Precision { single_, double_ };
 enum class TimeCoupling { explicit_, implicit_ };
 using lbm::WallScheme;
 enum class Refill { equilibrium, grad };
-enum class ForceForm { galilean, exact };
+using lbm::ForceForm;
 
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;

@@ -215,8 +215,9 @@ void read_coupling(TableReader& root, Case& scene) {
     c.time = *name == "implicit" ? TimeCoupling::implicit_ : TimeCoupling::explicit_;
   if (const auto name = table.choice("refill", {"equilibrium", "grad"}))
     c.refill = *name == "grad" ? Refill::grad : Refill::equilibrium;
-  if (const auto name = table.choice("force", {"galilean", "exact"}))
-    c.force = *name == "exact" ? ForceForm::exact : ForceForm::galilean;
+  const auto& forms = lbm::force_form_names;
+  if (const auto name = table.choice("force", {forms.begin(), forms.end()}))
+    c.force = ForceForm(std::find(forms.begin(), forms.end(), *name) - forms.begin());
   c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
   c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
   c.lubrication = table.boolean("lubrication").value_or(c.lubrication);

@@ -196,8 +196,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, SurfaceLinks<T>& surface,
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) const {
-  const auto form = spec_.force == ForceForm::galilean ? lbm::ForceForm::galilean : lbm::ForceForm::exact;
-  lbm::apply_cut_links(block, slots, surface.links, group, surface.motion, form, surface.sums, next);
+  lbm::apply_cut_links(block, slots, surface.links, group, surface.motion, spec_.force, surface.sums, next);
 }
 
 template <class T>

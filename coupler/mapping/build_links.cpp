@@ -7,7 +7,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 
 namespace silt::coupler {
 
@@ -62,7 +62,7 @@ bool touches_rim(const BitFrame& f, Int3 block) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, const lbm::Sweep& sweep, WallScheme scheme)
+  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme)
       : map_(map), sweep_(sweep), scheme_(scheme) {}
 
   /// The links' frame is set already.
@@ -143,7 +143,7 @@ class LinkWriter {
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
     const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
-    const std::uint32_t n = found.clear + found.narrow, end = lbm::filled_up(n);
+    const std::uint32_t n = found.clear + found.narrow, end = lbm::padded(n);
     if (n == 0) return;
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
@@ -186,7 +186,7 @@ class LinkWriter {
     make_room(n);
     std::copy(apart.place.begin(), apart.place.end(), place_.begin() + used_);
     std::copy(apart.q.begin(), apart.q.end(), q_.begin() + used_);
-    end_group(n, apart.corner, WallScheme::narrow, apart.ready);
+    end_group(n, apart.corner, WallScheme::single_cell_gap, apart.ready);
     apart.place.clear(), apart.q.clear(), apart.ready = -1;
   }
 
@@ -200,7 +200,7 @@ class LinkWriter {
     if (n == 0) return;
     std::uint32_t* const place = place_.data() + used_;
     T* const q = q_.data() + used_;
-    const std::uint32_t end = lbm::filled_up(n);
+    const std::uint32_t end = lbm::padded(n);
     std::fill(place + n, place + end, place[n - 1]), std::fill(q + n, q + end, q[n - 1]);
     links_->groups.push_back({used_, n, scheme, corner, ready});
     used_ += end;
@@ -228,7 +228,7 @@ class LinkWriter {
   }
 
   void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
-    const int padded = int(lbm::filled_up(n));
+    const int padded = int(lbm::padded(n));
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
     else if (is_tube_)
@@ -238,7 +238,7 @@ class LinkWriter {
   }
 
   const BlockMap& map_;
-  const lbm::Sweep& sweep_;
+  const lbm::PassOrder& sweep_;
   WallScheme scheme_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
@@ -274,7 +274,7 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
 
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::Sweep& sweep,
+                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::PassOrder& sweep,
                  std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
@@ -294,9 +294,10 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<float>&, const lbm::Sweep&, std::vector<SurfaceLinks<float>>&);
+                          const lbm::WallFluid<float>&, const lbm::PassOrder&,
+                          std::vector<SurfaceLinks<float>>&);
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<double>&, const lbm::Sweep&,
+                          const lbm::WallFluid<double>&, const lbm::PassOrder&,
                           std::vector<SurfaceLinks<double>>&);
 
 }  // namespace silt::coupler

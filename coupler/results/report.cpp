@@ -117,7 +117,7 @@ void add_scene(const Simulation& simulation, Json& report) {
     report["time_coupling"] = c.coupling.time == TimeCoupling::implicit_ ? "implicit" : "explicit";
     report["refill"] = c.coupling.refill == Refill::grad ? "grad" : "equilibrium";
     report["lubrication"] = lubrication_of(scene);
-    report["force"] = c.coupling.force == ForceForm::exact ? "exact" : "galilean";
+    report["force"] = std::string(lbm::force_form_names[int(c.coupling.force)]);
   }
 }
 

@@ -52,8 +52,8 @@ class Links {
     coupler::CouplingSpec coupling;
     coupling.wall_scheme = coupler::read_case_text(layers.text(), "bench").coupling.wall_scheme;
     coupler::build_links(map.blocks()[0], scene_.scene().world, scene_.bodies(), coupling,
-                         lbm::WallFluid<float>(fluid_.spec()), fluid_.sweep_of(0), links_.surfaces);
-    links_.order_groups(fluid_.sweep_of(0));
+                         lbm::WallFluid<float>(fluid_.spec()), fluid_.pass_order(0), links_.surfaces);
+    links_.order_groups(fluid_.pass_order(0));
     links_.gaps.pair(links_.surfaces, fluid_.domain(), box);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);
     const std::uint32_t middle = links_.inner[links_.inner.size() / 2].surface;

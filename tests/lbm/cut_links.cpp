@@ -79,7 +79,7 @@ class Walled {
     const std::uint32_t count = std::uint32_t(links.place.size()) - begin;
     if (count == 0) return;
     while (links.place.size() % link_lanes != 0) push(links.place.back(), links.q.back());
-    links.groups.push_back({begin, count, narrow ? WallScheme::narrow : scheme, {0, 0, z}, -1});
+    links.groups.push_back({begin, count, narrow ? WallScheme::single_cell_gap : scheme, {0, 0, z}, -1});
     if (narrow) narrow_links_ += count;
   }
 

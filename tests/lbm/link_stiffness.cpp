@@ -24,8 +24,7 @@ CutLinks<T> wall_links(WallScheme scheme) {
         links.q.push_back(T(0.05 + 0.9 * ((x * 7 + y * 13 + i) % 31) / 31.0));
       }
   const auto count = std::uint32_t(links.place.size());
-  links.place.resize(filled_up(count), links.place.back()),
-      links.q.resize(links.place.size(), links.q.back());
+  links.place.resize(padded(count), links.place.back()), links.q.resize(links.place.size(), links.q.back());
   links.groups.push_back({0, count, scheme, {0, 0, 3}, 0});
   return links;
 }

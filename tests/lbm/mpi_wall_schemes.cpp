@@ -42,7 +42,7 @@ CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, cons
 /// Lets the links know of a wall that moves along x, on their other side.
 void set_far_wall(CutLinks<double>& links, double q, double speed) {
   for (const std::uint32_t place : links.place)
-    links.far_q.push_back(q), links.far_u.push_back(c[place_direction(place)].x * speed);
+    links.opposite_q.push_back(q), links.opposite_u.push_back(c[place_direction(place)].x * speed);
 }
 
 /// Velocity along x of every layer, steady.
@@ -83,8 +83,8 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   const double rate = channel.tau - 0.5;
   const double least = channel.magic + least_excess * (0.5 + q);
   if (scheme == WallScheme::bounce_back) return {channel.magic, 0.5};
-  if (scheme == WallScheme::narrow) {
-    const double h = std::max(q, least_narrow);
+  if (scheme == WallScheme::single_cell_gap) {
+    const double h = std::max(q, least_gap_distance);
     return {2 * h * channel.magic, h};
   }
   if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
@@ -159,7 +159,7 @@ TEST(WallSchemes, ParabolicDependsLeastOnWhereTheWallIs) {
 TEST(WallSchemes, OneLayerOfCellsBetweenTwoWalls) {
   for (const auto& q : {std::array{0.6, 0.6}, std::array{0.9, 0.55}, std::array{0.2, 0.7}})
     for (const auto& r : rates)
-      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::narrow), 1e-10)
+      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::single_cell_gap), 1e-10)
           << "tau " << r[0] << " q " << q[0] << " " << q[1];
 }
 
@@ -170,7 +170,7 @@ TEST(WallSchemes, OneLayerOfCellsKnowsTheParabolaThroughBothWalls) {
       const Channel channel{r[0], r[1], q[0], q[1], 1, 1e-6, 1e-5, true};
       const double exact =
           channel.speed * q[0] / (q[0] + q[1]) + channel.force * q[0] * q[1] / 2 / ((channel.tau - 0.5) / 3);
-      EXPECT_NEAR(velocities(channel, WallScheme::narrow)[0] / exact, 1, 1e-9)
+      EXPECT_NEAR(velocities(channel, WallScheme::single_cell_gap)[0] / exact, 1, 1e-9)
           << "tau " << r[0] << " q " << q[0] << " " << q[1];
     }
 }

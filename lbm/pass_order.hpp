@@ -21,14 +21,15 @@ struct ShellFaces {
   bool y[2] = {}, z[2] = {};
 };
 
-class Sweep {
+class PassOrder {
  public:
   /// Bytes of populations that a strip may have in three planes: more than the second-level cache of most
   /// machines, since short strips cost the dense pass more than they save.
   static constexpr std::size_t cached_bytes = 2560 << 10;
 
-  Sweep() = default;
-  Sweep(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {}) : all_{0, size.y, 0, size.z} {
+  PassOrder() = default;
+  PassOrder(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {})
+      : all_{0, size.y, 0, size.z} {
     const std::size_t row = std::size_t(size.x) * directions * bytes_of_a_population;
     const int fitting = std::max(8, int(cached_bytes / (3 * row)));
     const int strips = std::max(1, (size.y + fitting / 2) / fitting);
