@@ -34,6 +34,11 @@ struct CellBox {  // cells lower <= x < lower + size
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
 };
 
+/// Rows [y0, y1) of the planes [z0, z1) of a block.
+struct RowRange {
+  int y0, y1, z0, z1;
+};
+
 /// A population on its way round the end of a row: to the row's other end, or back from a wall, whose motion
 /// adds something. Slots relative to the row's first cell.
 template <class T>

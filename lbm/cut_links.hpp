@@ -16,7 +16,7 @@
 #include "lbm/block.hpp"
 #include "lbm/force_form.hpp"
 #include "lbm/prefetch.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/wall_formula.hpp"
 
 namespace silt::lbm {
 
@@ -141,17 +141,26 @@ struct NextGroup {
   const LinkGroup* group = nullptr;
 };
 
+/// A group of links and the block that it lies in.
+template <class T>
+struct GroupInBlock {
+  Block<T>& block;
+  const LinkSlots& slots;  // of the block
+  const CutLinks<T>& links;
+  const LinkGroup& group;  // of the links
+  NextGroup<T> next = {};
+};
+
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.
 template <class T>
-void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&,
-                     ForceForm, LinkSums&, const NextGroup<T>& = {});
+void apply_cut_links(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
 
 /// Changes what was returned as if the surface had moved faster by `increment`; adds the mass only.
 template <class T>
-void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,
-                       const SurfaceMotion& increment, LinkSums&, const NextGroup<T>& = {});
+void correct_cut_links(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&);
 
-/// Of all links of a surface; depends on geometry only. `exponent`: of the surface (StiffnessSums).
+/// The stiffness of all links of a surface, which depends on geometry only. `exponent` is that of the surface
+/// (stiffness_exponent).
 template <class T>
 StiffnessSums stiffness_of(const CutLinks<T>&, int exponent);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lbm/kernels.hpp"
+#include "lbm/cut_links_kernel.hpp"
 #include "lbm/link_fetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -105,9 +105,10 @@ class GroupSums {
 };
 
 template <WallScheme scheme, class T>
-void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-           const SurfaceMotion& motion, ForceForm form, LinkSums& sums, LinkFetch<T>& fetch) {
+void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
+           LinkFetch<T>& fetch) {
   using L = Lanes<T>;
+  const auto& [block, slots, links, group, next] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -138,9 +139,10 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
 }
 
 template <WallScheme scheme, class T>
-void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-             const SurfaceMotion& increment, LinkSums& sums, LinkFetch<T>& fetch) {
+void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums,
+             LinkFetch<T>& fetch) {
   using L = Lanes<T>;
+  const auto& [block, slots, links, group, next] = here;
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);
@@ -168,30 +170,25 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
   sums.mass += mass.total();
 }
 
+template <class T>
+void apply_group(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  LinkFetch<T> fetch(here, Wanted::all);
+  with_scheme(here.group.scheme, [&](auto scheme) { apply<scheme()>(here, motion, form, sums, fetch); });
+}
+
+template <class T>
+void correct_group(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums) {
+  LinkFetch<T> fetch(here, Wanted::returned);
+  with_scheme(here.group.scheme, [&](auto scheme) { correct<scheme()>(here, increment, sums, fetch); });
+}
+
 }  // namespace
 
 template <class T>
-void apply_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-                 const SurfaceMotion& motion, ForceForm form, LinkSums& sums, const NextGroup<T>& next) {
-  LinkFetch<T> fetch(block, slots, {&links, &group}, next, Wanted::all);
-  with_scheme(group.scheme,
-              [&](auto scheme) { apply<scheme()>(block, slots, links, group, motion, form, sums, fetch); });
+LinkKernels<T> link_kernels() {
+  return {apply_group<T>, correct_group<T>};
 }
-
-template <class T>
-void correct_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-                   const SurfaceMotion& increment, LinkSums& sums, const NextGroup<T>& next) {
-  LinkFetch<T> fetch(block, slots, {&links, &group}, next, Wanted::returned);
-  with_scheme(group.scheme,
-              [&](auto scheme) { correct<scheme()>(block, slots, links, group, increment, sums, fetch); });
-}
-
-#define SILT_INSTANTIATE(T)                                                                      \
-  template void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
-                            const SurfaceMotion&, ForceForm, LinkSums&, const NextGroup<T>&);    \
-  template void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
-                              const SurfaceMotion&, LinkSums&, const NextGroup<T>&);
-SILT_INSTANTIATE(float)
-SILT_INSTANTIATE(double)
+template LinkKernels<float> link_kernels();
+template LinkKernels<double> link_kernels();
 
 }  // namespace silt::lbm::SILT_ISA

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "lbm/collision.hpp"
 #include "lbm/prefetch.hpp"
+#include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
 
@@ -50,7 +52,7 @@ template <class T>
 Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
     : domain_(domain),
       spec_(spec),
-      rates_(spec),
+      rates_(std::make_unique<CollisionRates<T>>(spec)),
       comm_(comm),
       blocks_(local_blocks<T>(domain, comm)),
       orders_(orders_of<T>(domain, comm)),
@@ -58,31 +60,37 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
       halo_(domain_, comm, blocks_, orders_, spec.force) {}
 
 template <class T>
+Fluid<T>::~Fluid() = default;
+
+template <class T>
 void Fluid<T>::set_mass_correction(double density_per_cell) {
-  rates_.mass_correction = T(density_per_cell);
-  rates_.source = CollisionRates<T>(spec_).source || rates_.mass_correction != 0;
+  rates_->mass_correction = T(density_per_cell);
+  rates_->source = CollisionRates<T>(spec_).source || rates_->mass_correction != 0;
 }
 
 template <class T>
 void Fluid<T>::collide_shells() {
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (const RowRange& rows : orders_[b].shell())
-      if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, rates_, rows);
+      if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, *rates_, rows);
   halo_.start(blocks_, flipped(parity_));
+}
+
+template <class T>
+void Fluid<T>::collide_rows(int b, RowRange rows) {
+  lbm::stream_collide(blocks_[b], parity_, *rates_, rows);
+  halo_.progress();
 }
 
 template <class T>
 void Fluid<T>::stream_collide() {
   collide_shells();
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+  for (int b = 0; b < int(blocks_.size()); ++b) {
     if (idle_[b]) continue;
     const RowRange inner = orders_[b].inner();
     const int planes = std::max(1, (inner.z1 - inner.z0 + 7) / 8);  // between looks at the messages
-    for (int z = inner.z0; z < inner.z1; z += planes) {
-      lbm::stream_collide(blocks_[b], parity_, rates_,
-                          {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
-      halo_.progress();
-    }
+    for (int z = inner.z0; z < inner.z1; z += planes)
+      collide_rows(b, {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
   }
   parity_ = flipped(parity_);
 }

@@ -3,17 +3,20 @@
 // velocity and momentum flux where they are asked for (never computed otherwise).
 #include <mpi.h>
 
+#include <memory>
 #include <vector>
 
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
 #include "lbm/pass_order.hpp"
-#include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
 
-/// Of one cell, from the populations arriving at it. Deviations from density 1 at rest.
+template <class T>
+struct CollisionRates;
+
+/// The moments of the populations that arrive at one cell: deviations from density 1 at rest.
 struct Moments {
   double density_deviation = 0;
   double momentum[3] = {};  // sum c g, without the half force
@@ -23,7 +26,9 @@ struct Moments {
 template <class T>
 class Fluid {
  public:
+  /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   Fluid(const Domain&, const CollisionSpec&, MPI_Comm);
+  ~Fluid();
 
   const Domain& domain() const { return domain_; }
   const CollisionSpec& spec() const { return spec_; }
@@ -47,8 +52,7 @@ class Fluid {
     collide_shells();
     for (int b = 0; b < int(blocks_.size()); ++b)
       for (int part = 0; !idle_[b] && part < orders_[b].parts(); ++part) {
-        lbm::stream_collide(blocks_[b], parity_, rates_, orders_[b].rows_of(part));
-        halo_.progress();
+        collide_rows(b, orders_[b].rows_of(part));
         after_part(b, part);
       }
     parity_ = flipped(parity_);
@@ -79,10 +83,11 @@ class Fluid {
 
  private:
   void collide_shells();
+  void collide_rows(int b, RowRange);
 
   Domain domain_;
   CollisionSpec spec_;
-  CollisionRates<T> rates_;
+  std::unique_ptr<CollisionRates<T>> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
   std::vector<PassOrder> orders_;  // of the blocks

@@ -15,9 +15,12 @@ class LinkFetch {
  public:
   using L = Lanes<T>;
 
-  LinkFetch(const Block<T>& block, const LinkSlots& slots, const NextGroup<T>& present,
-            const NextGroup<T>& next, Wanted wanted)
-      : block_(block), slots_(slots), present_(present), next_(next), wanted_(wanted) {}
+  LinkFetch(const GroupInBlock<T>& here, Wanted wanted)
+      : block_(here.block),
+        slots_(here.slots),
+        present_{&here.links, &here.group},
+        next_(here.next),
+        wanted_(wanted) {}
 
   /// Before the links from l on of the present group, a vector of them, are computed.
   void before(int l) {

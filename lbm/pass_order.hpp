@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lbm/stream_collide.hpp"
+#include "lbm/block.hpp"
 
 namespace silt::lbm {
 

@@ -21,14 +21,10 @@ struct Planes {
   int z, count;
 };
 
-LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const LinkBits& bits,
-                   std::uint32_t* place, std::uint32_t* narrow) {
-  SILT_DISPATCH(list_links, frame, planes.z, planes.count, y0, y1, bits, place, narrow)
-}
 template <class Real, class T>
-void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
-                  const SurfaceView<Real>& surface, T* q) {
-  SILT_DISPATCH(surface_distances, place, padded, frame, corner, surface, q)
+SurfaceDistances<Real, T> distance_kernel() {
+  return lbm::chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
+                     avx512::surface_distances<Real, T>)();
 }
 
 /// Reads rows of 64 bits and writes them as the rows of a window.
@@ -142,7 +138,8 @@ class LinkWriter {
     make_room(lbm::directions * most);
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
-    const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
+    const LinkCounts found =
+        bit_kernels().list_links(frame, {planes.z, planes.count, y0, y1}, bits, place, narrow_.data());
     const std::uint32_t n = found.clear + found.narrow, end = lbm::padded(n);
     if (n == 0) return;
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
@@ -232,9 +229,9 @@ class LinkWriter {
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
     else if (is_tube_)
-      distances_of(place, padded, links_->frame, corner, tube_.view(), q);
+      distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), q);
     else
-      distances_of(place, padded, links_->frame, corner, surface_.view(), q);
+      distance_kernel<T, T>()(place, padded, links_->frame, corner, surface_.view(), q);
   }
 
   const BlockMap& map_;

@@ -7,6 +7,7 @@
 #include "coupler/results/build_info.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/isa.hpp"
 #include "rigid/shapes/curvature.hpp"
 
 namespace silt::coupler {
@@ -202,7 +203,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["version"] = build_info().version;
   report["commit"] = build_info().commit;
   report["compiler"] = build_info().compiler;
-  report["instruction_set"] = instruction_set();
+  report["instruction_set"] = std::string(lbm::instruction_set());
   return report;
 }
 

@@ -96,9 +96,7 @@ struct alignas(64) BlockFilm {
   Lanes normal_stiffness, normal_damped, tangential_damped;
 };
 
-// prepare_blocks: once a step, after the groups are filled.
-
-/// One sweep over the groups.
+/// How the groups are swept.
 struct Sweep {
   int number;        // from 1; the first solves every pair, later ones those of which a body changed
   bool plain;        // not accelerated: impulses stay as found
@@ -106,18 +104,31 @@ struct Sweep {
   double tolerance;  // a relative change above it marks both bodies as changed
 };
 
-// The sweeps return the largest relative change of a pair that is not final.
-#define SILT_CONTACT_KERNELS(isa)                                                                         \
-  namespace silt::rigid::isa {                                                                            \
-  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);      \
-  double sweep_films(FilmGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);           \
-  void prepare_blocks(BlockGroup*, std::size_t groups);                                                   \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BlockFilm*, const BodyState*, \
-                      const Sweep&);                                                                      \
-  }
+// The kernels. A sweep goes once over its groups and returns the largest relative change of a pair that is
+// not final; blocks are prepared once a step, after the groups are filled.
+using SweepCentral = double(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);
+using SweepFilms = double(FilmGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);
+using SweepBlocks = double(BlockGroup*, std::size_t groups, BlockContact*, const BlockFilm*, const BodyState*,
+                           const Sweep&);
+using PrepareBlocks = void(BlockGroup*, std::size_t groups);
+
+namespace portable {
+SweepCentral sweep_central;
+SweepFilms sweep_films;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace portable
+namespace avx2 {
+SweepCentral sweep_central;
+SweepFilms sweep_films;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace avx2
+namespace avx512 {
+SweepCentral sweep_central;
+SweepFilms sweep_films;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace avx512
 
 }  // namespace silt::rigid
-
-SILT_CONTACT_KERNELS(portable)
-SILT_CONTACT_KERNELS(avx2)
-SILT_CONTACT_KERNELS(avx512)

@@ -45,7 +45,7 @@ class Textbook {
   /// Without the ghost layer.
   void collide() {
     arrays_.from = populations_[now_].data(), arrays_.to = populations_[1 - now_].data();
-    pull_and_relax(arrays_, variant_.layout, variant_.effort);
+    pull_and_relax<T>()(arrays_, variant_.layout, variant_.effort);
     now_ = 1 - now_;
   }
   void fill_ghosts() {
@@ -285,7 +285,7 @@ void run(const Options& o) {
   if (loud) {
     for (const Variant& v : variants) require_same_flow<float>(v), require_same_flow<double>(v);
     peak[0] = peak_gflops<float>(), peak[1] = peak_gflops<double>();
-    printf("%s, peak %.0f GFlop/s single, %.0f double\n", lbm::instruction_set(), peak[0], peak[1]);
+    printf("%s, peak %.0f GFlop/s single, %.0f double\n", lbm::instruction_set().data(), peak[0], peak[1]);
     for (const int n : plan.sizes)
       one_core<float>(n, plan, peak[0], out), one_core<double>(n, plan, peak[1], out);
   }

@@ -71,13 +71,13 @@ class Links {
 
   void apply(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::apply_cut_links(fluid_.blocks()[0], links_.slots, links, group, {}, lbm::ForceForm::galilean,
-                           sums_, after);
+      lbm::apply_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after}, {},
+                                  lbm::ForceForm::galilean, sums_);
     });
   }
   void correct(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::correct_cut_links(fluid_.blocks()[0], links_.slots, links, group, {}, sums_, after);
+      lbm::correct_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after}, {}, sums_);
     });
   }
   void sum_stiffness() {

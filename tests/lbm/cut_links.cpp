@@ -45,7 +45,8 @@ class Walled {
     const LinkSlots slots = link_slots(fluid_.blocks()[0], fluid_.parity());
     for (int k = 0; k < 2; ++k)
       for (const LinkGroup& g : links_[k].groups)
-        apply_cut_links(fluid_.blocks()[0], slots, links_[k], g, motions[k], ForceForm::galilean, sums_[k]);
+        apply_cut_links<double>({fluid_.blocks()[0], slots, links_[k], g}, motions[k], ForceForm::galilean,
+                                sums_[k]);
   }
   template <class F>
   void for_fluid(F&& f) {

@@ -36,8 +36,8 @@ template <class T>
 std::array<double, 6> force_of(const CutLinks<T>& links, const SurfaceMotion& motion) {
   Block<T> block({{0, 0, 0}, {edge, edge, 8}});
   LinkSums sums;
-  apply_cut_links(block, link_slots(block, Parity::settled), links, links.groups[0], motion, ForceForm::exact,
-                  sums);
+  const LinkSlots slots = link_slots(block, Parity::settled);
+  apply_cut_links<T>({block, slots, links, links.groups[0]}, motion, ForceForm::exact, sums);
   EXPECT_FALSE(sums.invalid);
   std::array<double, 6> force;
   for (int d = 0; d < 3; ++d)

@@ -1,5 +1,5 @@
-// What each wall scheme holds at a flat wall, against the closure that wall_scheme.hpp states: flow driven by
-// a force between two planes anywhere in the grid. Every rank does the same.
+// What each wall scheme holds at a flat wall, against the closure of lbm/README.md, equation 12: flow driven
+// by a force between two planes anywhere in the grid. Every rank does the same.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -67,8 +67,8 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     LinkSums sums;
     const LinkSlots slots = link_slots(fluid.blocks()[0], fluid.parity());
     for (int k = 0; k < 2; ++k)
-      apply_cut_links(fluid.blocks()[0], slots, links[k], links[k].groups[0], motions[k], ForceForm::exact,
-                      sums);
+      apply_cut_links<double>({fluid.blocks()[0], slots, links[k], links[k].groups[0]}, motions[k],
+                              ForceForm::exact, sums);
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
