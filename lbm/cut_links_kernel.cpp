@@ -1,5 +1,5 @@
-// Built once an instruction set. A vector of links at a time: place, gather, formula, scatter, sums, all in
-// registers (groups are filled up to whole vectors).
+// The pass over cut links, built once an instruction set. A vector of links at a time: place, gather,
+// formula, scatter, sums, all in registers (groups are padded to whole vectors).
 #include <algorithm>
 #include <cmath>
 
@@ -9,20 +9,23 @@
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-/// Velocity of a rigid surface.
+/// The velocity of a rigid surface at an arm.
 template <class T>
 struct Motion {
   using V = typename Lanes<T>::Real;
   T v[3], o[3];
   explicit Motion(const SurfaceMotion& m) {
-    for (int k = 0; k < 3; ++k) v[k] = T(m.v[k]), o[k] = T(m.omega[k]);
+    for (int k = 0; k < 3; ++k) {
+      v[k] = T(m.v[k]);
+      o[k] = T(m.omega[k]);
+    }
   }
   V x(const V& y, const V& z) const { return v[0] + (o[1] * z - o[2] * y); }
   V y(const V& z, const V& x) const { return v[1] + (o[2] * x - o[0] * z); }
   V z(const V& x, const V& y) const { return v[2] + (o[0] * y - o[1] * x); }
 };
 
-/// The largest |f* + f_opp| for which no term leaves its range.
+/// The largest |f* + f_opp| for which no term leaves its range (README.md, "Forces and sums").
 double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   double u = 0;
   for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
@@ -43,7 +46,7 @@ typename Lanes<T>::Real velocity_along(const T* data, const LinkSlots& slots, co
   return at.along(momentum[0], momentum[1], momentum[2]);
 }
 
-/// What a vector of links sends to the surface, and what comes back.
+/// A vector of links sends `out` to the surface; `back` is what comes back (README.md, equations 9 and 15).
 template <class T>
 struct Exchange {
   typename Lanes<T>::Real out, back;
@@ -87,13 +90,18 @@ class GroupSums {
                     (at.c[2] * sum - uz * difference) * scale};
     const auto& r = at.r;
     for (int d = 0; d < 3; ++d) force_[d].add(g[d]);
-    torque_[0].add(r[1] * g[2] - r[2] * g[1]), torque_[1].add(r[2] * g[0] - r[0] * g[2]);
+    torque_[0].add(r[1] * g[2] - r[2] * g[1]);
+    torque_[1].add(r[2] * g[0] - r[0] * g[2]);
     torque_[2].add(r[0] * g[1] - r[1] * g[0]);
-    mass_.add(returned * mass_scale), mass_.subtract(in * mass_scale);
+    mass_.add(returned * mass_scale);
+    mass_.subtract(in * mass_scale);
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
   void add_to(LinkSums& sums) const {
-    for (int d = 0; d < 3; ++d) sums.force[d] += force_[d].total(), sums.torque[d] += torque_[d].total();
+    for (int d = 0; d < 3; ++d) {
+      sums.force[d] += force_[d].total();
+      sums.torque[d] += torque_[d].total();
+    }
     sums.mass += mass_.total();
     if (!L::all(good_)) sums.invalid = true;
   }
@@ -164,7 +172,8 @@ void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSu
     L::scatter(data, slot, after);
     const auto counted = L::below(count - l);
     constexpr T scale = T(1 / mass_quantum);
-    mass.add(counted ? V(after * scale) : V{}), mass.subtract(counted ? V(before * scale) : V{});
+    mass.add(counted ? V(after * scale) : V{});
+    mass.subtract(counted ? V(before * scale) : V{});
   }
   fetch.finish(l);
   sums.mass += mass.total();

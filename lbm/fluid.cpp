@@ -18,7 +18,7 @@ std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
   return blocks;
 }
 
-/// Faces beyond which another rank is.
+/// The faces of a block beyond which another rank is.
 ShellFaces shell_of(const Domain& domain, int b) {
   const BlockPlace& place = domain.blocks()[b];
   ShellFaces shell;
@@ -106,9 +106,15 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
     const double g = arriving(b, x, i);
     const Int3 v = c[i];
     m.density_deviation += g;
-    add(m.momentum[0], v.x, g), add(m.momentum[1], v.y, g), add(m.momentum[2], v.z, g);
-    add(m.flux[0], v.x * v.x, g), add(m.flux[1], v.y * v.y, g), add(m.flux[2], v.z * v.z, g);
-    add(m.flux[3], v.x * v.y, g), add(m.flux[4], v.x * v.z, g), add(m.flux[5], v.y * v.z, g);
+    add(m.momentum[0], v.x, g);
+    add(m.momentum[1], v.y, g);
+    add(m.momentum[2], v.z, g);
+    add(m.flux[0], v.x * v.x, g);
+    add(m.flux[1], v.y * v.y, g);
+    add(m.flux[2], v.z * v.z, g);
+    add(m.flux[3], v.x * v.y, g);
+    add(m.flux[4], v.x * v.z, g);
+    add(m.flux[5], v.y * v.z, g);
   }
   return m;
 }

@@ -43,10 +43,10 @@ class Fluid {
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
-  /// soon as what they carry is there. Then exchange().
+  /// soon as what they carry is there. Call exchange() next.
   void stream_collide();
-  /// The same, part by part (pass_order.hpp): calls after_part(block, part) when a part of a block is done,
-  /// in the order of blocks and parts.
+  /// Does the same part by part (pass_order.hpp), and calls after_part(block, part) when a part of a block is
+  /// done, in the order of blocks and parts.
   template <class AfterPart>
   void stream_collide(AfterPart&& after_part) {
     collide_shells();
@@ -58,8 +58,8 @@ class Fluid {
     parity_ = flipped(parity_);
   }
   const PassOrder& pass_order(int b) const { return orders_[b]; }
-  /// Ghost slots and domain walls, for the pass just done: what messages are left, and waiting for all. Cut
-  /// links of the rim come after it.
+  /// Fills or returns ghost slots and applies domain walls, for the pass just done: sends what messages are
+  /// left and waits for all. Cut links of the rim come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
 
   T& arriving(int b, Int3 local_cell, int i) {
@@ -68,12 +68,12 @@ class Fluid {
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
   }
-  /// What left a cell along i in the last pass (until the next one).
+  /// The population that left a cell along i in the last pass (until the next one).
   T leaving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// A hint that the populations arriving at a cell (ghosts too) will be asked for soon.
+  /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
   void prefetch(int b, Int3 local_cell) const;
   /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
   std::array<double, 3> velocity(const Moments&) const;
@@ -96,7 +96,7 @@ class Fluid {
   Halo<T> halo_;
 };
 
-/// g_i^eq of a density deviation and momentum (incompressible, quadratic), in double.
+/// The equilibrium of a density deviation and momentum (README.md, equation 2), in double.
 double equilibrium(int i, double density_deviation, const double momentum[3]);
 
 }  // namespace silt::lbm

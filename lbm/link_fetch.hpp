@@ -7,7 +7,7 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// What of a link is wanted: all that a scheme reads and writes, or only what the surface returns.
+/// Of a link either all that a scheme reads and writes is wanted, or only what the surface returns.
 enum class Wanted { all, returned };
 
 template <class T>
@@ -22,12 +22,12 @@ class LinkFetch {
         next_(here.next),
         wanted_(wanted) {}
 
-  /// Before the links from l on of the present group, a vector of them, are computed.
+  /// Call before a vector of links of the present group, those from l on, is computed.
   void before(int l) {
     if (l % window == 0) prepare(l + window);
     fetch(l % window);
   }
-  /// After the last: `l` is past it.
+  /// Call after the last; `l` is past it.
   void finish(int l) {
     for (int k = l % window; k > 0 && k < prepared_; k += L::count) fetch(k);
   }
@@ -43,7 +43,7 @@ class LinkFetch {
       list(next_, 0);
   }
 
-  /// Where the populations of a window of links are. The last vector's rows are as short as it.
+  /// Lists where the populations of a window of links are. The last vector's rows are as short as it.
   void list(const NextGroup<T>& links, int first) {
     const LinkGroup& group = *links.group;
     const PlaceOrigin<T> origin(block_, group.corner, links.links->frame);
@@ -71,7 +71,10 @@ class LinkFetch {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
     } else {
       add(at.slots(slots_.out));
-      if (reads_behind(scheme)) add(at.slots(slots_.behind)), add(at.slots(slots_.against));
+      if (reads_behind(scheme)) {
+        add(at.slots(slots_.behind));
+        add(at.slots(slots_.against));
+      }
     }
   }
 

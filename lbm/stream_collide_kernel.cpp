@@ -1,4 +1,5 @@
-// Built once an instruction set (SILT_ISA names the namespace). Bytes a cell and step: 19 reads, 19 writes.
+// The dense pass, built once an instruction set (SILT_ISA names the namespace). A cell takes 19 reads and 19
+// writes a step.
 //
 // The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
 // goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
@@ -55,7 +56,8 @@ struct AllLanes {
   }
 };
 
-/// Ahead of use, so that memory answers in time: the hardware's own streams are too few for nineteen arrays.
+/// Fetches ahead of use, so that memory answers in time: the hardware's own streams are too few for nineteen
+/// arrays.
 struct Prefetch {
   template <class T>
   void operator()(const T* p) const {
