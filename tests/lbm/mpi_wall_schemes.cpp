@@ -45,7 +45,7 @@ void set_far_wall(CutLinks<double>& links, double q, double speed) {
     links.opposite_q.push_back(q), links.opposite_u.push_back(c[place_direction(place)].x * speed);
 }
 
-/// Velocity along x of every layer, steady.
+/// The steady velocity along x of every layer.
 std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   const SideCondition periodic{SideKind::periodic, {}, 0};
   const Int3 n{width, width, channel.layers + 2};
@@ -75,7 +75,7 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   return u;
 }
 
-/// T of the closure, and the distance at which it sees the wall.
+/// The T of the closure, and the distance at which it sees the wall.
 struct Closure {
   double t, distance;
 };
@@ -97,16 +97,17 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
 double difference(const Channel& channel, WallScheme scheme) {
   const Closure low = closure_of(scheme, channel.below, channel),
                 high = closure_of(scheme, channel.above, channel);
-  const double bend = -3 * channel.force / (channel.tau - 0.5), last = channel.layers - 1;
-  // u = a + b z + bend z^2 / 2, z from the first layer
-  const double at_low = -2 / 3. * low.t * bend;
-  const double at_high = channel.speed - 2 / 3. * high.t * bend - bend * last * (last / 2 + high.distance);
+  const double curvature = -3 * channel.force / (channel.tau - 0.5), last = channel.layers - 1;
+  // u = a + b z + curvature z^2 / 2, z from the first layer
+  const double at_low = -2 / 3. * low.t * curvature;
+  const double at_high =
+      channel.speed - 2 / 3. * high.t * curvature - curvature * last * (last / 2 + high.distance);
   const double b = (at_high - at_low) / (last + high.distance + low.distance), a = at_low + b * low.distance;
   const std::vector<double> u = velocities(channel, scheme);
   double largest = 0, off = 0;
   for (int k = 0; k < channel.layers; ++k) {
     largest = std::max(largest, std::fabs(u[k]));
-    off = std::max(off, std::fabs(u[k] - (a + b * k + bend * k * k / 2)));
+    off = std::max(off, std::fabs(u[k] - (a + b * k + curvature * k * k / 2)));
   }
   return off / largest;
 }
