@@ -3,10 +3,8 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "coupler/exchange/body_exchange.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
@@ -22,8 +20,8 @@ using rigid::Vec3;
 
 namespace {
 
-/// Steps between two weighings of the fluid for the pressure anchor, each the price of some steps.
-constexpr std::int64_t weighing_interval = 2000;
+/// Steps between two recounts of the fluid for the mass correction; each costs as much as some steps.
+constexpr std::int64_t recount_interval = 2000;
 
 /// Of mass and momentum of cells.
 std::int64_t to_quanta(double x) {
@@ -41,7 +39,8 @@ class FlowOf final : public Flow {
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps),
-        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
+        gravity_(scene.gravity),
+        corrects_mass_(scene.coupling.mass_correction && scene.has_surfaces() && !has_outlet(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
@@ -54,31 +53,28 @@ class FlowOf final : public Flow {
     give_pending_blows(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
-  void stream_collide(const Vec3& gravity) override {
-    if (anchored_) set_anchor_density();
+  void stream_collide(StepClock& clock) override {
+    if (corrects_mass_) set_mass_source();
     if (world_.shapes.empty()) return fluid_.stream_collide();
     fluid_.stream_collide([&](int b, int part) {
       if (!forces_.waiting(links_[b], part)) return;
-      const auto begin = std::chrono::steady_clock::now();
-      forces_.after_part(fluid_.blocks()[b], links_[b], part, gravity);
-      link_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      clock.timed(Stage::force_evaluation,
+                  [&] { forces_.after_part(fluid_.blocks()[b], links_[b], part, gravity_); });
     });
   }
-  double take_link_seconds() override { return std::exchange(link_seconds_, 0.0); }
-
   void communicate() override { fluid_.exchange(); }
 
-  void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
+  void evaluate_forces(rigid::BodySet& bodies) override {
     stepped_ = true;
-    const std::int64_t from_links = forces_(fluid_, links_, bodies, gravity);
-    if (!anchored_) return;
+    const std::int64_t from_links = forces_(fluid_, links_, bodies, gravity_);
+    if (!corrects_mass_) return;
     std::int64_t mine[3] = {from_links, mass_gained_, cells_gained_}, all[3];
     MPI_Allreduce(mine, all, 3, MPI_INT64_T, MPI_SUM, fluid_.comm());
-    anchor_.gain = all[0];
-    anchor_.mass += all[0] + all[1] + to_quanta(anchor_density_ * double(all[2]));
-    anchor_.fluid_cells += all[2];
+    correction_.link_gain = all[0];
+    correction_.surplus += all[0] + all[1] + to_quanta(mass_source_ * double(all[2]));
+    correction_.fluid_cells += all[2];
     mass_gained_ = cells_gained_ = 0;
-    if (++anchor_.steps % weighing_interval == 0) weigh();
+    if (++correction_.steps % recount_interval == 0) recount();
   }
 
   const lbm::Domain& domain() const override { return fluid_.domain(); }
@@ -94,15 +90,17 @@ class FlowOf final : public Flow {
   void set_arriving(int b, Int3 x, int i, double g) override { fluid_.arriving(b, x, i) = T(g); }
   std::size_t bytes() const override { return fluid_.bytes(); }
   MappingCounts mapping() const override { return counts_; }
-  AnchorState anchor() const override { return anchor_; }
-  void set_anchor(const AnchorState& a) override { anchor_ = a, restarted_ = true; }
+  const MassCorrectionState& mass_correction() const override { return correction_; }
+  void set_mass_correction(const MassCorrectionState& state) override {
+    correction_ = state, restarted_ = true;
+  }
 
   void start(rigid::BodySet& bodies) override {
     map_(bodies);
     rebuild_links(bodies);
     if (restarted_) return;
     forces_.start(map_.blocks(), bodies);
-    if (anchored_) weigh();
+    if (corrects_mass_) recount();
   }
 
   FlowTotals totals() const override;
@@ -134,15 +132,16 @@ class FlowOf final : public Flow {
     return all;
   }
 
-  /// The pressure anchor: interpolated walls, and cells that change sides, do not conserve mass. What is
+  /// The mass correction: interpolated walls, and cells that change sides, do not conserve mass. What is
   /// known to have been gained, and as much as the links gained in the last step for the one to come, is
   /// taken out of all cells alike. (Cells that have changed sides in this step are known when it ends.)
-  void set_anchor_density() {
-    const std::int64_t surplus = anchor_.mass + anchor_.gain;
-    anchor_density_ =
-        anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0;
-    fluid_.set_mass_correction(anchor_density_);
-    anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
+  void set_mass_source() {
+    const std::int64_t surplus = correction_.surplus + correction_.link_gain;
+    mass_source_ = correction_.fluid_cells > 0
+                       ? -double(surplus) * lbm::mass_quantum / double(correction_.fluid_cells)
+                       : 0;
+    fluid_.set_mass_correction(mass_source_);
+    correction_.surplus -= surplus;  // to the quantum; the rounding of single cells is not seen
   }
 
   /// Visits cells whose populations are asked for a few cells ahead.
@@ -165,11 +164,12 @@ class FlowOf final : public Flow {
     rebuild_links(bodies);
   }
 
-  /// Populations in single precision round: what the anchor knows differs from what there is by some 1e-13 a
-  /// cell and step.
-  void weigh() {
+  /// Populations in single precision round: what the correction knows differs from what there is by some
+  /// 1e-13 a cell and step.
+  void recount() {
     const FlowTotals now = totals();
-    anchor_.mass = to_quanta(now.mass_deviation), anchor_.fluid_cells = std::int64_t(now.fluid_cells);
+    correction_.surplus = to_quanta(now.mass_deviation),
+    correction_.fluid_cells = std::int64_t(now.fluid_cells);
   }
 
   /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
@@ -202,7 +202,7 @@ class FlowOf final : public Flow {
   /// Mass, and in the exact form momentum, of a cell that a body covered (+1: the body gains it) or left
   /// (-1).
   void hand_over(const CoveredCell& c, const rigid::BodySet& bodies, int sign) {
-    if (!anchored_ && coupling_.force != ForceForm::exact) return;
+    if (!corrects_mass_ && coupling_.force != ForceForm::exact) return;
     const lbm::Moments m = fluid_.moments(c.block, c.cell);
     mass_gained_ -= sign * to_quanta(m.density_deviation);
     cells_gained_ -= sign;
@@ -236,11 +236,11 @@ class FlowOf final : public Flow {
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;
-  double link_seconds_ = 0;
-  bool anchored_, restarted_ = false, stepped_ = false;
-  AnchorState anchor_;
-  double anchor_density_ = 0;                        // added to every cell in this step
-  std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it
+  Vec3 gravity_;
+  bool corrects_mass_, restarted_ = false, stepped_ = false;
+  MassCorrectionState correction_;
+  double mass_source_ = 0;                           // added to every cell in this step
+  std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the correction last heard of it
 };
 
 template <class T>

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "coupler/case/case.hpp"
+#include "coupler/stage.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -30,12 +31,12 @@ struct FlowTotals {
   std::array<int, 3> bad_cell{};
 };
 
-/// What the pressure anchor remembers between steps (mass quanta, 2^-40; the same on every rank).
-struct AnchorState {
-  std::int64_t mass = 0;  // sum of the density deviations of all fluid cells; 0 without an anchor
+/// What the mass correction remembers between steps; masses in lbm::mass_quantum. The same on every rank.
+struct MassCorrectionState {
+  std::int64_t surplus = 0;  // sum of the density deviations of all fluid cells; 0 without a correction
   std::int64_t fluid_cells = 0;
-  std::int64_t gain = 0;   // of the last step, through links: what the next one will bring
-  std::int64_t steps = 0;  // since the simulation began
+  std::int64_t link_gain = 0;  // through links in the last step, which is what the next one will bring
+  std::int64_t steps = 0;      // since the simulation began
 };
 
 struct Load {
@@ -50,17 +51,15 @@ class Flow {
   /// Object mapping: bodies that moved further than the tolerance onto the lattice at their present poses;
   /// links rebuilt where something changed; uncovered cells refilled. Renews mapping_pose of every held row.
   virtual void map_bodies(rigid::BodySet&) = 0;
-  /// With it the links that touch no ghost cell, while their populations are in cache; under implicit
-  /// coupling this needs the gravity that will act.
-  virtual void stream_collide(const rigid::Vec3& gravity) = 0;
-  /// Seconds that links took within stream_collide since this was last asked.
-  virtual double take_link_seconds() = 0;
+  /// With it the links that touch no ghost cell, while their populations are in cache. The clock counts what
+  /// they take as force evaluation.
+  virtual void stream_collide(StepClock&) = 0;
   /// LBM communication: ghost layers and domain walls.
   virtual void communicate() = 0;
   /// Force evaluation: what the other surfaces return, and force and torque on bodies added to the rows'
   /// accumulators (at the owners). With implicit coupling also solves for the bodies' new velocity and
   /// returns with it.
-  virtual void evaluate_forces(rigid::BodySet&, const rigid::Vec3& gravity) = 0;
+  virtual void evaluate_forces(rigid::BodySet&) = 0;
 
   // ---- between steps ----
   virtual const lbm::Domain& domain() const = 0;
@@ -80,8 +79,8 @@ class Flow {
   virtual MappingCounts mapping() const = 0;  // of the last step, this rank
 
   /// Collective. First call after the bodies exist and before the first step: maps without refilling, at the
-  /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and set_anchor
-  /// first.
+  /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and
+  /// set_mass_correction first.
   virtual void start(rigid::BodySet&) = 0;
   virtual FlowTotals totals() const = 0;  // collective
   /// Wrapping sum over this rank's fluid cells of XXH3 of global cell index and its arriving populations.
@@ -92,8 +91,8 @@ class Flow {
   /// Force and torque of the fluid on a wall in the last step (`wall` counts the walls' rows), the torque
   /// about its position. Collective, in fixed point. Zero before the first step.
   virtual Load wall_load(std::size_t wall) const = 0;
-  virtual AnchorState anchor() const = 0;
-  virtual void set_anchor(const AnchorState&) = 0;
+  virtual const MassCorrectionState& mass_correction() const = 0;
+  virtual void set_mass_correction(const MassCorrectionState&) = 0;
 };
 
 /// The domain a case asks for, cut for a number of ranks. std::invalid_argument if it cannot be.

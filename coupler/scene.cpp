@@ -141,7 +141,6 @@ SceneParts Scene::parts() {
   parts.flow = flow.get();
   parts.rigid_step = rigid_step.get();
   parts.substeps = setup.contacts.substeps;
-  parts.gravity = setup.gravity;
   parts.surfaces = has_surfaces();
   return parts;
 }

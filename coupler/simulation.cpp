@@ -28,9 +28,9 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);
-      AnchorState anchor = saved->anchor;
-      anchor.steps = saved->step;
-      scene_.flow->set_anchor(anchor);
+      MassCorrectionState correction = saved->mass_correction;
+      correction.steps = saved->step;
+      scene_.flow->set_mass_correction(correction);
     } else {
       set_initial_flow(setup(), *scene_.flow);
     }
