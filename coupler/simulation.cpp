@@ -7,8 +7,9 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
-#include "coupler/forces/fluid_forces.hpp"
+#include "coupler/forces/covered_momentum.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/isa.hpp"

@@ -13,6 +13,7 @@
 #include "coupler/guard.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
 
