@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/case/case.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "lbm/lattice.hpp"
 

@@ -2,10 +2,14 @@
 // Flows with closed forms, in lattice units: what a run may begin with, and what it is compared with.
 #include <array>
 #include <memory>
+#include <string>
 
-#include "coupler/case/case.hpp"
+#include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
+
+struct Case;
+class Flow;
 
 /// The two-dimensional Taylor-Green vortex in the x-y plane, one wave a period:
 ///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y) e^(-nu (kx^2 + ky^2) t),  exact for incompressible
@@ -68,6 +72,6 @@ class WallProfile : public ExactProfile {
 };
 
 /// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh (at rest).
-void set_initial_flow(const Case&, class Flow&);
+void set_initial_flow(const Case&, Flow&);
 
 }  // namespace silt::coupler

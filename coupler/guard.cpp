@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/case/case.hpp"
+#include "coupler/flow_totals.hpp"
+#include "rigid/bodies/body_set.hpp"
+
 namespace silt::coupler {
 
 namespace {

@@ -1,12 +1,17 @@
 #pragma once
 // Stops a run whose state has left the range in which it means anything, and says what to change.
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
-#include "coupler/case/case.hpp"
-#include "coupler/flow.hpp"
+namespace silt::rigid {
+struct BodySet;
+}
 
 namespace silt::coupler {
+
+struct Case;
+struct FlowTotals;
 
 /// A value left its allowed range. what(): step, where, value, what is allowed, which key to change.
 struct GuardStop : std::runtime_error {

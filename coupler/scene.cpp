@@ -4,9 +4,11 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/fill.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
+#include "coupler/guard.hpp"
 #include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
@@ -15,15 +17,15 @@ namespace {
 
 using rigid::Vec3;
 
-// Cells by which the blocks are grown when the holders of a body are found. With fluid: the ghost layer, the
-// cell behind a link's fluid cell, and the largest motion of a step that the guard lets pass.
-constexpr double ghost_layers = 2, largest_motion = 1;
-// Without: what rounding may do to a contact point between two blocks.
+// Cells by which the blocks are grown when the holders of a body are found, with fluid: the ghost layer and
+// the cell behind a link's fluid cell; besides them the furthest motion of a step that the guard lets pass.
+constexpr double ghost_layers = 2;
+// Without fluid: what rounding may do to a contact point between two blocks.
 constexpr double dry_slack = 1e-3;
 
 double rim_of(const Case& scene) {
   return scene.contacts.margin / 2 +
-         (scene.fluid ? ghost_layers + largest_motion : scene.contacts.margin / 2 + dry_slack);
+         (scene.fluid ? ghost_layers + furthest_motion : scene.contacts.margin / 2 + dry_slack);
 }
 
 int size_of(MPI_Comm comm) {
@@ -94,8 +96,16 @@ std::vector<rigid::BodyRecord> body_records(const Case& scene, const std::vector
   return records;
 }
 
+bool Scene::has_surfaces() const {
+  return body_count > 0 || !setup.walls.empty();
+}
+
 Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
-    : setup(scene), comm(communicator), ranks(size_of(communicator)), domain(make_domain(setup, ranks)) {
+    : own_setup_(std::make_shared<const Case>(scene)),
+      setup(*own_setup_),
+      comm(communicator),
+      ranks(size_of(communicator)),
+      domain(make_domain(setup, ranks)) {
   MPI_Comm_rank(comm, &rank);
   const auto shapes = centred_shapes(setup);
   world = make_world(setup, shapes);
@@ -141,7 +151,6 @@ SceneParts Scene::parts() {
   parts.flow = flow.get();
   parts.rigid_step = rigid_step.get();
   parts.substeps = setup.contacts.substeps;
-  parts.gravity = setup.gravity;
   parts.surfaces = has_surfaces();
   return parts;
 }

@@ -7,8 +7,9 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
-#include "coupler/forces/fluid_forces.hpp"
+#include "coupler/forces/covered_momentum.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/isa.hpp"
@@ -28,9 +29,9 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);
-      AnchorState anchor = saved->anchor;
-      anchor.steps = saved->step;
-      scene_.flow->set_anchor(anchor);
+      MassCorrectionState correction = saved->mass_correction;
+      correction.steps = saved->step;
+      scene_.flow->set_mass_correction(correction);
     } else {
       set_initial_flow(setup(), *scene_.flow);
     }

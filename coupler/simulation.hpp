@@ -30,7 +30,7 @@ struct SavedState {
   RunCounters counters;
   Balance initial;
   double fluid_speed = 0;
-  AnchorState anchor;
+  MassCorrectionState mass_correction;
   std::function<void(Flow&)> set_populations;
 };
 
@@ -75,8 +75,8 @@ class Simulation {
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
-  const StageSeconds& stage_seconds() const { return coupled_step_.seconds(); }  // local
-  double step_seconds() const { return step_seconds_; }  // local: time spent in step()
+  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local
+  double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Force and torque the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
   std::uint64_t contacts_now() const;  // of all ranks, in the last step

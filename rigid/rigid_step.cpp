@@ -76,7 +76,7 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
   Stopwatch watch;
-  StageClock before;
+  RigidSeconds before;
   exchange_.sum_forces(bodies);  // line 1
   watch.lap(before.synchronisation);
   RigidStepReport report = after_forces(bodies, dt, true);
@@ -95,7 +95,7 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
 
 RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
-  StageClock& seconds = report.seconds;
+  RigidSeconds& seconds = report.seconds;
   Stopwatch watch;
 
   drift(bodies, 0.5 * dt);  // lines 2-5, positions

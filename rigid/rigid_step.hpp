@@ -9,7 +9,7 @@
 
 namespace silt::rigid {
 
-struct StageClock {  // seconds of the last step, by the paper's parts of the physics engine
+struct RigidSeconds {  // seconds of the last step, by the paper's parts of the physics engine
   double integrate = 0, collision_detection = 0, contact_response = 0, synchronisation = 0;
 };
 
@@ -18,7 +18,7 @@ struct RigidStepReport {
   std::uint64_t pairs = 0;                 // candidate pairs of the broad phase
   FilmCounts films;                        // contacts as narrow as that this rank found
   std::uint64_t mixed_owner_contacts = 0;  // between bodies that different ranks own (parallel only)
-  StageClock seconds;
+  RigidSeconds seconds;
 };
 
 class RigidStep {

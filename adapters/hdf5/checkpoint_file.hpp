@@ -25,7 +25,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 3;
+inline constexpr std::int64_t checkpoint_format_version = 4;
 
 /// Writes one checkpoint under a temporary name (PATH.part) and gives it its name once it has been verified.
 /// Every call is collective. Errors are std::runtime_error on every rank, naming the file and the reason; the

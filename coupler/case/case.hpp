@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/units.hpp"
-#include "lbm/collision_model.hpp"
-#include "lbm/force_form.hpp"
-#include "lbm/wall_scheme.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
 
@@ -29,36 +28,6 @@ struct BoundarySpec {
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
   double density = 1;                          // outlets
   bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
-};
-
-enum class Precision { single_, double_ };
-enum class TimeCoupling { explicit_, implicit_ };
-using lbm::WallScheme;
-enum class Refill { equilibrium, grad };
-using lbm::ForceForm;
-
-struct FluidSpec {
-  double kinematic_viscosity = 0, relaxation_time = 0;
-  lbm::Collision collision = lbm::Collision::trt;
-  double magic = 1. / 6;  // Lambda; with bodies or [[walls]] best_magic of the wall scheme
-  Precision precision = Precision::single_;
-  rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
-  bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
-  // initial velocity: "rest", "uniform", "taylor-green", "taylor-green-3d"; amplitude and (for the vortices)
-  // one wave a period
-  std::string initial = "rest";
-  rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
-};
-
-struct CouplingSpec {
-  WallScheme wall_scheme = WallScheme::parabolic;
-  TimeCoupling time = TimeCoupling::implicit_;
-  Refill refill = Refill::grad;
-  ForceForm force = ForceForm::galilean;
-  bool pressure_anchor = true;
-  double remap_tolerance = 0.02;   // cells a surface may move before its cells and wall distances are renewed
-  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
-  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };
 
 struct ContactSpec {

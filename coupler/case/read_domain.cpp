@@ -218,7 +218,7 @@ void read_coupling(TableReader& root, Case& scene) {
   const auto& forms = lbm::force_form_names;
   if (const auto name = table.choice("force", {forms.begin(), forms.end()}))
     c.force = ForceForm(std::find(forms.begin(), forms.end(), *name) - forms.begin());
-  c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
+  c.mass_correction = table.boolean("mass_correction").value_or(c.mass_correction);
   c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
   c.lubrication = table.boolean("lubrication").value_or(c.lubrication);
   c.lubrication_min_gap =

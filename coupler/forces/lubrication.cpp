@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/case/case.hpp"
 #include "coupler/forces/gap_cells.hpp"
 
 namespace silt::coupler {

@@ -17,10 +17,12 @@
 // reflects by itself.
 #include <memory>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/coupling_spec.hpp"
 #include "rigid/bodies/film.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// What a wall scheme resolves; cells.
 struct ResolvedFlow {

@@ -82,6 +82,10 @@ void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
 }
 
+bool MapBodies::changed() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [](const BlockMap& b) { return b.changed; });
+}
+
 /// Every image of every body whose cells may lie in the block or its ghost layer, and every wall, by (id,
 /// shift).
 void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies) {

@@ -208,9 +208,10 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
     for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
   if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
-    writer.set("anchor_mass", flow->anchor().mass);
-    writer.set("anchor_fluid_cells", flow->anchor().fluid_cells);
-    writer.set("anchor_gain", flow->anchor().gain);
+    const MassCorrectionState& correction = flow->mass_correction();
+    writer.set("mass_correction.surplus", correction.surplus);
+    writer.set("mass_correction.fluid_cells", correction.fluid_cells);
+    writer.set("mass_correction.link_gain", correction.link_gain);
     if (scene.fluid->precision == Precision::double_)
       write_populations<double>(writer, scene, *flow);
     else
@@ -248,8 +249,9 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; });
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
-  state.anchor = {reader.integer("anchor_mass"), reader.integer("anchor_fluid_cells"),
-                  reader.integer("anchor_gain")};
+  state.mass_correction = {reader.integer("mass_correction.surplus"),
+                           reader.integer("mass_correction.fluid_cells"),
+                           reader.integer("mass_correction.link_gain")};
   const bool is_double = scene.fluid->precision == Precision::double_;
   state.set_populations = [&reader, is_double](Flow& flow) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adapters/hdf5/field_file.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/for_each_cell.hpp"
 
 namespace silt::coupler {

@@ -128,10 +128,11 @@ void add_balance(Simulation& simulation, Json& report) {
   // of the whole mass of the fluid at the start
   report["mass_drift"] =
       before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
-  // what of it the pressure anchor knows of and takes out in the next step
-  report["mass_surplus"] = before.fluid_cells > 0 ? double(simulation.scene().flow->anchor().mass) *
-                                                        lbm::mass_quantum / before.fluid_cells
-                                                  : unknown;
+  // what of it the mass correction knows of and takes out in the next step
+  report["mass_surplus"] = before.fluid_cells > 0
+                               ? double(simulation.scene().flow->mass_correction().surplus) *
+                                     lbm::mass_quantum / before.fluid_cells
+                               : unknown;
   // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
   // acts from outside
   const double scale = std::max(before.momentum_scale, now.momentum_scale);

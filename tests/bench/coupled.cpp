@@ -19,6 +19,7 @@
 
 #include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"

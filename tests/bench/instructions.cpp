@@ -6,6 +6,7 @@
 
 #include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
 #include "tests/bench/layers.hpp"

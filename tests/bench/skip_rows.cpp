@@ -13,6 +13,7 @@
 #include "coupler/guard.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
 #include "tests/bench/periodic_box.hpp"
@@ -54,10 +55,10 @@ struct Passes {
   /// With what is on the lattice: looks whether it moved, and begins its sums.
   void flow() {
     if (scene.bodies.size()) scene.flow->map_bodies(scene.bodies);
-    scene.flow->stream_collide(scene.setup.gravity);
+    scene.flow->stream_collide(clock);
     scene.flow->communicate();
   }
-  void forces() { scene.flow->evaluate_forces(scene.bodies, scene.setup.gravity); }
+  void forces() { scene.flow->evaluate_forces(scene.bodies); }
   void clear_forces() {
     std::fill(scene.bodies.force.begin(), scene.bodies.force.end(), rigid::FixedVec3{});
     std::fill(scene.bodies.torque.begin(), scene.bodies.torque.end(), rigid::FixedVec3{});
@@ -69,6 +70,7 @@ struct Passes {
   /// Every scene whose bodies move asks whether they do so within bounds.
   void guard() { coupler::check_bodies(scene.setup, scene.bodies, 1, 0); }
   coupler::Scene scene;
+  coupler::StepClock clock;
 };
 
 Steps repeated(std::function<void()> step) {

@@ -9,7 +9,7 @@
 namespace silt::bench {
 
 /// Of a cell of the dense pass, two relaxation times, without a force and with one (a body force or the
-/// pressure anchor). The compiled loop of the 256-bit build has as many.
+/// mass correction). The compiled loop of the 256-bit build has as many.
 inline constexpr double flops_per_cell = 141, flops_per_cell_with_force = 158;
 template <class T>
 inline constexpr double bytes_per_cell = 2 * lbm::directions * sizeof(T);

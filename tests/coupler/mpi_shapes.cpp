@@ -36,7 +36,7 @@ Case alone(const Body& body, const std::vector<std::string>& overrides = {}) {
   c.domain = "[domain]\nsize = [24, 22, 26]\nboundary = \"periodic\"\n";
   c.fluid =
       "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n[coupling]\nforce = "
-      "\"exact\"\npressure_anchor = "
+      "\"exact\"\nmass_correction = "
       "false\n";
   c.shapes = std::string("[[shapes]]\nname = \"ball\"\ntype = \"") + body.type + "\"\n" + body.sizes;
   c.bodies =

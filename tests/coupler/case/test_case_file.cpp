@@ -174,7 +174,7 @@ wall_scheme = "bounce-back"
 time = "explicit"
 refill = "equilibrium"
 force = "exact"
-pressure_anchor = false
+mass_correction = false
 [contacts]
 backend = "fcl"
 broad_phase = "bullet"
@@ -209,7 +209,7 @@ axis = "x"
   EXPECT_EQ(scene.coupling.time, TimeCoupling::explicit_);
   EXPECT_EQ(scene.coupling.refill, Refill::equilibrium);
   EXPECT_EQ(scene.coupling.force, ForceForm::exact);
-  EXPECT_FALSE(scene.coupling.pressure_anchor);
+  EXPECT_FALSE(scene.coupling.mass_correction);
   EXPECT_EQ(scene.contacts.backend, "fcl");
   EXPECT_EQ(scene.contacts.broad_phase, "bullet");
   EXPECT_EQ(scene.contacts.resolver, "ffd");

@@ -1,4 +1,4 @@
-#include "coupler/forces/heavy_body.hpp"
+#include "coupler/forces/explicit_stability.hpp"
 
 #include <cmath>
 
@@ -9,7 +9,7 @@ using rigid::Vec3;
 
 namespace {
 
-/// A principal moment is at least this (Gershgorin); where that says nothing, at most 0.
+/// Returns a lower bound of the principal moments (Gershgorin); where it says nothing, it is not above 0.
 double least_moment(const Mat3& inertia) {
   const Mat3 sizes = inertia.cwiseAbs();
   return (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();
@@ -17,8 +17,8 @@ double least_moment(const Mat3& inertia) {
 
 }  // namespace
 
-bool is_heavy(const Eigen::Matrix<double, 6, 6>& stiffness, double mass, const Mat3& inertia_B,
-              double limit) {
+bool explicit_step_is_stable(const Eigen::Matrix<double, 6, 6>& stiffness, double mass, const Mat3& inertia_B,
+                             double limit) {
   if (stiffness(0, 0) > limit * mass) return false;  // most bodies
   const double moment = least_moment(inertia_B);
   if (!(moment > 0)) return false;
