@@ -10,6 +10,7 @@
 #include "coupler/forces/lubrication.hpp"
 #include "coupler/guard.hpp"
 #include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

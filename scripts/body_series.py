@@ -7,6 +7,7 @@
     series.way()                                the same for positions, not wrapped into the domain
     series.of_body(7, "velocity")               (times, values) of one body
     series.unit("velocity")                     "m/s"
+    series.meshes[kind]                         the surfaces of a kind's convex parts (body_shapes.Mesh)
 An append that was cut off by a killed run is left out.
 """
 import h5py
@@ -15,14 +16,18 @@ import numpy as np
 COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angular_velocity", "force", "torque")
 
 
-def polyhedra(kinds, parts):
-    """Of each part its vertices [n, 3] and the loops of its faces; none for what is no polyhedron."""
-    if "vertex" not in kinds:
-        return [(np.zeros((0, 3)), [])] * parts
-    names = ("vertex", "vertex_offset", "face_offset", "corner_offset", "corner")
-    vertex, vertices, faces, corners, corner = (kinds[name][:] for name in names)
-    return [(vertex[vertices[p]:vertices[p + 1]],
-             [corner[corners[f]:corners[f + 1]] for f in range(faces[p], faces[p + 1])]) for p in range(parts)]
+def read_meshes(kinds, count):
+    """The meshes of each kind's convex parts, as dictionaries of arrays (body_shapes.Mesh says which); None where the
+    file is of format 1, which has none."""
+    if "triangle" not in kinds:
+        return None
+    tables = {"vertices": ("vertex", "vertex_offset"), "normals": ("normal", "normal_offset"),
+              "triangles": ("triangle", "triangle_offset"), "triangle_normals": ("triangle_normal", "triangle_offset")}
+    read = {name: (kinds[values][:], kinds[offsets][:]) for name, (values, offsets) in tables.items()}
+    meshes = [[] for _ in range(count)]
+    for part, kind in enumerate(kinds["part_kind"][:]):
+        meshes[kind].append({name: values[offsets[part]:offsets[part + 1]] for name, (values, offsets) in read.items()})
+    return meshes
 
 
 class BodySeries:
@@ -43,13 +48,7 @@ class BodySeries:
             self.domain = np.array([f.attrs["domain_lower"], f.attrs["domain_upper"]])
             kinds = f["kinds"]
             self.bounding_radius = kinds["bounding_radius"][:]
-            self.parts = [
-                dict(kind=int(k), type=text(t), position=p, orientation=q, size=s)
-                for k, t, p, q, s in zip(kinds["part_kind"], kinds.attrs.get("part_types", []), kinds["part_position"],
-                                         kinds["part_orientation"], kinds["part_size"])
-            ]
-            for part, (vertices, faces) in zip(self.parts, polyhedra(kinds, len(self.parts))):
-                part.update(vertices=vertices, faces=faces)
+            self.meshes = read_meshes(kinds, len(self.bounding_radius))
             self.provenance = {name: text(value) for name, value in f["provenance"].attrs.items()}
 
     def __len__(self):

@@ -14,6 +14,7 @@
 #include <variant>
 
 #include "adapters/common/engine_backend.hpp"
+#include "rigid/shapes/convex_shape.hpp"
 
 #ifndef BT_USE_DOUBLE_PRECISION
 #error "build against bullet-float64: Bullet in single precision is off by up to 3e-4 at coordinates of 1000"
@@ -36,52 +37,57 @@ btTransform to_bullet(const Pose& pose) {
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(pose.position));
 }
 
-/// By its exact support: neither a scaled sphere nor a scaled multi-sphere is one.
-class BulletEllipsoid : public btConvexInternalShape {
+/// Any bounded convex shape by its exact support, about the origin of its frame, which is inside.
+class BulletSupport : public btConvexInternalShape {
  public:
-  explicit BulletEllipsoid(const Vec3& half_axes) : half_axes_(half_axes) {
+  explicit BulletSupport(const ConvexShape& shape) : shape_(shape) {
     m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
-    m_implicitShapeDimensions = to_bullet(half_axes);
     m_collisionMargin = 0;
   }
   btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override {
-    return to_bullet(support(Ellipsoid{half_axes_}, from_bullet(direction)));
+    return to_bullet(support(shape_, from_bullet(direction)));
   }
   void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* directions, btVector3* out,
                                                          int count) const override {
     for (int i = 0; i < count; ++i) out[i] = localGetSupportingVertexWithoutMargin(directions[i]);
   }
   void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
-  const char* getName() const override { return "ellipsoid"; }
+  const char* getName() const override { return "support"; }
 
  private:
-  Vec3 half_axes_;
+  const ConvexShape& shape_;
 };
 
-/// A Bullet shape on the stack. Margins: the radius of sphere and capsule, else `margin` (Bullet's default of
-/// 0.04 would round the edges).
+/// What Bullet has a shape of its own for; an ellipsoid is neither its scaled sphere nor its scaled
+/// multi-sphere.
+template <class S>
+constexpr bool has_bullet_shape = false;
+template <>
+constexpr bool has_bullet_shape<Sphere> = true;
+template <>
+constexpr bool has_bullet_shape<Capsule> = true;
+template <>
+constexpr bool has_bullet_shape<Box> = true;
+template <>
+constexpr bool has_bullet_shape<Cylinder> = true;
+template <>
+constexpr bool has_bullet_shape<Polyhedron> = true;
+template <>
+constexpr bool has_bullet_shape<HalfSpace> = true;
+
+/// A Bullet shape on the stack; it refers to the shape. Margins: the radius of sphere and capsule, none of
+/// what is given by its support, else `margin` (Bullet's default of 0.04 would round the edges).
 class BulletShape {
  public:
   explicit BulletShape(const ConvexShape& shape, double margin = 0) {
-    if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-      shape_.emplace<btSphereShape>(sphere->radius);
-    } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
-      shape_.emplace<btCapsuleShapeZ>(capsule->radius, 2 * capsule->half_length);
-    } else if (const auto* box = std::get_if<Box>(&shape)) {
-      shape_.emplace<btBoxShape>(to_bullet(box->half_edges)).setMargin(margin);
-    } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
-      const btVector3 half(cylinder->radius, cylinder->radius, cylinder->half_length);
-      shape_.emplace<btCylinderShapeZ>(half).setMargin(margin);
-    } else if (const auto* ellipsoid = std::get_if<Ellipsoid>(&shape)) {
-      shape_.emplace<BulletEllipsoid>(ellipsoid->half_axes);
-    } else if (const auto* polyhedron = std::get_if<Polyhedron>(&shape)) {
-      auto& hull = shape_.emplace<btConvexHullShape>();
-      for (const Vec3& v : polyhedron->mesh->vertices) hull.addPoint(to_bullet(v), false);
-      hull.recalcLocalAabb();
-      hull.setMargin(margin);
-    } else {
-      shape_.emplace<btStaticPlaneShape>(to_bullet(std::get<HalfSpace>(shape).normal), 0).setMargin(0);
-    }
+    std::visit(
+        [&]<class S>(const S& s) {
+          if constexpr (has_bullet_shape<S>)
+            make(s, margin);
+          else
+            shape_.emplace<BulletSupport>(shape);
+        },
+        shape);
   }
   btCollisionShape* get() {
     return std::visit(
@@ -96,7 +102,26 @@ class BulletShape {
   const btConvexShape* convex() { return static_cast<const btConvexShape*>(get()); }
 
  private:
-  std::variant<std::monostate, btSphereShape, btCapsuleShapeZ, btBoxShape, btCylinderShapeZ, BulletEllipsoid,
+  void make(const Sphere& s, double) { shape_.emplace<btSphereShape>(s.radius); }
+  void make(const Capsule& c, double) { shape_.emplace<btCapsuleShapeZ>(c.radius, 2 * c.half_length); }
+  void make(const Box& b, double margin) {
+    shape_.emplace<btBoxShape>(to_bullet(b.half_edges)).setMargin(margin);
+  }
+  void make(const Cylinder& c, double margin) {
+    const btVector3 half(c.radius, c.radius, c.half_length);
+    shape_.emplace<btCylinderShapeZ>(half).setMargin(margin);
+  }
+  void make(const Polyhedron& q, double margin) {
+    auto& hull = shape_.emplace<btConvexHullShape>();
+    for (const Vec3& v : q.mesh->vertices) hull.addPoint(to_bullet(v), false);
+    hull.recalcLocalAabb();
+    hull.setMargin(margin);
+  }
+  void make(const HalfSpace& h, double) {
+    shape_.emplace<btStaticPlaneShape>(to_bullet(h.normal), 0).setMargin(0);
+  }
+
+  std::variant<std::monostate, btSphereShape, btCapsuleShapeZ, btBoxShape, btCylinderShapeZ, BulletSupport,
                btConvexHullShape, btStaticPlaneShape>
       shape_;
 };

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "rigid/collision/contact_outline.hpp"
 #include "rigid/collision/convex_manifold.hpp"
 #include "rigid/collision/deepest.hpp"
 #include "rigid/collision/deepest_direction.hpp"

@@ -10,6 +10,7 @@
 #include <fcl/geometry/shape/halfspace.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <cmath>
@@ -18,6 +19,7 @@
 #include <variant>
 
 #include "adapters/common/engine_backend.hpp"
+#include "rigid/collision/convex_core.hpp"
 
 // Debian's FCL is built for plain x86-64, where Eigen aligns to 16 bytes; another value changes its types.
 static_assert(EIGEN_MAX_ALIGN_BYTES == 16, "compile this file with EIGEN_MAX_ALIGN_BYTES=16");
@@ -51,24 +53,35 @@ fcl::Convexd to_fcl(const PolyhedronMesh& mesh) {
   return fcl::Convexd(vertices, static_cast<int>(mesh.faces.size()), faces, true);
 }
 
-/// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius.
+/// What FCL has a shape of its own for.
+template <class S>
+constexpr bool has_fcl_shape = false;
+template <>
+constexpr bool has_fcl_shape<Sphere> = true;
+template <>
+constexpr bool has_fcl_shape<Capsule> = true;
+template <>
+constexpr bool has_fcl_shape<Box> = true;
+template <>
+constexpr bool has_fcl_shape<Cylinder> = true;
+template <>
+constexpr bool has_fcl_shape<Ellipsoid> = true;
+template <>
+constexpr bool has_fcl_shape<Polyhedron> = true;
+template <>
+constexpr bool has_fcl_shape<HalfSpace> = true;
+
+/// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius. It refers to the
+/// shape.
 class FclShape {
  public:
-  explicit FclShape(const ConvexShape& shape, double radius_share = 1, double lift = 0) {
-    if (const auto* sphere = std::get_if<Sphere>(&shape))
-      shape_.emplace<fcl::Sphered>(radius_share * sphere->radius);
-    else if (const auto* capsule = std::get_if<Capsule>(&shape))
-      shape_.emplace<fcl::Capsuled>(radius_share * capsule->radius, 2 * capsule->half_length);
-    else if (const auto* box = std::get_if<Box>(&shape))
-      shape_.emplace<fcl::Boxd>(2 * box->half_edges);
-    else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
-      shape_.emplace<fcl::Cylinderd>(cylinder->radius, 2 * cylinder->half_length);
-    else if (const auto* ellipsoid = std::get_if<Ellipsoid>(&shape))
-      shape_.emplace<fcl::Ellipsoidd>(ellipsoid->half_axes);
-    else if (const auto* polyhedron = std::get_if<Polyhedron>(&shape))
-      shape_.emplace<fcl::Convexd>(to_fcl(*polyhedron->mesh));
-    else
-      shape_.emplace<fcl::Halfspaced>(std::get<HalfSpace>(shape).normal, lift);
+  explicit FclShape(const ConvexShape& shape, double radius_share = 1, double lift = 0)
+      : shape_(shape), radius_share_(radius_share), lift_(lift) {
+    std::visit(
+        [&]<class S>(const S& s) {
+          if constexpr (has_fcl_shape<S>) make(s);
+        },
+        shape);
   }
   const fcl::CollisionGeometryd* get() const {
     return std::visit(
@@ -78,13 +91,49 @@ class FclShape {
           else
             return &s;
         },
-        shape_);
+        fcl_shape_);
+  }
+  const ConvexShape& shape() const { return shape_; }
+  double radius_share() const { return radius_share_; }
+
+ private:
+  void make(const Sphere& s) { fcl_shape_.emplace<fcl::Sphered>(radius_share_ * s.radius); }
+  void make(const Capsule& c) {
+    fcl_shape_.emplace<fcl::Capsuled>(radius_share_ * c.radius, 2 * c.half_length);
+  }
+  void make(const Box& b) { fcl_shape_.emplace<fcl::Boxd>(2 * b.half_edges); }
+  void make(const Cylinder& c) { fcl_shape_.emplace<fcl::Cylinderd>(c.radius, 2 * c.half_length); }
+  void make(const Ellipsoid& e) { fcl_shape_.emplace<fcl::Ellipsoidd>(e.half_axes); }
+  void make(const Polyhedron& q) { fcl_shape_.emplace<fcl::Convexd>(to_fcl(*q.mesh)); }
+  void make(const HalfSpace& h) { fcl_shape_.emplace<fcl::Halfspaced>(h.normal, lift_); }
+
+  const ConvexShape& shape_;
+  double radius_share_, lift_;
+  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Cylinderd, fcl::Ellipsoidd,
+               fcl::Convexd, fcl::Halfspaced>
+      fcl_shape_;
+};
+
+/// A shape that FCL has none for, and one it meets: what FCL's algorithms ask of them is their support.
+class SupportShape {
+ public:
+  SupportShape(const FclShape& s, const Pose& pose)
+      : core_(convex_core(s.shape(), pose)), radius_(s.radius_share() * core_.radius) {}
+
+  static void support(const void* shape, const ccd_vec3_t* direction, ccd_vec3_t* point) {
+    const auto& self = *static_cast<const SupportShape*>(shape);
+    const Vec3 n = Vec3(direction->v[0], direction->v[1], direction->v[2]).normalized();
+    put(self.core_.support(n) + self.radius_ * n, point);
+  }
+  static void centre(const void* shape, ccd_vec3_t* point) {
+    put(static_cast<const SupportShape*>(shape)->core_.centre, point);
   }
 
  private:
-  std::variant<std::monostate, fcl::Sphered, fcl::Capsuled, fcl::Boxd, fcl::Cylinderd, fcl::Ellipsoidd,
-               fcl::Convexd, fcl::Halfspaced>
-      shape_;
+  static void put(const Vec3& x, ccd_vec3_t* point) { ccdVec3Set(point, x[0], x[1], x[2]); }
+
+  ConvexCore core_;
+  double radius_;
 };
 
 double radius_of(const ConvexShape& shape) {
@@ -93,9 +142,24 @@ double radius_of(const ConvexShape& shape) {
   return 0;
 }
 
+constexpr double gjk_tolerance = 1e-12;  // lattice units; the default of 1e-6 leaves errors of 3e-3
+
+/// By MPR, as FCL asks it for shapes of its own.
+std::optional<Answer> deepest_overlap(SupportShape a, SupportShape b) {
+  constexpr unsigned most_iterations = 500;
+  constexpr double tolerance = 1e-6;
+  double depth = 0;
+  Vec3 normal = Vec3::Zero();
+  const bool overlap = fcl::detail::GJKCollide<double>(&a, &SupportShape::support, &SupportShape::centre, &b,
+                                                       &SupportShape::support, &SupportShape::centre,
+                                                       most_iterations, tolerance, nullptr, &depth, &normal);
+  return overlap ? std::optional(Answer{normal, -depth}) : std::nullopt;
+}
+
 /// FCL's normal points from the first shape to the second; the position it gives is not used (up to 10 off).
 std::optional<Answer> deepest_overlap(const FclShape& a, const Pose& pose_a, const FclShape& b,
                                       const Pose& pose_b) {
+  if (!a.get() || !b.get()) return deepest_overlap(SupportShape(a, pose_a), SupportShape(b, pose_b));
   constexpr int most_contacts = 8;
   fcl::CollisionRequestd request(most_contacts, true);
   request.gjk_solver_type = fcl::GST_LIBCCD;
@@ -112,12 +176,23 @@ std::optional<Answer> deepest_overlap(const FclShape& a, const Pose& pose_a, con
 /// Unsigned: nothing where the shapes overlap (FCL then gives -1 or points that coincide).
 std::optional<Answer> distance(const FclShape& a, const Pose& pose_a, const FclShape& b, const Pose& pose_b,
                                const Vec3& shift_of_b) {
-  constexpr double gjk_tolerance = 1e-12;  // lattice units; the default of 1e-6 leaves errors of 3e-3
-  fcl::DistanceRequestd request(true, false, 0, 0, gjk_tolerance, fcl::GST_LIBCCD);
-  fcl::DistanceResultd result;
-  fcl::distance(a.get(), to_fcl(pose_a), b.get(), to_fcl(pose_b, shift_of_b), request, result);
-  if (!(result.min_distance > 0)) return {};
-  const Vec3 between = result.nearest_points[1] - result.nearest_points[0];
+  double least = -1;
+  Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();
+  if (a.get() && b.get()) {
+    fcl::DistanceRequestd request(true, false, 0, 0, gjk_tolerance, fcl::GST_LIBCCD);
+    fcl::DistanceResultd result;
+    fcl::distance(a.get(), to_fcl(pose_a), b.get(), to_fcl(pose_b, shift_of_b), request, result);
+    least = result.min_distance;
+    on_a = result.nearest_points[0];
+    on_b = result.nearest_points[1];
+  } else {
+    constexpr unsigned most_iterations = 1000;
+    SupportShape first(a, pose_a), second(b, {pose_b.position + shift_of_b, pose_b.orientation});
+    fcl::detail::GJKDistance<double>(&first, &SupportShape::support, &second, &SupportShape::support,
+                                     most_iterations, gjk_tolerance, &least, &on_a, &on_b);
+  }
+  if (!(least > 0)) return {};
+  const Vec3 between = on_b - on_a;
   const double length = between.norm();
   if (!(length > 0)) return {};
   return Answer{between / length, length};
@@ -232,6 +307,11 @@ class FclBackend : public EngineBackend {
   /// The half-space raised by the tolerance, so that a gap becomes an overlap.
   static std::optional<Answer> plane(const Query& q) {
     const double lift = std::max(q.tolerance, 0.0);
+    if (!FclShape(q.a).get()) {  // FCL's way with shapes of its own: the supporting point
+      const Vec3 n = -(q.pose_b.orientation * std::get<HalfSpace>(q.b).normal);
+      const Vec3 lowest = q.pose_a.to_world(support(q.a, q.pose_a.orientation.conjugate() * n));
+      return within(q, Answer{n, n.dot(q.pose_b.position - lowest)});
+    }
     auto answer = deepest_overlap(FclShape(q.a), q.pose_a, FclShape(q.b, 1, lift), q.pose_b);
     if (answer) answer->gap += lift;
     return within(q, answer);

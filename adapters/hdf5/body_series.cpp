@@ -92,84 +92,13 @@ void append_columns(File& file, const std::string& group, const std::vector<Colu
   }
 }
 
-/// The corners and faces of the polyhedra among the parts, as ragged lists.
-struct Polyhedra {
-  std::vector<double> vertex;
-  std::vector<std::int64_t> vertex_offset{0}, face_offset{0}, corner_offset{0};
-  std::vector<std::int32_t> corner;
-
-  void add(const KindPart& part) {
-    for (const auto& v : part.vertices) vertex.insert(vertex.end(), v.begin(), v.end());
-    for (const auto& face : part.faces) {
-      corner.insert(corner.end(), face.begin(), face.end());
-      corner_offset.push_back(static_cast<std::int64_t>(corner.size()));
-    }
-    vertex_offset.push_back(static_cast<std::int64_t>(vertex.size() / 3));
-    face_offset.push_back(static_cast<std::int64_t>(corner_offset.size() - 1));
-  }
-  std::size_t bytes() const { return 8 * (vertex.size() + corner_offset.size()) + 4 * corner.size(); }
-};
-
-/// The shapes of the kinds, for pictures: /kinds, with one row a part in its part_... tables.
-void write_kinds(File& file, const BodySeriesInfo& info) {
-  std::vector<std::string> names, types;
-  std::vector<double> radii, densities, position, orientation, size;
-  std::vector<std::int32_t> part_kind;
-  Polyhedra polyhedra;
-  for (std::size_t k = 0; k < info.kinds.size(); ++k) {
-    const BodyKind& kind = info.kinds[k];
-    names.push_back(kind.name);
-    radii.push_back(kind.bounding_radius);
-    densities.push_back(kind.density);
-    for (const KindPart& part : kind.parts) {
-      part_kind.push_back(static_cast<std::int32_t>(k));
-      types.push_back(part.type);
-      position.insert(position.end(), part.position.begin(), part.position.end());
-      orientation.insert(orientation.end(), part.orientation.begin(), part.orientation.end());
-      size.insert(size.end(), part.size.begin(), part.size.end());
-      polyhedra.add(part);
-    }
-  }
-  const auto numbers = [&](const char* name, hid_t type, const void* data, std::vector<hsize_t> shape) {
-    const Handle d = file.create_contiguous(std::string("/kinds/") + name, type, shape);
-    if (shape[0] > 0)
-      file.check(H5Dwrite(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "cannot write the kinds");
-  };
-  const Handle kinds = file.group("/kinds", true);
-  const Handle bodies = file.group("/bodies", false);
-  if (!names.empty()) {
-    file.attribute(kinds, "kind_names", names);
-    file.attribute(bodies, "kind_names", names);
-  }
-  numbers("bounding_radius", H5T_IEEE_F64LE, radii.data(), {names.size()});
-  numbers("density", H5T_IEEE_F64LE, densities.data(), {names.size()});
-  const hsize_t parts = types.size();
-  if (parts > 0) file.attribute(kinds, "part_types", types);
-  numbers("part_kind", H5T_STD_I32LE, part_kind.data(), {parts});
-  numbers("part_position", H5T_IEEE_F64LE, position.data(), {parts, 3});
-  numbers("part_orientation", H5T_IEEE_F64LE, orientation.data(), {parts, 4});
-  numbers("part_size", H5T_IEEE_F64LE, size.data(), {parts, 3});
-  if (polyhedra.vertex.empty()) return;
-  const auto list = [&](const char* name, hid_t type, const auto& values) {
-    numbers(name, type, values.data(), {values.size()});
-  };
-  numbers("vertex", H5T_IEEE_F64LE, polyhedra.vertex.data(), {polyhedra.vertex.size() / 3, 3});
-  list("vertex_offset", H5T_STD_I64LE, polyhedra.vertex_offset);
-  list("face_offset", H5T_STD_I64LE, polyhedra.face_offset);
-  list("corner_offset", H5T_STD_I64LE, polyhedra.corner_offset);
-  list("corner", H5T_STD_I32LE, polyhedra.corner);
-}
-
 void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
   hdf5::TemporaryFile part(path.string() + ".part", true);
-  Polyhedra polyhedra;
-  for (const BodyKind& kind : info.kinds)
-    for (const KindPart& piece : kind.parts) polyhedra.add(piece);
-  hdf5::reserve(part.path(), provenance.case_text.size() + polyhedra.bytes() + hdf5::metadata_room);
+  hdf5::reserve(part.path(), provenance.case_text.size() + mesh_bytes(info.kinds) + hdf5::metadata_room);
   File file = File::create(part.path(), hdf5::Format::classic);
   const Handle root = file.group("/", false);
   file.attribute(root, "format", std::string("silt bodies"));
-  file.attribute(root, "format_version", std::int64_t{1});
+  file.attribute(root, "format_version", std::int64_t{2});
   file.attribute(root, "length_unit", info.length);
   file.attribute(root, "time_unit", info.time);
   file.attribute(root, "domain_lower", H5T_NATIVE_DOUBLE, {3}, info.domain_lower.data());
@@ -177,7 +106,7 @@ void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Pro
   file.group("/bodies", true);
   create_columns(file, "/", time_columns(info.time), times_a_chunk);
   create_columns(file, "/bodies/", body_columns(info.length, info.time, info.mass), rows_a_chunk);
-  write_kinds(file, info);
+  write_kinds(file, info.kinds, info.length, info.mass + "/" + info.length + "^3");
   file.write_provenance(provenance);
   file.close();
   part.rename_to(path);

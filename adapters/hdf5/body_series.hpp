@@ -4,13 +4,8 @@
 //   /time [T]  /step [T]  /offset [T]  /count [T]     time t has the rows offset[t] .. offset[t] + count[t]
 //   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
 //           angular_velocity [R][3]  force [R][3]  torque [R][3]          sorted by id within a time
-//   /kinds  (name, bounding radius and parts of the shape of each kind)   /provenance
-// Polyhedra among the parts, P parts, V vertices, F faces and C corners of faces in all:
-//   /kinds/vertex_offset [P+1]  vertex [V][3]                  part p has the vertices vertex_offset[p] and
-//   on, /kinds/face_offset [P+1]  corner_offset [F+1]  corner [C]  and the faces face_offset[p] and on; face
-//   f has the
-//                                                              corners corner_offset[f] and on, vertices of
-//                                                              its part
+//   /kinds  (name, bounding radius, density and surface of each kind: adapters/hdf5/body_kinds.hpp)
+//   /provenance
 // With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first:
 // scripts/body_series.py
 #include <mpi.h>
@@ -22,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/hdf5/body_kinds.hpp"
 #include "adapters/hdf5/provenance.hpp"
 
 namespace silt::adapters {
@@ -35,24 +31,6 @@ struct BodyRow {
   std::array<double, 4> orientation;  // w, x, y, z; body to world
   std::array<double, 3> velocity, angular_velocity, force,
       torque;  // world frame; torque about the centre of mass
-};
-
-/// A convex piece of a kind's shape, for pictures: in the body frame (origin at the centre of mass).
-struct KindPart {
-  std::string type;  // "sphere", "box", "capsule", "cylinder", "ellipsoid", "polyhedron"
-  std::array<double, 3> position{0, 0, 0};
-  std::array<double, 4> orientation{1, 0, 0, 0};
-  // sphere: radius; box: half edges; capsule and cylinder (along z): radius, half length; ellipsoid: half
-  // axes; polyhedron: zero
-  std::array<double, 3> size{0, 0, 0};
-  std::vector<std::array<double, 3>> vertices{};  // of a polyhedron, in the part's frame
-  std::vector<std::vector<int>> faces{};          // loops of vertices, counter-clockwise seen from outside
-};
-
-struct BodyKind {
-  std::string name;  // "light spheres"
-  double bounding_radius = 0, density = 0;
-  std::vector<KindPart> parts;
 };
 
 struct BodySeriesInfo {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "rigid/shapes/polyhedron.hpp"
+#include "rigid/shapes/polyhedron_mesh.hpp"
 
 namespace silt::adapters {
 

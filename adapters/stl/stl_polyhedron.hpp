@@ -3,7 +3,7 @@
 #include <memory>
 #include <string_view>
 
-#include "rigid/shapes/polyhedron.hpp"
+#include "rigid/shapes/polyhedron_mesh.hpp"
 
 namespace silt::adapters {
 

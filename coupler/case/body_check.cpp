@@ -13,6 +13,7 @@
 #include "coupler/case/neighbour_grid.hpp"
 #include "coupler/case/overlap.hpp"
 #include "coupler/case/wall_check.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -48,7 +49,7 @@ std::string of_fill(std::size_t index, const char* key) {
 }
 
 void check_size(const Case& scene, Findings& findings, int shape, Motion motion, const std::string& key) {
-  const double across = resolved_diameter(scene.shapes[shape]);
+  const double across = rigid::least_width(scene.shapes[shape]);
   if (scene.fluid && across < fewest_cells_across)
     findings.warning(key,
                      fmt::format("{}: shape '{}' is {} cells across; below {} its drag is inaccurate: use "
@@ -167,7 +168,10 @@ std::vector<Use> uses_of(const Case& scene) {
     ++uses[body.shape].count;
     uses[body.shape].free |= body.motion == Motion::free;
   }
-  for (const FillSpec& fill : scene.fills) uses[fill.shape].count += fill.count, uses[fill.shape].free = true;
+  for (const FillSpec& fill : scene.fills) {
+    uses[fill.shape].count += fill.count;
+    uses[fill.shape].free = true;
+  }
   return uses;
 }
 
@@ -237,47 +241,7 @@ void Findings::add(Diagnostic::Severity severity, const std::string& key, const 
   list.push_back({severity, scene.place(key), text});
 }
 
-namespace {
-
-/// Between two parallel planes, the narrowest of those along a face or along two edges that cross.
-double least_width(const rigid::PolyhedronMesh& mesh) {
-  const auto width = [&](const Vec3& n) {
-    double low = 0, high = 0;
-    for (const Vec3& v : mesh.vertices) {
-      const double at = n.dot(v - mesh.vertices[0]);
-      low = std::min(low, at), high = std::max(high, at);
-    }
-    return high - low;
-  };
-  constexpr std::size_t most_edges = 200;  // of a body finer than that the faces alone say as much
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& face : mesh.faces) least = std::min(least, width(face.normal));
-  for (std::size_t i = 0; mesh.edges.size() <= most_edges && i < mesh.edges.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      const auto along = [&](std::size_t e) -> Vec3 {
-        return (mesh.vertices[mesh.edges[e].corners[1]] - mesh.vertices[mesh.edges[e].corners[0]])
-            .normalized();
-      };
-      const Vec3 n = along(i).cross(along(j));
-      if (n.norm() > 1e-6) least = std::min(least, width(n.normalized()));
-    }
-  return least;
-}
-
-}  // namespace
-
-double resolved_diameter(const rigid::Shape& shape) {
-  if (const auto* sphere = std::get_if<rigid::Sphere>(&shape)) return 2 * sphere->radius;
-  if (const auto* capsule = std::get_if<rigid::Capsule>(&shape)) return 2 * capsule->radius;
-  if (const auto* box = std::get_if<rigid::Box>(&shape)) return 2 * box->half_edges.minCoeff();
-  if (const auto* c = std::get_if<rigid::Cylinder>(&shape)) return 2 * std::min(c->radius, c->half_length);
-  if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&shape))
-    return 2 * ellipsoid->half_axes.minCoeff();
-  if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) return least_width(*polyhedron->mesh);
-  return std::cbrt(6 / std::numbers::pi * rigid::mass_properties(shape).volume);
-}
-
-void check_bodies(const Case& scene, Findings& findings) {
+void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
   check_sizes(scene, findings);
   bool placed = true;
@@ -289,7 +253,10 @@ void check_bodies(const Case& scene, Findings& findings) {
                                                      "domain.boundary");
       return;
     }
-    if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;
+    if (messages < most_messages && !check_place(scene, findings, body)) {
+      placed = false;
+      ++messages;
+    }
   }
   check_backend(scene, findings);
   if (placed) check_pairs(scene, findings);

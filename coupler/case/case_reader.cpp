@@ -51,6 +51,11 @@ void ReadContext::fail(const Place& place, const std::string& text) {
   errors.push_back({Diagnostic::Severity::error, place, text});
 }
 
+std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
+  if (node.kind == Node::Kind::array) return path;
+  return path.empty() ? child.key : path + "." + child.key;
+}
+
 void ReadContext::report_unread(const Node& table, const std::string& path) {
   const auto asked = unjudged.count(&table) ? known_keys.end() : known_keys.find(&table);
   const auto is_known = [&](const std::string& key) {
@@ -58,7 +63,7 @@ void ReadContext::report_unread(const Node& table, const std::string& path) {
   };
   for (const Node& child : table.children) {
     const bool element = table.kind == Node::Kind::array;
-    const std::string child_path = element ? path : path.empty() ? child.key : path + "." + child.key;
+    const std::string child_path = path_of_child(table, path, child);
     if (!element && asked != known_keys.end() && !is_known(child.key)) {
       fail(child.key_place, fmt::format("unknown key '{}' {}{}", child.key,
                                         path.empty() ? "at the top of the file" : "in [" + path + "]",

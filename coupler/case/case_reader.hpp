@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/name_table.hpp"
 #include "coupler/case/units.hpp"
 #include "rigid/math/types.hpp"
 
@@ -18,7 +19,7 @@ namespace silt::coupler {
 
 using adapters::Node;
 
-/// The numbers a key may have.
+/// An interval of the numbers that a key may have.
 struct Range {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
   bool low_allowed = true, high_allowed = true;
@@ -38,6 +39,9 @@ inline constexpr Range between(double low, double high) {
   return {low, high, true, true};
 }
 }  // namespace range
+
+/// Path of a child of a node at `path`, without indices: entries of an array have the path of the array.
+std::string path_of_child(const Node& node, const std::string& path, const Node& child);
 
 /// What the readers of all sections share.
 struct ReadContext {
@@ -70,9 +74,9 @@ class TableReader {
   bool has(std::string_view key) { return find(key) != nullptr; }
   Place place(std::string_view key) const;  // of the key, or of the table if it is not there
 
-  /// Numbers as they stand; none if absent, of another type, not finite or out of range (reported).
+  /// Returns the number as it stands; none if absent, of another type, not finite or out of range (reported).
   std::optional<double> number(std::string_view key, const Range&);
-  /// In lattice units, from the units of the case; the range is that of the case units.
+  /// Returns the number in lattice units; it stands, as does its range, in the units of the case.
   std::optional<double> quantity(std::string_view key, Dimension, const Range&);
   std::optional<rigid::Vec3> vector(std::string_view key);
   std::optional<rigid::Vec3> vector(std::string_view key, Dimension);
@@ -82,6 +86,14 @@ class TableReader {
   std::optional<std::string> string(std::string_view key);
   /// A string out of a list; the nearest is named if it is another.
   std::optional<std::string> choice(std::string_view key, const std::vector<std::string>& allowed);
+  /// The value of an enum by its name.
+  template <class Enum, std::size_t count>
+  std::optional<Enum> choice(std::string_view key, const NameTable<Enum, count>& table) {
+    const auto name = choice(key, table.list());
+    for (std::size_t i = 0; name && i < count; ++i)
+      if (table.names[i] == *name) return static_cast<Enum>(i);
+    return {};
+  }
 
   TableReader table(std::string_view key);
   /// The tables of an array of tables.
@@ -105,7 +117,7 @@ class TableReader {
   Place place_;
 };
 
-/// An array of three numbers; none (reported under the given name) otherwise.
+/// Returns an array of three numbers; none (reported under the given name) otherwise.
 std::optional<rigid::Vec3> read_vector(ReadContext&, const Node&, const std::string& path);
 
 }  // namespace silt::coupler

@@ -1,14 +1,23 @@
 #pragma once
 // How fluid and bodies are coupled: the table [coupling] of a case.
+#include "coupler/case/name_table.hpp"
 #include "lbm/force_form.hpp"
 #include "lbm/wall_scheme.hpp"
 
 namespace silt::coupler {
 
 using lbm::WallScheme;
+inline constexpr NameTable<WallScheme, lbm::wall_scheme_names.size()> wall_scheme_names{
+    lbm::wall_scheme_names};
+
 enum class TimeCoupling { explicit_, implicit_ };
+inline constexpr auto time_coupling_names = names_of<TimeCoupling>("explicit", "implicit");
+
 enum class Refill { equilibrium, grad };
+inline constexpr auto refill_names = names_of<Refill>("equilibrium", "grad");
+
 using lbm::ForceForm;
+inline constexpr NameTable<ForceForm, lbm::force_form_names.size()> force_form_names{lbm::force_form_names};
 
 struct CouplingSpec {
   WallScheme wall_scheme = WallScheme::parabolic;

@@ -10,54 +10,42 @@
 #include "adapters/stl/stl_polyhedron.hpp"
 #include "coupler/case/attached_file.hpp"
 #include "coupler/case/case_sections.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
-double read_radius(TableReader& table) {
-  const std::string given = table.one_of({"radius", "diameter"}, true, "how large it is");
-  const double x = given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2);
-  return given == "diameter" ? x / 2 : x;
-}
 
 namespace {
 
 using rigid::Quat;
 using rigid::Vec3;
 
-double read_half_length(TableReader& table, const char* of_what) {
-  if (!table.has("length")) table.missing("length", of_what);
-  return table.quantity("length", dimension::length, range::above(0)).value_or(2) / 2;
+/// Where it is not given or wrong, which is reported, some size that does no harm.
+template <class Solid>
+double read_length(TableReader& table, const rigid::Field<Solid, double>& field) {
+  std::string given = field.key;
+  if (field.other_key)
+    given = table.one_of({field.key, field.other_key}, true, field.doc);
+  else if (!table.has(field.key))
+    table.missing(field.key, field.doc);
+  const double share = given == field.key ? field.share : field.other_share;
+  return (given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2)) * share;
 }
 
-/// Half of three lengths.
-Vec3 read_half_lengths(TableReader& table, const char* key, const char* of_what) {
-  if (!table.has(key)) table.missing(key, of_what);
-  const Vec3 lengths = table.vector(key, dimension::length).value_or(Vec3::Ones());
-  if (lengths.minCoeff() <= 0) table.refuse(key, "above 0 in each direction");
-  return lengths / 2;
+template <class Solid>
+Vec3 read_length(TableReader& table, const rigid::Field<Solid, Vec3>& field) {
+  if (!table.has(field.key)) table.missing(field.key, field.doc);
+  const Vec3 lengths = table.vector(field.key, dimension::length).value_or(Vec3::Ones());
+  if (lengths.minCoeff() <= 0) table.refuse(field.key, "above 0 in each direction");
+  return field.share * lengths;
 }
 
-rigid::ConvexShape read_sphere(TableReader& table, Case&) {
-  return rigid::Sphere{read_radius(table)};
-}
-
-rigid::ConvexShape read_box(TableReader& table, Case&) {
-  return rigid::Box{read_half_lengths(table, "edges", "the lengths of the box, [x, y, z]")};
-}
-
-rigid::ConvexShape read_capsule(TableReader& table, Case&) {
-  const double half_length = read_half_length(table, "of the segment between the centres of the two ends");
-  return rigid::Capsule{read_radius(table), half_length};
-}
-
-rigid::ConvexShape read_cylinder(TableReader& table, Case&) {
-  const double half_length = read_half_length(table, "from end to end, along z");
-  return rigid::Cylinder{read_radius(table), half_length};
-}
-
-rigid::ConvexShape read_ellipsoid(TableReader& table, Case&) {
-  return rigid::Ellipsoid{
-      read_half_lengths(table, "diameters", "how long it is along each of its axes, [x, y, z]")};
+/// The lengths that its table of fields names.
+template <class Solid>
+Solid read_sizes(TableReader& table) {
+  Solid solid{};
+  std::apply([&](const auto&... field) { ((solid.*field.member = read_length(table, field)), ...); },
+             Solid::fields);
+  return solid;
 }
 
 /// In lattice units; none where something is wrong with one (reported).
@@ -104,6 +92,7 @@ Mesh body_of_file(TableReader& table, Case& scene) {
   }
 }
 
+/// A polyhedron has no sizes, but corners.
 rigid::ConvexShape read_polyhedron(TableReader& table, Case& scene) {
   const std::string given =
       table.one_of({"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL file");
@@ -122,27 +111,46 @@ rigid::ConvexShape read_polyhedron(TableReader& table, Case& scene) {
 }
 
 struct ConvexType {
-  const char* name;
+  std::string name;
   rigid::ConvexShape (*read)(TableReader&, Case&);
 };
-constexpr ConvexType convex_types[] = {{"sphere", read_sphere},       {"box", read_box},
-                                       {"capsule", read_capsule},     {"cylinder", read_cylinder},
-                                       {"ellipsoid", read_ellipsoid}, {"polyhedron", read_polyhedron}};
+
+template <class S>
+void add_type(std::vector<ConvexType>& types) {
+  if constexpr (std::is_same_v<S, rigid::Polyhedron>)
+    types.push_back({std::string(S::name), read_polyhedron});
+  else if constexpr (!std::is_same_v<S, rigid::HalfSpace>)  // only walls are half-spaces
+    types.push_back({std::string(S::name),
+                     [](TableReader& table, Case&) -> rigid::ConvexShape { return read_sizes<S>(table); }});
+}
+
+template <class... S>
+std::vector<ConvexType> types_of(const std::variant<S...>*) {
+  std::vector<ConvexType> types;
+  (add_type<S>(types), ...);
+  return types;
+}
+
+/// Every alternative of ConvexShape, by its name.
+const std::vector<ConvexType>& convex_types() {
+  static const std::vector<ConvexType> types = types_of(static_cast<const rigid::ConvexShape*>(nullptr));
+  return types;
+}
 
 std::vector<std::string> convex_names() {
   std::vector<std::string> names;
-  for (const ConvexType& type : convex_types) names.emplace_back(type.name);
+  for (const ConvexType& type : convex_types()) names.push_back(type.name);
   return names;
 }
 
 std::vector<std::string> shape_types() {
   auto names = convex_names();
-  names.emplace_back("compound");
+  names.emplace_back(rigid::Compound::name);
   return names;
 }
 
 rigid::ConvexShape read_convex(TableReader& table, const std::string& name, Case& scene) {
-  const auto type = std::find_if(std::begin(convex_types), std::end(convex_types),
+  const auto type = std::find_if(convex_types().begin(), convex_types().end(),
                                  [&](const ConvexType& t) { return t.name == name; });
   return type->read(table, scene);
 }
@@ -166,11 +174,11 @@ rigid::Compound read_compound(TableReader& table, Case& scene) {
   return compound;
 }
 
-rigid::Shape as_shape(const rigid::ConvexShape& convex) {
-  return std::visit([](const auto& shape) -> rigid::Shape { return shape; }, convex);
-}
-
 }  // namespace
+
+rigid::Tube read_tube(TableReader& table) {
+  return read_sizes<rigid::Tube>(table);
+}
 
 Quat read_orientation(TableReader& table) {
   const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
@@ -208,15 +216,15 @@ void read_shapes(TableReader& root, Case& scene) {
     if (!table.has("type")) table.missing("type", "one of " + joined(shape_types()));
     const std::string name = table.string("name").value_or("");
     if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
-        table.find("type")->string == "half-space") {
+        table.find("type")->string == rigid::HalfSpace::name) {
       table.fail("type",
                  fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
                              "body's shape is one of {}",
                              table.path("type"), joined(shape_types())));
       table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types())) {
-      scene.shapes.push_back(*type == "compound" ? rigid::Shape(read_compound(table, scene))
-                                                 : as_shape(read_convex(table, *type, scene)));
+      scene.shapes.push_back(*type == rigid::Compound::name ? rigid::Shape(read_compound(table, scene))
+                                                            : rigid::Shape(read_convex(table, *type, scene)));
     } else {
       table.judge_no_keys();
     }

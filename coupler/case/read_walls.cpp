@@ -44,7 +44,7 @@ void read_walls(TableReader& root, Case& scene) {
     if (!table.choice("type", {"tube"})) table.judge_no_keys();
     wall.name = read_name(table, scene);
     rigid::TubeSpec& tube = wall.tube;
-    tube.radius = read_radius(table);
+    tube.radius = read_tube(table).radius;
     if (!table.has("point")) table.missing("point", "a point of the tube's axis, [x, y, z]");
     tube.point = table.vector("point", dimension::length).value_or(tube.point);
     tube.axis = read_axis(table);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lbm/domain.hpp"
-#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/bounding_box.hpp"
 
 namespace silt::coupler {
 

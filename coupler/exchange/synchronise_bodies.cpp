@@ -12,6 +12,7 @@
 #include <string>
 
 #include "coupler/exchange/parallel_bodies.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

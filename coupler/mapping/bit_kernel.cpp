@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "coupler/mapping/bit_kernels.hpp"
-#include "coupler/mapping/line_lanes.hpp"
+#include "coupler/mapping/surface_primitives.hpp"
 #include "lbm/isa_vector.hpp"
 
 #if defined(SILT_ISA_avx512)

@@ -8,6 +8,7 @@
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "lbm/pass_order.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

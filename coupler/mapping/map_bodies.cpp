@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coupler/mapping/bit_kernels.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

@@ -1,5 +1,5 @@
 // Built once an instruction set.
-#include "coupler/mapping/line_lanes.hpp"
+#include "coupler/mapping/surface_kernels.hpp"
 #include "lbm/link_places.hpp"
 
 namespace silt::coupler::SILT_ISA {

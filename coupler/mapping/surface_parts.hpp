@@ -2,8 +2,9 @@
 // The parts of a body's surface for the kernels of object mapping, made once a mapping of the body.
 #include <vector>
 
-#include "coupler/mapping/surface_kernels.hpp"
-#include "rigid/shapes/shape.hpp"
+#include "coupler/mapping/surface_primitives.hpp"
+#include "rigid/math/types.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::coupler {
 

@@ -7,6 +7,7 @@
 
 #include "coupler/case/fill.hpp"
 #include "coupler/exchange/reduce.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -149,7 +150,8 @@ std::uint64_t points_inside(const SampledBox& box, const rigid::Shape& shape, co
   for (int d = 0; d < 3; ++d) {
     if (bounds.upper[d] < box.lower[d] || bounds.lower[d] > box.lower[d] + box.count[d] * box.spacing[d])
       return 0;
-    from[d] = box.cell(d, bounds.lower[d]), to[d] = box.cell(d, bounds.upper[d]);
+    from[d] = box.cell(d, bounds.lower[d]);
+    to[d] = box.cell(d, bounds.upper[d]);
   }
   std::uint64_t inside = 0;
   for (std::int64_t k = from[2]; k <= to[2]; ++k)
@@ -330,7 +332,8 @@ void observe_bed(const Simulation& simulation, const QuantitySpec& q, QuantityHi
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
   const double angle = std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
   if (sum[0] == not_yet) sum = {0, 0};
-  sum[0] += angle, sum[1] += 1;
+  sum[0] += angle;
+  sum[1] += 1;
 }
 
 }  // namespace silt::coupler

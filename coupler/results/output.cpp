@@ -6,6 +6,8 @@
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/for_each_cell.hpp"
+#include "coupler/results/tessellation.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -104,30 +106,7 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
   return {scale * v[0], scale * v[1], scale * v[2]};
 }
 
-adapters::KindPart kind_part(const rigid::Part& part, double cell) {
-  adapters::KindPart p;
-  const rigid::Quat& q = part.pose.orientation;
-  p.position = scaled(part.pose.position, cell);
-  p.orientation = {q.w(), q.x(), q.y(), q.z()};
-  if (const auto* sphere = std::get_if<rigid::Sphere>(&part.shape)) {
-    p.type = "sphere", p.size = {cell * sphere->radius, 0, 0};
-  } else if (const auto* box = std::get_if<rigid::Box>(&part.shape)) {
-    p.type = "box", p.size = scaled(box->half_edges, cell);
-  } else if (const auto* capsule = std::get_if<rigid::Capsule>(&part.shape)) {
-    p.type = "capsule", p.size = {cell * capsule->radius, cell * capsule->half_length, 0};
-  } else if (const auto* cylinder = std::get_if<rigid::Cylinder>(&part.shape)) {
-    p.type = "cylinder", p.size = {cell * cylinder->radius, cell * cylinder->half_length, 0};
-  } else if (const auto* ellipsoid = std::get_if<rigid::Ellipsoid>(&part.shape)) {
-    p.type = "ellipsoid", p.size = scaled(ellipsoid->half_axes, cell);
-  } else if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&part.shape)) {
-    p.type = "polyhedron";
-    for (const Vec3& v : polyhedron->mesh->vertices) p.vertices.push_back(scaled(v, cell));
-    for (const auto& face : polyhedron->mesh->faces) p.faces.push_back(face.corners);
-  }
-  return p;
-}
-
-/// Of each kind the shape and density of its first entry.
+/// The kinds as their first entries describe them (entries of a kind have the same shape).
 adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& world) {
   adapters::BodySeriesInfo info;
   const double cell = scene.units.cell_size;
@@ -142,7 +121,7 @@ adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& worl
     k.bounding_radius = cell * world.bounding_radii[shape];
     k.density = scene.units.physical(density, dimension::density);
     for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape]))
-      k.parts.push_back(kind_part(part, cell));
+      k.parts.push_back(tessellation(part, cell));
   };
   for (const BodySpec& body : scene.bodies) describe(body.kind, body.shape, body.density);
   for (const FillSpec& fill : scene.fills) describe(fill.kind, fill.shape, fill.density);
@@ -186,8 +165,8 @@ void write_flow_fields(const Simulation& simulation, const std::filesystem::path
   grid.spacing = {cell, cell, cell};
   if (scene.units.si) grid.length_unit = std::string("m"), grid.time_unit = std::string("s");
   std::vector<adapters::FieldQuantity> quantities;
-  for (const std::string& name : scene.output.quantities)
-    quantities.push_back(name == "density" ? density_field(simulation) : velocity_field(simulation));
+  for (const Field field : scene.output.quantities)
+    quantities.push_back(field == Field::density ? density_field(simulation) : velocity_field(simulation));
   const std::int64_t step = simulation.steps_done();
   adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, step), grid,
                          boxes_of(simulation.scene().flow.get()), quantities,

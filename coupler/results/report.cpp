@@ -5,10 +5,11 @@
 
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
+#include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/isa.hpp"
-#include "rigid/shapes/curvature.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -26,50 +27,12 @@ Json spread(const Simulation& simulation, double mine) {
   return Json::object({{"min", -most[1]}, {"avg", sum / simulation.scene().ranks}, {"max", most[0]}});
 }
 
-bool has_stage(const Scene& scene, Stage stage) {
-  switch (stage) {
-    case Stage::object_mapping:
-    case Stage::force_evaluation:
-      return scene.flow && scene.has_surfaces();
-    case Stage::lbm_communication:
-    case Stage::stream_collide:
-      return scene.flow != nullptr;
-    default:
-      return scene.rigid_step != nullptr;
-  }
-}
-
 Json stage_seconds(const Simulation& simulation) {
   Json stages = Json::object();
   for (int s = 0; s < int(Stage::count); ++s)
     if (has_stage(simulation.scene(), Stage(s)))
       stages[stage_names[s]] = spread(simulation, simulation.stage_seconds()[s]);
   return stages;
-}
-
-Json skipped_passes(const Scene& scene) {
-  Json skipped = Json::array();
-  for (int s = 0; s < int(Stage::count); ++s)
-    if (!has_stage(scene, Stage(s))) skipped.push_back(stage_names[s]);
-  const Case& setup = scene.setup;
-  const auto skip = [&](bool absent, const char* name) {
-    if (absent) skipped.push_back(name);
-  };
-  skip(scene.ranks == 1, "messages between ranks");
-  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
-  skip(scene.rigid_step && setup.gravity.isZero(0), "gravity");
-  skip(scene.flow && setup.fluid->body_force.isZero(0), "body force");
-  const auto none = [&](double rigid::Material::*coefficient) {
-    return std::all_of(setup.pair_materials.begin(), setup.pair_materials.end(),
-                       [&](const rigid::Material& m) { return m.*coefficient == 0; });
-  };
-  skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
-  skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
-  skip(scene.flow && scene.rigid_step && !scene.world.films, "lubrication");
-  skip(setup.output.fields.every == 0, "field output");
-  skip(setup.output.bodies.every == 0, "body output");
-  skip(setup.output.checkpoint.every == 0, "checkpoints");
-  return skipped;
 }
 
 /// Momentum is a constant only where nothing outside the box acts.
@@ -111,14 +74,14 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["backend"] = scene.backend_name();
   report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
   if (c.fluid) {
-    report["collision"] = std::string(lbm::model_of(c.fluid->collision).name);
+    report["collision"] = std::string(collision_names[c.fluid->collision]);
     report["relaxation_time"] = c.fluid->relaxation_time;
-    report["precision"] = c.fluid->precision == Precision::double_ ? "double" : "single";
-    report["wall_scheme"] = std::string(lbm::wall_scheme_names[int(c.coupling.wall_scheme)]);
-    report["time_coupling"] = c.coupling.time == TimeCoupling::implicit_ ? "implicit" : "explicit";
-    report["refill"] = c.coupling.refill == Refill::grad ? "grad" : "equilibrium";
+    report["precision"] = std::string(precision_names[c.fluid->precision]);
+    report["wall_scheme"] = std::string(wall_scheme_names[c.coupling.wall_scheme]);
+    report["time_coupling"] = std::string(time_coupling_names[c.coupling.time]);
+    report["refill"] = std::string(refill_names[c.coupling.refill]);
     report["lubrication"] = lubrication_of(scene);
-    report["force"] = std::string(lbm::force_form_names[int(c.coupling.force)]);
+    report["force"] = std::string(force_form_names[c.coupling.force]);
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace silt::coupler {
 
-/// From now on SIGTERM and SIGINT only leave a note. Process-wide.
+/// Makes SIGTERM and SIGINT only leave a note from now on, process-wide.
 void catch_signals();
 
 /// Asks all ranks, every few steps, whether any of them has been told to stop.

@@ -11,7 +11,6 @@
 
 #include "rigid/bodies/contact.hpp"
 #include "rigid/math/fixed_point.hpp"
-#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 

@@ -22,7 +22,7 @@ struct Film {
 struct FilmGap {
   double width;          // there; < 0: overlap
   double travel;         // its change over the step at the velocities before it
-  Mat3 bend_a, bend_b;   // curvature of either surface (curvature.hpp); W
+  Mat3 bend_a, bend_b;   // curvature of either surface (shapes/convex_shape.hpp); W
   Vec3 middle;           // canonical position, W
   Vec3 normal;           // unit, from a to b, W
   bool at_side = false;  // b is a side of the domain

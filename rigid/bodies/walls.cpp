@@ -4,6 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "rigid/shapes/shape.hpp"
+
 namespace silt::rigid {
 
 void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::array<WallSpec, 6>& specs) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "rigid/bodies/film.hpp"
-#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/shape_list.hpp"
 
 namespace silt::rigid {
 
@@ -14,7 +14,7 @@ struct Material {
 
 /// What all ranks know alike: shapes, materials and laws. Tables of pairs are [i * materials + j], symmetric.
 struct World {
-  std::vector<Shape> shapes;
+  ShapeList shapes;
   std::vector<double> bounding_radii;  // one a shape
   std::vector<Material> materials;     // of pairs: materials.size() == material_count^2
   int material_count = 0;

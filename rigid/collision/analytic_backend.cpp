@@ -1,6 +1,5 @@
 #include "rigid/collision/analytic_backend.hpp"
 
-#include "rigid/collision/contact_outline.hpp"
 #include "rigid/collision/convex_manifold.hpp"
 #include "rigid/collision/deepest.hpp"
 #include "rigid/collision/deepest_direction.hpp"

@@ -12,21 +12,36 @@ constexpr double rounding = 2e-15;  // part of the pair's size: differences of h
 constexpr double parallel_sine = 1e-8;
 constexpr int most_rounds = 12, most_steps = 30, most_halvings = 6;
 
-/// Where the search is bound to: all directions, or those normal to an edge.
-struct Circle {
-  const Vec3* edge = nullptr;
+/// Where the search is bound to: all directions, or those on a circle.
+struct Track {
+  const Kinks::Circle* circle = nullptr;
 
-  Vec3 onto(const Vec3& v) const { return edge ? Vec3(v - v.dot(*edge) * *edge) : v; }
+  /// The part of v across the circle's axis.
+  Vec3 across(const Vec3& v) const { return circle ? Vec3(v - v.dot(circle->axis) * circle->axis) : v; }
+  /// The direction on the circle on the side of unit e, across its axis.
+  Vec3 direction(const Vec3& e) const {
+    if (!circle || circle->c == 0) return e;
+    return circle->c * circle->axis + std::sqrt(1 - circle->c * circle->c) * e;
+  }
 };
 
 /// The step of Newton's method in the tangent plane at n; nothing where the height is not curved downwards.
-std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, const Circle& circle) {
+/// On a circle n = c a + s e, s^2 = 1 - c^2, with the tangent t = a x e: along t by x, s (s t.K t + e.D) x =
+/// s t.D.
+std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, const Track& track) {
   const double height = n.dot(d);
-  if (circle.edge) {
-    const Vec3 t = circle.edge->cross(n);
-    const double bend = t.dot(k * t) + height;
-    if (!(bend > 0)) return {};
-    return t * (t.dot(d) / bend);
+  if (track.circle && track.circle->c == 0) {
+    const Vec3 t = track.circle->axis.cross(n);
+    const double slope_change = t.dot(k * t) + height;
+    if (!(slope_change > 0)) return {};
+    return t * (t.dot(d) / slope_change);
+  }
+  if (track.circle) {
+    const Vec3 e = track.across(n).normalized(), t = track.circle->axis.cross(e);
+    const double s = std::sqrt(1 - track.circle->c * track.circle->c);
+    const double slope_change = s * t.dot(k * t) + e.dot(d);
+    if (!(slope_change > 0)) return {};
+    return t * (s * t.dot(d) / slope_change);
   }
   const Vec3 t = n.unitOrthogonal(), u = n.cross(t);
   const double tt = t.dot(k * t) + height, tu = t.dot(k * u), uu = u.dot(k * u) + height;
@@ -35,28 +50,29 @@ std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, con
   return (t * (uu * rt - tu * ru) + u * (tt * ru - tu * rt)) / det;
 }
 
-/// Up to where the slope vanishes, the curvature being that of both cores; nothing where that fails.
+/// Up to where the slope vanishes, both cores changing their support as they do; nothing where that fails.
 std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const Vec3& from,
-                                 const Circle& circle) {
-  Vec3 n = circle.onto(from);
+                                 const Track& track) {
+  Vec3 n = track.across(from);
   const double length = n.norm();
   if (!(length > 0.1)) return {};
-  n /= length;
+  n = track.direction(n / length);
   Vec3 d = b.support(-n) - a.support(n);
   if (!a.curved() && !b.curved()) {  // the nearest points are vertices, or on the edge
-    const Vec3 within = circle.onto(d);
+    const Vec3 within = track.across(d);
     const double distance = within.norm();
     if (!(within.dot(n) > 0)) return {};
-    return circle.onto(within / distance).normalized();  // again: of a small remainder little is left normal
+    return track.direction(
+        track.across(within / distance).normalized());  // again: of a small remainder little is left normal
   }
   for (int i = 0; i < most_steps; ++i) {
-    const auto step = newton_step(n, d, a.curvature(n) + b.curvature(-n), circle);
+    const auto step = newton_step(n, d, a.support_derivative(n) + b.support_derivative(-n), track);
     if (!step) return {};
     const double height = n.dot(d);
     double share = 1;
     Vec3 next, d_next;
     for (int k = 0; k <= most_halvings; ++k, share /= 2) {
-      next = circle.onto(n + share * *step).normalized();
+      next = track.direction(track.across(n + share * *step).normalized());
       d_next = b.support(-next) - a.support(next);
       if (next.dot(d_next) >= height - rounding * d.norm()) break;
     }
@@ -80,6 +96,22 @@ struct Best {
   }
 };
 
+/// Of the directions on both circles the one nearer to n; nothing where the axes are parallel or the circles
+/// do not cross.
+std::optional<Vec3> on_both(const Kinks::Circle& u, const Kinks::Circle& v, const Vec3& n) {
+  const Vec3 cross = u.axis.cross(v.axis);
+  const double sine = cross.norm();
+  if (!(sine > parallel_sine)) return {};
+  if (u.c == 0 && v.c == 0) return cross.dot(n) < 0 ? Vec3(-cross / sine) : Vec3(cross / sine);
+  const double cosine = u.axis.dot(v.axis), square = sine * sine;
+  const Vec3 within =
+      ((u.c - v.c * cosine) * u.axis + (v.c - u.c * cosine) * v.axis) / square;  // in the plane of the axes
+  const double rest = 1 - within.squaredNorm();
+  if (!(rest >= 0)) return {};
+  const Vec3 out = std::sqrt(rest) / sine * cross;
+  return Vec3(within + (cross.dot(n) < 0 ? -1 : 1) * out).normalized();
+}
+
 /// The highest direction that the features near n allow.
 Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle, double handicap) {
   thread_local Kinks of_a, of_b;
@@ -90,15 +122,13 @@ Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double ang
   Best best{a, b, handicap};
   for (const Vec3& face : of_a.faces) best.take(face);
   for (const Vec3& face : of_b.faces) best.take(-face);
-  for (const Vec3& u : of_a.edges)
-    for (const Vec3& v : of_b.edges) {
-      const Vec3 cross = u.cross(v);
-      const double sine = cross.norm();
-      if (sine > parallel_sine) best.take(cross.dot(n) < 0 ? Vec3(-cross / sine) : Vec3(cross / sine));
-    }
+  for (Kinks::Circle& circle : of_b.circles) circle.c = -circle.c;  // of b they are those of -n
+  for (const Kinks::Circle& u : of_a.circles)
+    for (const Kinks::Circle& v : of_b.circles)
+      if (const auto crossing = on_both(u, v, n)) best.take(*crossing);
   for (const Kinks* kinks : {&of_a, &of_b})
-    for (const Vec3& edge : kinks->edges)
-      if (const auto on_circle = climb_smooth(a, b, n, {&edge})) best.take(*on_circle);
+    for (const Kinks::Circle& circle : kinks->circles)
+      if (const auto on_circle = climb_smooth(a, b, n, {&circle})) best.take(*on_circle);
   if (const auto smooth = climb_smooth(a, b, n, {})) best.take(*smooth);
   return best.peak;
 }

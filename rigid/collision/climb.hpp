@@ -12,9 +12,9 @@ struct Peak {
 /// A local maximum of core_separation(n) near unit n: never lower than at n by more than rounding, exact to
 /// rounding where it gets there, which it does from anywhere near. Along a smooth piece of both boundaries
 /// Newton's method on the sphere: with the supports' difference D(n) and K = -dD/dn the step in the tangent
-/// plane T solves (T'KT + n.D) x = T'D. Where an edge of either core stays normal to n the same on the great
-/// circle normal to the edge; two edges, or a face, leave one direction. All of these within `angle` (radian)
-/// of n are tried and the highest kept, until nothing rises.
+/// plane T solves (T'KT + n.D) x = T'D. Where n stays where the supporting feature changes (an edge of either
+/// core stays normal to n) the same on that circle; two circles, or a face, leave one direction. All of these
+/// within `angle` (radian) of n are tried and the highest kept, until nothing rises.
 Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle);
 
 }  // namespace silt::rigid

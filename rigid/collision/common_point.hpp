@@ -1,7 +1,7 @@
 #pragma once
 // Where two outlines that face each other meet: the proof that a direction is one of closest or least deep
 // approach.
-#include "rigid/collision/contact_outline.hpp"
+#include "rigid/shapes/contact_outline.hpp"
 
 namespace silt::rigid {
 

@@ -1,55 +1,57 @@
 #pragma once
 // Any bounded convex shape as a core swept by a sphere, with all that a search over directions asks of it.
-// For a sphere, capsule or box it is the same core as rounded_box gives; cylinder, ellipsoid and polyhedron
-// are their own cores, of radius 0.
-#include <vector>
-
+// For a sphere, capsule or box it is the same core as rounded_box gives; every other shape is its own core,
+// of radius 0.
 #include "rigid/collision/rounded_box.hpp"
+#include "rigid/shapes/contact_outline.hpp"
 
 namespace silt::rigid {
 
-/// Directions in which the boundary of a core is not smooth, near a given one; world frame, unit vectors.
-struct Kinks {
-  std::vector<Vec3> edges;  // along straight edges (or lines of a cylinder's side) of the supporting feature
-  std::vector<Vec3> faces;  // outward normals
-  void clear() { edges.clear(), faces.clear(); }
-};
+/// World frame of the query, lattice units. It refers to the shape.
+struct ConvexCore : Placement {
+  const ConvexShape* shape;
+  Vec3 half;         // half widths of a box about the centre that it is in, along the axes
+  double radius;     // of the sphere that sweeps the core
+  bool is_polytope;  // also a point or a segment
+  bool is_box;       // also a point or a segment
 
-/// World frame of the query, lattice units.
-struct ConvexCore {
-  enum class Kind : std::uint8_t { box, cylinder, ellipsoid, polyhedron };  // box: also a point or a segment
-
-  Kind kind;
-  Vec3 centre;
-  Mat3 axes;                             // columns: the unit axes of the body
-  Vec3 half;                             // half widths along the axes (of a polyhedron: of its frame's box)
-  double radius;                         // of the sphere that sweeps the core
-  const PolyhedronMesh* mesh = nullptr;  // of a polyhedron
-
-  Vec3 to_world(const Vec3& x_B) const { return centre + axes * x_B; }
-  Vec3 direction_B(const Vec3& n) const { return axes.transpose() * n; }
-  bool is_point() const { return kind == Kind::box && half.isZero(0); }
-  bool is_segment() const { return kind == Kind::box && half.x() == 0 && half.z() > 0; }
+  template <class S>
+  bool is() const {
+    return std::holds_alternative<S>(*shape);
+  }
+  bool is_point() const { return is_box && half.isZero(0); }
   /// Without edges and faces.
-  bool smooth() const { return kind == Kind::ellipsoid || is_point(); }
+  bool smooth() const { return is<Ellipsoid>() || is_point(); }
+  bool curved() const { return !is_polytope; }
+
   /// The point of the core furthest along n.
   Vec3 support(const Vec3& n) const;
   /// Derivative of the supporting point by the unit direction n, the supporting feature kept: zero for
   /// polytopes.
-  Mat3 curvature(const Vec3& n) const;
-  bool curved() const { return kind == Kind::cylinder || kind == Kind::ellipsoid; }
-  /// The edges of the feature that supports n which are within `angle` (radian) of normal to n, and the faces
-  /// whose normals are within `angle` of n.
+  Mat3 support_derivative(const Vec3& n) const;
+  /// The circles of directions in which the supporting feature changes that are within `angle` (radian) of n,
+  /// and the faces whose normals are within `angle` of n.
   void kinks(const Vec3& n, double angle, Kinks& out) const;
   /// Radius of a ball inside the core that touches its boundary at x, where unit n is an outward normal; 0 at
-  /// edges and corners. The largest there is, but of an ellipsoid (least half axis)^2 / (width along n): with
-  /// |m| the norm sqrt(m.Am) and a the least half axis, |m||n| - m.An is half the square of a vector's norm,
-  /// which is at least a^2 (1 - m.n).
+  /// edges and corners.
   double touching_ball(const Vec3& x, const Vec3& n) const;
+  /// Radius of the ball about a polytope's centre that is inside it.
+  double central_ball() const;
+  /// The points of the core that are furthest along unit n, up to `slack` (lattice units).
+  void touching_outline(const Vec3& n, double slack, ContactOutline& out) const;
+  /// The face or the line of the core that looks along unit n, at whatever angle: the face of a polytope most
+  /// nearly normal to n, a capsule's axis, the supporting point of what is curved.
+  void facing_outline(const Vec3& n, ContactOutline& out) const;
+  /// The points that may touch a plane normal to unit n, in the order of their codes.
+  void plane_points(const Vec3& n, std::vector<PlanePoint>& out) const;
 };
 
-/// Not for a half-space. The core refers to the shape's mesh.
+/// Not for a half-space.
 ConvexCore convex_core(const ConvexShape&, const Pose&);
+
+/// Whether the codes of all its features fit into half a contact's (a polyhedron of some 10000 vertices;
+/// every other shape's do).
+bool has_codes(const ConvexShape&);
 
 /// As for rounded boxes: what tolerances of rounding are relative to.
 double length_scale(const ConvexCore& a, const ConvexCore& b);

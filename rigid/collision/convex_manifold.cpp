@@ -111,8 +111,9 @@ void line_on_face(const ConvexCore& core, const ContactOutline& line, const Cont
   }
 }
 
-double barrel_radius(const ConvexCore& core) {
-  return core.kind == ConvexCore::Kind::cylinder ? core.half.x() : core.radius;
+/// Of the round surface about the third axis that a line lies on, or sweeps; 0: there is none.
+double barrel_radius(const ConvexCore& core, const ContactOutline& line) {
+  return line.barrel_radius > 0 ? line.barrel_radius : core.radius;
 }
 
 /// The points at the ends of a's barrel, along its own normal there to the barrel of b.
@@ -123,11 +124,11 @@ void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const C
   const Vec3 m = (n - n.dot(u) * u).normalized();
   if (!(m.dot(n) >= same_side_cosine)) return;
   for (int e = 0; e < 2; ++e) {
-    const Vec3 x = a.centre + (e ? 1 : -1) * a.half.z() * u + barrel_radius(a) * m;
+    const Vec3 x = a.centre + (e ? 1 : -1) * a.half.z() * u + barrel_radius(a, line_a) * m;
     // |across(x + gap m - b)| = radius of b, the nearer of the two solutions
     const Vec3 d = x - b.centre, d_across = d - d.dot(v) * v, m_across = m - m.dot(v) * v;
     const double q = m_across.squaredNorm(), p = d_across.dot(m_across) / q;
-    const double r = barrel_radius(b), root = p * p - (d_across.squaredNorm() - r * r) / q;
+    const double r = barrel_radius(b, line_b), root = p * p - (d_across.squaredNorm() - r * r) / q;
     if (!(root >= 0)) continue;
     const double gap = -p - std::sqrt(root), t = (d + gap * m).dot(v), half = b.half.z();
     if (std::abs(t) > half * (1 + rounding)) continue;
@@ -139,6 +140,7 @@ void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const C
 
 void line_on_line(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
                   const ContactOutline& line_b, const Vec3& n, std::vector<ContactPoint>& points) {
+  if (!(barrel_radius(a, line_a) > 0 && barrel_radius(b, line_b) > 0)) return;
   if (a.axes.col(2).cross(b.axes.col(2)).norm() > parallel_sine) return;
   ends_over_barrel(a, line_a, b, line_b, n, false, points);
   ends_over_barrel(b, line_b, a, line_a, -n, true, points);
@@ -147,8 +149,8 @@ void line_on_line(const ConvexCore& a, const ContactOutline& line_a, const Conve
 void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double slack,
                  std::vector<ContactPoint>& points) {
   thread_local ContactOutline of_a, of_b;
-  facing_outline(a, n, of_a);
-  facing_outline(b, -n, of_b);
+  a.facing_outline(n, of_a);
+  b.facing_outline(-n, of_b);
   if (of_a.is_face() && of_b.is_face())
     face_on_face(of_a, of_b, n, slack, points);
   else if (of_a.size() == 2 && of_b.is_face())
@@ -185,29 +187,18 @@ void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3
 void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward,
                                   double tolerance, std::vector<ContactPoint>& out) {
   const Vec3 n = -outward;
-  double lowest = std::numeric_limits<double>::infinity();
-  const auto take = [&](const Vec3& x, std::uint32_t code) {
-    const double gap = outward.dot(x - origin);
-    lowest = std::min(lowest, gap);
-    if (gap <= tolerance) out.push_back({x, x + gap * n, n, gap, pair_code(code, 0)});
-  };
-  if (a.kind == ConvexCore::Kind::ellipsoid) return take(a.support(n), 0);
-  if (a.kind == ConvexCore::Kind::polyhedron) {
-    for (std::size_t v = 0; v < a.mesh->vertices.size(); ++v)
-      take(a.to_world(a.mesh->vertices[v]), vertex_code(v));
-    return;
-  }
-  const int end_side = facing_end(a, n);
-  thread_local ContactOutline end;
-  if (end_side) {
-    end_outline(a, end_side, end);
-    for (const auto& c : end.corners) take(c.x, c.code);
-  }
-  const double lowest_fixed = lowest;
-  for (const int side : {-1, 1}) {
-    if (side == -end_side) continue;
-    const auto c = lowest_rim_point(a, side, n);
-    if (outward.dot(c.x - origin) < lowest_fixed - same_depth * a.half.norm()) take(c.x, c.code);
+  thread_local std::vector<PlanePoint> points;
+  points.clear();
+  a.plane_points(n, points);
+  const auto gap_of = [&](const PlanePoint& p) { return outward.dot(p.x - origin); };
+  double lowest_fixed = std::numeric_limits<double>::infinity();
+  for (const PlanePoint& p : points)
+    if (!p.only_if_lowest) lowest_fixed = std::min(lowest_fixed, gap_of(p));
+  for (const PlanePoint& p : points) {
+    if (p.only_if_lowest && gap_of(p) >= lowest_fixed - same_depth * a.half.norm()) continue;
+    const double gap = gap_of(p) - a.radius;
+    const Vec3 on_a = p.x + a.radius * n;
+    if (gap <= tolerance) out.push_back({on_a, on_a + gap * n, n, gap, pair_code(p.code, 0)});
   }
 }
 

@@ -23,8 +23,8 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& 
   best.miss = std::numeric_limits<double>::infinity();
   // a normal that is off by rounding may leave out a corner of an edge or a face
   for (const double slack : {rounding * scale, 100 * rounding * scale, 1e4 * rounding * scale}) {
-    touching_outline(a, n, slack, of_a);
-    touching_outline(b, -n, slack, of_b);
+    a.touching_outline(n, slack, of_a);
+    b.touching_outline(-n, slack, of_b);
     const CommonPoint p = common_point(of_a, of_b, n, peak.core_gap, 10 * slack);
     if (p.miss < best.miss) best = p;
     if (best.miss <= proven * scale) break;
@@ -74,9 +74,8 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
   const Vec3 n = between_centres(a, b);
   if (core_separation(a, b, n) > reach) return {};
-  using Kind = ConvexCore::Kind;
-  const bool with_ellipsoid = a.kind == Kind::ellipsoid || b.kind == Kind::ellipsoid;
-  if (with_ellipsoid && a.kind != Kind::polyhedron && b.kind != Kind::polyhedron) {
+  const bool with_ellipsoid = a.is<Ellipsoid>() || b.is<Ellipsoid>();
+  if (with_ellipsoid && !a.is<Polyhedron>() && !b.is<Polyhedron>()) {
     const Peak peak = climb(a, b, between_ellipsoids(a, b), wide_angle);
     if (peak.core_gap > reach) return {};
     if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;

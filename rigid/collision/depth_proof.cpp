@@ -9,17 +9,8 @@ namespace {
 
 constexpr double rounding = 1e-10;  // part of the pair's size: corners of an edge that touch
 
-bool is_polytope(const ConvexCore& core) {
-  return core.kind == ConvexCore::Kind::polyhedron ||
-         (core.kind == ConvexCore::Kind::box && core.half.minCoeff() > 0);
-}
-
-/// Of the ball about a polytope's centre that is inside it.
-double central_ball(const ConvexCore& core) {
-  if (core.kind == ConvexCore::Kind::box) return core.half.minCoeff();
-  double radius = core.half.maxCoeff();
-  for (const auto& face : core.mesh->faces) radius = std::min(radius, face.offset);
-  return radius;
+bool is_solid_polytope(const ConvexCore& core) {
+  return core.is_polytope && core.half.minCoeff() > 0;
 }
 
 /// From x on the edge to its nearer end.
@@ -35,8 +26,8 @@ Vec3 along(const ContactOutline& edge) {
 double disc_of_edges(const ConvexCore& a, const ConvexCore& b, const Vec3& n, const CommonPoint& where) {
   thread_local ContactOutline of_a, of_b;
   const double slack = rounding * length_scale(a, b);
-  touching_outline(a, n, slack, of_a);
-  touching_outline(b, -n, slack, of_b);
+  a.touching_outline(n, slack, of_a);
+  b.touching_outline(-n, slack, of_b);
   if (of_a.size() != 2 || of_b.size() != 2) return 0;
   return std::min(room(of_a, where.on_a), room(of_b, where.on_b)) * along(of_a).cross(along(of_b)).norm();
 }
@@ -46,13 +37,13 @@ double disc_of_edges(const ConvexCore& a, const ConvexCore& b, const Vec3& n, co
 bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                     const CommonPoint& where) {
   if (a.touching_ball(where.on_a, n) + b.touching_ball(where.on_b, -n) >= depth) return true;
-  if (!is_polytope(a) || !is_polytope(b)) return false;
+  if (!is_solid_polytope(a) || !is_solid_polytope(b)) return false;
   const double covered = 2 * std::atan2(disc_of_edges(a, b, n, where), depth);
   const Vec3 centre = b.centre - a.centre;
   const double ahead = centre.dot(n), aside = (centre - ahead * n).norm();
   const double behind = std::atan2(aside, ahead);  // the angle at which the ball reaches least far
   return covered >= behind &&
-         central_ball(a) + central_ball(b) - centre.norm() * std::cos(covered - behind) >= depth;
+         a.central_ball() + b.central_ball() - centre.norm() * std::cos(covered - behind) >= depth;
 }
 
 }  // namespace silt::rigid

@@ -5,7 +5,7 @@
 
 #include "rigid/collision/reduce_manifold.hpp"
 #include "rigid/collision/tube_contacts.hpp"
-#include "rigid/shapes/curvature.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 

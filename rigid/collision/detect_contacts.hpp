@@ -9,6 +9,7 @@
 #include "rigid/bodies/world.hpp"
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/uniform_grid.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 

@@ -2,23 +2,37 @@
 
 #include <stdexcept>
 
+#include "rigid/shapes/defaults.hpp"
+
 namespace silt::rigid {
 
+namespace {
+
+/// Its core, where that is a box.
+std::optional<Box> box_of(const ConvexShape& shape) {
+  return std::visit(
+      []<class S>(const S& s) -> std::optional<Box> {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(solid::core(s))>, Box>)
+          return solid::core(s);
+        else
+          return std::nullopt;
+      },
+      shape);
+}
+
+}  // namespace
+
+bool has_rounded_box(const ConvexShape& shape) {
+  return box_of(shape).has_value();
+}
+
 RoundedBox rounded_box(const ConvexShape& shape, const Pose& pose) {
-  RoundedBox core{pose.position, Mat3::Identity(), Vec3::Zero(), 0};
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-    core.radius = sphere->radius;  // looks the same from everywhere
-    return core;
-  }
-  core.axes = pose.orientation.toRotationMatrix();
-  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
-    core.radius = capsule->radius;
-    core.half.z() = capsule->half_length;
-  } else if (const auto* box = std::get_if<Box>(&shape)) {
-    core.half = box->half_edges;
-  } else {
-    throw std::invalid_argument("only a sphere, a capsule and a box have a box for a core");
-  }
+  const std::optional<Box> box = box_of(shape);
+  if (!box) throw std::invalid_argument("only a sphere, a capsule and a box have a box for a core");
+  const double radius = std::visit([](const auto& s) { return solid::core_radius(s); }, shape);
+  RoundedBox core{pose.position, Mat3::Identity(), box->half_edges, radius};
+  if (core.extent() > 0)
+    core.axes = pose.orientation.toRotationMatrix();  // else it looks alike from everywhere
   return core;
 }
 

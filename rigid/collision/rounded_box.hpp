@@ -2,26 +2,9 @@
 // Sphere, capsule and box are oriented boxes, some of whose half edges may be zero, swept
 // by a sphere: sphere = point + radius, capsule = segment + radius, box = box + 0. Distances and depths of
 // the swept shapes are those of the cores less the radii, so that one closed form serves all pairs.
-#include <array>
-#include <cstdint>
-
-#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/convex_shape.hpp"
 
 namespace silt::rigid {
-
-/// A vertex, edge, face or the inside of a box (ends or side of a capsule): one sign an axis, 0 where free.
-struct Feature {
-  std::array<std::int8_t, 3> sign{0, 0, 0};
-
-  std::uint32_t code() const { return (sign[0] + 1) + 3 * (sign[1] + 1) + 9 * (sign[2] + 1); }  // 0..26
-  /// Where this and another meet: two faces in an edge, two edges in a vertex.
-  Feature with(const Feature& other) const {
-    Feature f = *this;
-    for (int k = 0; k < 3; ++k)
-      if (!f.sign[k]) f.sign[k] = other.sign[k];
-    return f;
-  }
-};
 
 /// World frame of the query, lattice units.
 struct RoundedBox {
@@ -56,11 +39,8 @@ struct RoundedBox {
   Vec3 vertex(const Vec3& signs) const { return centre + axes * half.cwiseProduct(signs); }
 };
 
-/// Sphere, capsule or box.
-inline bool has_rounded_box(const ConvexShape& shape) {
-  return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Box>(shape) ||
-         std::holds_alternative<Capsule>(shape);
-}
+/// Whether the shape is a box swept by a sphere, or a box.
+bool has_rounded_box(const ConvexShape&);
 /// std::invalid_argument for shapes that are none.
 RoundedBox rounded_box(const ConvexShape&, const Pose&);
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <numbers>
 
 #include "rigid/shapes/furthest_on_ellipse.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 
@@ -28,64 +29,79 @@ class CrossSection {
 };
 
 /// Calls use(centre, radius, feature) for balls or points of a body, the furthest from the axis among them.
+/// The body says which balls, discs and ellipsoids it is the hull of (`extremes`); one that does not is
+/// searched.
 template <class Use>
 class ExtremePoints {
  public:
   ExtremePoints(const Pose& body, const CrossSection& section, Use& use)
       : pose_(body), section_(section), use_(use) {}
 
-  void operator()(const Sphere& s) const { use_(pose_.position, s.radius, 0); }
-  void operator()(const Capsule& c) const {
-    for (const int end : {0, 1})
-      use_(pose_.to_world({0, 0, end ? c.half_length : -c.half_length}), c.radius, end);
+  template <class S>
+  void operator()(const S& shape) const {
+    if constexpr (requires { shape.extremes(*this); })
+      shape.extremes(*this);
+    else
+      search(shape);
   }
-  void operator()(const Box& b) const {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-      use_(pose_.to_world(b.half_edges.cwiseProduct(sign)), 0, corner);
-    }
+
+  void ball(const Vec3& centre_B, double radius, std::uint32_t feature) const {
+    use_(pose_.to_world(centre_B), radius, feature);
   }
-  void operator()(const Polyhedron& q) const {
-    for (std::size_t v = 0; v < q.mesh->vertices.size(); ++v)
-      use_(pose_.to_world(q.mesh->vertices[v]), 0, static_cast<std::uint32_t>(v));
-  }
-  /// Each rim is an ellipse in the cross-section.
-  void operator()(const Cylinder& c) const {
+  /// About the body's z axis, at this z. Its rim is an ellipse in the cross-section.
+  void disc(double z, double radius, std::uint32_t first_feature) const {
     const Mat3 turn = pose_.orientation.toRotationMatrix();
-    const Vec2 u = c.radius * section_.of_direction(turn.col(0)),
-               v = c.radius * section_.of_direction(turn.col(1));
+    const Vec2 u = radius * section_.of_direction(turn.col(0)),
+               v = radius * section_.of_direction(turn.col(1));
     const Eigen::Matrix2d spread = u * u.transpose() + v * v.transpose();
-    for (const int end : {0, 1}) {
-      const Vec3 centre = pose_.to_world({0, 0, end ? c.half_length : -c.half_length});
-      for_furthest(centre, spread, 2 * end, [&](const Vec3& n) -> Vec3 {
-        const double x = turn.col(0).dot(n), y = turn.col(1).dot(n), across = std::hypot(x, y);
-        if (!(across > 0)) return centre;  // the whole rim is equally far
-        return centre + c.radius / across * (x * turn.col(0) + y * turn.col(1));
-      });
-    }
+    const Vec3 centre = pose_.to_world({0, 0, z});
+    for_furthest(centre, spread, first_feature, [&](const Vec3& n) -> Vec3 {
+      const double x = turn.col(0).dot(n), y = turn.col(1).dot(n), across = std::hypot(x, y);
+      if (!(across > 0)) return centre;  // the whole rim is equally far
+      return centre + radius / across * (x * turn.col(0) + y * turn.col(1));
+    });
   }
   /// Its shadow along the axis is an ellipse too.
-  void operator()(const Ellipsoid& e) const {
-    const Mat3 axes = pose_.orientation.toRotationMatrix() * e.half_axes.asDiagonal();
+  void ellipsoid(const Vec3& half_axes, std::uint32_t first_feature) const {
+    const Mat3 axes = pose_.orientation.toRotationMatrix() * half_axes.asDiagonal();
     Eigen::Matrix<double, 2, 3> shadow;
     for (int k = 0; k < 3; ++k) shadow.col(k) = section_.of_direction(axes.col(k));
-    for_furthest(pose_.position, shadow * shadow.transpose(), 0, [&](const Vec3& n) -> Vec3 {
+    for_furthest(pose_.position, shadow * shadow.transpose(), first_feature, [&](const Vec3& n) -> Vec3 {
       return pose_.position + axes * (axes.transpose() * n).normalized();
     });
   }
-  void operator()(const HalfSpace&) const { throw std::invalid_argument("a half-space is not in a tube"); }
 
  private:
   /// support(n): the point of the body on that ellipse furthest along n; where it is furthest from the axis,
   /// n points from the axis to it.
   template <class Support>
-  void for_furthest(const Vec3& centre, const Eigen::Matrix2d& spread, int first_feature,
+  void for_furthest(const Vec3& centre, const Eigen::Matrix2d& spread, std::uint32_t first_feature,
                     Support&& support) const {
     const FurthestOnEllipse found = furthest_on_ellipse(section_.of_point(centre), spread);
     const bool ordered = found.count < 2 || found.end[0] == 0;
     for (int k = 0; k < found.count; ++k) {
       const int which = ordered ? k : 1 - k;
       use_(support(section_.to_world(found.direction[which])), 0, first_feature + found.end[which]);
+    }
+  }
+
+  /// From directions all round: the point furthest along the way from the axis to the last one is further
+  /// still.
+  template <class S>
+  void search(const S& shape) const {
+    constexpr int directions = 8, steps = 100;
+    const Mat3 turn = pose_.orientation.toRotationMatrix();
+    for (int k = 0; k < directions; ++k) {
+      const double angle = 2 * std::numbers::pi * k / directions;
+      Vec2 n(std::cos(angle), std::sin(angle));
+      Vec3 x = pose_.position;
+      for (int step = 0; step < steps; ++step) {
+        x = pose_.position + turn * shape.support(turn.transpose() * section_.to_world(n));
+        const Vec2 next = section_.of_point(x).normalized();
+        if (!(section_.of_point(x).norm() > 0) || next == n) break;
+        n = next;
+      }
+      use_(x, 0, k);
     }
   }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
-#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {
 

@@ -2,6 +2,7 @@
 // A contact resolver turns the contacts of one step into post-contact velocities (lines 14 to 20 of the
 // paper's Algorithm 1).
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -54,7 +55,18 @@ class ContactResolver {
                                      BodyExchange&) = 0;
 };
 
-/// "sffd" (default) or "ffd"; std::invalid_argument names the known ones.
+/// A resolver by its name, and which settings and phases of a step it knows. A new one is a row in
+/// contact_resolver.cpp.
+struct ResolverModel {
+  std::string_view name;
+  bool lubricates, has_impact_phase, has_half_force;
+  std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
+};
+
+/// Returns every resolver, the default first.
+std::span<const ResolverModel> resolver_models();
+/// Returns the row of a name; std::invalid_argument names the known ones.
+const ResolverModel& resolver_model(std::string_view name);
 std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings&);
 
 }  // namespace silt::rigid

@@ -1,9 +1,7 @@
 #include "rigid/shapes/ellipsoid.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
+#include <numbers>
 
 namespace silt::rigid {
 
@@ -49,9 +47,9 @@ std::array<int, 3> by_length(const Vec3& half_axes) {
   return order;
 }
 
-/// Nearest point and the way to it, both without cancellation.
+/// The nearest point and the displacement to it, both without cancellation.
 struct Nearest {
-  Vec3 point, way;  // point = x + way
+  Vec3 point, displacement;  // point = x + displacement
 };
 
 /// The nearest point of the surface is x_i = e_i^2 y_i / (t + e_i^2), t the root beyond minus the square of
@@ -72,37 +70,52 @@ Nearest nearest(const Vec3& half_axes, const Vec3& x) {
   Nearest n;
   for (int i = 0; i < 3; ++i) {
     n.point[i] = half_axes[i] * p[i];
-    n.way[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;
+    n.displacement[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;
   }
   if (u == 0) {  // from the middle plane the nearest points lie on either side of it
     const double others = p.squaredNorm() - p[shortest] * p[shortest];
-    n.way[shortest] = n.point[shortest] = e * std::sqrt(std::max(0.0, 1 - others));
+    n.displacement[shortest] = n.point[shortest] = e * std::sqrt(std::max(0.0, 1 - others));
   }
   for (int i = 0; i < 3; ++i)
-    if (x[i] < 0) n.point[i] = -n.point[i], n.way[i] = -n.way[i];
+    if (x[i] < 0) {
+      n.point[i] = -n.point[i];
+      n.displacement[i] = -n.displacement[i];
+    }
   return n;
 }
 
 }  // namespace
 
-bool in_ellipsoid(const Vec3& half_axes, const Vec3& x) {
-  return x.cwiseQuotient(half_axes).squaredNorm() <= 1;
-}
-
-Vec3 nearest_on_ellipsoid(const Vec3& half_axes, const Vec3& x) {
+Vec3 Ellipsoid::nearest_point(const Vec3& x) const {
   return nearest(half_axes, x).point;
 }
 
-double ellipsoid_distance(const Vec3& half_axes, const Vec3& x) {
-  const double distance = nearest(half_axes, x).way.norm();
-  if (in_ellipsoid(half_axes, x)) return -distance;
+double Ellipsoid::signed_distance(const Vec3& x) const {
+  const double distance = nearest(half_axes, x).displacement.norm();
+  if (contains(x)) return -distance;
   return std::max(distance, std::numeric_limits<double>::min());
+}
+
+/// Seen in the coordinates in which it is the unit sphere.
+std::optional<LineInterval> Ellipsoid::line_interval(const Vec3& o, const Vec3& d) const {
+  const Vec3 p = o.cwiseQuotient(half_axes), v = d.cwiseQuotient(half_axes);
+  const double a = v.squaredNorm(), b = p.dot(v), distance = p.norm();
+  const double closest = (p - b / a * v).norm();  // of the line to the centre: keeps far, grazing lines exact
+  if (!(closest <= 1)) return {};
+  const double s = std::sqrt(a * (1 - closest) * (1 + closest)), q = b >= 0 ? -b - s : -b + s;
+  const double t1 = q / a, t2 = q != 0 ? (distance - 1) * (distance + 1) / q : 0.0;
+  return LineInterval{std::min(t1, t2), std::max(t1, t2)};
+}
+
+BoundingBox Ellipsoid::bounding_box(const Pose& pose) const {
+  const Mat3 r = pose.orientation.toRotationMatrix();
+  return BoundingBox::around(pose.position, (r * half_axes.asDiagonal()).rowwise().norm());
 }
 
 /// As the nearest point, with the root beyond minus the square of the longest half axis: x_i = -e_i^2 y_i /
 /// (u + e^2 - e_i^2).
-double ellipsoid_reach(const Vec3& half_axes, const Vec3& x) {
-  const Vec3 y = x.cwiseAbs();
+double Ellipsoid::reach(const Pose& pose) const {
+  const Vec3 y = (pose.orientation.conjugate() * pose.position).cwiseAbs();
   const int longest = by_length(half_axes)[0];
   const double e = half_axes[longest];
   SecularEquation equation;
@@ -114,6 +127,41 @@ double ellipsoid_reach(const Vec3& half_axes, const Vec3& x) {
   Vec3 p = equation.p(u);
   if (u == 0) p[longest] = std::sqrt(std::max(0.0, 1 - (p.squaredNorm() - p[longest] * p[longest])));
   return (y + half_axes.cwiseProduct(p)).norm();
+}
+
+MassProperties Ellipsoid::mass_properties() const {
+  const Vec3 sq = half_axes.cwiseAbs2();
+  const double volume = 4.0 / 3 * std::numbers::pi * half_axes.prod();
+  return {volume, Vec3::Zero(),
+          0.2 * volume * Vec3(sq[1] + sq[2], sq[0] + sq[2], sq[0] + sq[1]).asDiagonal()};
+}
+
+/// The largest ball, and points of the edges of a cube drawn onto the surface.
+void Ellipsoid::add_inner_balls(std::vector<InnerBall>& balls) const {
+  constexpr int points = 5;  // along an edge
+  balls.push_back({Vec3::Zero(), half_axes.minCoeff()});
+  for (int i = 0; i < points; ++i)
+    for (int j = 0; j < points; ++j)
+      for (int k = 0; k < points; ++k) {
+        const Vec3 at = Vec3(i, j, k) * (2. / (points - 1)) - Vec3::Ones();
+        if (at.cwiseAbs().maxCoeff() == 1) balls.push_back({half_axes.cwiseProduct(at.normalized()), 0});
+      }
+}
+
+/// Of f(x) = 1/2 x.D x = const: the part of D across the normal, over |D x|.
+std::optional<Mat3> Ellipsoid::curvature(const Vec3& x, const Vec3& n) const {
+  const Vec3 d = half_axes.cwiseAbs2().cwiseInverse();
+  const double gradient = d.cwiseProduct(x).norm();
+  if (gradient == 0) return std::nullopt;
+  return (across(n) * d.asDiagonal() * across(n)) / gradient;
+}
+
+Mat3 Ellipsoid::support_derivative(const Vec3& n) const {
+  const Vec3 squares = half_axes.cwiseAbs2(), an = squares.cwiseProduct(n);
+  const double q = std::sqrt(an.dot(n));
+  Mat3 k = -an * an.transpose() / (q * q);
+  k.diagonal() += squares;
+  return k / q;
 }
 
 }  // namespace silt::rigid

@@ -1,20 +1,53 @@
 #pragma once
-// Nearest and furthest points of an ellipsoid about its own axes: one secular equation serves both.
-#include "rigid/math/types.hpp"
+#include "rigid/shapes/solid.hpp"
 
 namespace silt::rigid {
 
-/// x inside or on the surface.
-bool in_ellipsoid(const Vec3& half_axes, const Vec3& x);
-/// The point of the surface nearest to x (one of them where several are), inside and outside. Source: D.
-/// Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid" (2013), the reduction to
-/// one root; the root not by his bisection but as in trust-region steps (More and Sorensen, SIAM J. Sci.
-/// Stat. Comput. 4 (1983)).
-Vec3 nearest_on_ellipsoid(const Vec3& half_axes, const Vec3& x);
-/// Distance to the surface, negative inside. Error below 1e-14 of the largest axis plus 1e-14 of the
-/// distance, for axes of any ratio; its sign agrees with in_ellipsoid.
-double ellipsoid_distance(const Vec3& half_axes, const Vec3& x);
-/// Distance from x to the point of the surface furthest from it.
-double ellipsoid_reach(const Vec3& half_axes, const Vec3& x);
+struct Ellipsoid {
+  static constexpr std::string_view name = "ellipsoid";
+  Vec3 half_axes;
+  static constexpr auto fields = std::tuple{Field<Ellipsoid, Vec3>{
+      "diameters", &Ellipsoid::half_axes, "how long it is along each of its axes, [x, y, z]", 0.5}};
+
+  bool contains(const Vec3& x) const { return x.cwiseQuotient(half_axes).squaredNorm() <= 1; }
+  /// The error is below 1e-14 of the largest axis plus 1e-14 of the distance, for axes of any ratio; the sign
+  /// agrees with contains.
+  double signed_distance(const Vec3& x) const;
+  /// The point of the surface nearest to x (one of them where several are), inside and outside. Source: D.
+  /// Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid" (2013), the reduction
+  /// to one root; the root not by his bisection but as in trust-region steps (More and Sorensen, SIAM J. Sci.
+  /// Stat. Comput. 4 (1983)).
+  Vec3 nearest_point(const Vec3& x) const;
+  std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const;
+  BoundingBox bounding_box(const Pose&) const;
+  double reach(const Pose&) const;
+  Vec3 support(const Vec3& n) const {
+    const Vec3 scaled = half_axes.cwiseProduct(n);
+    return half_axes.cwiseProduct(scaled) / scaled.norm();
+  }
+  MassProperties mass_properties() const;
+  double least_width() const { return 2 * half_axes.minCoeff(); }
+  void add_inner_balls(std::vector<InnerBall>&) const;
+
+  std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
+  Vec3 half_widths() const { return half_axes; }
+  Mat3 support_derivative(const Vec3& n) const;
+  /// (Least half axis)^2 / (width along n), less than the largest there is: with |m| the norm sqrt(m.Am) and
+  /// a the least half axis, |m||n| - m.An is half the square of a vector's norm, which is at least a^2 (1 -
+  /// m.n).
+  double touching_ball(const Vec3&, const Vec3& n) const {
+    const double least = half_axes.minCoeff();
+    return least * least / half_axes.cwiseProduct(n).norm();
+  }
+  template <class Use>
+  void extremes(Use&& use) const {
+    use.ellipsoid(half_axes, 0);
+  }
+  /// In its half axes it is the unit ball.
+  template <class Parts>
+  void surface(Parts& parts) const {
+    parts.add_scaled(Parts::Kind::ellipsoid, half_axes.cwiseInverse());
+  }
+};
 
 }  // namespace silt::rigid

@@ -5,8 +5,6 @@
 #include <limits>
 #include <vector>
 
-#include "rigid/shapes/ray_interval.hpp"
-
 namespace silt::rigid {
 
 namespace {
@@ -81,8 +79,8 @@ class OverlapIntegral {
   void add_ray(double x, double y, double weight, SolidMoments& sum) {
     intervals_.clear();
     for (const Part& part : parts_) {
-      const auto i = ray_interval(part.shape, part.pose.to_body({x, y, 0}),
-                                  part.pose.orientation.conjugate() * Vec3::UnitZ());
+      const auto i = line_interval(part.shape, part.pose.to_body({x, y, 0}),
+                                   part.pose.orientation.conjugate() * Vec3::UnitZ());
       if (i && i->enter < i->leave) intervals_.push_back({i->enter, i->leave});
     }
     if (intervals_.size() < 2) return;
@@ -126,7 +124,7 @@ SolidMoments overlap_moments(std::span<const Part> parts) {
   double scale = 0;
   for (Part& part : turned) {
     part.pose = Pose{Vec3::Zero(), turn} * part.pose;
-    scale = std::max(scale, bounding_radius(Compound{{part}}));
+    scale = std::max(scale, reach(part));
   }
   const BoundingBox box = overlap_box(turned);
   if ((box.lower.array() >= box.upper.array()).any()) return {};

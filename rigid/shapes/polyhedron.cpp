@@ -1,198 +1,199 @@
 #include "rigid/shapes/polyhedron.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <stdexcept>
-#include <string>
+#include "rigid/shapes/ball_under_planes.hpp"
 
 namespace silt::rigid {
 
 namespace {
 
-using Face = PolyhedronMesh::Face;
-using Edge = PolyhedronMesh::Edge;
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw std::invalid_argument("polyhedron: " + what);
+std::uint32_t vertex_code(int vertex) {
+  return vertex + 1;
 }
 
-std::string name_of(const char* what, std::size_t index) {
-  return std::string(what) + " " + std::to_string(index);
-}
-
-/// Largest extent along an axis.
-double size_of(const std::vector<Vec3>& vertices) {
-  Vec3 lower = vertices[0], upper = vertices[0];
-  for (const Vec3& v : vertices) lower = lower.cwiseMin(v), upper = upper.cwiseMax(v);
-  return (upper - lower).maxCoeff();
-}
-
-/// Twice the area times the normal: Newell's sum, about the first corner.
-Vec3 newell(const std::vector<Vec3>& vertices, const std::vector<int>& loop) {
-  const Vec3& first = vertices[loop[0]];
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t k = 1; k + 1 < loop.size(); ++k)
-    sum += (vertices[loop[k]] - first).cross(vertices[loop[k + 1]] - first);
-  return sum;
-}
-
-void check_input(const std::vector<Vec3>& vertices, const std::vector<std::vector<int>>& faces) {
-  if (vertices.size() < 4 || faces.size() < 4) refuse("it needs at least 4 corners and 4 faces");
-  std::vector<bool> used(vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    if (!vertices[i].allFinite()) refuse(name_of("corner", i) + " is not finite");
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    if (faces[f].size() < 3) refuse(name_of("face", f) + " has fewer than 3 corners");
-    for (const int c : faces[f]) {
-      if (c < 0 || c >= int(vertices.size()))
-        refuse(name_of("face", f) + " names corner " + std::to_string(c) + ", which is not there");
-      used[c] = true;
-    }
-  }
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (!used[i]) refuse(name_of("corner", i) + " belongs to no face");
-}
-
-Face make_face(const std::vector<Vec3>& vertices, const std::vector<int>& loop, std::size_t index,
-               double tolerance) {
-  const Vec3 area = newell(vertices, loop);
-  if (!(area.norm() > tolerance * tolerance)) refuse(name_of("face", index) + " has no area");
-  Face face{area.normalized(), 0, loop};
-  for (const int c : loop) face.offset += face.normal.dot(vertices[c]) / double(loop.size());
-  for (const int c : loop)
-    if (std::abs(face.normal.dot(vertices[c]) - face.offset) > tolerance)
-      refuse(name_of("face", index) + " is not flat at " + name_of("corner", c));
-  return face;
-}
-
-/// Each edge twice, once in each direction; and in one piece without holes (Euler).
-std::vector<Edge> make_edges(const std::vector<Face>& faces, std::size_t corners) {
-  std::map<std::array<int, 2>, int> face_left_of;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const auto& loop = faces[f].corners;
-    for (std::size_t k = 0; k < loop.size(); ++k)
-      if (!face_left_of.emplace(std::array{loop[k], loop[(k + 1) % loop.size()]}, int(f)).second)
-        refuse("two faces run the same way along the edge from " + name_of("corner", loop[k]));
-  }
-  std::vector<Edge> edges;
-  for (const auto& [ends, left] : face_left_of) {
-    const auto right = face_left_of.find({ends[1], ends[0]});
-    if (right == face_left_of.end())
-      refuse("it is not closed: only one face has the edge from " + name_of("corner", ends[0]) + " to " +
-             std::to_string(ends[1]));
-    if (ends[0] < ends[1]) edges.push_back({ends, {left, right->second}});
-  }
-  if (corners + faces.size() != edges.size() + 2) refuse("it is not one piece without holes");
-  return edges;
-}
-
-/// A closed surface encloses a positive volume where its faces are counter-clockwise seen from outside.
-void check_outward(const PolyhedronMesh& mesh) {
-  double volume = 0;
-  for (const Face& face : mesh.faces)
-    volume += newell(mesh.vertices, face.corners).dot(mesh.vertices[face.corners[0]] - mesh.vertices[0]);
-  if (!(volume > 0)) refuse("its faces are clockwise seen from outside, or it has no volume");
-}
-
-void check_convex(const PolyhedronMesh& mesh, double tolerance) {
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    const Face& face = mesh.faces[f];
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-      if (face.normal.dot(mesh.vertices[i]) - face.offset > tolerance)
-        refuse("it is not convex: " + name_of("corner", i) + " lies outside " + name_of("face", f));
-    for (std::size_t k = 0; k < face.corners.size(); ++k) {
-      const Vec3& a = mesh.vertices[face.corners[k]];
-      const Vec3& b = mesh.vertices[face.corners[(k + 1) % face.corners.size()]];
-      const Vec3 inward = face.normal.cross(b - a).normalized();
-      for (const int c : face.corners)
-        if (inward.dot(mesh.vertices[c] - a) < -tolerance)
-          refuse(name_of("face", f) + " is not convex at " + name_of("corner", c));
-    }
-  }
-}
-
-double distance_to_segment(const Vec3& a, const Vec3& b, const Vec3& x) {
-  const Vec3 along = b - a;
-  const double t = std::clamp((x - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (x - a - t * along).norm();
-}
-
-/// From a point in front of the face at `height`; exact.
-double distance_to_face(const PolyhedronMesh& mesh, const Face& face, double height, const Vec3& x) {
-  bool above = true;  // the projection lies on the face
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < face.corners.size(); ++k) {
-    const Vec3& a = mesh.vertices[face.corners[k]];
-    const Vec3& b = mesh.vertices[face.corners[(k + 1) % face.corners.size()]];
-    if (face.normal.cross(b - a).dot(x - a) >= 0) continue;
-    above = false;
-    least = std::min(least, distance_to_segment(a, b, x));
-  }
-  return above ? height : least;
+std::uint32_t edge_code(const PolyhedronMesh& mesh, std::size_t edge) {
+  return 1 + mesh.vertices.size() + edge;
 }
 
 }  // namespace
 
-std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> vertices,
-                                                           const std::vector<std::vector<int>>& faces,
-                                                           double flatness) {
-  check_input(vertices, faces);
-  const double tolerance = flatness * size_of(vertices);
-  auto mesh = std::make_shared<PolyhedronMesh>();
-  mesh->vertices = std::move(vertices);
-  for (const auto& loop : faces)
-    mesh->faces.push_back(make_face(mesh->vertices, loop, mesh->faces.size(), tolerance));
-  mesh->edges = make_edges(mesh->faces, mesh->vertices.size());
-  check_outward(*mesh);
-  check_convex(*mesh, tolerance);
-  mesh->neighbours.resize(mesh->vertices.size());
-  for (const Edge& edge : mesh->edges)
-    for (int k = 0; k < 2; ++k) mesh->neighbours[edge.corners[k]].push_back(edge.corners[1 - k]);
-  return mesh;
+int Polyhedron::support_vertex(const Vec3& n) const {
+  int best = 0;
+  double furthest = mesh->vertices[0].dot(n);
+  for (int v = 1; v < static_cast<int>(mesh->vertices.size()); ++v)
+    if (const double h = mesh->vertices[v].dot(n); h > furthest) {
+      furthest = h;
+      best = v;
+    }
+  return best;
 }
 
-std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh& mesh, const Vec3& by) {
-  auto moved = std::make_shared<PolyhedronMesh>(mesh);
-  for (Vec3& v : moved->vertices) v += by;
-  for (Face& face : moved->faces) face.offset += face.normal.dot(by);
-  return moved;
+int Polyhedron::face_towards(const Vec3& n) const {
+  int best = 0;
+  for (std::size_t f = 1; f < mesh->faces.size(); ++f)
+    if (mesh->faces[f].normal.dot(n) > mesh->faces[best].normal.dot(n)) best = static_cast<int>(f);
+  return best;
 }
 
-double signed_distance(const PolyhedronMesh& mesh, const Vec3& x) {
-  double highest = -std::numeric_limits<double>::infinity();
-  const Face* nearest = nullptr;
-  for (const Face& face : mesh.faces) {
-    const double height = face.normal.dot(x) - face.offset;
-    if (height > highest) highest = height, nearest = &face;
+bool Polyhedron::contains(const Vec3& x) const {
+  return std::all_of(mesh->faces.begin(), mesh->faces.end(),
+                     [&](const auto& face) { return face.normal.dot(x) - face.offset <= 0; });
+}
+
+/// Clipped by the plane of one face after the other.
+std::optional<LineInterval> Polyhedron::line_interval(const Vec3& o, const Vec3& d) const {
+  LineInterval inside = LineInterval::everything();
+  for (const auto& face : mesh->faces) {
+    const double height = face.normal.dot(o) - face.offset, speed = face.normal.dot(d);
+    if (speed == 0 && height > 0) return {};
+    if (speed < 0) inside.enter = std::max(inside.enter, -height / speed);
+    if (speed > 0) inside.leave = std::min(inside.leave, -height / speed);
   }
-  if (highest <= 0) return highest;
-  double least = distance_to_face(mesh, *nearest, highest, x);
-  if (least == highest) return least;  // nothing of the solid is nearer than the plane that parts it from x
-  for (const Face& face : mesh.faces) {
-    const double height = face.normal.dot(x) - face.offset;
-    if (height > 0 && height < least) least = std::min(least, distance_to_face(mesh, face, height, x));
+  return inside.enter <= inside.leave ? std::optional{inside} : std::nullopt;
+}
+
+BoundingBox Polyhedron::bounding_box(const Pose& pose) const {
+  BoundingBox all = BoundingBox::empty();
+  for (const Vec3& v : mesh->vertices) {
+    const Vec3 x = pose.to_world(v);
+    all.add({x, x});
   }
+  return all;
+}
+
+double Polyhedron::reach(const Pose& pose) const {
+  double furthest = 0;
+  for (const Vec3& v : mesh->vertices) furthest = std::max(furthest, pose.to_world(v).norm());
+  return furthest;
+}
+
+MassProperties Polyhedron::mass_properties() const {
+  constexpr double rounding = 1e-13;
+  const PolyhedronIntegrals sum = integrals(*mesh);
+  const Vec3 centre = sum.first / sum.volume;
+  MassProperties p{sum.volume, sum.about + centre,
+                   inertia_of(sum.second - sum.volume * centre * centre.transpose())};
+  snap_to_symmetry(p, rounding);
+  return p;
+}
+
+/// The narrowest of those along a face or along two edges that cross.
+double Polyhedron::least_width() const {
+  const auto width = [&](const Vec3& n) {
+    double low = 0, high = 0;
+    for (const Vec3& v : mesh->vertices) {
+      const double at = n.dot(v - mesh->vertices[0]);
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    return high - low;
+  };
+  const auto along = [&](const PolyhedronMesh::Edge& edge) -> Vec3 {
+    return (mesh->vertices[edge.corners[1]] - mesh->vertices[edge.corners[0]]).normalized();
+  };
+  constexpr std::size_t most_edges = 200;  // of a body finer than that the faces alone say as much
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& face : mesh->faces) least = std::min(least, width(face.normal));
+  for (std::size_t i = 0; mesh->edges.size() <= most_edges && i < mesh->edges.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3 n = along(mesh->edges[i]).cross(along(mesh->edges[j]));
+      if (n.norm() > 1e-6) least = std::min(least, width(n.normalized()));
+    }
   return least;
 }
 
-PolyhedronIntegrals integrals(const PolyhedronMesh& mesh) {
-  PolyhedronIntegrals sum;
-  const Vec3& apex = sum.about = mesh.vertices[0];  // of the tetrahedra: no cancellation far from the origin
-  for (const Face& face : mesh.faces) {
-    const Vec3 a = mesh.vertices[face.corners[0]] - apex;
-    for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {
-      const Vec3 b = mesh.vertices[face.corners[k]] - apex, c = mesh.vertices[face.corners[k + 1]] - apex;
-      const Vec3 s = a + b + c;
-      const double volume = a.dot(b.cross(c)) / 6;
-      sum.volume += volume;
-      sum.first += volume / 4 * s;
-      sum.second +=
-          volume / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+/// A ball, the corners, and the middles of the edges and faces.
+void Polyhedron::add_inner_balls(std::vector<InnerBall>& balls) const {
+  const auto middle = [&](const auto& corners) {
+    Vec3 mean = Vec3::Zero();
+    for (const int c : corners) mean += mesh->vertices[c] / static_cast<double>(corners.size());
+    return mean;
+  };
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& v : mesh->vertices) centre += v / static_cast<double>(mesh->vertices.size());
+  balls.push_back({centre, std::max(0.0, -signed_distance(centre))});
+  for (const Vec3& v : mesh->vertices) balls.push_back({v, 0});
+  for (const auto& edge : mesh->edges) balls.push_back({middle(edge.corners), 0});
+  for (const auto& face : mesh->faces) balls.push_back({middle(face.corners), 0});
+}
+
+Vec3 Polyhedron::half_widths() const {
+  Vec3 half = Vec3::Zero();
+  for (const Vec3& v : mesh->vertices) half = half.cwiseMax(v.cwiseAbs());
+  return half;
+}
+
+double Polyhedron::central_ball() const {
+  double radius = half_widths().maxCoeff();
+  for (const auto& face : mesh->faces) radius = std::min(radius, face.offset);
+  return radius;
+}
+
+void Polyhedron::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const int v = support_vertex(n_B);
+  for (const int u : mesh->neighbours[v]) {
+    const Vec3 along = (mesh->vertices[u] - mesh->vertices[v]).normalized();
+    if (std::abs(along.dot(n_B)) <= sine) out.circles.push_back({at.axes * along});
+  }
+  for (const auto& face : mesh->faces)
+    if (face.normal.dot(n_B) >= cosine) out.faces.push_back(at.axes * face.normal);
+}
+
+double Polyhedron::touching_ball(const Vec3& x, const Vec3& n) const {
+  BallUnderPlanes ball(n);
+  for (const auto& face : mesh->faces) ball.add(face.normal, face.offset - face.normal.dot(x));
+  return ball.radius;
+}
+
+void Polyhedron::face_outline(const Placement& at, int face, ContactOutline& out) const {
+  out.reset();
+  const auto& f = mesh->faces[face];
+  out.code = edge_code(*mesh, mesh->edges.size()) + face;
+  out.normal = at.axes * f.normal;
+  for (std::size_t c = 0; c < f.corners.size(); ++c)
+    out.corners.push_back({at.to_world(mesh->vertices[f.corners[c]]), vertex_code(f.corners[c]), 0});
+  for (std::size_t e = 0; e < mesh->edges.size(); ++e) {
+    const auto& edge = mesh->edges[e];
+    if (edge.faces[0] != face && edge.faces[1] != face) continue;
+    for (std::size_t c = 0; c < f.corners.size(); ++c) {
+      const int from = f.corners[c], to = f.corners[(c + 1) % f.corners.size()];
+      if ((edge.corners[0] == from && edge.corners[1] == to) ||
+          (edge.corners[0] == to && edge.corners[1] == from))
+        out.corners[c].edge_code = edge_code(*mesh, e);
     }
   }
-  return sum;
+}
+
+void Polyhedron::touching_outline(const Placement& at, const Vec3& n, double slack,
+                                  ContactOutline& out) const {
+  const Vec3 d = at.direction_B(n);
+  double furthest = -std::numeric_limits<double>::infinity();
+  for (const Vec3& v : mesh->vertices) furthest = std::max(furthest, v.dot(d));
+  int touching[2], count = 0;
+  for (int v = 0; v < static_cast<int>(mesh->vertices.size()); ++v) {
+    if (mesh->vertices[v].dot(d) < furthest - slack) continue;
+    if (count < 2) touching[count] = v;
+    ++count;
+  }
+  if (count > 2) return face_outline(at, face_towards(d), out);
+  out.set_point(at.to_world(mesh->vertices[touching[0]]), vertex_code(touching[0]));
+  if (count < 2) return;
+  for (std::size_t e = 0; e < mesh->edges.size(); ++e) {
+    const auto& c = mesh->edges[e].corners;
+    if (std::min(c[0], c[1]) == touching[0] && std::max(c[0], c[1]) == touching[1])
+      out.code = edge_code(*mesh, e);
+  }
+  out.corners[0].edge_code = out.code;
+  out.corners.push_back({at.to_world(mesh->vertices[touching[1]]), vertex_code(touching[1]), out.code});
+}
+
+void Polyhedron::facing_outline(const Placement& at, const Vec3& n, ContactOutline& out) const {
+  face_outline(at, face_towards(at.direction_B(n)), out);
+}
+
+void Polyhedron::plane_points(const Placement& at, const Vec3&, std::vector<PlanePoint>& out) const {
+  for (std::size_t v = 0; v < mesh->vertices.size(); ++v)
+    out.push_back({at.to_world(mesh->vertices[v]), vertex_code(v)});
 }
 
 }  // namespace silt::rigid

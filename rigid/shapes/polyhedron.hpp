@@ -1,50 +1,57 @@
 #pragma once
-// The geometry of a convex polyhedron: made once from its corners and faces, then shared by all who look at
-// it.
-#include <array>
-#include <memory>
-#include <vector>
-
-#include "rigid/math/types.hpp"
+#include "rigid/shapes/polyhedron_mesh.hpp"
+#include "rigid/shapes/solid.hpp"
 
 namespace silt::rigid {
 
-struct PolyhedronMesh {
-  struct Face {
-    Vec3 normal;               // unit, outward
-    double offset;             // normal . x = offset on the face
-    std::vector<int> corners;  // of vertices, counter-clockwise seen from outside; any number, coplanar
-  };
-  struct Edge {
-    std::array<int, 2> corners;  // of vertices
-    std::array<int, 2> faces;    // the two it parts
-  };
-  std::vector<Vec3> vertices;
-  std::vector<Face> faces;
-  std::vector<Edge> edges;
-  std::vector<std::vector<int>> neighbours;  // of each vertex, along the edges
+/// Convex. The mesh is never null; its origin is the body's.
+struct Polyhedron {
+  static constexpr std::string_view name = "polyhedron";
+  std::shared_ptr<const PolyhedronMesh> mesh;
+  static constexpr std::tuple<> fields{};  // its corners or a file: coupler/case/read_shapes.cpp
+
+  bool contains(const Vec3& x) const;
+  double signed_distance(const Vec3& x) const { return rigid::signed_distance(*mesh, x); }
+  std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const;
+  BoundingBox bounding_box(const Pose&) const;
+  double reach(const Pose&) const;
+  Vec3 support(const Vec3& n) const { return mesh->vertices[support_vertex(n)]; }
+  MassProperties mass_properties() const;
+  double least_width() const;
+  void add_inner_balls(std::vector<InnerBall>&) const;
+
+  static constexpr bool is_polytope = true;
+  Vec3 half_widths() const;
+  double central_ball() const;
+  Polyhedron recentred(const Vec3& centre) const { return {shifted(*mesh, -centre)}; }
+  /// Codes are those of the vertices, then the edges, then the faces; from 1.
+  std::size_t codes() const { return 1 + mesh->vertices.size() + mesh->edges.size() + mesh->faces.size(); }
+  void kinks(const Placement&, const Vec3& n_B, double angle, Kinks& out) const;
+  double touching_ball(const Vec3& x, const Vec3& n) const;
+  void touching_outline(const Placement&, const Vec3& n, double slack, ContactOutline& out) const;
+  void facing_outline(const Placement&, const Vec3& n, ContactOutline& out) const;
+  void plane_points(const Placement&, const Vec3& n, std::vector<PlanePoint>& out) const;
+  template <class Use>
+  void extremes(Use&& use) const {
+    for (std::size_t v = 0; v < mesh->vertices.size(); ++v)
+      use.ball(mesh->vertices[v], 0, static_cast<std::uint32_t>(v));
+  }
+  template <class Parts>
+  void surface(Parts& parts) const {
+    Vec3 low = mesh->vertices.front(), high = low;
+    for (const Vec3& v : mesh->vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    const Vec3 middle = 0.5 * (low + high);
+    parts.add_shifted(Parts::Kind::planes, middle, 0.5 * (high - low));
+    for (const auto& face : mesh->faces) parts.add_plane(face.normal, face.offset - face.normal.dot(middle));
+  }
+
+ private:
+  int support_vertex(const Vec3& n) const;
+  int face_towards(const Vec3& n) const;
+  void face_outline(const Placement&, int face, ContactOutline& out) const;
 };
-
-/// From corners and the faces' loops of corners (counter-clockwise seen from outside). Every face must be
-/// flat and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument says
-/// what is not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
-std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> vertices,
-                                                           const std::vector<std::vector<int>>& faces,
-                                                           double flatness = 1e-9);
-/// The same polyhedron about another origin.
-std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh&, const Vec3& by);
-
-/// Distance to the surface, negative inside; exact.
-double signed_distance(const PolyhedronMesh&, const Vec3& x);
-
-/// Integrals over the solid of 1, d and d d^T with d = x - about: exact, the sum over the tetrahedra between
-/// the faces' triangles and one corner (Tonon, J. Math. Stat. 1 (2004)).
-struct PolyhedronIntegrals {
-  Vec3 about = Vec3::Zero();
-  double volume = 0;
-  Vec3 first = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-};
-PolyhedronIntegrals integrals(const PolyhedronMesh&);
 
 }  // namespace silt::rigid

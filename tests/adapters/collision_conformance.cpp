@@ -22,7 +22,7 @@ class Conformance : public testing::TestWithParam<std::string> {
 };
 
 std::string describe(const Scene& s, std::size_t index) {
-  return kind_name(s.a) + " on " + kind_name(s.b) + ", " + s.band + ", scene " + std::to_string(index);
+  return std::string(s.a) + " on " + std::string(s.b) + ", " + s.band + ", scene " + std::to_string(index);
 }
 
 /// The same points to the last bit.
@@ -85,7 +85,7 @@ TEST_P(Conformance, TheOtherWayRoundIsTheMirrorImage) {
   const auto& scenes = random_scenes();
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Pair& p = scenes[i].pair;
-    if (scenes[i].b == Kind::half_space || scenes[i].band[0] == 'd') continue;
+    if (scenes[i].b == half_space || scenes[i].band[0] == 'd') continue;
     const Points points = collide(*backend, p);
     Points mirrored = collide(*backend, {p.b, p.a, p.pose_b, p.pose_a});
     EXPECT_NEAR(deepest(points).gap, deepest(mirrored).gap, exact) << describe(scenes[i], i);
@@ -156,7 +156,7 @@ TEST_P(Conformance, TheEngineAnswersByItselfNearlyAlways) {
   auto closed_forms = make_backend("analytic");
   std::size_t other_bits = 0, asked = 0;
   for (const Scene& s : random_scenes()) {
-    if (s.b == Kind::half_space || !has_closed_form(s.a, s.b)) continue;
+    if (s.b == half_space || !has_closed_form(s.a, s.b)) continue;
     ++asked;
     other_bits += !same_bits(collide(*backend, s.pair), collide(*closed_forms, s.pair));
   }

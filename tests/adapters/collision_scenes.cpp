@@ -50,8 +50,8 @@ const std::vector<Scene>& random_scenes() {
     std::vector<Scene> all;
     std::mt19937_64 random(20);
     for (const bool closed_form : {true, false})
-      for (const Kind a : bodies)
-        for (const Kind b : all_kinds)
+      for (const Kind a : bodies())
+        for (const Kind b : all_kinds())
           if (has_closed_form(a, b) == closed_form) add_scenes(a, b, random, all);
     return all;
   }();

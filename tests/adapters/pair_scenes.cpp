@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "tests/adapters/search_gap.hpp"
 
@@ -96,59 +95,20 @@ ReferenceGap depth_in_hull(const std::vector<Vec3>& w) {
 
 }  // namespace
 
-std::string kind_name(Kind kind) {
-  constexpr const char* names[] = {"sphere",    "box",        "capsule",   "cylinder",
-                                   "ellipsoid", "polyhedron", "half-space"};
-  return names[static_cast<int>(kind)];
-}
-
-Vec3 random_direction(std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  return Vec3(normal(random), normal(random), normal(random)).normalized();
-}
-
 Quat random_orientation(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
 ConvexShape random_shape(Kind kind, std::mt19937_64& random) {
-  auto size = [&] { return uniform(3, 20, random); };
-  switch (kind) {
-    case Kind::sphere:
-      return rigid::Sphere{size()};
-    case Kind::box:
-      return rigid::Box{Vec3(size(), size(), size())};
-    case Kind::capsule:
-      return rigid::Capsule{size(), size()};
-    case Kind::cylinder:
-      return rigid::Cylinder{size(), size()};
-    case Kind::ellipsoid:
-      return rigid::Ellipsoid{Vec3(size(), size(), size())};
-    case Kind::polyhedron: {
-      const Vec3 half(size(), size(), size());
-      std::vector<Vec3> points;
-      for (int i = 0; i < 12; ++i) points.push_back(half.cwiseProduct(random_direction(random)));
-      // some with faces of four corners: symmetric about the origin in z
-      if (random() % 2)
-        for (int i = 0; i < 6; ++i) points[i + 6] = points[i].cwiseProduct(Vec3(1, 1, -1));
-      const Vec3 middle = std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / 12;
-      for (Vec3& x : points) x -= middle;
-      return hull_of(points);
-    }
-    default:
-      return rigid::HalfSpace{random_direction(random)};
-  }
+  if (kind == half_space) return rigid::HalfSpace{random_direction(random)};
+  return row_of(kind).random(Sizes(random));
 }
 
 double smallest_size(const ConvexShape& a, const ConvexShape& b) {
-  auto size = [](const ConvexShape& shape) {
-    if (const auto* box = std::get_if<rigid::Box>(&shape)) return box->half_edges.minCoeff();
-    if (const auto* c = std::get_if<rigid::Cylinder>(&shape)) return std::min(c->radius, c->half_length);
-    if (const auto* e = std::get_if<rigid::Ellipsoid>(&shape)) return e->half_axes.minCoeff();
-    if (std::holds_alternative<rigid::Polyhedron>(shape))
-      return -rigid::signed_distance(rigid::Shape(std::get<rigid::Polyhedron>(shape)), Vec3::Zero());
-    return std::holds_alternative<rigid::HalfSpace>(shape) ? infinity : radius_of(shape);
+  const auto size = [](const ConvexShape& shape) {
+    return std::holds_alternative<rigid::HalfSpace>(shape) ? infinity
+                                                           : -rigid::signed_distance(shape, Vec3::Zero());
   };
   return std::min(size(a), size(b));
 }

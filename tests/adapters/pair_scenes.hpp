@@ -3,49 +3,48 @@
 #include <random>
 #include <string>
 
-#include "rigid/shapes/shape.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::tests {
 
-using rigid::ConvexShape;
 using rigid::Mat3;
 using rigid::Pose;
 using rigid::Quat;
-using rigid::Vec3;
 
 struct Pair {
   ConvexShape a, b;
   Pose pose_a, pose_b;
 };
 
-/// The kinds of shape a pair is made of.
-enum class Kind { sphere, box, capsule, cylinder, ellipsoid, polyhedron, half_space };
-inline constexpr Kind bodies[] = {Kind::sphere,   Kind::box,       Kind::capsule,
-                                  Kind::cylinder, Kind::ellipsoid, Kind::polyhedron};
-inline constexpr Kind all_kinds[] = {Kind::sphere,    Kind::box,        Kind::capsule,   Kind::cylinder,
-                                     Kind::ellipsoid, Kind::polyhedron, Kind::half_space};
-std::string kind_name(Kind);
+/// The kinds of shape a pair is made of, by name.
+using Kind = std::string_view;
+inline constexpr Kind half_space = rigid::HalfSpace::name;
+inline std::vector<Kind> bodies() {
+  std::vector<Kind> names;
+  for (const ShapeRow& row : shape_rows()) names.push_back(row.name);
+  return names;
+}
+inline std::vector<Kind> all_kinds() {
+  auto names = bodies();
+  names.push_back(half_space);
+  return names;
+}
 /// Whether both are a point, a segment or a box swept by a sphere, or the second is a half-space: the
 /// reference is a brute-force search of the Minkowski difference, and the backends have closed forms.
 inline bool has_closed_form(Kind a, Kind b) {
-  const auto swept_box = [](Kind k) { return k == Kind::sphere || k == Kind::box || k == Kind::capsule; };
-  return swept_box(a) && (swept_box(b) || b == Kind::half_space);
+  const auto swept_box = [](Kind k) { return k == "sphere" || k == "box" || k == "capsule"; };
+  return swept_box(a) && (swept_box(b) || b == half_space);
 }
 
 /// Random sizes of 3 to 20 lattice units, orientation, and position near the origin.
 ConvexShape random_shape(Kind, std::mt19937_64&);
 Quat random_orientation(std::mt19937_64&);
-Vec3 random_direction(std::mt19937_64&);
 
 /// A random pair with the reference gap `gap` to 1e-12: b is moved along a random line through a. With a
 /// cylinder, ellipsoid or polyhedron: moved along the normal, so that an overlap may turn out less deep.
 Pair random_pair(Kind a, Kind b, double gap, std::mt19937_64&);
 /// The least size of the two: what overlaps are given relative to.
 double smallest_size(const ConvexShape&, const ConvexShape&);
-
-/// The polyhedron whose corners are the points that are corners of their convex hull; coplanar ones share a
-/// face.
-rigid::Polyhedron hull_of(const std::vector<Vec3>& points);
 
 struct ReferenceGap {
   double gap;

@@ -11,26 +11,13 @@ namespace {
 
 using std::numbers::pi;
 
-/// Straight edges (for a cylinder the lines of its side) and normals of flat faces, world frame.
-struct Straight {
-  std::vector<Vec3> edges, faces;
-};
-
-Straight straight_parts(const ConvexShape& shape, const Pose& pose) {
-  Straight s;
-  const Mat3 axes = pose.orientation.toRotationMatrix();
-  if (std::holds_alternative<rigid::Box>(shape))
-    for (int k = 0; k < 3; ++k) s.edges.push_back(axes.col(k)), s.faces.push_back(axes.col(k));
-  if (std::holds_alternative<rigid::Capsule>(shape)) s.edges.push_back(axes.col(2));
-  if (std::holds_alternative<rigid::Cylinder>(shape))
-    s.edges.push_back(axes.col(2)), s.faces.push_back(axes.col(2));
-  if (const auto* q = std::get_if<rigid::Polyhedron>(&shape)) {
-    for (const auto& e : q->mesh->edges)
-      s.edges.push_back(axes *
-                        (q->mesh->vertices[e.corners[1]] - q->mesh->vertices[e.corners[0]]).normalized());
-    for (const auto& f : q->mesh->faces) s.faces.push_back(axes * f.normal);
-  }
-  return s;
+/// What the shape's row says, world frame.
+rigid::Kinks kinks_of(const ConvexShape& shape, const Pose& pose) {
+  rigid::Kinks kinks;
+  row_of(rigid::shape_name(shape)).kinks(shape, kinks);
+  for (auto& circle : kinks.circles) circle.axis = pose.orientation * circle.axis;
+  for (Vec3& face : kinks.faces) face = pose.orientation * face;
+  return kinks;
 }
 
 class Gap {
@@ -48,11 +35,24 @@ class Gap {
   }
   void take_both(const Vec3& axis) { take(axis), take(-axis); }
 
-  /// Along the great circle normal to the edge.
-  void on_circle(const Vec3& edge) {
+  /// The two directions on both circles.
+  void take_crossings(const rigid::Kinks::Circle& u, const rigid::Kinks::Circle& v) {
+    const Vec3 cross = u.axis.cross(v.axis);
+    if (!(cross.norm() > 1e-9)) return;
+    Mat3 rows;
+    rows << u.axis.transpose(), v.axis.transpose(), cross.transpose();
+    const Vec3 between = rows.inverse() * Vec3(u.c, v.c, 0);
+    if (between.squaredNorm() > 1) return;
+    const Vec3 aside = std::sqrt(1 - between.squaredNorm()) * cross.normalized();
+    take((between + aside).normalized());
+    take((between - aside).normalized());
+  }
+
+  void on_circle(const rigid::Kinks::Circle& circle) {
     constexpr int samples = 120;
-    const Vec3 u = edge.unitOrthogonal(), v = edge.cross(u);
-    auto direction = [&](double t) { return Vec3(std::cos(t) * u + std::sin(t) * v); };
+    const Vec3 u = circle.axis.unitOrthogonal(), v = circle.axis.cross(u), middle = circle.c * circle.axis;
+    const double radius = std::sqrt(1 - circle.c * circle.c);
+    auto direction = [&](double t) { return Vec3(middle + radius * (std::cos(t) * u + std::sin(t) * v)); };
     std::array<double, samples> gap;
     for (int i = 0; i < samples; ++i) gap[i] = at(direction(2 * pi * i / samples));
     std::vector<std::pair<double, int>> peaks;
@@ -147,15 +147,15 @@ ReferenceGap search_gap(const Pair& p) {
     return {outward.dot(lowest - p.pose_b.position), -outward};
   }
   Gap gap(p);
-  const Straight a = straight_parts(p.a, p.pose_a), b = straight_parts(p.b, p.pose_b);
-  for (const Straight* s : {&a, &b})
-    for (const Vec3& n : s->faces) gap.take_both(n);
-  for (const Vec3& u : a.edges)
-    for (const Vec3& v : b.edges)
-      if (const Vec3 n = u.cross(v); n.norm() > 1e-9) gap.take_both(n.normalized());
+  rigid::Kinks a = kinks_of(p.a, p.pose_a), b = kinks_of(p.b, p.pose_b);
+  for (auto& circle : b.circles) circle.c = -circle.c;  // of b's support along -n
+  for (const rigid::Kinks* kinks : {&a, &b})
+    for (const Vec3& n : kinks->faces) gap.take_both(n);
+  for (const auto& u : a.circles)
+    for (const auto& v : b.circles) gap.take_crossings(u, v);
   gap.over_the_sphere();
-  for (const Straight* s : {&a, &b})
-    for (const Vec3& e : s->edges) gap.on_circle(e);
+  for (const rigid::Kinks* kinks : {&a, &b})
+    for (const auto& circle : kinks->circles) gap.on_circle(circle);
   return gap.best;
 }
 

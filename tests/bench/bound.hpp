@@ -6,6 +6,7 @@
 #include <array>
 
 #include "lbm/large_memory.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/bench/fluid_kernels.hpp"
 #include "tests/bench/spread.hpp"
 

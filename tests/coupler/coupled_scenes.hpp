@@ -4,6 +4,7 @@
 
 #include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

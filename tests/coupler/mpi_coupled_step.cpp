@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coupler/state_hash.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"
 

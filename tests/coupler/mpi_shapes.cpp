@@ -9,6 +9,7 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/simulation.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
@@ -120,12 +121,12 @@ TEST(Shapes, ARunGoesOnOnlyWithTheFilesItBeganWith) {
   const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
                                      provenance_of(scene, tests::ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  EXPECT_EQ(case_to_resume(reader, directory, {}).files, scene.files);
+  EXPECT_EQ(case_to_resume(read_origin(reader), directory, {}).files, scene.files);
   std::string changed = tetrahedron_stl;
   changed.replace(changed.find("0 0 8"), 5, "0 0 7");
   while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
   write(changed);
-  const std::string error = error_of([&] { case_to_resume(reader, directory, {}); });
+  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
   EXPECT_NE(error.find("a file has changed since the checkpoint was written: it was " + scene.files[0] +
                        "; it is "),
             std::string::npos)

@@ -6,6 +6,7 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid::testing {
 

@@ -32,6 +32,7 @@ std::vector<ConvexShape> solids() {
           Cylinder{0.6, 0.9},
           Cylinder{1.5, 0.05},
           Cylinder{0.05, 1.7},
+          Cone{0.7, 1.2},
           Ellipsoid{{1.4, 0.5, 0.9}},
           Ellipsoid{{1.5, 1.5, 0.015}},
           Ellipsoid{{0.02, 0.02, 2}},

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "../rigid/scene.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 namespace {

@@ -13,24 +13,24 @@ namespace {
 using adapters::BodyRow;
 using adapters::BodySeries;
 
-const adapters::BodySeriesInfo info{
-    {{"light spheres", 0.5, 800, {{"sphere", {0, 0, 0}, {1, 0, 0, 0}, {0.5, 0, 0}}}},
-     {"heavy \u2605",
-      0.7,
-      1200,
-      {{"cylinder", {0, 0, 0}, {1, 0, 0, 0}, {0.3, 0.4, 0}},
-       {"polyhedron",
-        {0, 0, 0},
-        {1, 0, 0, 0},
-        {0, 0, 0},
-        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
-        {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}},
-       {"ellipsoid", {0, 0, 0}, {1, 0, 0, 0}, {0.5, 0.2, 0.3}}}}},
-    {0, 0, 0},
-    {10, 10, 20},
-    "m",
-    "s",
-    "kg"};
+/// A tetrahedron with the corner that is not on the axes at a height; its faces are flat.
+adapters::TriangleMesh tetrahedron(double height) {
+  const double s = std::sqrt(1.0 / 3);
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, height}},
+          {{0, 0, -1}, {0, -1, 0}, {s, s, s}, {-1, 0, 0}},
+          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
+          {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}};
+}
+
+/// Kinds of one part, two parts and none.
+const adapters::BodySeriesInfo info{{{"light", 0.5, 800, {tetrahedron(1)}},
+                                     {"heavy \u2605", 0.7, 1200, {tetrahedron(1), tetrahedron(1.5)}},
+                                     {"without a mesh", 0.7, 1200, {}}},
+                                    {0, 0, 0},
+                                    {10, 10, 20},
+                                    "m",
+                                    "s",
+                                    "kg"};
 
 /// This rank's share of the bodies of a step: their number and owners change from step to step.
 std::vector<BodyRow> bodies(int step, int rank, int ranks) {

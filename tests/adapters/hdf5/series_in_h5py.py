@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
@@ -47,13 +48,17 @@ for ranks in (1, 3):
         series = BodySeries(folder + "/bodies.h5")
         check(series)
         assert len(series) == 10 and series.unit("velocity") == "m/s" and series.unit("torque") == "kg m^2/s^2"
-        assert series.kinds == ["light spheres", "heavy \u2605"] and series.provenance["title"] == "\u00e4"
-        assert series.parts[0]["type"] == "sphere" and series.parts[0]["size"][0] == 0.5
-        assert [p["type"] for p in series.parts] == ["sphere", "cylinder", "polyhedron", "ellipsoid"]
-        rock = series.parts[2]
-        assert (rock["vertices"] == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).all()
-        assert [list(f) for f in rock["faces"]] == [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
-        assert len(series.parts[3]["vertices"]) == 0 and series.parts[3]["faces"] == []
+        assert series.kinds == ["light", "heavy \u2605", "without a mesh"] and series.provenance["title"] == "\u00e4"
+        assert [len(parts) for parts in series.meshes] == [1, 2, 0]
+        for height, part in zip((1, 1, 1.5), series.meshes[0] + series.meshes[1]):
+            assert (part["vertices"] == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, height]]).all()
+            assert (part["triangles"] == [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).all()
+            assert np.allclose(part["normals"][:, 0], [0, 0, 3**-0.5, -1]) and len(part["normals"]) == 4
+            assert (part["triangle_normals"] == np.arange(4)[:, None]).all()
+        with h5py.File(folder + "/bodies.h5") as f:  # the file says what its numbers mean
+            assert f.attrs["format_version"] == 2 and f["kinds/vertex"].attrs["unit"] == b"m"
+            assert f["kinds/density"].attrs["unit"] == b"kg/m^3"
+            assert all(len(data.attrs["meaning"]) > 10 for data in f["kinds"].values())
         assert len(series.of_body(21, "position")[0]) == 6
         try:
             series.array("position")

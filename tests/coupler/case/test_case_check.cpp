@@ -193,7 +193,8 @@ TEST(Overlap, IsNeverOverstatedAndDeepOnesAreFound) {
         const double depth = overlap_depth(std::visit(whole, a), pose_a, std::visit(whole, b), pose_b);
         const double gap = widest_gap(a, pose_a, b, pose_b);
         EXPECT_LE(depth, -gap + 1e-9) << a.index() << " and " << b.index();
-        apart += gap > 0, deep += gap < -1.5;
+        apart += gap > 0;
+        deep += gap < -1.5;
         if (gap < -1.5) {
           EXPECT_GT(depth, 0) << a.index() << " and " << b.index();
         }
@@ -203,13 +204,13 @@ TEST(Overlap, IsNeverOverstatedAndDeepOnesAreFound) {
 }
 
 TEST(BodyCheck, LeastWidths) {
-  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 2}), 4);
-  EXPECT_EQ(resolved_diameter(rigid::Cylinder{3, 5}), 6);
-  EXPECT_EQ(resolved_diameter(rigid::Ellipsoid{{3, 5, 4}}), 6);
-  EXPECT_DOUBLE_EQ(resolved_diameter(rigid::testing::cuboid({0, 0, 0}, {4, 2, 3})), 2);
+  EXPECT_EQ(rigid::least_width(rigid::Cylinder{3, 2}), 4);
+  EXPECT_EQ(rigid::least_width(rigid::Cylinder{3, 5}), 6);
+  EXPECT_EQ(rigid::least_width(rigid::Ellipsoid{{3, 5, 4}}), 6);
+  EXPECT_DOUBLE_EQ(rigid::least_width(rigid::testing::cuboid({0, 0, 0}, {4, 2, 3})), 2);
   // a regular tetrahedron is narrowest between two opposite edges: a / sqrt 2
   EXPECT_DOUBLE_EQ(
-      resolved_diameter(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
+      rigid::least_width(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
 }
 
 }  // namespace

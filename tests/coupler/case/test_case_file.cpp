@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "coupler/case/derived_table.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -31,7 +32,9 @@ TEST(CaseFile, ConvertsSiToLatticeUnits) {
 
 TEST(CaseFile, UnitsThereAndBack) {
   Units units;
-  units.cell_size = 2.5e-4, units.time_step = 5e-4, units.density = 960;
+  units.cell_size = 2.5e-4;
+  units.time_step = 5e-4;
+  units.density = 960;
   for (const Dimension d :
        {dimension::length, dimension::time, dimension::velocity, dimension::acceleration,
         dimension::viscosity, dimension::density, dimension::mass, dimension::force, dimension::torque,
@@ -224,7 +227,7 @@ axis = "x"
   EXPECT_EQ(scene.pair_materials[0].friction, 0.3);
   EXPECT_EQ(scene.bodies[0].material, 2);
   EXPECT_EQ(scene.output.fields.every, 10);
-  EXPECT_EQ(scene.output.quantities, std::vector<std::string>{"velocity"});
+  EXPECT_EQ(scene.output.quantities, std::vector{Field::velocity});
   EXPECT_EQ(scene.output.keep_checkpoints, 3);
   ASSERT_EQ(scene.quantities.size(), 1u);
   EXPECT_EQ(scene.quantities[0].axis, 0);

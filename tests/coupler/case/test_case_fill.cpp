@@ -4,6 +4,7 @@
 #include "coupler/case/fill.hpp"
 #include "coupler/case/overlap.hpp"
 #include "rigid/collision/tube_contacts.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {

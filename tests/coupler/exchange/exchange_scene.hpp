@@ -12,6 +12,7 @@
 #include "coupler/exchange/check_exchange.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler::testing {
 

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/exchange/exchange_scene.hpp"
 #include "tests/world.hpp"
 

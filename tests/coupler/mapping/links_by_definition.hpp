@@ -11,6 +11,7 @@
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/pass_order.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler::testing {
 

@@ -8,7 +8,7 @@
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "lbm/isa.hpp"
-#include "tests/rigid/shapes/solids.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -20,13 +20,11 @@ const rigid::Quat oblique = rigid::Quat(0.7, 0.3, -0.5, 0.2).normalized();
 
 /// A few cells wide each, the inside of the tube too; the compound has parts of every kind.
 std::vector<rigid::Shape> one_of_each_kind() {
-  const std::vector<rigid::ConvexShape> parts = {
-      rigid::Sphere{3.1},        rigid::Box{{4.2, 3.3, 1.7}}, rigid::Capsule{1.9, 3.3},
-      rigid::Cylinder{3.2, 2.9}, rigid::Ellipsoid{{4, 3, 1}}, rigid::testing::octahedron({3, 4, 5})};
   std::vector<rigid::Shape> all;
   rigid::Compound every;
-  for (const auto& part : parts) {
-    all.push_back(std::visit([](const auto& s) -> rigid::Shape { return s; }, part));
+  for (const tests::ShapeRow& row : tests::shape_rows()) {
+    const rigid::ConvexShape& part = row.cells_wide;
+    all.push_back(part);
     every.parts.push_back({part, {Vec3(0.3, -0.2, 0.5) * double(every.parts.size()), oblique}});
   }
   all.push_back(every);

@@ -1,8 +1,11 @@
 // Links of one body at a time, whatever its shape and size, in blocks of any size and both precisions.
+#include <array>
 #include <string>
 
 #include "coupler/case/case_file.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/mapping/links_by_definition.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -47,8 +50,6 @@ steps = 1
 
 /// One body of every shape, oblique and in line with the axes, across the sides of the box.
 Case one_of_each() {
-  constexpr const char* pyramid =
-      "vertices = [[4, 0, -2], [-1, 4.5, -2], [-4, -1, -2.5], [0, -4, -2], [0.5, 0.3, 5]]";
   std::string text = R"(
 title = "one of each"
 [units]
@@ -61,23 +62,22 @@ relaxation_time = 1.0
 [run]
 steps = 1
 )";
-  const std::string shapes[][2] = {
-      {"box", "edges = [8.3, 6.1, 4.7]"},
-      {"capsule", "radius = 2.6\nlength = 5.3"},
-      {"cylinder", "radius = 3.7\nlength = 6.2"},
-      {"ellipsoid", "diameters = [9.1, 6.3, 4.9]"},
-      {"polyhedron", pyramid},
-      {"compound",
-       "parts = [ { type = \"capsule\", radius = 1.6, length = 6, axis = [1, 0, 0] },\n"
-       "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 1, 0] },\n"
-       "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 0, 1] } ]"},
-      {"compound",
-       std::string("parts = [ { type = \"sphere\", radius = 2.2, position = [3, 1, 0] },\n"
-                   "{ type = \"box\", edges = [4, 3, 2.5], position = [-2, 0, 1], axis = [1, 2, 3] },\n"
-                   "{ type = \"cylinder\", radius = 1.1, length = 7, axis = [0, 1, 1] },\n"
-                   "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
-                   "{ type = \"polyhedron\", position = [0, 1, 1], ") +
-           pyramid + " } ]"}};
+  std::vector<std::array<std::string, 2>> shapes;
+  for (const tests::ShapeRow& row : tests::shape_rows()) {
+    if (row.name == rigid::Sphere::name) continue;  // spheres have tests of their own
+    shapes.push_back({std::string(row.name), row.sizes});
+  }
+  shapes.push_back({"compound",
+                    "parts = [ { type = \"capsule\", radius = 1.6, length = 6, axis = [1, 0, 0] },\n"
+                    "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 1, 0] },\n"
+                    "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 0, 1] } ]"});
+  shapes.push_back({"compound",
+                    "parts = [ { type = \"sphere\", radius = 2.2, position = [3, 1, 0] },\n"
+                    "{ type = \"box\", edges = [4, 3, 2.5], position = [-2, 0, 1], axis = [1, 2, 3] },\n"
+                    "{ type = \"cylinder\", radius = 1.1, length = 7, axis = [0, 1, 1] },\n"
+                    "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
+                    "{ type = \"polyhedron\", position = [0, 1, 1], " +
+                        tests::row_of("polyhedron").sizes + " } ]"});
   std::string bodies;
   int n = 0;
   for (const auto& [type, sizes] : shapes) {

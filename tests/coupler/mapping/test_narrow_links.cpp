@@ -8,6 +8,7 @@
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 
 namespace silt::coupler {

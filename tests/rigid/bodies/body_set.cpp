@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "rigid/shapes/shape.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid {

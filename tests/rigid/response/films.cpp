@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "rigid/shapes/curvature.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid::testing {

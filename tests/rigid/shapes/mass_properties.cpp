@@ -5,9 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/shapes/ray_interval.hpp"
 #include "rigid/shapes/shape.hpp"
-#include "tests/rigid/shapes/solids.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -111,7 +110,7 @@ MassProperties by_rays(const ConvexShape& shape) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
       const double x = box.lower[0] + (i + 0.5) * cell[0], y = box.lower[1] + (j + 0.5) * cell[1];
-      const auto z = ray_interval(shape, {x, y, 0}, Vec3::UnitZ());
+      const auto z = line_interval(shape, {x, y, 0}, Vec3::UnitZ());
       if (!z) continue;
       const double l = cell[0] * cell[1] * (z->leave - z->enter), mean = 0.5 * (z->leave + z->enter);
       const double square = (z->leave * z->leave + z->leave * z->enter + z->enter * z->enter) / 3;
@@ -127,13 +126,8 @@ MassProperties by_rays(const ConvexShape& shape) {
 }
 
 TEST(MassProperties, OfEveryShapeAreThoseOfItsRays) {
-  const std::vector<ConvexShape> shapes = {
-      Cylinder{0.6, 0.9},
-      Ellipsoid{{1.4, 0.5, 0.9}},
-      testing::frustum(),
-      testing::octahedron({1.2, 0.8, 1.7}),
-      testing::cuboid({3, 4, 5}, {4, 6, 8}),
-      testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6})};
+  auto shapes = tests::all_solids();
+  shapes.push_back(testing::cuboid({3, 4, 5}, {4, 6, 8}));
   for (const ConvexShape& shape : shapes) {
     const Shape solid = std::visit([](const auto& s) -> Shape { return s; }, shape);
     const MassProperties p = mass_properties(solid), q = by_rays(shape);

@@ -6,9 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/shapes/ellipsoid.hpp"
-#include "rigid/shapes/ray_interval.hpp"
-#include "tests/rigid/shapes/solids.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -24,19 +22,16 @@ Quat random_turn() {
   return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
 }
 
-/// Long and flat ones, with corners sharp and blunt, with the origin inside and out.
-std::vector<ConvexShape> newer_solids() {
-  return {Cylinder{0.6, 0.9},
-          Cylinder{1.5, 0.05},
-          Cylinder{0.05, 1.7},
-          Ellipsoid{{1.4, 0.5, 0.9}},
-          Ellipsoid{{1.5, 1.5, 0.015}},
-          Ellipsoid{{0.02, 0.02, 2}},
-          Ellipsoid{{1, 1, 1 + 1e-9}},
-          testing::cuboid({-0.5, -0.7, -1.1}, {0.5, 0.7, 1.1}),
-          testing::frustum(),
-          testing::octahedron({1.2, 0.8, 1.7}),
-          testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6})};
+using tests::all_solids;
+
+TEST(Shape, HasARowOfTheTestsTable) {
+  const auto expect_rows = []<class... S>(const std::variant<S...>*) {
+    for (const std::string_view name : {S::name...})
+      if (name != HalfSpace::name) {
+        EXPECT_FALSE(tests::row_of(name).solids.empty()) << name;
+      }
+  };
+  expect_rows(static_cast<const ConvexShape*>(nullptr));
 }
 
 std::vector<Shape> solids() {
@@ -46,12 +41,11 @@ std::vector<Shape> solids() {
   Compound mixed{{{Box{{1, 0.4, 0.3}}, {{0.2, 0, 0}, random_turn()}},
                   {Sphere{0.7}, {{-0.9, 0.1, 0}, Quat::Identity()}},
                   {Capsule{0.25, 0.8}, {{0, 0.5, 0.2}, random_turn()}}}};
-  Compound newer{{{Cylinder{0.5, 0.9}, {{0.4, 0, 0}, random_turn()}},
-                  {Ellipsoid{{0.9, 0.3, 0.5}}, {{-0.5, 0.3, 0}, random_turn()}},
-                  {testing::frustum(), {{0, -0.4, 0.2}, random_turn()}}}};
-  std::vector<Shape> all = {Sphere{1.3}, Box{{0.5, 1.1, 0.8}}, Capsule{0.6, 0.9}, star, newer, mixed};
-  for (const ConvexShape& shape : newer_solids())
-    all.insert(all.begin(), std::visit([](const auto& s) -> Shape { return s; }, shape));
+  Compound every;
+  for (const tests::ShapeRow& row : tests::shape_rows())
+    every.parts.push_back({row.solids[0], {random_vector(0.6), random_turn()}});
+  std::vector<Shape> all = {star, every, mixed};
+  for (const ConvexShape& shape : all_solids()) all.insert(all.begin(), shape);
   return all;
 }
 
@@ -70,6 +64,13 @@ TEST(Shape, ClosedForms) {
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {0.2, 0, 4}, {0, 0, -2}, 10), 1.5);
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 0.9}, {-1, 0, 0}, 10), 2.5);
   EXPECT_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 1.1}, {-1, 0, 0}, 10), 10);
+  // of radius 3 and height 4: the base at z = -1, the apex at 3
+  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, -3}), 2);
+  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, 5}), 2);
+  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {6, 0, -5}), 5);
+  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {5.5, 0, 4}), 5);
+  EXPECT_DOUBLE_EQ(ray_distance(Cone{3, 4}, {1.5, 0, -2}, {0, 0, 1}, 10), 1);
+  EXPECT_DOUBLE_EQ(ray_distance(Cone{3, 4}, {1.5, 0, 5}, {0, 0, -2}, 10), 2);
   EXPECT_DOUBLE_EQ(ray_distance(Ellipsoid{{1, 2, 3}}, {0, 0, 8}, {0, 0, -1}, 10), 5);
   EXPECT_DOUBLE_EQ(ray_distance(testing::octahedron({1, 1, 1}), {1, 1, 1}, {-1, -1, -1}, 10), 2.0 / 3);
   EXPECT_DOUBLE_EQ(ray_distance(Sphere{1}, {-3, 0, 0}, {2, 0, 0}, 10), 1);
@@ -142,9 +143,7 @@ TEST(Shape, BoxAndSupportAgree) {
 }
 
 TEST(Shape, SupportIsFurthest) {
-  auto shapes = newer_solids();
-  shapes.insert(shapes.end(), {Sphere{1.3}, Box{{0.5, 1.1, 0.8}}, Capsule{0.6, 0.9}});
-  for (const ConvexShape& shape : shapes)
+  for (const ConvexShape& shape : all_solids())
     for (int i = 0; i < 500; ++i) {
       const Vec3 d = random_vector(1), s = support(shape, d);
       const Shape solid = std::visit([](auto x) -> Shape { return x; }, shape);
@@ -186,7 +185,7 @@ Vec3 gradient(const Shape& solid, const Vec3& x) {
 
 TEST(Shape,
      DistanceIsTheOneToTheFurthestPlane) {  // none is further, and the one across the gradient is as far
-  for (const ConvexShape& shape : newer_solids())
+  for (const ConvexShape& shape : all_solids())
     for (int i = 0; i < 60; ++i) {
       const Shape solid = std::visit([](auto s) -> Shape { return s; }, shape);
       Vec3 x = random_vector(i % 2 ? 1 : 2.5);
@@ -209,14 +208,14 @@ TEST(Shape, NearestPointOfAnEllipsoidIsStationary) {  // on the surface, and the
     if (i % 4 == 0) axes[1] = axes[0];
     if (i % 5 == 0) x[i % 3] = 0;  // in a plane of symmetry, where the nearest point may lie outside of it
     if (i % 7 == 0) x[i % 2] = 0, x[2] = 0;
-    const Vec3 p = nearest_on_ellipsoid(axes, x),
+    const Vec3 p = Ellipsoid{axes}.nearest_point(x),
                normal = p.cwiseQuotient(axes).cwiseQuotient(axes).normalized();
     EXPECT_NEAR(p.cwiseQuotient(axes).norm(), 1, 1e-14);
     const double distance = signed_distance(Ellipsoid{axes}, x), size = axes.maxCoeff() + std::abs(distance);
     EXPECT_NEAR((x - p).norm(), std::abs(distance), 1e-14 * size);
     EXPECT_LT((x - p - distance * normal).norm(), 1e-12 * size)
         << axes.transpose() << " at " << x.transpose();
-    EXPECT_EQ(distance <= 0, in_ellipsoid(axes, x));
+    EXPECT_EQ(distance <= 0, contains(Ellipsoid{axes}, x));
   }
 }
 
@@ -232,7 +231,7 @@ TEST(Shape, DistanceToADiscSeenAlongItsAxis) {  // the ellipse (cos, 100 sin): o
 }
 
 TEST(Shape, ReachIsThatOfTheFurthestPoint) {
-  for (const ConvexShape& shape : newer_solids())
+  for (const ConvexShape& shape : all_solids())
     for (int i = 0; i < 40; ++i) {
       const Part part{shape,
                       {i % 4 ? random_vector(2) : Vec3(0, 0, 0), i % 3 ? random_turn() : Quat(1, 0, 0, 0)}};
@@ -244,7 +243,7 @@ TEST(Shape, ReachIsThatOfTheFurthestPoint) {
           furthest = std::max(furthest, x.norm());
           n = x;
         }
-      EXPECT_NEAR(reach(part), furthest, 1e-6) << shape.index();
+      EXPECT_NEAR(reach(part), furthest, 1e-6) << shape_name(shape);
       EXPECT_GE(reach(part), furthest - 1e-14);
     }
 }

@@ -1,19 +1,25 @@
+#pragma once
 // Convex polyhedra for the tests, by brute force.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "tests/adapters/pair_scenes.hpp"
+#include "rigid/shapes/polyhedron.hpp"
 
 namespace silt::tests {
 
-namespace {
+using rigid::Vec3;
 
 /// Those of the points that lie on the plane, in order about its normal.
-std::vector<int> loop_on(const std::vector<Vec3>& points, const Vec3& normal, double offset, double slack) {
+inline std::vector<int> loop_on(const std::vector<Vec3>& points, const Vec3& normal, double offset,
+                                double slack) {
   std::vector<int> loop;
   Vec3 middle = Vec3::Zero();
   for (int i = 0; i < static_cast<int>(points.size()); ++i)
-    if (std::abs(normal.dot(points[i]) - offset) <= slack) loop.push_back(i), middle += points[i];
+    if (std::abs(normal.dot(points[i]) - offset) <= slack) {
+      loop.push_back(i);
+      middle += points[i];
+    }
   middle /= static_cast<double>(loop.size());
   const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
   auto angle = [&](int i) { return std::atan2((points[i] - middle).dot(v), (points[i] - middle).dot(u)); };
@@ -21,9 +27,9 @@ std::vector<int> loop_on(const std::vector<Vec3>& points, const Vec3& normal, do
   return loop;
 }
 
-}  // namespace
-
-rigid::Polyhedron hull_of(const std::vector<Vec3>& points) {
+/// The polyhedron whose corners are the points that are corners of their convex hull; coplanar ones share a
+/// face.
+inline rigid::Polyhedron hull_of(const std::vector<Vec3>& points) {
   const int n = static_cast<int>(points.size());
   std::vector<std::vector<int>> faces;
   constexpr double slack = 1e-10;
@@ -48,7 +54,10 @@ rigid::Polyhedron hull_of(const std::vector<Vec3>& points) {
   std::vector<Vec3> corners;
   for (auto& face : faces)
     for (int& c : face) {
-      if (used[c] < 0) used[c] = static_cast<int>(corners.size()), corners.push_back(points[c]);
+      if (used[c] < 0) {
+        used[c] = static_cast<int>(corners.size());
+        corners.push_back(points[c]);
+      }
       c = used[c];
     }
   return {rigid::make_polyhedron_mesh(corners, faces)};

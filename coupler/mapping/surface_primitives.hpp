@@ -1,14 +1,50 @@
 #pragma once
-// Where straight lines are inside the convex parts of a surface: one interval each, one lane a line. Only for
-// kernels that are built once an instruction set. rigid/shapes/ray_interval.hpp is the same for one line, in
-// double and with care for lines from afar; here lines start within a few cells of the part, and every branch
-// is a selection.
+// Surfaces as the kernels of object mapping see them: the convex parts of a body, turned as the body is, in
+// the precision of the kernel, each one of few kinds. And, for kernels that are built once an instruction
+// set, where straight lines are inside a part: one interval each, one lane a line.
+// rigid/shapes/line_interval.hpp is the same for one line, in double and with care for lines from afar; here
+// lines start within a few cells of the part, and every branch is a selection.
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
-#include "coupler/mapping/surface_kernels.hpp"
+#ifdef SILT_ISA
 #include "lbm/link_lanes.hpp"
+#endif
 
+namespace silt::coupler {
+
+/// normal . x <= offset inside.
+template <class T>
+struct Plane {
+  T normal[3], offset;
+};
+
+/// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
+enum class PartKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, cone, planes, hollow };
+
+/// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
+template <class T>
+struct SurfacePart {
+  PartKind kind;
+  T axes[3][3];  // rows: the part's axes in the world
+  T centre[3];   // from the body's reference point
+  T size[3];     // half edges; or radius, radius, half length (of a cone's base, half height)
+  T extent[3];   // half edges of a box around it
+  std::uint32_t first_plane, planes;
+};
+
+/// All of a body. A line meets it where it meets the first part.
+template <class T>
+struct SurfaceView {
+  const SurfacePart<T>* parts;
+  int count;
+  const Plane<T>* planes;
+};
+
+}  // namespace silt::coupler
+
+#ifdef SILT_ISA
 namespace silt::coupler::SILT_ISA {
 
 /// Parameters along the lines; enter > leave: the line misses.
@@ -71,6 +107,7 @@ class LineLanes {
           .joined(ball(size[2], size[0]))
           .joined(ball(-size[2], size[0]));
     if constexpr (kind == PartKind::cylinder) return barrel(size[0]).within(slab(2, size[2]));
+    if constexpr (kind == PartKind::cone) return tapered(size[0], size[2]).within(slab(2, size[2]));
     if constexpr (kind == PartKind::planes) return clipped(planes + part.first_plane, part.planes);
     if constexpr (kind == PartKind::hollow) return barrel(size[0]);
   }
@@ -97,6 +134,25 @@ class LineLanes {
   Interval barrel(T radius) const {
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1], o_[0] * d_[0] + o_[1] * d_[1],
                          (o_[0] * o_[0] + o_[1] * o_[1]) - radius * radius);
+  }
+  /// In the double cone about the third axis with its apex at `half` and this radius at -half, on the side of
+  /// the apex where the radius is: a line that is steeper than the cone is inside before one root and after
+  /// the other. No cancellation, for a may be 0.
+  Interval tapered(T radius, T half) const {
+    const T k = radius / (2 * half);
+    const V w = half - o_[2], a = (d_[0] * d_[0] + d_[1] * d_[1]) - k * k * (d_[2] * d_[2]);
+    const V b = (o_[0] * d_[0] + o_[1] * d_[1]) + k * k * (w * d_[2]);
+    const V c = (o_[0] * o_[0] + o_[1] * o_[1]) - k * k * (w * w);
+    const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
+    const V q = b < T(0) ? s - b : -b - s, t = q / a, u = q == T(0) ? t : c / q;
+    const V low = Interval::smaller(t, u), high = Interval::larger(t, u);
+    Interval in{a < T(0) ? d_[2] < T(0) ? high : V{} - infinity : low,
+                a < T(0) ? d_[2] < T(0) ? V{} + infinity : low : high};
+    const auto along = (a == T(0)) & (b == T(0)), misses = (a > T(0)) & (discriminant < T(0));
+    in.enter = along ? V{} - infinity : in.enter;
+    in.leave = along ? V{} + infinity : in.leave;
+    in.leave = misses | (along & (c > T(0))) ? V{} - infinity : in.leave;
+    return in;
   }
   /// Between two planes across axis k.
   Interval slab(int k, T half_width) const {
@@ -136,6 +192,8 @@ void with_kind(PartKind kind, F&& use) {
       return use(std::integral_constant<PartKind, capsule>{});
     case cylinder:
       return use(std::integral_constant<PartKind, cylinder>{});
+    case cone:
+      return use(std::integral_constant<PartKind, cone>{});
     case planes:
       return use(std::integral_constant<PartKind, planes>{});
     case hollow:
@@ -144,3 +202,4 @@ void with_kind(PartKind kind, F&& use) {
 }
 
 }  // namespace silt::coupler::SILT_ISA
+#endif

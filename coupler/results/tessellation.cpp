@@ -1,0 +1,133 @@
+#include "coupler/results/tessellation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapters/qhull/convex_hull.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::ConvexShape;
+using rigid::PolyhedronMesh;
+using rigid::Vec3;
+
+/// Points of the surface that the support function names, each once.
+class SurfacePoints {
+ public:
+  explicit SurfacePoints(const ConvexShape& shape) : shape_(shape) {
+    for (int d = 0; d < 3; ++d) half_[d] = 0.5 * width(Vec3::Unit(d));
+    nearest_ = 1e-5 * half_.minCoeff();
+    Vec3 sorted = half_;
+    std::sort(sorted.begin(), sorted.end());
+    middle_ = sorted[1];
+  }
+
+  const std::vector<Vec3>& all() const { return points_; }
+
+  /// Adds the points furthest along the normal, as seen by normals a little to its sides: of a straight flank
+  /// or a flat face both ends are needed, and the support function names any one of its points.
+  void add(const Vec3& normal) {
+    constexpr double aside = 1e-6;
+    const Vec3 right = normal.unitOrthogonal(), up = normal.cross(right);
+    for (const double r : {-aside, aside})
+      for (const double u : {-aside, aside}) add_point(rigid::support(shape_, normal + r * right + u * up));
+  }
+
+  /// Says whether the surface stands off from a face of the points' hull by more than the tolerance.
+  bool stands_off(const PolyhedronMesh::Face& face) const {
+    const double gap = face.normal.dot(rigid::support(shape_, face.normal)) - face.offset;
+    return gap > tessellation_tolerance * std::min(0.5 * width(face.normal), middle_);
+  }
+
+ private:
+  double width(const Vec3& n) const { return n.dot(rigid::support(shape_, n) - rigid::support(shape_, -n)); }
+  void add_point(const Vec3& point) {
+    const bool known = std::any_of(points_.begin(), points_.end(),
+                                   [&](const Vec3& p) { return (p - point).norm() < nearest_; });
+    if (!known) points_.push_back(point);
+  }
+
+  const ConvexShape& shape_;
+  std::vector<Vec3> points_;
+  Vec3 half_;       // of the extents along x, y and z
+  double middle_;   // the middle one of them
+  double nearest_;  // points closer than this are one
+};
+
+/// Returns the hull of points of the surface: where the surface stands off from a face, its furthest point
+/// there is added, until it does so nowhere (the estimate refinement method: Kamenev, Comput. Math. Math.
+/// Phys. 32 (1992) 114).
+std::shared_ptr<const PolyhedronMesh> inscribed_polyhedron(const ConvexShape& shape) {
+  if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) return polyhedron->mesh;
+  SurfacePoints points(shape);
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z)
+        if (x || y || z) points.add(Vec3(x, y, z).normalized());
+  for (;;) {
+    const auto hull = adapters::convex_hull(points.all()).mesh;
+    const std::size_t before = points.all().size();
+    for (const PolyhedronMesh::Face& face : hull->faces)
+      if (points.stands_off(face)) points.add(face.normal);
+    if (points.all().size() == before) return hull;
+  }
+}
+
+/// Returns the outward unit normal of the surface at a vertex; where an edge or a corner has many, one near
+/// the face's. A normal n belongs to the vertex v if no point s of the surface lies further along n, so n is
+/// moved across the half-spaces n . (s - v) <= 0 that it violates (the relaxation method: Agmon, Can. J.
+/// Math. 6 (1954) 382).
+Vec3 normal_at(const ConvexShape& shape, const Vec3& vertex, const Vec3& face_normal, double size) {
+  constexpr int most = 300;           // few on a round surface, a hundred at the rim of a flat ellipsoid
+  constexpr double relaxation = 1.5;  // 1 to the boundary, 2 to the mirror image
+  Vec3 n = face_normal;
+  for (int i = 0; i < most; ++i) {
+    const Vec3 beyond = rigid::support(shape, n) - vertex;
+    const double excess = n.dot(beyond);
+    if (excess <= 1e-9 * size) break;
+    n = (n - relaxation * excess / beyond.squaredNorm() * beyond).normalized();
+  }
+  return n;
+}
+
+/// Returns the index of a vertex's normal in the table; normals that differ by less than 0.01 rad are one.
+int index_of_normal(const Vec3& normal, std::vector<int>& of_vertex, std::vector<Vec3>& normals) {
+  for (const int known : of_vertex)
+    if ((normals[known] - normal).norm() < 1e-2) return known;
+  of_vertex.push_back(static_cast<int>(normals.size()));
+  normals.push_back(normal);
+  return of_vertex.back();
+}
+
+std::array<double, 3> array_of(const Vec3& v) {
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+adapters::TriangleMesh tessellation(const rigid::Part& part, double unit) {
+  const auto polyhedron = inscribed_polyhedron(part.shape);
+  const double size = rigid::reach({part.shape, rigid::Pose{}});
+  adapters::TriangleMesh mesh;
+  for (const Vec3& v : polyhedron->vertices) mesh.vertices.push_back(array_of(unit * part.pose.to_world(v)));
+
+  std::vector<Vec3> normals;
+  std::vector<std::vector<int>> normals_of_vertex(polyhedron->vertices.size());
+  for (const PolyhedronMesh::Face& face : polyhedron->faces) {
+    std::vector<int> normal_of_corner;
+    for (const int c : face.corners) {
+      const Vec3 normal = normal_at(part.shape, polyhedron->vertices[c], face.normal, size);
+      normal_of_corner.push_back(index_of_normal(normal, normals_of_vertex[c], normals));
+    }
+    for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {
+      mesh.triangles.push_back({face.corners[0], face.corners[k], face.corners[k + 1]});
+      mesh.triangle_normals.push_back({normal_of_corner[0], normal_of_corner[k], normal_of_corner[k + 1]});
+    }
+  }
+  for (const Vec3& n : normals) mesh.normals.push_back(array_of(part.pose.orientation * n));
+  return mesh;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,36 @@
+#pragma once
+// What a collision backend sees: convex, in one piece.
+#include <variant>
+
+#include "rigid/shapes/box.hpp"
+#include "rigid/shapes/capsule.hpp"
+#include "rigid/shapes/cone.hpp"
+#include "rigid/shapes/cylinder.hpp"
+#include "rigid/shapes/ellipsoid.hpp"
+#include "rigid/shapes/half_space.hpp"
+#include "rigid/shapes/polyhedron.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/sphere.hpp"
+
+namespace silt::rigid {
+
+template <ConvexSolid... S>
+using ConvexShapes = std::variant<S...>;
+
+/// All convex shapes there are.
+struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, Cone, HalfSpace> {
+  using variant::variant;
+};
+
+/// The point of a convex shape furthest along direction_B, of any length.
+Vec3 support(const ConvexShape&, const Vec3& direction_B);
+/// The part of the line origin + t direction inside the shape; none if the line misses it.
+std::optional<LineInterval> line_interval(const ConvexShape&, const Vec3& origin_B, const Vec3& direction_B);
+/// Curvature tensor of the surface at x_B (on it, to rounding) with outward unit normal n_B: symmetric, zero
+/// along the normal, eigenvalues across it the principal curvatures, >= 0. None for a shape that may be flat
+/// or have an edge (box, cylinder, polyhedron). A half-space has zero curvature.
+std::optional<Mat3> curvature(const ConvexShape&, const Vec3& x_B, const Vec3& n_B);
+/// Whether the surface has a curvature everywhere.
+bool is_smooth(const ConvexShape&);
+
+}  // namespace silt::rigid
