@@ -123,18 +123,20 @@ struct SceneRun {
   MPI_Comm comm;
   lbm::Domain domain;
   Exchange exchange;
-  std::unique_ptr<rigid::CollisionBackend> backend = adapters::make_backend("auto");
+  std::unique_ptr<rigid::CollisionBackend> backend;
   std::unique_ptr<rigid::ContactResolver> resolver;
   rigid::RigidStep step;
   rigid::RigidStepReport report;
   std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0;
 
   SceneRun(MPI_Comm comm, const Scene& from, std::string_view law = "sffd", Blocks blocks = {},
-           double rim = contact_rim)
+           double rim = contact_rim,
+           std::unique_ptr<rigid::CollisionBackend> collision = adapters::make_backend("auto"))
       : scene(from),
         comm(comm),
         domain(scene.cells, scene.sides(), blocks, ranks_of(comm)),
         exchange(comm, domain, scene.world, rim),
+        backend(std::move(collision)),
         resolver(rigid::make_resolver(law, scene.settings)),
         step(scene.world, *backend, *resolver, exchange) {
     exchange.distribute(scene.bodies);

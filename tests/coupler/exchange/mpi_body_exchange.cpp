@@ -97,54 +97,5 @@ TEST(BodyExchange, HeapBetweenWallsClassicFfd) {
   expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
 }
 
-/// Deliberate mistakes, once, in the middle of a run, on ranks that own the first body of an impact.
-enum class Mistake { none, contact_dropped, contact_twice, normal_off_by_a_bit };
-
-class Mistaken : public BodyExchange {
- public:
-  using BodyExchange::BodyExchange;
-  Mistake mistake = Mistake::none;
-  bool armed = false;
-  int made = 0;
-
-  void exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) override {
-    BodyExchange::exchange_contacts(bodies, contacts);
-    for (std::size_t k = 0; armed && k < contacts.size(); ++k) {
-      rigid::Contact& c = contacts[k];
-      if (bodies.row_of(c.a) >= bodies.owned || !closes(bodies, c)) continue;
-      if (mistake == Mistake::normal_off_by_a_bit) c.normal *= std::nextafter(1.0, 0.0);
-      if (mistake == Mistake::contact_dropped) contacts.erase(contacts.begin() + k);
-      if (mistake == Mistake::contact_twice) contacts.insert(contacts.begin() + k, rigid::Contact(c));
-      ++made;
-      armed = false;
-    }
-  }
-
- private:
-  static bool closes(const rigid::BodySet& b, const rigid::Contact& c) {
-    const std::size_t i = b.row_of(c.a), j = b.row_of(c.b);
-    return c.gap <= 0 && c.normal.dot(b.velocity[j] - b.velocity[i]) < -1e-3;
-  }
-};
-
-std::uint64_t hash_with(Mistake mistake) {
-  SceneRun<Mistaken> run(MPI_COMM_WORLD, gas(0.5), "sffd");
-  run.exchange.mistake = mistake;
-  for (int i = 0; i < 60; ++i) {
-    if (i == 20) run.exchange.armed = mistake != Mistake::none;
-    run.advance();
-  }
-  EXPECT_EQ(sum_of(MPI_COMM_WORLD, run.exchange.made) > 0, mistake != Mistake::none);
-  return run.hash();
-}
-
-TEST(BodyExchange, HashSeesOneContactTooManyOrTooFew) {
-  const std::uint64_t right = hash_with(Mistake::none);
-  EXPECT_EQ(hash_with(Mistake::none), right);
-  EXPECT_NE(hash_with(Mistake::contact_dropped), right);
-  EXPECT_NE(hash_with(Mistake::contact_twice), right);
-  EXPECT_NE(hash_with(Mistake::normal_off_by_a_bit), right);
-}
-
 }  // namespace
 }  // namespace silt::coupler
