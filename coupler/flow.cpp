@@ -60,7 +60,7 @@ class FlowOf final : public Flow {
     forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
   void stream_collide(StepClock& clock) override {
-    if (corrects_mass_) fluid_.set_mass_source(correction_.take_surplus());
+    if (corrects_mass_) fluid_.set_mass_correction(correction_.take_surplus());
     if (world_.shapes.empty()) return fluid_.stream_collide();
     fluid_.stream_collide([&](int b, int part) {
       if (forces_.waiting(links_[b], part))
@@ -184,8 +184,8 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_, fluid, fluid_.sweep_of(int(b)), block.surfaces);
-        block.order_groups(fluid_.sweep_of(int(b)));
+        build_links(map, world_, bodies, coupling_, fluid, fluid_.pass_order(int(b)), block.surfaces);
+        block.order_groups(fluid_.pass_order(int(b)));
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
       }

@@ -42,7 +42,7 @@ struct HolderColumn {
 class CheckpointWriter {
  public:
   CheckpointWriter(MPI_Comm, const std::filesystem::path&, const Provenance&);
-  /// Without commit: nothing is left behind.
+  /// Leaves nothing behind where commit was not called.
   ~CheckpointWriter();
 
   /// Rank 0's value counts.
@@ -50,7 +50,7 @@ class CheckpointWriter {
   void set(const std::string& name, double);
   void set(const std::string& name, const std::string&);
 
-  /// Cell data of a lattice: this rank's boxes; `components` populations a cell (1: the dataset is
+  /// Writes cell data of a lattice, this rank's boxes; `components` populations a cell (1: the dataset is
   /// [z][y][x]). fill(q, box, out) writes population q of all cells of one box, x fastest; it is called for
   /// one q after the other. T: float, double, std::uint8_t. Cells no rank holds read as zero.
   template <class T>
@@ -58,8 +58,8 @@ class CheckpointWriter {
              const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, T* out)>& fill);
 
-  /// The bodies this rank owns, any order, and their stored impulses (one list a record). Of their holder
-  /// state what the columns name.
+  /// Writes the bodies that this rank owns, in any order, and their stored impulses (one list a record). Of
+  /// their holder state it writes what the columns name.
   void bodies(std::span<const rigid::BodyRecord>, std::span<const std::vector<rigid::StoredImpulse>>,
               std::span<const HolderColumn> = {});
 
@@ -86,16 +86,16 @@ class CheckpointReader {
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
   std::string text(const std::string& name) const;
-  /// Of the run that wrote it.
+  /// The provenance of the run that wrote it.
   std::string provenance(const std::string& name) const;
   std::string case_text() const;
 
   bool has_cells(const std::string& name) const;
-  /// Of a dataset: the lattice and the number of populations a cell.
+  /// The lattice of a dataset and its number of populations a cell.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
-  /// This rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T must be
-  /// the type that was written.
+  /// Reads this rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T
+  /// must be the type that was written.
   template <class T>
   void cells(const std::string& name, const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, const T* in)>& take) const;
@@ -105,7 +105,7 @@ class CheckpointReader {
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   std::size_t body_count() const;
-  /// Those for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the holder
+  /// Returns the bodies for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the holder
   /// state that no column names are zero.
   Bodies bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
                 std::span<const HolderColumn> = {}) const;

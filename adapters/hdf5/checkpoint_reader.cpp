@@ -55,7 +55,7 @@ bool is_stored_as<std::uint8_t>(hid_t d) {
   return same_type(d, H5T_STD_U8LE);
 }
 
-/// Rows of one table, columns by their group; read and checked whole.
+/// Reads the rows of one table, columns by their group, and checks them whole.
 template <class Row>
 std::vector<Row> read_columns(const File& file, const std::string& group,
                               const std::vector<Column>& columns) {
@@ -69,7 +69,7 @@ std::vector<Row> read_columns(const File& file, const std::string& group,
   return rows;
 }
 
-/// Rank 0's rows on every rank.
+/// Gives every rank the rows of rank 0.
 template <class Row>
 void broadcast(MPI_Comm comm, std::vector<Row>& rows) {
   std::uint64_t n = rows.size();

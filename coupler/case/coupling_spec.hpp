@@ -1,6 +1,7 @@
 #pragma once
 // How fluid and bodies are coupled: the table [coupling] of a case.
 #include "coupler/case/name_table.hpp"
+#include "lbm/force_form.hpp"
 #include "lbm/wall_scheme.hpp"
 
 namespace silt::coupler {
@@ -15,8 +16,8 @@ inline constexpr auto time_coupling_names = names_of<TimeCoupling>("explicit", "
 enum class Refill { equilibrium, grad };
 inline constexpr auto refill_names = names_of<Refill>("equilibrium", "grad");
 
-enum class ForceForm { galilean, exact };
-inline constexpr auto force_form_names = names_of<ForceForm>("galilean", "exact");
+using lbm::ForceForm;
+inline constexpr NameTable<ForceForm, lbm::force_form_names.size()> force_form_names{lbm::force_form_names};
 
 struct CouplingSpec {
   WallScheme wall_scheme = WallScheme::parabolic;

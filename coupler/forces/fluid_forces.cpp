@@ -87,8 +87,8 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, SurfaceLinks<T>& surface,
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) const {
-  const auto form = is_exact() ? lbm::ForceForm::exact : lbm::ForceForm::galilean;
-  lbm::apply_cut_links(block, slots, surface.links, group, surface.motion, form, surface.sums, next);
+  lbm::apply_cut_links<T>({block, slots, surface.links, group, next}, surface.motion, spec_.force,
+                          surface.sums);
 }
 
 template <class T>
@@ -131,7 +131,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
   for (const lbm::LinkGroup& group : surface.links.groups)  // still in cache
-    lbm::correct_cut_links(block, slots, surface.links, group, increment, surface.sums);
+    lbm::correct_cut_links<T>({block, slots, surface.links, group}, increment, surface.sums);
 }
 
 /// Returns the mass that this rank's fluid gained through all links so far.
@@ -218,8 +218,10 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
     links.prefetch(open, n);
     SurfaceLinks<T>& surface = links.surfaces[open[n].surface];
     lbm::LinkSums sums;
-    lbm::correct_cut_links(block, links.slots, surface.links, surface.links.groups[open[n].number],
-                           surface.motion, sums, links.next_group(open, n, open.size()));
+    const lbm::LinkGroup& group = surface.links.groups[open[n].number];
+    lbm::correct_cut_links<T>(
+        {block, links.slots, surface.links, group, links.next_group(open, n, open.size())}, surface.motion,
+        sums);
     mass += sums.mass;
   }
   return mass;

@@ -29,12 +29,6 @@ bool same(const rigid::Pose& a, const rigid::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-void mark_ball(const BitFrame& frame, const PointInFrame& centre, double radius, std::uint64_t* words) {
-  SILT_DISPATCH(mark_sphere, frame, centre, radius, words)
-}
-void mark_others(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
-                 std::uint64_t* words){SILT_DISPATCH(mark_parts, frame, centre, surface, words)}
-
 /// The first n of some cells (all, if there are more).
 std::uint64_t first_cells(std::uint64_t cells, int n) {
   return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
@@ -146,9 +140,9 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
   const Vec3& x = mask.pose.position;
   const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
-    return mark_ball(frame, centre, ball->radius, mask.inside.words());
+    return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
   surface_.reset(shape, mask.pose.orientation);
-  mark_others(frame, centre, surface_.view(), mask.inside.words());
+  bit_kernels().mark_parts(frame, centre, surface_.view(), mask.inside.words());
 }
 
 bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bodies) const {

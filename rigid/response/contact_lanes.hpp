@@ -97,8 +97,6 @@ struct alignas(64) BlockLubrication {
   Real8 normal_stiffness, normal_damped, tangential_damped;
 };
 
-// prepare_blocks: once a step, after the groups are filled.
-
 /// One sweep over the groups.
 struct ContactSweep {
   int number;        // from 1; the first solves every pair, later ones those of which a body changed
@@ -107,19 +105,31 @@ struct ContactSweep {
   double tolerance;  // a relative change above it marks both bodies as changed
 };
 
-// The sweeps return the largest relative change of a pair that is not final.
-#define SILT_CONTACT_KERNELS(isa)                                                                           \
-  namespace silt::rigid::isa {                                                                              \
-  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&); \
-  double sweep_lubricated(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*,                 \
-                          const ContactSweep&);                                                             \
-  void prepare_blocks(BlockGroup*, std::size_t groups);                                                     \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*,              \
-                      const BodyState*, const ContactSweep&);                                               \
-  }
+// The kernels. A sweep goes once over its groups and returns the largest relative change of a pair that is
+// not final; blocks are prepared once a step, after the groups are filled.
+using SweepCentral = double(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&);
+using SweepLubricated = double(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&);
+using SweepBlocks = double(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*, const BodyState*,
+                           const ContactSweep&);
+using PrepareBlocks = void(BlockGroup*, std::size_t groups);
+
+namespace portable {
+SweepCentral sweep_central;
+SweepLubricated sweep_lubricated;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace portable
+namespace avx2 {
+SweepCentral sweep_central;
+SweepLubricated sweep_lubricated;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace avx2
+namespace avx512 {
+SweepCentral sweep_central;
+SweepLubricated sweep_lubricated;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace avx512
 
 }  // namespace silt::rigid
-
-SILT_CONTACT_KERNELS(portable)
-SILT_CONTACT_KERNELS(avx2)
-SILT_CONTACT_KERNELS(avx512)

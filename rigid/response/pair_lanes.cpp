@@ -8,6 +8,25 @@ namespace silt::rigid {
 
 namespace {
 
+/// One build of the kernels.
+struct LaneKernels {
+  SweepCentral* sweep_central;
+  SweepFilms* sweep_films;
+  SweepBlocks* sweep_blocks;
+  PrepareBlocks* prepare_blocks;
+};
+constexpr LaneKernels portable_kernels = {portable::sweep_central, portable::sweep_films,
+                                          portable::sweep_blocks, portable::prepare_blocks};
+constexpr LaneKernels avx2_kernels = {avx2::sweep_central, avx2::sweep_films, avx2::sweep_blocks,
+                                      avx2::prepare_blocks};
+constexpr LaneKernels avx512_kernels = {avx512::sweep_central, avx512::sweep_films, avx512::sweep_blocks,
+                                        avx512::prepare_blocks};
+
+/// The build that runs here.
+LaneKernels kernels() {
+  return chosen(portable_kernels, avx2_kernels, avx512_kernels);
+}
+
 constexpr double on_axis = 1e-12;  // sine between a contact's arm and its normal: none
 
 bool is_central(const PairToSolve& p) {
@@ -239,38 +258,17 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
 }
 
 void PairLanes::prepare() {
-  switch (chosen_isa()) {
-    case Isa::avx512:
-      return avx512::prepare_blocks(blocks_.data(), blocks_.size());
-    case Isa::avx2:
-      return avx2::prepare_blocks(blocks_.data(), blocks_.size());
-    default:
-      return portable::prepare_blocks(blocks_.data(), blocks_.size());
-  }
+  kernels().prepare_blocks(blocks_.data(), blocks_.size());
 }
 
-double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
-                        const ContactSweep& sweep) {
-  const auto run = [&](auto central, auto lubricated, auto blocks) {
-    double residual = central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
-    residual = std::max(residual,
-                        lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep));
-    return std::max(residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
-                                     block_lubrication_.data(), state.data(), sweep));
-  };
-  double residual = 0;
-  switch (chosen_isa()) {
-    case Isa::avx512:
-      residual = run(avx512::sweep_central, avx512::sweep_lubricated, avx512::sweep_blocks);
-      break;
-    case Isa::avx2:
-      residual = run(avx2::sweep_central, avx2::sweep_lubricated, avx2::sweep_blocks);
-      break;
-    default:
-      residual = run(portable::sweep_central, portable::sweep_lubricated, portable::sweep_blocks);
-  }
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const ContactSweep& sweep) {
+  const LaneKernels k = kernels();
+  const double central = k.sweep_central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
+  const double lubricated = k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep);
+  const double blocks = k.sweep_blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
+                                       block_lubrication_.data(), state.data(), sweep);
   sum_blocks(sums, sweep.tolerance);
-  return residual;
+  return std::max({central, lubricated, blocks});
 }
 
 void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {

@@ -16,6 +16,7 @@
 #include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
+#include "tests/bench/periodic_box.hpp"
 
 namespace silt::bench {
 namespace {
@@ -84,14 +85,10 @@ Row row(const std::string& key, const std::string& without, const SceneText& tex
 }
 
 Row no_bodies() {
-  const std::array<lbm::SideCondition, 6> periodic{};
-  auto fluid = std::make_shared<lbm::Fluid<float>>(lbm::Domain({48, 48, 48}, periodic, std::nullopt, 1),
-                                                   lbm::CollisionSpec{0.8, 1. / 6, lbm::Collision::trt, {}},
-                                                   MPI_COMM_SELF);
-  return row("bodies", "bodies: kernel and ghost layer alone", {}, [fluid] {
-    fluid->stream_collide();
-    fluid->exchange();
-  });
+  const lbm::CollisionSpec collision{0.8, 1. / 6, lbm::Collision::trt, {}};
+  const std::shared_ptr<lbm::Fluid<float>> fluid(
+      new lbm::Fluid<float>(periodic_box<float>({48, 48, 48}, collision)));
+  return row("bodies", "bodies: kernel and ghost layer alone", {}, [fluid] { step(*fluid); });
 }
 
 Row no_fluid() {

@@ -4,7 +4,7 @@
 // a wall scheme are counted by running them (Counted). Bytes are those that the pass must read and write even
 // if all else stays in cache: the least, not what the machine moves.
 #include "lbm/lattice.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/wall_formula.hpp"
 
 namespace silt::bench {
 

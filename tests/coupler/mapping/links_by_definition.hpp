@@ -11,7 +11,7 @@
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler::testing {
@@ -66,7 +66,7 @@ struct Link {
 using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
 
 /// After a part of the dense pass, a cell and all around it have collided.
-inline void expect_all_done(const lbm::Sweep& sweep, Int3 x, int part) {
+inline void expect_all_done(const lbm::PassOrder& sweep, Int3 x, int part) {
   for (int z = x.z - 1; z <= x.z + 1; ++z)
     for (int y = x.y - 1; y <= x.y + 1; ++y) EXPECT_LE(sweep.part_of(y, z), part);
 }
@@ -74,7 +74,7 @@ inline void expect_all_done(const lbm::Sweep& sweep, Int3 x, int part) {
 template <class T>
 void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>& links, WallScheme scheme,
                Links& found) {
-  const lbm::Sweep sweep(map.box.size, sizeof(T));
+  const lbm::PassOrder sweep(map.box.size, sizeof(T));
   for (const lbm::LinkGroup& g : links.groups) {
     const lbm::SurfaceFrame& frame = links.frame;
     EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
@@ -103,7 +103,8 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
   const Geometry geometry(s);
   CouplingSpec coupling;
   coupling.wall_scheme = scheme;
-  build_links(map, s.scene().world, s.bodies(), coupling, {}, lbm::Sweep(map.box.size, sizeof(T)), surfaces);
+  build_links(map, s.scene().world, s.bodies(), coupling, {}, lbm::PassOrder(map.box.size, sizeof(T)),
+              surfaces);
   Links left;
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     add_links(map, map.masks[k], surfaces[k].links, scheme, left);

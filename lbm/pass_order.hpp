@@ -1,7 +1,8 @@
 #pragma once
-// The order of the dense pass. First the shell: rows at faces beyond which another rank is, so that what it
-// is owed is on its way during the rest. Then strips of rows, and plane after plane within a strip, so that
-// three planes of a strip stay in cache for what follows close behind. A part is a strip of one plane.
+// The order of the dense pass. First the shell collides, the rows at faces beyond which another rank is, so
+// that what that rank waits for is on its way during the rest. Then strips of rows, and plane after plane
+// within a strip, so that three planes of a strip stay in cache for what follows close behind. A part is a
+// strip of one plane.
 //
 //     z |  3 | 7 |     parts of a block of 4 planes and two strips, without a shell; once 2 is done, the
 //       |  2 | 6 |     cells of 1 whose neighbours are all in the strip have nothing left to wait for
@@ -12,7 +13,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lbm/stream_collide.hpp"
+#include "lbm/block.hpp"
 
 namespace silt::lbm {
 
@@ -21,14 +22,15 @@ struct ShellFaces {
   bool y[2] = {}, z[2] = {};
 };
 
-class Sweep {
+class PassOrder {
  public:
-  /// Bytes of populations that a strip may have in three planes: more than the second-level cache of most
+  /// Three planes of a strip may have so many bytes of populations: more than the second-level cache of most
   /// machines, since short strips cost the dense pass more than they save.
   static constexpr std::size_t cached_bytes = 2560 << 10;
 
-  Sweep() = default;
-  Sweep(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {}) : all_{0, size.y, 0, size.z} {
+  PassOrder() = default;
+  PassOrder(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {})
+      : all_{0, size.y, 0, size.z} {
     const std::size_t row = std::size_t(size.x) * directions * bytes_of_a_population;
     const int fitting = std::max(8, int(cached_bytes / (3 * row)));
     const int strips = std::max(1, (size.y + fitting / 2) / fitting);
@@ -47,12 +49,12 @@ class Sweep {
             {all_.y0, inner_.y0, inner_.z0, inner_.z1},
             {inner_.y1, all_.y1, inner_.z0, inner_.z1}};
   }
-  /// All that is not of the shell.
+  /// The rows that are not of the shell.
   RowRange inner() const { return inner_; }
   int parts() const { return (all_.y1 + rows_ - 1) / rows_ * all_.z1; }
-  /// Of a row; -1: of the shell, before all parts.
+  /// The part of a row; -1 for one of the shell, which comes before all parts.
   int part_of(int y, int z) const { return in_shell(y, z) ? -1 : y / rows_ * all_.z1 + z; }
-  /// None, where all of a part is in the shell.
+  /// The rows of a part; none where all of it is in the shell.
   RowRange rows_of(int part) const {
     const int strip = part / all_.z1, z = part % all_.z1;
     const int y0 = std::max(strip * rows_, inner_.y0), y1 = std::min((strip + 1) * rows_, inner_.y1);
