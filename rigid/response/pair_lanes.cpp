@@ -11,15 +11,15 @@ namespace {
 /// One build of the kernels.
 struct LaneKernels {
   SweepCentral* sweep_central;
-  SweepFilms* sweep_films;
+  SweepLubricated* sweep_lubricated;
   SweepBlocks* sweep_blocks;
   PrepareBlocks* prepare_blocks;
 };
-constexpr LaneKernels portable_kernels = {portable::sweep_central, portable::sweep_films,
+constexpr LaneKernels portable_kernels = {portable::sweep_central, portable::sweep_lubricated,
                                           portable::sweep_blocks, portable::prepare_blocks};
-constexpr LaneKernels avx2_kernels = {avx2::sweep_central, avx2::sweep_films, avx2::sweep_blocks,
+constexpr LaneKernels avx2_kernels = {avx2::sweep_central, avx2::sweep_lubricated, avx2::sweep_blocks,
                                       avx2::prepare_blocks};
-constexpr LaneKernels avx512_kernels = {avx512::sweep_central, avx512::sweep_films, avx512::sweep_blocks,
+constexpr LaneKernels avx512_kernels = {avx512::sweep_central, avx512::sweep_lubricated, avx512::sweep_blocks,
                                         avx512::prepare_blocks};
 
 /// The build that runs here.
