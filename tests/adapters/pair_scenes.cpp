@@ -12,10 +12,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double uniform(double from, double to, std::mt19937_64& random) {
-  return std::uniform_real_distribution<double>(from, to)(random);
-}
-
 double radius_of(const ConvexShape& shape) {
   if (const auto* s = std::get_if<rigid::Sphere>(&shape)) return s->radius;
   if (const auto* c = std::get_if<rigid::Capsule>(&shape)) return c->radius;

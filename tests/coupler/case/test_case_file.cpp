@@ -120,7 +120,7 @@ motion = "prescribed"
   EXPECT_EQ(scene.kind_names, std::vector<std::string>{"turned"});
 }
 
-TEST(CaseFile, CylindersEllipsoidsAndPolyhedra) {
+TEST(CaseFile, CylindersEllipsoidsPolyhedraAndCones) {
   CaseText c = si_case();
   c.shapes = R"([[shapes]]
 name = "ball"
@@ -129,6 +129,7 @@ parts = [
   { type = "cylinder", diameter = 6e-3, length = 8e-3, axis = [1, 0, 0] },
   { type = "ellipsoid", diameters = [6e-3, 8e-3, 10e-3], position = [1e-3, 0, 0] },
   { type = "polyhedron", vertices = [[0, 0, 0], [6e-3, 0, 0], [0, 6e-3, 0], [0, 0, 6e-3]] },
+  { type = "cone", diameter = 6e-3, height = 5e-3 },
 ]
 )";
   const Case scene = c.read();
@@ -136,6 +137,8 @@ parts = [
   EXPECT_NEAR(std::get<rigid::Cylinder>(parts[0].shape).radius, 3, 1e-12);
   EXPECT_NEAR(std::get<rigid::Cylinder>(parts[0].shape).half_length, 4, 1e-12);
   EXPECT_NEAR((std::get<rigid::Ellipsoid>(parts[1].shape).half_axes - Vec3(3, 4, 5)).norm(), 0, 1e-12);
+  EXPECT_NEAR(std::get<rigid::Cone>(parts[3].shape).radius, 3, 1e-12);
+  EXPECT_NEAR(std::get<rigid::Cone>(parts[3].shape).height, 5, 1e-12);
   const auto& mesh = *std::get<rigid::Polyhedron>(parts[2].shape).mesh;
   EXPECT_EQ(mesh.faces.size(), 4u);
   EXPECT_NEAR((mesh.vertices[3] - Vec3(0, 0, 6)).norm(), 0, 1e-12);

@@ -115,6 +115,68 @@ TEST_P(RoundBodies, EllipsoidRocks) {
   EXPECT_NEAR((turns[4] - turns[0]) / 2 / period, 1, 2e-3);  // amplitude: 1e-4, a step: 1e-3
 }
 
+TEST_P(RoundBodies, ConeStandsOnItsBase) {  // a quarter of its height below the centre
+  Scene s = alone(Cone{0.4, 0.8}, 0.5, slope(0), 0.2);
+  s.run(5000);
+  EXPECT_LT((s.x(0) - Vec3(10, 10, 0.2)).norm(), 1e-9);
+  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-9);
+}
+
+TEST_P(RoundBodies, ConeFallsBackOnItsBase) {
+  Scene s = alone(Cone{0.4, 0.8}, 0.5, slope(0), 0.5, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitY())));
+  s.run(5000);
+  EXPECT_NEAR(s.x(0)[2], 0.2, 1e-6);
+  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-6);
+}
+
+TEST_P(RoundBodies, StandingConeTopplesAtTheRightAngle) {  // tan = radius / a quarter of the height
+  const double angle = std::atan(0.1 / 0.25);
+  for (double share : {0.97, 1.03}) {
+    Scene s = alone(Cone{0.1, 1}, 3, slope(share * angle), 0.25);
+    s.run(1000);
+    EXPECT_EQ(s.w(0).norm() > 0.02, share > 1) << share << ", omega " << s.w(0).norm();
+  }
+}
+
+/// A cone on its side, the line it touches in at an angle from x.
+Scene lying_cone(const Cone& cone, const Vec3& gravity, double from_x) {
+  const double slant = std::hypot(cone.radius, cone.height);
+  const Vec3 side_normal(cone.height / slant, 0, cone.radius / slant);
+  const Quat down = Quat::FromTwoVectors(side_normal, -Vec3::UnitZ());
+  const Vec3 axis = down * -Vec3::UnitZ();  // from the apex to the base
+  const double turn = from_x - std::atan2(axis[1], axis[0]);
+  return alone(cone, 2, gravity, 0.75 * cone.radius * cone.height / slant,
+               Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ())) * down);
+}
+
+TEST_P(RoundBodies, ConeRestsOnItsSide) {
+  Scene s = lying_cone({0.4, 0.8}, slope(0), 0.7);
+  const Vec3 x = s.x(0);
+  s.run(3000);
+  EXPECT_LT((s.x(0) - x).norm(), 1e-6);
+  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-6);
+}
+
+/// On an incline it rolls to and fro about its apex: with half the angle a at the apex
+/// omega^2 = 5 g sin(slope) cos a / (h (1 + 5 cos^2 a)), from the kinetic energy of a rolling cone (Landau
+/// and Lifshitz, Mechanics, paragraph 32, problem 7).
+TEST_P(RoundBodies, ConeOnItsSideSwingsAboutItsApex) {
+  const Cone cone{0.4, 0.8};
+  const double incline = 0.3, cosine = cone.height / std::hypot(cone.radius, cone.height);
+  const double square = 5 * g * std::sin(incline) * cosine / (cone.height * (1 + 5 * cosine * cosine));
+  Scene s = lying_cone(cone, slope(incline), 0.03);
+  std::vector<double> turns;  // where the centre reverses: half periods
+  double before = 0;
+  for (int i = 1; i <= 6000 && turns.size() < 5; ++i) {
+    s.run(1);
+    const double now = s.v(0)[1];
+    if (i > 5 && before * now < 0) turns.push_back(1e-3 * (i - now / (now - before)));
+    before = now;
+  }
+  ASSERT_EQ(turns.size(), 5u);
+  EXPECT_NEAR((turns[4] - turns[0]) / 2 / (2 * M_PI / std::sqrt(square)), 1, 1e-2);
+}
+
 /// The hull of points that are all corners of it.
 Polyhedron hull(const std::vector<Vec3>& points) {
   std::set<std::vector<int>> seen;
