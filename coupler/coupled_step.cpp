@@ -20,10 +20,7 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
   // Line 12: the physics engine, Algorithm 1.
   if (!scene_.rigid_step) return {};
   const rigid::RigidStepReport report = scene_.rigid_step->advance(bodies, scene_.substeps);
-  bodies_.integrate += report.seconds.integrate;
-  bodies_.collision_detection += report.seconds.collision_detection;
-  bodies_.contact_response += report.seconds.contact_response;
-  bodies_.synchronisation += report.seconds.synchronisation;
+  bodies_ += report.seconds;
   return report;
 }
 

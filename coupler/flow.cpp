@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
-#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/build_links.hpp"
@@ -40,7 +40,7 @@ std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
 template <class T>
 class FlowOf final : public Flow {
  public:
-  FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const BodyExchange& exchange)
+  FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange)
       : coupling_(scene.coupling),
         world_(exchange.world()),
         fluid_(domain, collision_of(*scene.fluid), comm),
@@ -56,7 +56,7 @@ class FlowOf final : public Flow {
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
-    give_pending_blows(bodies);
+    give_pending_impacts(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
   void stream_collide(StepClock& clock) override {
@@ -173,8 +173,7 @@ class FlowOf final : public Flow {
     const auto& f = fluid_.spec().force;
     const Vec3 force(f[0], f[1], f[2]);
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_free(row))
-        bodies.add_force(row, bodies.mass[row] * (1 - bodies.weight_factor[row]) * force);
+      if (bodies.is_free(row)) bodies.add_force(row, bodies.displaced_mass(row) * force);
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {
@@ -238,7 +237,7 @@ lbm::Domain make_domain(const Case& scene, int ranks) {
 }
 
 std::unique_ptr<Flow> make_flow(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
-                                const BodyExchange& exchange) {
+                                const ParallelBodyExchange& exchange) {
   if (scene.fluid->precision == Precision::single_)
     return std::make_unique<FlowOf<float>>(scene, domain, comm, exchange);
   return std::make_unique<FlowOf<double>>(scene, domain, comm, exchange);

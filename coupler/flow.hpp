@@ -16,7 +16,7 @@
 
 namespace silt::coupler {
 
-class BodyExchange;
+class ParallelBodyExchange;
 struct Case;
 
 /// Cells that changed sides on this rank in the last mapping (ghost cells not counted), and cut links held.
@@ -35,8 +35,8 @@ class Flow {
 
   // ---- the passes of a step, in this order (Algorithm 2) ----
   /// Object mapping: puts bodies that moved further than the tolerance onto the lattice at their present
-  /// poses, rebuilds links where something changed and refills uncovered cells. Renews mapping_pose of every
-  /// held row.
+  /// poses, rebuilds links where something changed and refills uncovered cells. Renews the mapping pose of
+  /// every body held.
   virtual void map_bodies(rigid::BodySet&) = 0;
   /// With it the links that touch no ghost cell, while their populations are in cache. The clock counts what
   /// they take as force evaluation.
@@ -84,6 +84,6 @@ class Flow {
 /// Returns the domain a case asks for, cut for a number of ranks. std::invalid_argument if it cannot be.
 lbm::Domain make_domain(const Case&, int ranks);
 /// Needs case.fluid. The exchange tells who owns what (force sums go to owners).
-std::unique_ptr<Flow> make_flow(const Case&, const lbm::Domain&, MPI_Comm, const BodyExchange&);
+std::unique_ptr<Flow> make_flow(const Case&, const lbm::Domain&, MPI_Comm, const ParallelBodyExchange&);
 
 }  // namespace silt::coupler

@@ -30,7 +30,7 @@ inline constexpr double furthest_motion = 1;
 void check_flow(const Case&, const FlowTotals&, std::int64_t step);
 
 /// This rank's bodies; GuardStop on the ranks that own a bad one only. Returns their largest speed.
-double check_bodies(const Case&, const rigid::BodySet&, std::int64_t step, int rank);
+double check_motion(const Case&, const rigid::BodySet&, std::int64_t step, int rank);
 
 /// The text for sums of forces that ran out of range on this rank.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step, int rank);

@@ -6,6 +6,7 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/fill.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "coupler/guard.hpp"
@@ -45,7 +46,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
-  world.films = make_lubrication(scene);
+  world.lubrication = make_lubrication(scene);
   return world;
 }
 
@@ -85,7 +86,7 @@ std::vector<rigid::BodyRecord> body_records(const Case& scene, const std::vector
     r.shape = body.shape, r.material = body.material, r.kind = body.kind;
     r.motion = body.motion;
     r.mass = body.density * shape.volume;
-    r.weight_factor = scene.fluid ? 1 - 1 / body.density : 1;  // buoyancy: the fluid's density is 1
+    r.weight_in_fluid = scene.fluid ? 1 - 1 / body.density : 1;  // buoyancy: the fluid's density is 1
     Eigen::Map<rigid::Mat3>{r.inertia_B} = body.density * shape.inertia;
     const rigid::Quat q = body.pose.orientation.normalized();
     store(body.pose.to_world(shape.centre), r.position);
@@ -117,12 +118,14 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
                                [](const rigid::BodyRecord& r) { return r.motion != rigid::Motion::fixed; });
   if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
-  exchange = std::make_unique<BodyExchange>(comm, domain, world, rim_of(setup));
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
+    set_mapping_pose(bodies, row, bodies.pose(row));
+  exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
   exchange->distribute(bodies);
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
-    if (setup.fluid) settings.entrained = entrained_at_contact;
+    if (setup.fluid) settings.impacts = std::make_shared<EntrainedFluid>();
     resolver = rigid::make_resolver(setup.contacts.resolver, settings);
     rigid_step = std::make_unique<rigid::RigidStep>(
         world, *backend, *resolver, *exchange,
@@ -142,7 +145,7 @@ void Scene::take_bodies(std::span<const rigid::BodyRecord> records, const SavedB
     }
     extent.wrap(bodies.position[row], bodies.image[row]);
     bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
-    bodies.mapping_pose[row] = bodies.pose(row);
+    set_mapping_pose(bodies, row, bodies.pose(row));
   }
   bodies.reindex();
 }

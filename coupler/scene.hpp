@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "coupler/coupled_step.hpp"
-#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/flow.hpp"
 #include "rigid/rigid_step.hpp"
 
@@ -54,7 +54,7 @@ class Scene {
   std::uint64_t body_count = 0;  // of all ranks
   bool anything_moves = false;   // a body that is not fixed, on any rank
   bool has_surfaces() const;
-  std::unique_ptr<BodyExchange> exchange;
+  std::unique_ptr<ParallelBodyExchange> exchange;
   std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves
   std::unique_ptr<rigid::ContactResolver> resolver;
   std::unique_ptr<rigid::RigidStep> rigid_step;

@@ -11,6 +11,7 @@
 // and the result does not depend on how many there are. Lattice units.
 #include <functional>
 
+#include "coupler/exchange/check_exchange.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
@@ -79,6 +80,7 @@ class Simulation {
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Force and torque the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
+  std::uint64_t body_count() const;    // that have an owner on any rank, counted
   std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
  private:
@@ -98,6 +100,7 @@ class Simulation {
   RunCounters counters_;  // this rank's; those of a checkpoint on rank 0
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
+  OwnedBodies bodies_at_start_;  // of all ranks
   double fluid_speed_ = 0, step_seconds_ = 0;
   std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
 };

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/mapping/solid_map.hpp"
@@ -47,8 +48,8 @@ std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
     bytes.add(bodies.image[row], q.w(), q.x(), q.y(), q.z());
     bytes.add(bodies.velocity[row]);
     bytes.add(bodies.angular_momentum[row]);
-    for (const std::int64_t x : bodies.owed[row]) bytes.add(x);
-    bytes.add(bodies.pending_blow[row]);
+    for (const std::int64_t x : coupling_state(bodies, row).impulse_debt) bytes.add(x);
+    bytes.add(pending_impact(bodies, row));
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
       bytes.add(s.partner, s.image.x, s.image.y, s.image.z, s.feature);
       bytes.add(s.impulse);

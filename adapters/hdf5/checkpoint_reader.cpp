@@ -181,15 +181,15 @@ std::size_t CheckpointReader::body_count() const {
   return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(
-    const std::function<bool(const rigid::BodyRecord&)>& mine) const {
+CheckpointReader::Bodies CheckpointReader::bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
+                                                  std::span<const HolderColumn> holder) const {
   std::vector<rigid::BodyRecord> records;
   std::vector<std::uint64_t> counts;
   std::vector<ImpulseRow> rows;
   on_rank_0(state_->comm, [&] {
     const File& file = *state_->file;
     if (!file.exists("/bodies")) return;
-    records = read_columns<rigid::BodyRecord>(file, "/bodies/", hdf5::record_columns());
+    records = read_columns<rigid::BodyRecord>(file, "/bodies/", hdf5::record_columns(holder));
     rows = read_columns<ImpulseRow>(file, "/impulses/", hdf5::impulse_columns());
     counts = read_columns<std::uint64_t>(file, "/bodies/", {{"impulse_count", 0, Column::uint64}});
     std::uint64_t sum = 0;

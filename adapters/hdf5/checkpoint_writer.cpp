@@ -188,7 +188,8 @@ std::vector<ImpulseRow> reordered(const std::vector<ImpulseRow>& rows,
 }  // namespace
 
 void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
-                              std::span<const std::vector<rigid::StoredImpulse>> impulses) {
+                              std::span<const std::vector<rigid::StoredImpulse>> impulses,
+                              std::span<const HolderColumn> holder) {
   std::vector<std::uint64_t> my_counts;
   std::vector<ImpulseRow> my_rows;
   together(state_->comm, [&] {
@@ -220,7 +221,7 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
     const auto sorted_rows = reordered(rows, counts, order);
     File file = state_->open_to_add(sorted.size() * sizeof(rigid::BodyRecord) +
                                     sorted_rows.size() * sizeof(ImpulseRow));
-    write_columns(file, "/bodies", hdf5::record_columns(), sorted.data(), sizeof(rigid::BodyRecord),
+    write_columns(file, "/bodies", hdf5::record_columns(holder), sorted.data(), sizeof(rigid::BodyRecord),
                   sorted.size());
     hdf5::write_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, {sorted_counts.size()},
                         sorted_counts.data(), sorted_counts.size() * sizeof(std::uint64_t));

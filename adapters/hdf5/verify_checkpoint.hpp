@@ -1,5 +1,6 @@
 #pragma once
 // Private to adapters/hdf5: checks that a checkpoint is whole, and lists its columns.
+#include "adapters/hdf5/checkpoint_file.hpp"
 #include "adapters/hdf5/checksum.hpp"
 #include "adapters/hdf5/table.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -16,7 +17,8 @@ struct ImpulseRow {
   double impulse[3];
 };
 
-const std::vector<Column>& record_columns();   // of rigid::BodyRecord, in /bodies
+/// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
+std::vector<Column> record_columns(std::span<const HolderColumn> = {});
 const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 
 /// The names of the datasets in a group, in alphabetical order; none where there is no such group.

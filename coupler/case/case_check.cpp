@@ -151,7 +151,7 @@ void check_lubrication(const Case& scene, Findings& findings) {
   if (scene.places.count("coupling.lubrication") && scene.coupling.lubrication && !scene.has_lubrication())
     findings.error("coupling.lubrication",
                    fmt::format("coupling.lubrication is true, but contacts.resolver is '{}', which knows no "
-                               "viscous films; set contacts.resolver = \"sffd\", or remove the key",
+                               "lubrication films; set contacts.resolver = \"sffd\", or remove the key",
                                scene.contacts.resolver));
 }
 

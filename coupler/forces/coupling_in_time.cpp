@@ -51,7 +51,7 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
 Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
   Vec3 contacts = Vec3::Zero();  // impulses of a sub-step
   for (const auto& s : bodies.stored_impulses[row])
-    if (!(s.feature & rigid::film_feature))
+    if (!(s.feature & rigid::lubrication_feature))
       contacts += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
   const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
   if (!(opposing > 0)) return Vec3::Zero();
@@ -79,9 +79,9 @@ ImplicitCoupling::ImplicitCoupling(const rigid::World& world, int substeps, doub
 /// F + F_ext.
 Vec6 ImplicitCoupling::load_on(const rigid::BodySet& bodies, std::size_t row, const Vec6& link_force) const {
   Vec6 external;
-  external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_factor[row] * world_.gravity,
+  external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_in_fluid[row] * world_.gravity,
       bodies.torque[row].value();
-  external.head<3>() += substeps_ * rigid::impulse_of_films(bodies, row);
+  external.head<3>() += substeps_ * rigid::impulse_of_lubrication(bodies, row);
   Vec6 load = link_force + external;
   load.head<3>() += held_by_contacts(bodies, row, substeps_, load.head<3>());
   return load;

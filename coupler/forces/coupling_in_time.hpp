@@ -9,10 +9,10 @@
 // solve and the second pass. The force handed to the rigid step is F - H delta, what the links then give:
 // with the external force it makes the kick delta. Contacts act after it.
 //
-// The external force (8) counts what films and contacts gave in the step before. Without the films, the links
-// would return as if a body that a film holds were moving, by the velocity that the film is about to take
-// away again, and the film would seem stiffer by the drag over the mass. Without the contacts, the surface of
-// a body at rest would return as if it fell, step after step, and pump the fluid beneath it.
+// The external force (8) counts what lubrication films and contacts gave in the step before. Without the
+// films, the links would return as if a body that a film holds were moving, by the velocity that the film is
+// about to take away again, and the film would seem stiffer by the drag over the mass. Without the contacts,
+// the surface of a body at rest would return as if it fell, step after step, and pump the fluid beneath it.
 #include <Eigen/Core>
 
 #include "coupler/forces/row_sums.hpp"

@@ -1,8 +1,10 @@
 #include "coupler/forces/covered_momentum.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/cell_sums.hpp"
 #include "lbm/cut_links.hpp"
 
@@ -26,18 +28,19 @@ Impulse to_quanta(const Vec3& momentum, const Vec3& angular) {
 /// Momentum, and angular momentum about the centre of mass, that the body's cells have beyond its volume if
 /// they move with it. `cells` are counted as in add_cells.
 Impulse momentum_of_excess(const rigid::BodySet& bodies, std::size_t row, const std::int64_t* cells) {
-  const double count = double(cells[0]), displaced = bodies.mass[row] * (1 - bodies.weight_factor[row]);
+  const double count = double(cells[0]), displaced = bodies.displaced_mass(row);
   const Vec3 moment = Vec3(double(cells[1]), double(cells[2]), double(cells[3])) +
-                      count * (Vec3::Constant(0.5) - bodies.mapping_pose[row].position);
+                      count * (Vec3::Constant(0.5) - mapping_pose(bodies, row).position);
   const Vec3 &v = bodies.velocity[row], &w = bodies.angular_velocity[row];
   return to_quanta((count - displaced) * v + w.cross(moment), moment.cross(v));
 }
 
 }  // namespace
 
-Vec3 owed_impulse(const rigid::BodySet& bodies, std::size_t row) {
+Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
   Vec3 impulse;
-  for (int d = 0; d < 3; ++d) impulse[d] = double(bodies.owed[row][d]) * lbm::link_quantum;
+  const auto& debt = coupling_state(bodies, row).impulse_debt;
+  for (int d = 0; d < 3; ++d) impulse[d] = double(debt[d]) * lbm::link_quantum;
   return impulse;
 }
 
@@ -54,12 +57,14 @@ void add_cells(std::span<const BlockMap> maps, RowSums& sums) {
 void settle_debt(rigid::BodySet& bodies, std::size_t row, RowSums& sums) {
   std::int64_t* const force = sums.force(row);
   const Impulse now = momentum_of_excess(bodies, row, sums.cells(row));
-  for (int d = 0; d < 6; ++d) force[d] += bodies.owed[row][d] - now[d];
-  bodies.owed[row] = now;
+  auto& debt = coupling_state(bodies, row).impulse_debt;
+  for (int d = 0; d < 6; ++d) force[d] += debt[d] - now[d];
+  std::ranges::copy(now, debt);
 }
 
 void begin_debt(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
-  bodies.owed[row] = momentum_of_excess(bodies, row, sums.cells(row));
+  std::ranges::copy(momentum_of_excess(bodies, row, sums.cells(row)),
+                    coupling_state(bodies, row).impulse_debt);
 }
 
 void CoveredMomentum::add(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {

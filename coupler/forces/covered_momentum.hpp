@@ -19,13 +19,14 @@
 
 namespace silt::coupler {
 
-/// Impulse that a body is still owed for cells that changed sides; lattice units, world frame.
-rigid::Vec3 owed_impulse(const rigid::BodySet&, std::size_t row);
+/// Returns the impulse that the fluid still owes a body for cells that changed sides; lattice units, world
+/// frame.
+rigid::Vec3 impulse_debt(const rigid::BodySet&, std::size_t row);
 
 /// Counts the cells of each body into the sums of its row.
 void add_cells(std::span<const BlockMap>, RowSums&);
 
-/// Gives a row what it was owed at the last step and is owed no more. The row is owned, its cells complete.
+/// Gives a row what its impulse debt has shrunk by since the last step. The row is owned, its cells complete.
 void settle_debt(rigid::BodySet&, std::size_t row, RowSums&);
 
 /// Sets the debt of an owned row to that of its cells, before the first step of all.

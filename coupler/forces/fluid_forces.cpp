@@ -45,7 +45,7 @@ void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
 }  // namespace
 
 template <class T>
-FluidForces<T>::FluidForces(const CouplingSpec& spec, const BodyExchange& exchange, int substeps,
+FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange& exchange, int substeps,
                             double relaxation_time)
     : spec_(spec),
       exchange_(exchange),

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "coupler/case/coupling_spec.hpp"
-#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/forces/coupling_in_time.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/row_sums.hpp"
@@ -23,9 +23,10 @@ template <class T>
 class FluidForces {
  public:
   /// `substeps` are those of the bodies' step.
-  FluidForces(const CouplingSpec&, const BodyExchange&, int substeps, double relaxation_time);
+  FluidForces(const CouplingSpec&, const ParallelBodyExchange&, int substeps, double relaxation_time);
 
-  /// Collective, before the first step of all: bodies are owed what their cells hold at the start.
+  /// Collective, before the first step of all: the impulse debts become what the bodies' cells hold at the
+  /// start.
   void start(std::span<const BlockMap>, rigid::BodySet&);
   /// A body gains momentum through a cell that it covered or left (form `exact` only).
   void add_covered(rigid::BodyId id, const rigid::Vec3& momentum, const rigid::Vec3& arm) {
@@ -66,7 +67,7 @@ class FluidForces {
   bool is_exact() const { return spec_.force == ForceForm::exact; }
 
   CouplingSpec spec_;
-  const BodyExchange& exchange_;
+  const ParallelBodyExchange& exchange_;
   std::optional<ImplicitCoupling> implicit_;  // none: the explicit step
   CoveredMomentum covered_;
   rigid::BodySet* bodies_ = nullptr;  // of the step under way

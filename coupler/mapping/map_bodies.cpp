@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -68,14 +69,14 @@ MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
 void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, double tolerance) {
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     const rigid::Pose now = bodies.pose(row);
-    rigid::Pose& then = bodies.mapping_pose[row];
+    const rigid::Pose then = mapping_pose(bodies, row);
     if (same(now, then)) continue;
     // |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'
     const auto a = now.orientation.coeffs(), b = then.orientation.coeffs();
     const double angle = 2 * std::min((a - b).norm(), (a + b).norm());
     const double moved =
         (now.position - then.position).norm() + angle * world.bounding_radii[bodies.shape[row]];
-    if (moved > tolerance) then = now;
+    if (moved > tolerance) set_mapping_pose(bodies, row, now);
   }
 }
 
@@ -107,7 +108,7 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
 void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
   constexpr double rounding = 1e-6;  // cells: a centre that the box only touches may be inside
   const rigid::BoundingBox box =
-      rigid::bounding_box(world_.shapes[bodies.shape[row]], bodies.mapping_pose[row]);
+      rigid::bounding_box(world_.shapes[bodies.shape[row]], mapping_pose(bodies, row));
   Int3 low, high, first, last;  // cells the box may cover, then the images that reach the block
   for (int d = 0; d < 3; ++d) {
     low[d] = int(std::ceil(box.lower[d] - 0.5 - rounding));
@@ -149,7 +150,7 @@ bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bod
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const BodyMask& mask = block.masks[k];
     if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
-        !same(bodies.mapping_pose[found_[k].row], mask.pose))
+        !same(mapping_pose(bodies, found_[k].row), mask.pose))
       return false;
   }
   return true;
@@ -173,7 +174,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     const Image& image = found_[k];
     BodyMask& mask = block.masks[k];
     mask.id = image.id, mask.row = image.row, mask.shift = image.shift;
-    mask.pose = bodies.mapping_pose[image.row];
+    mask.pose = mapping_pose(bodies, image.row);
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))

@@ -95,7 +95,7 @@ Totals totals_of(const Case& scene, MPI_Comm comm, const BodySet& bodies, const 
     if (!bodies.is_free(row)) return std::array<double, 8>{};
     const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
     const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
-    const double potential = -bodies.mass[row] * bodies.weight_factor[row] * g.dot(x - lowest);
+    const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
     return std::array<double, 8>{
         p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
   });

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/output.hpp"
 
 namespace silt::coupler {
@@ -93,10 +94,17 @@ void read_populations(const CheckpointReader& reader, Flow& flow) {
   });
 }
 
+using adapters::HolderColumn;
+constexpr HolderColumn coupling_columns[] = {
+    {"mapping_position", offsetof(CouplingState, mapping_position), HolderColumn::float64, 3},
+    {"mapping_orientation", offsetof(CouplingState, mapping_orientation), HolderColumn::float64, 4},
+    {"impulse_debt", offsetof(CouplingState, impulse_debt), HolderColumn::int64, 6},
+    {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3}};
+
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
   std::vector<rigid::BodyRecord> records;
   for (std::size_t row = 0; row < bodies.owned; ++row) records.push_back(bodies.record(row));
-  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned));
+  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned), coupling_columns);
 }
 
 // ---- the case ----
@@ -163,7 +171,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
   state.fluid_speed = reader.number("fluid_speed");
-  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; });
+  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; }, coupling_columns);
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
   state.mass_correction = {reader.integer("mass_correction.surplus"),

@@ -5,6 +5,7 @@
 
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/results/tessellation.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -37,7 +38,7 @@ class SolidVelocities {
         (periods.z && !extent_.periodic[2]))
       return;
     const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
-    rigid::Pose pose = bodies_.mapping_pose[row];
+    rigid::Pose pose = mapping_pose(bodies_, row);
     pose.position += extent_.shift(periods);
     const rigid::BoundingBox reach = rigid::bounding_box(shape, pose);
     const lbm::CellBox& box = flow.block(b);

@@ -58,9 +58,9 @@ Json unlubricated_shapes(const Case& scene) {
 }
 
 Json lubrication_of(const Scene& scene) {
-  if (!scene.world.films) return Json();
-  return Json::object(
-      {{"reach_cells", scene.world.films->reach()}, {"shapes_without", unlubricated_shapes(scene.setup)}});
+  if (!scene.world.lubrication) return Json();
+  return Json::object({{"reach_cells", scene.world.lubrication->reach()},
+                       {"shapes_without", unlubricated_shapes(scene.setup)}});
 }
 
 void add_scene(const Simulation& simulation, Json& report) {
@@ -70,7 +70,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["ranks"] = scene.ranks;
   report["blocks"] = scene.domain.blocks().size();
   report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
-  report["bodies"] = scene.body_count;
+  report["bodies"] = simulation.body_count();
   report["backend"] = scene.backend_name();
   report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
   if (c.fluid) {

@@ -37,7 +37,7 @@ Json skipped_passes(const Scene& scene) {
   };
   skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
   skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
-  skip(scene.flow && scene.rigid_step && !scene.world.films, "lubrication");
+  skip(scene.flow && scene.rigid_step && !scene.world.lubrication, "lubrication");
   skip(setup.output.fields.every == 0, "field output");
   skip(setup.output.bodies.every == 0, "body output");
   skip(setup.output.checkpoint.every == 0, "checkpoints");

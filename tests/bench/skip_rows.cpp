@@ -68,7 +68,7 @@ struct Passes {
     guard();
   }
   /// Every scene whose bodies move asks whether they do so within bounds.
-  void guard() { coupler::check_bodies(scene.setup, scene.bodies, 1, 0); }
+  void guard() { coupler::check_motion(scene.setup, scene.bodies, 1, 0); }
   coupler::Scene scene;
   coupler::StepClock clock;
 };
@@ -187,7 +187,7 @@ Row no_contacts() {
   return row("contacts", "contacts: free motion and the search for pairs", text,
              free_motion(text, [](coupler::Scene& s) {
                for (std::size_t row = 0; row < s.bodies.owned; ++row)
-                 s.bodies.velocity[row] += s.bodies.weight_factor[row] * s.setup.gravity;
+                 s.bodies.velocity[row] += s.bodies.weight_in_fluid[row] * s.setup.gravity;
              }));
 }
 

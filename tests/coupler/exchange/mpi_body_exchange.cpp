@@ -19,7 +19,7 @@ void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, Blocks
     ASSERT_EQ(count_owned(MPI_COMM_WORLD, parallel.bodies()), all) << "step " << i;
     if (i % 50 != 0) continue;
     ASSERT_EQ(parallel.hash(), serial.hash()) << "step " << i;
-    ASSERT_NO_THROW(check_bodies(parallel.exchange, parallel.bodies())) << "step " << i;
+    ASSERT_NO_THROW(check_exchange(parallel.exchange, parallel.bodies())) << "step " << i;
   }
   EXPECT_EQ(parallel.hash(), serial.hash());
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.contacts), serial.contacts);
@@ -36,19 +36,19 @@ void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, Blocks
   EXPECT_GT(sum_of(MPI_COMM_WORLD, parallel.exchange.visitors), 0u);
 }
 
-TEST(BodyExchange, GasInPeriodicBox) {
+TEST(ParallelBodyExchange, GasInPeriodicBox) {
   expect_same_as_on_one_rank(gas(1), "sffd", {}, 2000, 1);
 }
-TEST(BodyExchange, GasOnCubesSeveralARank) {
+TEST(ParallelBodyExchange, GasOnCubesSeveralARank) {
   expect_same_as_on_one_rank(gas(1), "sffd", {{6, 6, 6}}, 400, 1);
 }
-TEST(BodyExchange, GasOnSliversSeveralARank) {
+TEST(ParallelBodyExchange, GasOnSliversSeveralARank) {
   expect_same_as_on_one_rank(gas(1), "sffd", {{5, 24, 3}}, 400, 1);
 }
-TEST(BodyExchange, GasWithClassicFfd) {
+TEST(ParallelBodyExchange, GasWithClassicFfd) {
   expect_same_as_on_one_rank(gas(0.8), "ffd", {}, 400, 1);
 }
-TEST(BodyExchange, GasWithClassicFfdSeveralBlocksARank) {
+TEST(ParallelBodyExchange, GasWithClassicFfdSeveralBlocksARank) {
   expect_same_as_on_one_rank(gas(0.8), "ffd", {{6, 12, 5}}, 400, 1);
 }
 
@@ -63,14 +63,14 @@ Scene ring() {
   s.bodies.reindex();
   return s;
 }
-TEST(BodyExchange, PeriodicAxisOfOneBlock) {
+TEST(ParallelBodyExchange, PeriodicAxisOfOneBlock) {
   expect_same_as_on_one_rank(ring(), "sffd", {{6, 12, 6}}, 700, 1);
 }
-TEST(BodyExchange, PeriodicAxisOfTwoBlocks) {
+TEST(ParallelBodyExchange, PeriodicAxisOfTwoBlocks) {
   expect_same_as_on_one_rank(ring(), "sffd", {{3, 12, 12}}, 700, 1);
 }
 
-TEST(BodyExchange, BallLargerThanBlocks) {
+TEST(ParallelBodyExchange, BallLargerThanBlocks) {
   expect_same_as_on_one_rank(planet(), "sffd", {}, 600, 1);
   expect_same_as_on_one_rank(planet(), "sffd", {{6, 6, 6}}, 300, 1);
   expect_same_as_on_one_rank(planet(), "ffd", {{12, 12, 4}}, 300, 1);
@@ -90,10 +90,10 @@ Scene heap() {
   s.add_walls();
   return s;
 }
-TEST(BodyExchange, HeapBetweenWalls) {
+TEST(ParallelBodyExchange, HeapBetweenWalls) {
   expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 300, 1);
 }
-TEST(BodyExchange, HeapBetweenWallsClassicFfd) {
+TEST(ParallelBodyExchange, HeapBetweenWallsClassicFfd) {
   expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
 }
 

@@ -11,14 +11,14 @@ using namespace testing;
 
 enum class Rule { right, nobody_makes_contacts, whoever_finds_them };
 
-class MistakenExchange : public BodyExchange {
+class MistakenExchange : public ParallelBodyExchange {
  public:
-  using BodyExchange::BodyExchange;
+  using ParallelBodyExchange::ParallelBodyExchange;
   Rule rule = Rule::right;
   mutable int mistakes = 0;
 
   bool owns_contact_at(const Vec3& x_W) const override {
-    const bool right = BodyExchange::owns_contact_at(x_W);
+    const bool right = ParallelBodyExchange::owns_contact_at(x_W);
     const bool answer = rule == Rule::right ? right : rule == Rule::whoever_finds_them;
     mistakes += answer != right;
     return answer;

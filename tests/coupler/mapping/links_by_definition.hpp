@@ -7,6 +7,7 @@
 #include <map>
 #include <tuple>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
@@ -26,7 +27,7 @@ class Geometry {
 
   /// A cell's centre from the nearest image of a body.
   Vec3 arm(std::size_t row, Int3 cell) const {
-    Vec3 r = Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - bodies_.mapping_pose[row].position;
+    Vec3 r = Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - mapping_pose(bodies_, row).position;
     for (int d = 0; d < 3; ++d)
       if (domain_.periodic(d)) r[d] -= domain_.cells()[d] * std::round(r[d] / domain_.cells()[d]);
     return r;
@@ -36,7 +37,7 @@ class Geometry {
     if (!domain_.inside(domain_.wrapped(cell))) return -2;
     int found = -1;
     for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
-      const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+      const rigid::Quat q = mapping_pose(bodies_, row).orientation;
       if (rigid::contains(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell)) &&
           (found < 0 || bodies_.id[row] < bodies_.id[found]))
         found = int(row);
@@ -44,7 +45,7 @@ class Geometry {
     return found;
   }
   double distance(std::size_t row, Int3 cell, int i) const {
-    const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+    const rigid::Quat q = mapping_pose(bodies_, row).orientation;
     const Vec3 c(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z);
     return rigid::ray_distance(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell),
                                q.conjugate() * c, 1.0);

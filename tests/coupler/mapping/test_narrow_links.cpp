@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
@@ -54,7 +55,7 @@ void put_boxes_at_sides(Simulation& s) {
   const Vec3 places[] = {{12, gap + 3, gap + 2}, {5, 10, 28 - gap - 2}};
   for (std::size_t row = 0, found = 0; row < s.bodies().first_wall() && found < 2; ++row)
     if (std::holds_alternative<rigid::Box>(s.scene().world.shapes[s.bodies().shape[row]]))
-      s.bodies().mapping_pose[row] = {places[found++], rigid::Quat::Identity()};
+      set_mapping_pose(s.bodies(), row, {places[found++], rigid::Quat::Identity()});
 }
 
 /// The wall that a link along c has behind its cell, beyond the sides of n cells.

@@ -242,7 +242,7 @@ TEST(Run, ABodyThatIsTooFastIsNamed) {
   simulation.set_velocity(1, Vec3(1.5, 0, 0), Vec3::Zero());
   std::string found;
   try {
-    check_bodies(simulation.setup(), simulation.bodies(), 12, rank());
+    check_motion(simulation.setup(), simulation.bodies(), 12, rank());
   } catch (const GuardStop& stop) {
     found = stop.what();
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The inside of BodyExchange on more than one rank: who holds what, and the rounds of messages.
+// The inside of ParallelBodyExchange on more than one rank: who holds what, and the rounds of messages.
 //
 // Each rank remembers, as of the last synchronisation, which ranks hold a copy of its bodies and which rank
 // owns each of its copies. Both ends of such a tie know it, hence forces, contacts and the sweeps' velocities
@@ -8,9 +8,9 @@
 // down in it, from any distance): that is a round of unannounced messages, see messages.hpp.
 #include <unordered_map>
 
-#include "coupler/exchange/body_exchange.hpp"
 #include "coupler/exchange/holders.hpp"
 #include "coupler/exchange/messages.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 
 namespace silt::coupler {
 
@@ -30,8 +30,8 @@ struct Traveller {
   std::vector<rigid::StoredImpulse> impulses;
 };
 
-struct BodyExchange::Parallel {
-  Parallel(MPI_Comm comm, int rank, const lbm::Domain& domain, const rigid::World& world, double rim)
+struct ParallelBodyExchange::Distribution {
+  Distribution(MPI_Comm comm, int rank, const lbm::Domain& domain, const rigid::World& world, double rim)
       : rank(rank), world(world), holders(domain, rim), messages(comm) {}
 
   // ---- synchronise_bodies.cpp ----
@@ -44,7 +44,7 @@ struct BodyExchange::Parallel {
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
   void share(std::span<double> rows, int width);
 
-  // ---- parallel_bodies.cpp ----
+  // ---- distribution.cpp ----
   void sum_forces(rigid::BodySet&);
   void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width);
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width);
@@ -67,7 +67,8 @@ struct BodyExchange::Parallel {
   const std::vector<int>& those_that(std::vector<rigid::BodyId> Tie::*have);
 
  private:
-  struct Sweep {  // rows whose velocities go to and come from a rank in the sweeps, in the order of ids
+  struct VelocityMessages {  // rows whose velocities go to and come from a rank in the sweeps, in the order
+                             // of ids
     int rank;
     std::vector<std::size_t> given, taken;
   };
@@ -81,11 +82,11 @@ struct BodyExchange::Parallel {
   void send_contact(const rigid::BodySet&, const rigid::Contact&, bool new_pair);
   void send_partner(const rigid::BodySet&, rigid::BodyId, int to);
   void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
-  void plan_sweeps(const rigid::BodySet&, const std::vector<rigid::Contact>&);
+  void plan_velocity_messages(const rigid::BodySet&, const std::vector<rigid::Contact>&);
 
-  std::vector<int> ranks_;               // scratch
-  std::vector<std::size_t> departures_;  // owned rows that are handed over
-  std::vector<Sweep> sweeps_;            // by rank
+  std::vector<int> ranks_;                           // scratch
+  std::vector<std::size_t> departures_;              // owned rows that are handed over
+  std::vector<VelocityMessages> velocity_messages_;  // by rank
 };
 
 }  // namespace silt::coupler

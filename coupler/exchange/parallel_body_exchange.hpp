@@ -3,7 +3,7 @@
 //
 // The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
 // whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy. Messages
-// go to those ranks only. Who they are both ends know from the last synchronisation (parallel_bodies.hpp); a
+// go to those ranks only. Who they are both ends know from the last synchronisation (distribution.hpp); a
 // synchronisation itself may reach ranks that do not expect it (messages.hpp).
 #include <mpi.h>
 
@@ -21,11 +21,11 @@ struct ExchangeCounters {
   std::uint64_t messages = 0, bytes = 0;
 };
 
-class BodyExchange : public rigid::BodyExchange {
+class ParallelBodyExchange : public rigid::BodyExchange {
  public:
   /// rim: cells by which blocks are grown: the ghost layer, the largest motion of a step and half a contact
   /// margin.
-  BodyExchange(MPI_Comm, const lbm::Domain&, const rigid::World&, double rim);
+  ParallelBodyExchange(MPI_Comm, const lbm::Domain&, const rigid::World&, double rim);
 
   void sum_forces(rigid::BodySet&) override;
   void synchronise(rigid::BodySet&) override;
@@ -41,6 +41,8 @@ class BodyExchange : public rigid::BodyExchange {
   const ExchangeCounters& counters() const;
   /// The rank that owns what is at x (wrapped; clamped into the domain beyond walls).
   int rank_at(const rigid::Vec3& x_W) const;
+  /// The rank that owns a body held here, as of the last synchronisation.
+  int owner_of(const rigid::BodySet&, std::size_t row) const;
   /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
   std::vector<int> holders(int shape, const rigid::Pose&) const;
   /// From a body set in which every rank has every body as `owned` (as at the start of a run) to a
@@ -54,14 +56,14 @@ class BodyExchange : public rigid::BodyExchange {
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width) const;
 
  private:
-  struct Parallel;  // who holds what, messages and their plans; none on one rank
+  struct Distribution;  // who holds what, messages and their plans; none on one rank
   MPI_Comm comm_;
   int rank_ = 0, ranks_ = 1;
   const lbm::Domain& domain_;
   const rigid::World& world_;
   double rim_;
   mutable ExchangeCounters counters_;
-  std::shared_ptr<Parallel> parallel_;
+  std::shared_ptr<Distribution> distribution_;
 };
 
 }  // namespace silt::coupler

@@ -1,4 +1,4 @@
-// Viscous films between close surfaces: the rows of the resolver against closed forms, and what they may
+// Lubrication films between close surfaces: the rows of the resolver against closed forms, and what they may
 // never do.
 #include <gtest/gtest.h>
 
@@ -12,23 +12,23 @@ namespace silt::rigid::testing {
 namespace {
 
 /// Resistances as given, the normal one over the gap.
-class Honey final : public FilmLaw {
+class Honey final : public LubricationLaw {
  public:
   Honey(double reach, double normal, double sliding, double rolling)
       : reach_(reach), film_{normal, sliding, rolling} {}
   double reach() const override { return reach_; }
-  Film operator()(const FilmGap& gap) const override {
+  LubricationResistance operator()(const LubricatedGap& gap) const override {
     return {film_.normal / std::max(gap.width, 1e-4), film_.sliding, film_.rolling};
   }
 
  private:
   double reach_;
-  Film film_;
+  LubricationResistance film_;
 };
 
 Scene with_films(double reach, double normal, double sliding, double rolling, double friction = 0) {
   Scene s(0, friction);
-  s.world.films = std::make_shared<Honey>(reach, normal, sliding, rolling);
+  s.world.lubrication = std::make_shared<Honey>(reach, normal, sliding, rolling);
   s.settings.correction = 0;
   return s;
 }
@@ -47,8 +47,8 @@ TEST(Films, ASpherePressedToAWallApproachesItExponentially) {
   }
 }
 
-/// One step of a film's rows for spheres at rest but for one of them: (1 + dt M^-1 R) u = u_0, the resistance
-/// R of slip s and rolling r as film.hpp has them.
+/// One step of a lubrication film's rows for spheres at rest but for one of them: (1 + dt M^-1 R) u = u_0,
+/// the resistance R of slip s and rolling r as lubrication.hpp has them.
 struct Planar {  // motion along x and about y, normal along z
   double v_a, w_a, v_b, w_b;
 };
@@ -125,7 +125,7 @@ TEST(Films, KeepMomentumAndOnlyTakeEnergy) {
     std::uint64_t films = 0;
     for (int i = 0; i < 400; ++i) {
       s.run(1, 1e-2);
-      films += s.report.films.with;
+      films += s.report.lubrication.with;
       EXPECT_LE(s.kinetic_energy(), energy * (1 + 1e-9)) << "step " << i;
       energy = s.kinetic_energy();
     }
@@ -182,8 +182,8 @@ TEST(Films, NoneAtFlatFaces) {
   s.floor();
   s.start();
   s.run(1, 1e-2);
-  EXPECT_EQ(s.report.films.with, 1u);
-  EXPECT_GE(s.report.films.without, 4u);
+  EXPECT_EQ(s.report.lubrication.with, 1u);
+  EXPECT_GE(s.report.lubrication.without, 4u);
 }
 
 TEST(Films, WithoutALawNothingIsSeenFromAfar) {
@@ -193,7 +193,7 @@ TEST(Films, WithoutALawNothingIsSeenFromAfar) {
   s.start();
   s.run(1, 1e-3);
   EXPECT_EQ(s.report.resolver.contacts, 0u);
-  EXPECT_EQ(s.report.films.with + s.report.films.without, 0u);
+  EXPECT_EQ(s.report.lubrication.with + s.report.lubrication.without, 0u);
 }
 
 /// The width between the surface and its tangent plane, by the distance along the normal.

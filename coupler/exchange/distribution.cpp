@@ -1,4 +1,4 @@
-#include "coupler/exchange/parallel_bodies.hpp"
+#include "coupler/exchange/distribution.hpp"
 
 #include <algorithm>
 #include <string>
@@ -21,21 +21,21 @@ std::span<T> row_of(std::span<T> rows, std::size_t row, int width) {
 
 }  // namespace
 
-const std::vector<int>& BodyExchange::Parallel::those_that(std::vector<BodyId> Tie::*have) {
+const std::vector<int>& ParallelBodyExchange::Distribution::those_that(std::vector<BodyId> Tie::*have) {
   ranks_.clear();
   for (const Tie& t : ties)
     if (!(t.*have).empty()) ranks_.push_back(t.rank);
   return ranks_;
 }
 
-int BodyExchange::Parallel::owner(BodyId id) const {
+int ParallelBodyExchange::Distribution::owner(BodyId id) const {
   const auto found = owner_of.find(id);
   if (found == owner_of.end())
     throw std::logic_error("body " + std::to_string(id) + " has no known owner here");
   return found->second;
 }
 
-void BodyExchange::Parallel::tie(const BodySet& bodies) {
+void ParallelBodyExchange::Distribution::tie(const BodySet& bodies) {
   ties.clear();
   const auto with = [&](int other) -> Tie& {
     const auto at =
@@ -49,8 +49,8 @@ void BodyExchange::Parallel::tie(const BodySet& bodies) {
     with(owner(bodies.id[row])).taken.push_back(bodies.id[row]);
 }
 
-/// Only what is not zero; integers, so the order in which they are added is of no account.
-void BodyExchange::Parallel::sum_forces(BodySet& bodies) {
+/// Sends only what is not zero; the sums are of integers, so their order does not matter.
+void ParallelBodyExchange::Distribution::sum_forces(BodySet& bodies) {
   for (const Tie& t : ties) {
     if (t.taken.empty()) continue;
     Bytes& message = messages.to(t.rank);
@@ -77,7 +77,8 @@ void BodyExchange::Parallel::sum_forces(BodySet& bodies) {
     }
 }
 
-void BodyExchange::Parallel::sum_to_owners(const BodySet& bodies, std::span<std::int64_t> rows, int width) {
+void ParallelBodyExchange::Distribution::sum_to_owners(const BodySet& bodies, std::span<std::int64_t> rows,
+                                                       int width) {
   for (const Tie& t : ties)
     for (const BodyId id : t.taken) {
       const std::span<std::int64_t> values = row_of(rows, bodies.row_of(id), width);
@@ -97,7 +98,8 @@ void BodyExchange::Parallel::sum_to_owners(const BodySet& bodies, std::span<std:
   }
 }
 
-void BodyExchange::Parallel::share_with_copies(const BodySet& bodies, std::span<double> rows, int width) {
+void ParallelBodyExchange::Distribution::share_with_copies(const BodySet& bodies, std::span<double> rows,
+                                                           int width) {
   for (const Tie& t : ties)
     for (const BodyId id : t.given)
       put(messages.to(t.rank), std::span<const double>(row_of(rows, bodies.row_of(id), width)));
