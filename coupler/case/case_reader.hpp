@@ -40,10 +40,11 @@ inline constexpr Range between(double low, double high) {
 }
 }  // namespace range
 
-/// Path of a child of a node at `path`, without indices: entries of an array have the path of the array.
+/// Returns the path of a child of a node at `path`, without indices: entries of an array have the path of the
+/// array.
 std::string path_of_child(const Node& node, const std::string& path, const Node& child);
 
-/// What the readers of all sections share.
+/// Holds what the readers of all sections share.
 struct ReadContext {
   std::string file;
   Units units;
@@ -55,11 +56,11 @@ struct ReadContext {
   std::map<std::string, Place> places;  // of each key found, by its path
 
   void fail(const Place&, const std::string& text);
-  /// An error for every key below the table that no reader asked for.
+  /// Reports an error for every key below the table that no reader asked for.
   void report_unread(const Node& table, const std::string& path);
 };
 
-/// One table (or the absence of one: then every key is absent).
+/// Reads one table (or the absence of one: then every key is absent).
 class TableReader {
  public:
   TableReader(ReadContext&, const Node* table, std::string path, Place);
@@ -84,9 +85,9 @@ class TableReader {
                                       std::int64_t high = std::numeric_limits<std::int64_t>::max());
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> string(std::string_view key);
-  /// A string out of a list; the nearest is named if it is another.
+  /// Returns a string out of a list; the nearest is named if it is another.
   std::optional<std::string> choice(std::string_view key, const std::vector<std::string>& allowed);
-  /// The value of an enum by its name.
+  /// Returns the value of an enum by its name.
   template <class Enum, std::size_t count>
   std::optional<Enum> choice(std::string_view key, const NameTable<Enum, count>& table) {
     const auto name = choice(key, table.list());
@@ -96,18 +97,19 @@ class TableReader {
   }
 
   TableReader table(std::string_view key);
-  /// The tables of an array of tables.
+  /// Returns the tables of an array of tables.
   std::vector<TableReader> tables(std::string_view key);
 
-  /// What the other keys mean is open (an unknown type): none of them is to be called unknown.
+  /// Leaves open what the other keys mean (under an unknown type): none of them is called unknown.
   void judge_no_keys() { context_->unjudged.insert(table_); }
 
   /// Reports a key that must be there; `what` says what it stands for.
   void missing(std::string_view key, std::string_view what);
-  /// "fluid.density is -1; it must be above 0"
+  /// Reports "fluid.density is -1; it must be above 0".
   void refuse(std::string_view key, std::string_view must);
   void fail(std::string_view key, const std::string& text) { context_->fail(place(key), text); }
-  /// Exactly one (or, unless required, at most one) of the keys may be given; returns the one, or "".
+  /// Requires that exactly one (or, unless required, at most one) of the keys is given; returns the one, or
+  /// "".
   std::string one_of(std::initializer_list<const char*> keys, bool required, std::string_view what);
 
  private:

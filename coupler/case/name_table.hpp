@@ -16,7 +16,7 @@ struct NameTable {
   std::vector<std::string> list() const { return {names.begin(), names.end()}; }
 };
 
-/// names_of<Refill>("equilibrium", "grad")
+/// Makes a table: names_of<Refill>("equilibrium", "grad").
 template <class Enum, class... Names>
 constexpr NameTable<Enum, sizeof...(Names)> names_of(Names... names) {
   return {{names...}};
