@@ -4,7 +4,7 @@
     series.time, series.step, series.count      one entry a time
     series.at(-1)["position"]                   rows of one time, sorted by id
     series.array("position")                    [time, body, 3], where the bodies are the same at all times
-    series.way()                                the same for positions, not wrapped into the domain
+    series.unwrapped()                          the same for positions, not wrapped into the domain
     series.of_body(7, "velocity")               (times, values) of one body
     series.unit("velocity")                     "m/s"
     series.meshes[kind]                         the surfaces of a kind's convex parts (body_shapes.Mesh)
@@ -17,8 +17,8 @@ COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angula
 
 
 def read_meshes(kinds, count):
-    """The meshes of each kind's convex parts, as dictionaries of arrays (body_shapes.Mesh says which); None where the
-    file is of format 1, which has none."""
+    """Returns the meshes of each kind's convex parts, as dictionaries of arrays (body_shapes.Mesh says which), or None
+    where the file is of format 1, which has none."""
     if "triangle" not in kinds:
         return None
     tables = {"vertices": ("vertex", "vertex_offset"), "normals": ("normal", "normal_offset"),
@@ -55,13 +55,13 @@ class BodySeries:
         return len(self.time)
 
     def at(self, index):
-        """The columns of one time."""
+        """Returns the columns of one time."""
         index = range(len(self))[index]
         rows = slice(self.offset[index], self.offset[index] + self.count[index])
         return {name: values[rows] for name, values in self.columns.items()}
 
     def array(self, name):
-        """A column as [time, body, ...]; ValueError where the bodies are not the same at all times."""
+        """Returns a column as [time, body, ...]; raises ValueError where the bodies are not the same at all times."""
         if len(set(self.count)) > 1:
             raise ValueError("the number of bodies changes: use at(index) or of_body(id, name)")
         shape = (len(self), self.count[0] if len(self) else 0)
@@ -71,12 +71,12 @@ class BodySeries:
         values = self.columns[name]
         return values.reshape(shape + values.shape[1:])
 
-    def way(self):
-        """Positions as array gives them, but going on across periodic sides."""
+    def unwrapped(self):
+        """Returns positions as array does, but continued across periodic sides."""
         return self.array("position") + self.array("image") * (self.domain[1] - self.domain[0])
 
     def of_body(self, body, name):
-        """Times and values of a column for one body."""
+        """Returns the times and values of a column for one body."""
         rows = np.flatnonzero(self.columns["id"] == body)
         return np.repeat(self.time, self.count)[rows], self.columns[name][rows]
 

@@ -3,11 +3,11 @@ import numpy as np
 
 
 class NoMesh(ValueError):
-    """The file does not say what the bodies look like."""
+    """Is raised where the file does not say what the bodies look like."""
 
 
 class Mesh:
-    """The closed surface of a convex part in the frame of its body (origin at the centre of mass).
+    """A Mesh is the closed surface of a convex part in the frame of its body (origin at the centre of mass).
 
     vertices [V, 3]; triangles [T, 3], vertices counter-clockwise seen from outside; normals [N, 3], outward unit
     normals of the surface; triangle_normals [T, 3], which of them the corners of each triangle have.
@@ -33,7 +33,7 @@ class Mesh:
 
 
 def rotation(q):
-    """The matrix of a unit quaternion w, x, y, z: body to world."""
+    """Returns the matrix of a unit quaternion w, x, y, z: body to world."""
     w, x, y, z = q
     return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
                      [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
@@ -41,7 +41,7 @@ def rotation(q):
 
 
 def meshes_of_kinds(series):
-    """The meshes of each kind's parts; NoMesh where the file has none of a kind that has bodies."""
+    """Returns the meshes of each kind's parts; raises NoMesh where the file has none of a kind that has bodies."""
     if series.meshes is None:
         raise NoMesh("bodies.h5 holds no meshes of the bodies: a version of silt before format 2 wrote it; "
                      "run the case again")
@@ -53,26 +53,26 @@ def meshes_of_kinds(series):
 
 
 def corners_of(lower, upper):
-    """The eight corners of a box."""
+    """Returns the eight corners of a box."""
     return np.array([[(lower, upper)[i >> d & 1][d] for d in range(3)] for i in range(8)])
 
 
 def in_order(points):
-    """The corners of a convex polygon, counter-clockwise."""
+    """Returns the corners of a convex polygon counter-clockwise."""
     x, y = (points - points.mean(axis=0)).T
     return points[np.argsort(np.arctan2(y, x))]
 
 
 def silhouette(mesh, position, turned, view):
-    """The outline [n, 2] of a part seen along the third row of `view` (rows: right, up, towards the eye), its body at
-    `position` turned by the matrix `turned`: where triangles that face the eye meet others."""
+    """Returns the outline [n, 2] of a part seen along the third row of `view` (rows: right, up, towards the eye), its
+    body at `position` turned by the matrix `turned`: where triangles that face the eye meet others."""
     front = mesh.facing @ (turned.T @ view[2]) > 0
     rim = np.unique(mesh.edges[front[mesh.sides[:, 0]] != front[mesh.sides[:, 1]]])
     return in_order((position + mesh.vertices[rim] @ turned.T) @ view[:2].T)
 
 
 def cut(mesh, position, turned, axis, level):
-    """The polygon [n, 3] of a part's points with coordinate `axis` at `level`, in order; empty where it is not cut."""
+    """Returns the polygon [n, 3] of a part's points with coordinate `axis` at `level`, in order; empty if there are none."""
     points = position + mesh.vertices @ turned.T
     height = points[:, axis] - level
     a, b = mesh.edges[(height[mesh.edges[:, 0]] > 0) != (height[mesh.edges[:, 1]] > 0)].T

@@ -8,7 +8,7 @@ namespace {
 using hdf5::File;
 using hdf5::Handle;
 
-/// The meshes of all parts, one after the other.
+/// Meshes holds the meshes of all parts, one after the other.
 struct Meshes {
   std::vector<std::int32_t> part_kind;
   std::vector<std::array<double, 3>> vertex, normal;
@@ -36,7 +36,8 @@ struct Meshes {
   }
 };
 
-/// A dataset of /kinds: numbers of one type in memory and in the file, and what they mean.
+/// Dataset describes a dataset of /kinds: the types of its numbers in memory and in the file, and their
+/// meaning.
 struct Dataset {
   const char* name;
   hid_t memory_type, file_type;
@@ -54,7 +55,7 @@ void write(File& file, const Dataset& d, const void* data, hsize_t rows) {
                "cannot write the kinds");
 }
 
-/// Lengths and directions are for pictures: single precision is enough.
+/// Describes lengths or directions, which are for pictures: single precision is enough.
 Dataset vectors(const char* name, const std::string& unit, const char* meaning) {
   return {name, H5T_NATIVE_DOUBLE, H5T_IEEE_F32LE, 3, unit, meaning};
 }

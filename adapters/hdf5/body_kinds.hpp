@@ -19,7 +19,8 @@ namespace hdf5 {
 class File;
 }
 
-/// The closed surface of a convex piece of a body, in the frame of the body (origin at the centre of mass).
+/// TriangleMesh is the closed surface of a convex piece of a body, in the frame of the body (origin at the
+/// centre of mass).
 struct TriangleMesh {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<double, 3>> normals;                 // unit, outward
@@ -27,17 +28,17 @@ struct TriangleMesh {
   std::vector<std::array<std::int32_t, 3>> triangle_normals;  // of the surface at the triangles' corners
 };
 
-/// A kind of bodies: its name and what is the same for all bodies of it, in the units of the case.
+/// BodyKind holds what all bodies of a kind share, in the units of the case.
 struct BodyKind {
   std::string name;  // "light spheres"
   double bounding_radius = 0, density = 0;
   std::vector<TriangleMesh> parts;
 };
 
-/// Writes /kinds. hdf5::Error where that fails.
+/// Writes the group /kinds; throws hdf5::Error where that fails.
 void write_kinds(hdf5::File&, std::span<const BodyKind>, const std::string& length_unit,
                  const std::string& density_unit);
-/// Bytes that the meshes take in the file.
+/// Returns the number of bytes that the meshes take in the file.
 std::uint64_t mesh_bytes(std::span<const BodyKind>);
 
 }  // namespace silt::adapters

@@ -15,7 +15,7 @@ using hdf5::Handle;
 
 constexpr hsize_t rows_a_chunk = 1024, times_a_chunk = 256;
 
-/// Units by their parts: length, time, mass.
+/// Returns the columns of BodyRow with units made of those of length, time and mass.
 std::vector<Column> body_columns(const std::string& l, const std::string& t, const std::string& m) {
   return {{"id", offsetof(BodyRow, id), Column::uint64},
           {"kind", offsetof(BodyRow, kind), Column::int32},
@@ -43,7 +43,7 @@ std::vector<Column> time_columns(const std::string& unit) {
           {"time", offsetof(TimeRow, time), Column::float64, 1, unit}};
 }
 
-/// Bytes that appending so many rows can add to the file: the chunks it begins.
+/// Returns how many bytes appending so many rows can add to the file: those of the chunks it begins.
 std::uint64_t room_to_append(std::size_t rows) {
   const std::uint64_t chunks = rows / rows_a_chunk + 1;
   return chunks * rows_a_chunk * sizeof(BodyRow) + times_a_chunk * sizeof(TimeRow) + hdf5::metadata_room;
@@ -67,10 +67,11 @@ void resize(File& file, hid_t dataset, hsize_t rows) {
   file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
 }
 
-/// Rows [first, first + n) of a dataset.
+/// Selects the rows [first, first + n) of a dataset.
 Handle rows_of(const File& file, hid_t dataset, hsize_t first, hsize_t n) {
   Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
-  std::vector<hsize_t> start(file.shape(dataset).size(), 0), count = file.shape(dataset);
+  std::vector<hsize_t> count = file.shape(dataset);
+  std::vector<hsize_t> start(count.size(), 0);
   start[0] = first;
   count[0] = n;
   H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
@@ -117,7 +118,8 @@ void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Pro
   part.rename_to(path);
 }
 
-/// The whole times of a file whose last append may have been cut off: rows of every column are there.
+/// Returns the whole times of a file whose last append may have been cut off: those with rows in every
+/// column.
 std::vector<TimeRow> whole_times(const File& file) {
   hsize_t times = ~hsize_t{0}, rows = ~hsize_t{0};
   for (const Column& c : time_columns("")) times = std::min(times, file.shape(file.dataset(c.name))[0]);

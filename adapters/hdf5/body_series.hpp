@@ -22,7 +22,7 @@
 
 namespace silt::adapters {
 
-/// One body at one time, in the units of the case.
+/// BodyRow is one body at one time, in the units of the case.
 struct BodyRow {
   std::uint64_t id;
   std::int32_t kind;                  // index into BodySeriesInfo::kinds
@@ -40,22 +40,22 @@ struct BodySeriesInfo {
   std::string length = "cells", time = "steps", mass = "reference masses";
 };
 
-/// The open series. Every call is collective. The file is closed between appends, so it can be read while the
-/// run goes on and a killed run leaves a readable file; an append that was cut off is dropped by
-/// open_for_append (and by scripts/body_series.py). Errors are std::runtime_error on every rank, naming the
-/// file and the reason.
+/// BodySeries is the open series. Every call is collective. The file is closed between appends, so it can be
+/// read while the run goes on and a killed run leaves a readable file; an append that was cut off is dropped
+/// by open_for_append (and by scripts/body_series.py). Errors are std::runtime_error on every rank, naming
+/// the file and the reason.
 class BodySeries {
  public:
   /// Starts an empty series; replaces a file of that name.
   static BodySeries create(MPI_Comm, const std::filesystem::path&, const BodySeriesInfo&, const Provenance&);
-  /// Goes on with a series: drops what was written after `step` and any unfinished rest.
+  /// Opens a series to continue it: drops what was written after `step` and any unfinished rest.
   static BodySeries open_for_append(MPI_Comm, const std::filesystem::path&, std::int64_t step);
 
-  /// The rows of the bodies this rank owns, in any order. An id that two ranks hand over is an error. Steps
-  /// must increase.
+  /// Appends one time: `mine` are the rows of the bodies this rank owns, in any order. An id that two ranks
+  /// hand over is an error. Steps must increase.
   void append(std::int64_t step, double time, std::span<const BodyRow> mine);
 
-  /// Times in the file (known on rank 0 only, 0 elsewhere).
+  /// Returns the number of times in the file (rank 0 knows it; 0 elsewhere).
   std::size_t times() const { return times_; }
 
  private:

@@ -5,7 +5,8 @@
 
 namespace silt::adapters {
 
-/// Cells lower <= x < upper, in global cell coordinates. Boxes of all ranks must not overlap.
+/// CellBox holds the cells lower <= x < upper, in global cell coordinates. Boxes of all ranks must not
+/// overlap.
 struct CellBox {
   std::array<int, 3> lower, upper;
 

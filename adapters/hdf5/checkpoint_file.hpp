@@ -36,21 +36,21 @@ struct HolderColumn {
   int components;
 };
 
-/// Writes one checkpoint under a temporary name (PATH.part) and gives it its name once it has been verified.
-/// Every call is collective. Errors are std::runtime_error on every rank, naming the file and the reason; the
-/// temporary file is then removed and earlier checkpoints are untouched.
+/// CheckpointWriter writes one checkpoint under a temporary name (PATH.part) and gives it its name once it
+/// has been verified. Every call is collective. Errors are std::runtime_error on every rank, naming the file
+/// and the reason; the temporary file is then removed and earlier checkpoints are untouched.
 class CheckpointWriter {
  public:
   CheckpointWriter(MPI_Comm, const std::filesystem::path&, const Provenance&);
-  /// Leaves nothing behind where commit was not called.
+  /// Leaves nothing behind unless commit was called.
   ~CheckpointWriter();
 
-  /// Rank 0's value counts.
+  /// Writes an attribute; rank 0's value counts.
   void set(const std::string& name, std::int64_t);
   void set(const std::string& name, double);
   void set(const std::string& name, const std::string&);
 
-  /// Writes cell data of a lattice, this rank's boxes; `components` populations a cell (1: the dataset is
+  /// Writes cell data of a lattice: this rank's boxes, `components` populations a cell (1: the dataset is
   /// [z][y][x]). fill(q, box, out) writes population q of all cells of one box, x fastest; it is called for
   /// one q after the other. T: float, double, std::uint8_t. Cells no rank holds read as zero.
   template <class T>
@@ -58,8 +58,8 @@ class CheckpointWriter {
              const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, T* out)>& fill);
 
-  /// Writes the bodies that this rank owns, in any order, and their stored impulses (one list a record). Of
-  /// their holder state it writes what the columns name.
+  /// Writes the bodies that this rank owns, in any order, and their stored impulses (one list a record); of
+  /// their holder state what the columns name.
   void bodies(std::span<const rigid::BodyRecord>, std::span<const std::vector<rigid::StoredImpulse>>,
               std::span<const HolderColumn> = {});
 
@@ -74,9 +74,9 @@ class CheckpointWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Opens a checkpoint and verifies all of it before anything is handed out. Every call is collective. Errors
-/// are std::runtime_error on every rank: which file, what is wrong with it, and which earlier checkpoint to
-/// use.
+/// CheckpointReader opens a checkpoint and verifies all of it before anything is handed out. Every call is
+/// collective. Errors are std::runtime_error on every rank: which file, what is wrong with it, and which
+/// earlier checkpoint to use.
 class CheckpointReader {
  public:
   CheckpointReader(MPI_Comm, const std::filesystem::path&);
@@ -86,16 +86,16 @@ class CheckpointReader {
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
   std::string text(const std::string& name) const;
-  /// The provenance of the run that wrote it.
+  /// Returns the provenance of the run that wrote it.
   std::string provenance(const std::string& name) const;
   std::string case_text() const;
 
   bool has_cells(const std::string& name) const;
-  /// The lattice of a dataset and its number of populations a cell.
+  /// Returns the lattice and the number of populations a cell of a dataset.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
-  /// Reads this rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T
-  /// must be the type that was written.
+  /// Reads this rank's boxes, whatever rank wrote them; take(q, box, in) mirrors fill of
+  /// CheckpointWriter::cells. T must be the type that was written.
   template <class T>
   void cells(const std::string& name, const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, const T* in)>& take) const;
@@ -105,8 +105,8 @@ class CheckpointReader {
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   std::size_t body_count() const;
-  /// Returns the bodies for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the holder
-  /// state that no column names are zero.
+  /// The bodies for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the
+  /// holder state that no column names are zero.
   Bodies bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
                 std::span<const HolderColumn> = {}) const;
 

@@ -14,14 +14,14 @@ struct CheckpointName {
 
 std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t step);
 
-/// The step of a checkpoint's name, if it is one.
+/// Returns the step in a checkpoint's name, if the name is one.
 std::optional<std::int64_t> checkpoint_step(const std::filesystem::path&);
 
-/// The checkpoints of a folder, the newest (largest step) first; by name only, none for a folder that is not
-/// there.
+/// Lists the checkpoints of a folder by their names, newest (largest step) first; empty for a folder that is
+/// not there.
 std::vector<CheckpointName> list_checkpoints(const std::filesystem::path& folder);
 
-/// The newest checkpoint in the same folder whose step is smaller than that of `path`.
+/// Returns the newest checkpoint in the same folder whose step is smaller than that of `path`.
 std::optional<std::filesystem::path> previous_checkpoint(const std::filesystem::path& path);
 
 /// Deletes all but the `keep` newest of those up to and including the step of `path`, and unfinished ones

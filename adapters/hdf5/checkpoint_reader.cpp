@@ -26,7 +26,7 @@ struct CheckpointReader::State {
 
 namespace {
 
-/// What went wrong and what to do about it.
+/// Says what went wrong and what to do about it.
 std::string with_advice(const hdf5::Path& path, const std::string& what) {
   if (const auto previous = previous_checkpoint(path))
     return "cannot use the checkpoint " + what + "; use the previous checkpoint, " + previous->string();
@@ -55,7 +55,7 @@ bool is_stored_as<std::uint8_t>(hid_t d) {
   return same_type(d, H5T_STD_U8LE);
 }
 
-/// Reads the rows of one table, columns by their group, and checks them whole.
+/// Reads and checks the rows of one table, whose columns lie in a group.
 template <class Row>
 std::vector<Row> read_columns(const File& file, const std::string& group,
                               const std::vector<Column>& columns) {
@@ -69,7 +69,7 @@ std::vector<Row> read_columns(const File& file, const std::string& group,
   return rows;
 }
 
-/// Gives every rank the rows of rank 0.
+/// Sends rank 0's rows to every rank.
 template <class Row>
 void broadcast(MPI_Comm comm, std::vector<Row>& rows) {
   std::uint64_t n = rows.size();

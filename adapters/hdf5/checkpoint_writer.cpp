@@ -23,7 +23,7 @@ struct CheckpointWriter::State {
   std::map<std::string, std::uint64_t> checksums;  // of the cell datasets, rank 0
 
   const hdf5::Path& part() const { return temporary.path(); }
-  /// The file, with room for so many more bytes of data. On rank 0 only.
+  /// Opens the file on rank 0, with room for so many bytes of data more.
   File open_to_add(std::uint64_t bytes) const {
     hdf5::reserve(part(), std::filesystem::file_size(part()) + bytes + hdf5::metadata_room);
     return File::open(part(), true);
@@ -89,7 +89,7 @@ hid_t cell_type<std::uint8_t>() {
   return H5T_STD_U8LE;
 }
 
-/// The checksum of one component of this rank's cells, given in file order box by box.
+/// Returns the checksum of one component of this rank's cells, given in file order box by box.
 std::uint64_t box_checksum(const CellBox& box, std::array<int, 3> n, int q, std::size_t value,
                            const void* data) {
   const std::size_t length = box.upper[0] - box.lower[0];

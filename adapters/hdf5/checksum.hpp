@@ -8,15 +8,15 @@
 
 namespace silt::adapters::hdf5 {
 
-/// Mixes bits by splitmix64's finaliser (Steele, Lea, Flood 2014): every bit of x acts on every bit of the
-/// result.
+/// Mixes the bits of x by splitmix64's finaliser (Steele, Lea, Flood 2014): every bit of x acts on every bit
+/// of the result.
 inline std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
   return x ^ (x >> 31);
 }
 
-/// What a run of values that starts at a global index (number of the value in the dataset) adds to a
+/// Returns what a run of values that starts at a global index (number of the value in the dataset) adds to a
 /// dataset's checksum. The sum over all runs, modulo 2^64, does not depend on how the dataset is cut into
 /// runs or on their order. Zero bits add nothing, so that cells that no rank holds need not be known.
 template <class Bits>
@@ -44,7 +44,7 @@ inline std::uint64_t run_checksum(std::size_t value_bytes, const void* values, s
   }
 }
 
-/// The checksum of a small dataset that one rank holds whole.
+/// Returns the checksum of a small dataset that one rank holds whole.
 inline std::uint64_t block_checksum(const void* data, std::size_t bytes) {
   return XXH3_64bits(data, bytes);
 }

@@ -12,7 +12,7 @@ namespace {
 using hdf5::File;
 using hdf5::Handle;
 
-/// The first numbers or texts of an attribute.
+/// Returns the first numbers or texts of an attribute.
 std::string attribute_text(const File& file, hid_t owner, const std::string& name) {
   const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, file.path(),
                          "attribute " + name);

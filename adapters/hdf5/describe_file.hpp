@@ -5,9 +5,9 @@
 
 namespace silt::adapters {
 
-/// Lines of text: where the file came from, the attributes of its groups, its datasets with their shapes and
-/// units. The case's text is left out. To be called on one rank. Throws std::runtime_error naming the file
-/// and the reason.
+/// Returns lines of text: where the file came from, the attributes of its groups, its datasets with their
+/// shapes and units. The case's text is left out. One rank calls it. Throws std::runtime_error naming the
+/// file and the reason.
 std::string describe_file(const std::filesystem::path&);
 
 }  // namespace silt::adapters

@@ -19,9 +19,9 @@ std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
 }
 
-/// Writes everything but the values. On rank 0 only.
-void create_file(const Path& path, const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
-                 double time, std::int64_t step, const Provenance& provenance) {
+/// Creates the file with everything but the values. Only rank 0 calls it.
+void create_file(const Path& path, const FieldSnapshot& snapshot, const Provenance& provenance) {
+  const ImageGrid& grid = snapshot.grid;
   File file = File::create(path, hdf5::Format::classic);
   const Handle image = file.group("/VTKHDF", true);
   const std::int64_t version[2] = {1, 0};
@@ -40,7 +40,7 @@ void create_file(const Path& path, const ImageGrid& grid, const std::vector<Fiel
   file.attribute(image, "Spacing", H5T_NATIVE_DOUBLE, {3}, grid.spacing.data());
   file.attribute(image, "Direction", H5T_NATIVE_DOUBLE, {9}, direction);
   const Handle points = file.group("/VTKHDF/PointData", true);
-  for (const FieldQuantity& q : quantities) {
+  for (const FieldQuantity& q : snapshot.quantities) {
     std::vector<hsize_t> shape;
     for (int d = 2; d >= 0; --d) shape.push_back(grid.cells[d]);
     if (q.components > 1) shape.push_back(q.components);
@@ -49,8 +49,8 @@ void create_file(const Path& path, const ImageGrid& grid, const std::vector<Fiel
     file.attribute(data, "unit", q.unit);
   }
   const Handle root = file.group("/", false);
-  file.attribute(root, "time", time);
-  file.attribute(root, "step", step);
+  file.attribute(root, "time", snapshot.time);
+  file.attribute(root, "step", snapshot.step);
   file.attribute(root, "time_unit", grid.time_unit);
   file.attribute(root, "length_unit", grid.length_unit);
   file.write_provenance(provenance);
@@ -61,11 +61,11 @@ std::size_t cell_bytes(const FieldQuantity& q) {
   return q.components * (q.double_precision ? sizeof(double) : sizeof(float));
 }
 
-std::uint64_t expected_size(const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
-                            const Provenance& provenance) {
-  const std::uint64_t cells = std::uint64_t(grid.cells[0]) * grid.cells[1] * grid.cells[2];
+std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& provenance) {
+  const auto& [x, y, z] = snapshot.grid.cells;
+  const std::uint64_t cells = std::uint64_t(x) * y * z;
   std::uint64_t bytes = provenance.case_text.size() + 4096;
-  for (const FieldQuantity& q : quantities) bytes += cells * cell_bytes(q);
+  for (const FieldQuantity& q : snapshot.quantities) bytes += cells * cell_bytes(q);
   return bytes;
 }
 
@@ -80,7 +80,7 @@ std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuant
   });
 }
 
-/// The name of the list of times: fields.hdf.series for fields_000100.hdf.
+/// Returns the path of the list of times: fields.hdf.series for fields_000100.hdf.
 Path series_path(const Path& path) {
   std::string stem = path.stem().string();
   const auto end = stem.find_last_not_of("0123456789");
@@ -89,7 +89,7 @@ Path series_path(const Path& path) {
   return path.parent_path() / (stem + path.extension().string() + ".series");
 }
 
-/// The time of a line that update_series wrote, if it is one.
+/// Returns the time in a line, if update_series wrote that line.
 bool entry_time(const std::string& line, double& time) {
   const std::string mark = "\"time\": ";
   const auto at = line.rfind(mark);
@@ -131,21 +131,20 @@ std::filesystem::path field_path(const std::filesystem::path& folder, std::int64
   return folder / ("fields_" + number + ".hdf");
 }
 
-void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageGrid& grid,
-                  const std::vector<CellBox>& boxes, const std::vector<FieldQuantity>& quantities,
-                  double time, std::int64_t step, const Provenance& provenance) {
+void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
+                  const FieldSnapshot& snapshot, const Provenance& provenance) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   hdf5::TemporaryFile part(path.string() + ".part", rank == 0);
   on_rank_0(comm, [&] {
-    hdf5::reserve(part.path(), expected_size(grid, quantities, provenance));
-    create_file(part.path(), grid, quantities, time, step, provenance);
+    hdf5::reserve(part.path(), expected_size(snapshot, provenance));
+    create_file(part.path(), snapshot, provenance);
     hdf5::reserve(part.path(), std::filesystem::file_size(part.path()));
   });
-  const SlabExchange slabs(comm, grid.cells, boxes);
+  const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
   std::optional<File> file;
   together(comm, [&] { file.emplace(File::open_parallel(comm, part.path(), true)); });
-  for (const FieldQuantity& q : quantities) {
+  for (const FieldQuantity& q : snapshot.quantities) {
     std::vector<std::byte> values;
     Handle dataset;
     together(comm, [&] { values = packed_values(slabs, q); });
@@ -156,7 +155,7 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const ImageG
   together(comm, [&] { file->close(); });
   on_rank_0(comm, [&] {
     part.rename_to(path);
-    update_series(path, time);
+    update_series(path, snapshot.time);
   });
 }
 

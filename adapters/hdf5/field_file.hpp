@@ -14,14 +14,15 @@
 
 namespace silt::adapters {
 
-/// The lattice in the units of the case. `origin` is the lower corner of cell (0, 0, 0), not its centre.
+/// ImageGrid is the lattice in the units of the case. origin: the lower corner of cell (0, 0, 0), not its
+/// centre.
 struct ImageGrid {
   std::array<int, 3> cells;
   std::array<double, 3> origin{0, 0, 0}, spacing{1, 1, 1};
   std::string length_unit = "cells", time_unit = "steps";
 };
 
-/// One quantity, in the units of the case. Stored [z][y][x] or [z][y][x][3], as float unless
+/// FieldQuantity is one quantity, in the units of the case, stored [z][y][x] or [z][y][x][3], as float unless
 /// double_precision.
 struct FieldQuantity {
   std::string name, unit;
@@ -31,15 +32,24 @@ struct FieldQuantity {
   bool double_precision = false;
 };
 
-/// The path FOLDER/fields_000000000100.hdf of a step: names sort like steps.
+/// FieldSnapshot is what one file holds: quantities on the lattice at one time.
+struct FieldSnapshot {
+  ImageGrid grid;
+  std::vector<FieldQuantity> quantities;
+  double time = 0;  // in the unit of the grid
+  std::int64_t step = 0;
+};
+
+/// Returns FOLDER/fields_000000000100.hdf for step 100: names sort like steps.
 std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step);
 
-/// Writes the file of one time. Collective; a rank without boxes joins with an empty list. Names, units and
-/// the number of quantities must be the same on every rank. Cells no rank holds are zero. Also keeps
-/// NAME.hdf.series, the list of times next to the file (fields_000100.hdf: fields.hdf.series), in which
-/// entries at or after this time are replaced. The file appears under its name only when it is whole. Throws
-/// std::runtime_error on every rank, naming the file and the reason (a full disk, a missing folder).
-void write_fields(MPI_Comm, const std::filesystem::path&, const ImageGrid&, const std::vector<CellBox>& boxes,
-                  const std::vector<FieldQuantity>&, double time, std::int64_t step, const Provenance&);
+/// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
+/// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are
+/// zero. Also keeps NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
+/// fields.hdf.series), in which entries at or after this time are replaced. The file appears under its name
+/// only when it is whole. Throws std::runtime_error on every rank, naming the file and the reason (a full
+/// disk, a missing folder).
+void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<CellBox>& boxes,
+                  const FieldSnapshot&, const Provenance&);
 
 }  // namespace silt::adapters

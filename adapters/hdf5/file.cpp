@@ -12,7 +12,7 @@
 namespace silt::adapters::hdf5 {
 namespace {
 
-/// The system's own words inside a message of HDF5's file driver, where there are any.
+/// Returns the system's own words inside a message of HDF5's file driver, where there are any.
 std::string innermost_reason() {
   std::string reason;
   H5Ewalk2(
@@ -84,9 +84,9 @@ File::~File() {
   if (own_writing_ && handle_ >= 0 && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0) abandon();
 }
 
-/// Call after a failed write: whatever HDF5 still wants to write to this file goes to memory and is
-/// forgotten. Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and
-/// crashes, in MPI_Finalize.
+/// Sends whatever HDF5 still wants to write to this file, after a failed write, to memory that is forgotten.
+/// Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in
+/// MPI_Finalize.
 void File::abandon() const {
   int* file = nullptr;
   if (!own_writing_ || H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0) return;
@@ -174,7 +174,7 @@ void File::attribute(hid_t owner, const std::string& name, hid_t type, const std
 }
 
 namespace {
-/// A string type that is ASCII by name (vtkHDFReader insists on it) and may hold any bytes.
+/// Makes a string type that is ASCII by name (which vtkHDFReader insists on) and holds any bytes.
 Handle string_type(std::size_t length, const Path& path) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "string type");
   H5Tset_size(type, length ? length : 1);

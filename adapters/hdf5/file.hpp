@@ -24,7 +24,7 @@ struct Error : std::runtime_error {
 /// Throws Error "FILE: WHAT: REASON", the reason from HDF5's innermost message, and clears HDF5's stack.
 [[noreturn]] void fail(const Path& file, const std::string& what);
 
-/// An HDF5 id and the call that closes it. Knows its file for messages.
+/// Handle owns an HDF5 id and knows the call that closes it.
 class Handle {
  public:
   Handle() = default;
@@ -40,7 +40,7 @@ class Handle {
   }
   ~Handle() { close(); }
   operator hid_t() const { return id_; }
-  /// Whether closing went well (closing a file can be what finds the disk full).
+  /// Closes the id and says whether that went well (closing a file can be what finds the disk full).
   bool close() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
 
  private:
@@ -53,12 +53,12 @@ enum class Format {
   checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
 };
 
-/// A file and the operations this folder needs, each throwing Error. `serial` files belong to one rank.
+/// File is an open file with the operations this folder needs, each of which throws Error.
 class File {
  public:
   static File create(const Path&, Format);
   static File open(const Path&, bool writable);
-  /// Opens or creates a file; collective over comm.
+  /// Opens a file on all ranks of comm; collective.
   static File open_parallel(MPI_Comm, const Path&, bool writable);
 
   const Path& path() const { return path_; }
@@ -73,7 +73,7 @@ class File {
   bool exists(const std::string& name) const;
   Handle group(const std::string& name, bool create);
   Handle dataset(const std::string& name) const;
-  /// Creates a contiguous dataset with its space taken now and not filled (a fresh file reads as zeros where
+  /// Creates a contiguous dataset whose space is taken now and not filled (a fresh file reads as zeros where
   /// nothing is written).
   Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
   /// Creates an empty dataset that grows along its first axis.
@@ -113,17 +113,18 @@ class File {
 /// file is then as long as before. Where the file system cannot reserve, it only looks whether there is room.
 void reserve(const Path&, std::uint64_t size);
 
-/// HDF5 itself needs this room, in bytes, in one go of adding datasets, attributes or chunks.
+/// metadata_room is the number of bytes that HDF5 itself may need each time datasets, attributes or chunks
+/// are added.
 inline constexpr std::uint64_t metadata_room = 1 << 17;
 
-/// A file that is being written: rank 0 removes it and gives its space back, unless it is kept in the end.
+/// TemporaryFile is a file that rank 0 removes in the end, unless it was renamed.
 class TemporaryFile {
  public:
   TemporaryFile(Path path, bool mine) : path_(std::move(path)), mine_(mine) {}
   TemporaryFile(const TemporaryFile&) = delete;
   ~TemporaryFile();
   const Path& path() const { return path_; }
-  /// Gives it its name, durable.
+  /// Gives the file its final name, durably.
   void rename_to(const Path&);
 
  private:

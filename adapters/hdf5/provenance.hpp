@@ -5,8 +5,9 @@
 
 namespace silt::adapters {
 
-/// Each becomes an attribute of /provenance, except case_text, which may be long and becomes the scalar
-/// string dataset /provenance/case_text. Only rank 0's values are used.
+/// Provenance says where a file came from. Each member becomes an attribute of /provenance, except case_text,
+/// which may be long and becomes the scalar string dataset /provenance/case_text. Only rank 0's values are
+/// used.
 struct Provenance {
   std::string version, commit;   // of silt
   std::string title, case_text;  // case.toml as read, with overrides applied

@@ -43,7 +43,7 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
   std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
   return offsets;
 }
-/// A datatype of so many bytes that frees itself.
+/// Bytes is a datatype of so many bytes that frees itself.
 struct Bytes {
   MPI_Datatype type;
   explicit Bytes(std::size_t n) {
@@ -121,7 +121,8 @@ std::vector<std::byte> SlabExchange::swap(bool to_slabs, std::size_t element,
 
 Handle SlabExchange::file_space(const File& file, hid_t dataset, int leading) const {
   Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
-  std::vector<hsize_t> start(file.shape(dataset).size(), 0), count = file.shape(dataset);
+  std::vector<hsize_t> count = file.shape(dataset);
+  std::vector<hsize_t> start(count.size(), 0);
   if (leading >= 0) {
     start[0] = leading;
     count[0] = 1;

@@ -16,26 +16,27 @@ namespace silt::adapters::hdf5 {
 
 class SlabExchange {
  public:
-  /// Collective. cells: of the whole lattice. Throws on every rank if any has a box outside it.
+  /// Plans the exchange; collective. `cells` are those of the whole lattice. Throws on every rank if any has
+  /// a box outside it.
   SlabExchange(MPI_Comm, std::array<int, 3> cells, std::vector<CellBox> boxes);
 
   const std::vector<CellBox>& boxes() const { return boxes_; }
-  /// Of this rank's boxes.
+  /// Returns the number of cells of this rank's boxes.
   std::size_t cells() const { return cells_; }
 
-  /// Local: calls fill(box, buffer) for every box that is not empty, a box's cells with x fastest, and
-  /// returns all cells by z, y, x. element: bytes a cell.
+  /// Packs this rank's cells (local): calls fill(box, buffer) for every box that is not empty, a box's cells
+  /// with x fastest, and returns all cells by z, y, x. `element` is the number of bytes a cell.
   std::vector<std::byte> pack(std::size_t element, const std::function<void(std::size_t, void*)>& fill) const;
-  /// Local, the reverse: hands each box its cells.
+  /// Reverses pack (local): hands each box its cells.
   void unpack(const std::vector<std::byte>& packed, std::size_t element,
               const std::function<void(std::size_t, const void*)>& take) const;
 
-  /// Collective; `leading` (a population's number) selects one slab of a dataset with such a first axis, -1:
-  /// none. Cells that no rank holds become zero. The error of a full disk is this rank's own: wrap it in
-  /// together().
+  /// Writes the packed cells; collective. `leading` (a population's number) selects one slab of a dataset
+  /// with such a first axis, -1: none. Cells that no rank holds become zero. The error of a full disk is this
+  /// rank's own: wrap it in together().
   void write(const File&, hid_t dataset, hid_t type, int leading, std::size_t element,
              const std::vector<std::byte>& packed) const;
-  /// Collective. Returns what unpack takes.
+  /// Reads what unpack takes; collective.
   std::vector<std::byte> read(const File&, hid_t dataset, hid_t type, int leading, std::size_t element) const;
 
  private:

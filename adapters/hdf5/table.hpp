@@ -9,7 +9,7 @@
 
 namespace silt::adapters::hdf5 {
 
-/// A member of a row: dataset name, offset and type in memory, numbers a row, unit.
+/// Column describes a member of a row: dataset name, offset and type in memory, numbers a row, unit.
 struct Column {
   const char* name;
   std::size_t offset;
@@ -21,13 +21,13 @@ struct Column {
   hid_t memory_type() const;  // little-endian in the file alike: bits are kept
 };
 
-/// The column's values of all rows, one after the other.
+/// Returns the column's values of all rows, one after the other.
 std::vector<std::byte> gather_column(const Column&, const void* rows, std::size_t row_bytes, std::size_t n);
-/// The reverse.
+/// Reverses gather_column: puts the values into the rows.
 void scatter_column(const Column&, const std::vector<std::byte>&, void* rows, std::size_t row_bytes);
 
-/// Collective. The rows of all ranks on rank 0 (in rank order), nothing elsewhere. Fewer than 2^31 rows in
-/// all.
+/// Returns the rows of all ranks on rank 0 (in rank order) and nothing elsewhere; collective. There must be
+/// fewer than 2^31 rows in all.
 template <class Row>
 std::vector<Row> gather_rows(MPI_Comm comm, std::span<const Row> mine) {
   static_assert(std::is_trivially_copyable_v<Row>);

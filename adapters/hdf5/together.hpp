@@ -8,11 +8,11 @@
 
 namespace silt::adapters {
 
-/// Collective. Throws std::runtime_error with the text of the lowest rank that hands one over, on every rank.
+/// Throws on every rank (collective) std::runtime_error with the text of the lowest rank that hands one over.
 /// `failed` with an empty text counts as an error too.
 void throw_together(MPI_Comm, bool failed, const std::string& error);
 
-/// Collective: runs `work` on this rank; if it threw on any rank, every rank throws the error of the lowest
+/// Runs `work` on this rank (collective); if it threw on any rank, every rank throws the error of the lowest
 /// such rank as std::runtime_error. `work` must not throw between two collective calls of its own.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
@@ -27,7 +27,7 @@ void together(MPI_Comm comm, Work&& work) {
   throw_together(comm, failed, error);
 }
 
-/// Does as `together` for work that only rank 0 does.
+/// Does the same as `together` for work that only rank 0 does.
 template <class Work>
 void on_rank_0(MPI_Comm comm, Work&& work) {
   int rank = 0;

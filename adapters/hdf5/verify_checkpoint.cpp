@@ -137,7 +137,8 @@ void verify_tables(const File& file) {
   read_checked(file, "/provenance/case_text", type, H5Tget_size(type));
 }
 
-/// This rank's share of a cell dataset's checksum: every `ranks`-th piece of consecutive planes.
+/// Returns this rank's share of a cell dataset's checksum, that of every `ranks`-th piece of consecutive
+/// planes.
 std::uint64_t partial_checksum(const File& file, const std::string& name, int rank, int ranks) {
   constexpr std::size_t piece_bytes = std::size_t{32} << 20;
   const Handle d = file.dataset(name);
@@ -153,7 +154,8 @@ std::uint64_t partial_checksum(const File& file, const std::string& name, int ra
   for (std::size_t q = 0; q < shape[0]; ++q)
     for (std::size_t z = 0; z < planes; z += step, ++piece) {
       if (piece % ranks != static_cast<std::uint64_t>(rank)) continue;
-      const hsize_t n = std::min(step, planes - z), values = n * plane;
+      const hsize_t n = std::min(step, planes - z);
+      const hsize_t values = n * plane;
       const Handle space(H5Dget_space(d), H5Sclose, file.path(), "shape of " + name);
       std::vector<hsize_t> start{q, z, 0, 0}, count{1, n, shape[2], shape[3]};
       const std::size_t skip = 4 - H5Sget_simple_extent_ndims(space);

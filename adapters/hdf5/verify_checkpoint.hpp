@@ -9,7 +9,7 @@ namespace silt::adapters::hdf5 {
 
 inline const char* const checkpoint_format = "silt checkpoint";
 
-/// A stored impulse as a row: plain, in the order of the bodies.
+/// ImpulseRow is a stored impulse as a plain row, in the order of the bodies.
 struct ImpulseRow {
   rigid::BodyId partner;
   std::int8_t image[3];
@@ -17,21 +17,21 @@ struct ImpulseRow {
   double impulse[3];
 };
 
-/// Of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
+/// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
 std::vector<Column> record_columns(std::span<const HolderColumn> = {});
 const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 
-/// The names of the datasets in a group, in alphabetical order; none where there is no such group.
+/// Returns the names of the datasets in a group, in alphabetical order; none where there is no such group.
 std::vector<std::string> dataset_names(const File&, const std::string& group);
 
 /// Writes a contiguous dataset of one rank with its checksum.
 void write_checked(File&, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
                    const void* data, std::size_t bytes);
-/// Reads it back whole; throws where its checksum differs.
+/// Reads such a dataset back whole; throws where its checksum differs.
 std::vector<std::byte> read_checked(const File&, const std::string& name, hid_t type,
                                     std::size_t bytes_a_row);
 
-/// Collective: reads the whole file, shared out over the ranks by pieces, and compares format, version and
+/// Reads the whole file (collective), shared out over the ranks by pieces, and compares format, version and
 /// every checksum. Throws Error (the same text on every rank) that says what is wrong.
 void verify_checkpoint(MPI_Comm, const Path&);
 

@@ -16,7 +16,8 @@ namespace {
 
 using rigid::Vec3;
 
-/// Velocity of the body that a solid cell belongs to, where the fluid last saw it.
+/// SolidVelocities gives solid cells the velocity of the body they belong to, at its pose when the cells were
+/// last mapped.
 class SolidVelocities {
  public:
   explicit SolidVelocities(const Simulation& simulation)
@@ -107,13 +108,16 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
   return {scale * v[0], scale * v[1], scale * v[2]};
 }
 
-/// The kinds as their first entries describe them (entries of a kind have the same shape).
+/// Describes each kind by its first entry (the entries of a kind have the same shape).
 adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& world) {
   adapters::BodySeriesInfo info;
   const double cell = scene.units.cell_size;
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * cell;
-  if (scene.units.si)
-    info.length = std::string("m"), info.time = std::string("s"), info.mass = std::string("kg");
+  if (scene.units.si) {
+    info.length = std::string("m");
+    info.time = std::string("s");
+    info.mass = std::string("kg");
+  }
   info.kinds.resize(scene.kind_names.size());
   const auto describe = [&](int kind, int shape, double density) {
     adapters::BodyKind& k = info.kinds[kind];
@@ -161,17 +165,20 @@ void write_flow_fields(const Simulation& simulation, const std::filesystem::path
                        const adapters::Provenance& provenance) {
   const Case& scene = simulation.setup();
   const double cell = scene.units.cell_size;
-  adapters::ImageGrid grid;
-  grid.cells = scene.cells;
-  grid.spacing = {cell, cell, cell};
-  if (scene.units.si) grid.length_unit = std::string("m"), grid.time_unit = std::string("s");
-  std::vector<adapters::FieldQuantity> quantities;
+  adapters::FieldSnapshot snapshot;
+  snapshot.grid.cells = scene.cells;
+  snapshot.grid.spacing = {cell, cell, cell};
+  if (scene.units.si) {
+    snapshot.grid.length_unit = std::string("m");
+    snapshot.grid.time_unit = std::string("s");
+  }
   for (const Field field : scene.output.quantities)
-    quantities.push_back(field == Field::density ? density_field(simulation) : velocity_field(simulation));
-  const std::int64_t step = simulation.steps_done();
-  adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, step), grid,
-                         boxes_of(simulation.scene().flow.get()), quantities,
-                         static_cast<double>(step) * scene.units.time_step, step, provenance);
+    snapshot.quantities.push_back(field == Field::density ? density_field(simulation)
+                                                          : velocity_field(simulation));
+  snapshot.step = simulation.steps_done();
+  snapshot.time = static_cast<double>(snapshot.step) * scene.units.time_step;
+  adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, snapshot.step),
+                         boxes_of(simulation.scene().flow.get()), snapshot, provenance);
 }
 
 BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path& folder,

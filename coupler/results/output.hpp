@@ -12,19 +12,20 @@ namespace silt::coupler {
 /// Returns the boxes of this rank's blocks; empty without a flow.
 std::vector<adapters::CellBox> boxes_of(const Flow*);
 
-/// Writes velocity and density of every cell, in the units of the case (velocity, density as output.fields
-/// names them). A solid cell has the velocity of its body and the reference density. Collective;
-/// std::runtime_error on every rank.
+/// Writes velocity and density of every cell, in the units of the case (those that output.fields names). A
+/// solid cell has the velocity of its body and the reference density. Collective; std::runtime_error on every
+/// rank.
 void write_flow_fields(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&);
 
-/// Writes the series of the bodies of a run, in the units of the case.
+/// BodyOutput writes the series of the bodies of a run, in the units of the case.
 class BodyOutput {
  public:
-  /// Collective. resumed: goes on with the series in the folder (or starts one, if there is none) at the
-  /// simulation's step.
+  /// Starts a series in the folder; if `resumed`, continues the one there at the simulation's step.
+  /// Collective.
   BodyOutput(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&,
              bool resumed);
-  /// Collective. Force and torque are those of the fluid in the last step.
+  /// Appends the bodies as they are now; force and torque are those of the fluid in the last step.
+  /// Collective.
   void append(const Simulation&);
 
  private:

@@ -97,7 +97,7 @@ struct alignas(64) BlockLubrication {
   Real8 normal_stiffness, normal_damped, tangential_damped;
 };
 
-/// One sweep over the groups.
+/// How the groups are swept.
 struct ContactSweep {
   int number;        // from 1; the first solves every pair, later ones those of which a body changed
   bool plain;        // not accelerated: impulses stay as found
@@ -107,10 +107,12 @@ struct ContactSweep {
 
 // The kernels. A sweep goes once over its groups and returns the largest relative change of a pair that is
 // not final; blocks are prepared once a step, after the groups are filled.
-using SweepCentral = double(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&);
-using SweepLubricated = double(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&);
-using SweepBlocks = double(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*, const BodyState*,
-                           const ContactSweep&);
+using SweepCentral = double(CentralGroup*, std::size_t groups, const BodyState*, BodySum*,
+                            const ContactSweep&);
+using SweepLubricated = double(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*,
+                               const ContactSweep&);
+using SweepBlocks = double(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*,
+                           const BodyState*, const ContactSweep&);
 using PrepareBlocks = void(BlockGroup*, std::size_t groups);
 
 namespace portable {

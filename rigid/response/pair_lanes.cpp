@@ -261,10 +261,12 @@ void PairLanes::prepare() {
   kernels().prepare_blocks(blocks_.data(), blocks_.size());
 }
 
-double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const ContactSweep& sweep) {
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
+                        const ContactSweep& sweep) {
   const LaneKernels k = kernels();
   const double central = k.sweep_central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
-  const double lubricated = k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep);
+  const double lubricated =
+      k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep);
   const double blocks = k.sweep_blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
                                        block_lubrication_.data(), state.data(), sweep);
   sum_blocks(sums, sweep.tolerance);

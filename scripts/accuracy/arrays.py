@@ -32,7 +32,7 @@ SHORT_GOALS = [goal for goal in GOALS if goal.figure in ("accuracy.array.0.064.d
 
 
 def methods(fraction, D):
-    """(walls, collision, precision) that are measured there."""
+    """Returns (walls, collision, precision) that are measured there."""
     if D in FINER:
         return (DEFAULT, DOUBLE) if fraction == ORDER_FRACTION else ()
     return tuple(itertools.product(WALLS, COLLISIONS, PRECISIONS)) if fraction == ORDER_FRACTION else (DEFAULT, DOUBLE, CLI, PAPER)
@@ -62,7 +62,7 @@ def measure(run, outcome):
 
 
 def of_all_positions(measured, fraction, D, method, name="error"):
-    """Of every position; [] unless all have been run: fewer might be lucky ones."""
+    """Returns the values of every position; [] unless all have been run: fewer might be lucky ones."""
     keys = keys_of(fraction, D, method)
     return [measured[key][name] for key in keys] if all(key in measured for key in keys) else []
 
@@ -92,7 +92,7 @@ def name_of(fraction, D, method):
 
 
 def order_of_convergence(measured):
-    """Of the root mean square over the positions, from 8 cells across on, by least squares."""
+    """Returns the order of the root mean square over the positions, from 8 cells across on, by least squares."""
     sizes = [D for D in SIZES + FINER if D >= 8]
     errors = {D: of_all_positions(measured, ORDER_FRACTION, D, DEFAULT) for D in sizes}
     if not all(errors.values()):
@@ -104,7 +104,7 @@ def order_of_convergence(measured):
 
 
 def share_of_single(measured):
-    """The largest difference between single and double, in percent of the error of the discretisation there."""
+    """Returns the largest difference between single and double, in percent of the error of the discretisation there."""
     shares = []
     for fraction, D in itertools.product(FRACTIONS, SIZES + FINER):
         single, double = (of_all_positions(measured, fraction, D, method) for method in (DEFAULT, DOUBLE))
@@ -125,7 +125,7 @@ def curve_of(measured, label, fraction, method, plot):
 
 
 def curves(measured):
-    """The root mean square over the positions against the time of one run; the notes are cells across."""
+    """Returns the root mean square over the positions against the time of one run; the notes are cells across."""
     of_methods = [curve_of(measured, ", ".join(method), ORDER_FRACTION, method, "methods")
                   for method in itertools.product(WALLS, COLLISIONS, PRECISIONS)]
     return of_methods + [curve_of(measured, f"{name}, solid fraction {f:g}", f, method, "fractions")

@@ -45,14 +45,14 @@ def runs(level):
 
 
 def table(name, wanted):
-    """(coordinate, value) of the rows for which wanted(row)."""
+    """Returns (coordinate, value) of the rows for which wanted(row)."""
     with open(REFERENCE / name) as stream:
         rows = csv.DictReader(line for line in stream if not line.startswith("#"))
         return [(float(row.get("coord")), float(row["value"])) for row in rows if wanted(row)]
 
 
 def reference(shape):
-    """((x, v) on the line across the lid, (y, u) on that along it), 0 to 1, the lid at x = 0 moving along y."""
+    """Returns ((x, v) on the line across the lid, (y, u) on that along it), 0 to 1, the lid at x = 0 moving along y."""
     if shape == "cube":
         name = "10_cavity3d_albensoeder_Re1000.csv"
         lines = [table(name, lambda row, p=p: row["profile"] == p) for p in ("parallel_v_of_x", "normal_u_of_y")]
@@ -64,7 +64,7 @@ def reference(shape):
 
 
 def interpolated(values, walls, x):
-    """Of the values at the middles of the cells and at the two walls, cubic through the four nearest; x from 0 to 1."""
+    """Interpolates the values at the middles of the cells and at the two walls, cubic through the four nearest; x from 0 to 1."""
     n = len(values)
     places = np.concatenate([[0], (np.arange(n) + 0.5) / n, [1]])
     known = np.concatenate([[walls[0]], values, [walls[1]]])

@@ -41,7 +41,7 @@ def runs(level):
 
 
 def first(time, holds):
-    """The first time at which something holds; the end of the run if never."""
+    """Returns the first time at which something holds; the end of the run if never."""
     return time[np.argmax(holds)] if holds.any() else TIME
 
 

@@ -61,7 +61,7 @@ def measure(run, outcome):
 
 
 def series(measured, sizes, run):
-    """(cells across, mean |error|, mean core-seconds) of the sizes whose every position has been run."""
+    """Returns (cells across, mean |error|, mean core-seconds) of the sizes whose every position has been run."""
     found = []
     for D in sizes:
         of_all = [measured.get(run(D, p).key) for p in range(len(POSITIONS))]
@@ -71,7 +71,7 @@ def series(measured, sizes, run):
 
 
 def cost_of_one_percent(points):
-    """(core-seconds, cells across) from where on all stay below one percent; None if the finest does not."""
+    """Returns (core-seconds, cells across) from where on all stay below one percent; None if the finest does not."""
     reached = None
     for D, error, cost in reversed(points):
         if error > 1:

@@ -16,7 +16,7 @@ from problem import Found, Goal, Run
 DIAMETER, BOX, RATIO, RELAXATION_TIME, REYNOLDS = 8, 40, 2.0, 1.0, 1.0
 COUNTS = (12, 24, 48, 72)                   # spheres: phi = 0.05, 0.10, 0.20, 0.30
 LAWS = (4.35, 4.88)
-UNSTEADY, SETTLED = 8, 24                   # ways of one alone, in diameters: before the mean is taken, and of the mean
+UNSTEADY, SETTLED = 8, 24                   # displacements of one alone, in diameters: before the mean is taken, and of the mean
 
 VOLUME = math.pi / 6 * DIAMETER**3
 VISCOSITY = (RELAXATION_TIME - 0.5) / 3
@@ -53,7 +53,7 @@ def runs(level):
 def measure(run, outcome):
     """Velocity over that of one alone, against the mean of box: from the way, so from all steps."""
     bodies = outcome.bodies
-    height = bodies.way()[..., 2]
+    height = bodies.unwrapped()[..., 2]
     settled = bodies.step >= run.settings["steps_before"]
     step, height = bodies.step[settled], height[settled]
     each = (height[-1] - height[0]) / (step[-1] - step[0]) - outcome.mean_velocity()[2]
@@ -61,7 +61,7 @@ def measure(run, outcome):
 
 
 def larger_box(count):
-    """What a suspension without end adds to the velocity over that of one alone."""
+    """Returns what a suspension without end adds to the velocity over that of one alone."""
     phi = solid_fraction(count)
     structure = (1 - phi) ** 4 / ((1 + 2 * phi) ** 2 + phi**3 * (phi - 4))
     viscosity = (1 - phi / 0.64) ** -1.6  # Krieger and Dougherty

@@ -28,7 +28,7 @@ def shear_rate(reynolds, minor):
 
 
 def half_turn(ratio, rate):
-    """Steps, by Jeffery's theory."""
+    """Returns the period in steps, by Jeffery's theory."""
     return math.pi * (ratio + 1 / ratio) / rate
 
 
@@ -60,7 +60,7 @@ def runs(level):
 
 
 def axis_angle(orientation):
-    """Angle of the body's z axis in the shear plane, from the gradient towards the flow; continuous in time."""
+    """Returns the angle of the body's z axis in the shear plane, from the gradient towards the flow; continuous in time."""
     w, x, y, z = orientation.T
     return np.unwrap(np.arctan2(2 * (x * z + w * y), 2 * (y * z - w * x)))
 

@@ -1,7 +1,7 @@
 """Drag of a simple cubic array that moves through the lattice, against the theory of the one at rest.
 
-The sphere's velocity is prescribed; a body force the other way holds the fluid. The drag is the force's mean over TRAVEL cells
-of way, after the flow has settled; K as in periodic_array, with the mean velocity of the fluid relative to the sphere.
+The sphere's velocity is prescribed; a body force the opposite way holds the fluid. The drag is the force's mean over TRAVEL cells
+of displacement, after the flow has settled; K as in periodic_array, with the mean velocity of the fluid relative to the sphere.
 Solid fraction 0.064. `oblique` goes along (1, 0.6, 0.35), off every lattice direction; `boosted` is the same with 0.05
 added to the velocity of everything: by how much the drag then differs is what the lattice's frame costs. noise: root mean
 square of the force along the way about its mean, relative to that.
@@ -40,12 +40,12 @@ def unit(direction):
 
 
 def durations(edge):
-    """(steps until the flow has settled, steps of the mean)."""
+    """Returns (steps until the flow has settled, steps of the mean)."""
     return math.ceil(edge**2 / VISCOSITY), math.ceil(TRAVEL / VELOCITY)
 
 
 def drive(edge, diameter):
-    """The fluid's acceleration against the way."""
+    """Returns the fluid's acceleration against the sphere's motion."""
     return array.drive(FRACTION, edge, diameter, VISCOSITY, VELOCITY)
 
 
@@ -99,7 +99,7 @@ def figures(measured):
 
 
 def share_of_single(measured):
-    """The largest difference between single and double, in percent of the error of the discretisation there."""
+    """Returns the largest difference between single and double, in percent of the error of the discretisation there."""
     pairs = [(run_of(D, "oblique").key, run_of(D, "oblique", "double").key) for D in SIZES]
     done = [pair for pair in pairs if all(key in measured for key in pair)]
     shares = [abs(measured[single]["error"] / measured[double]["error"] - 1) for single, double in done]

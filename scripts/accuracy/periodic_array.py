@@ -18,7 +18,7 @@ REYNOLDS = 0.01  # U D / nu: inertia adds less than 1e-5 to K (it grows with the
 
 
 def exact_drag(fraction):
-    """K of the simple cubic array: of the table, or, for other fractions up to 0.1, of the series (good to 1e-6 there)."""
+    """Returns K of the simple cubic array: of the table, or, for other fractions up to 0.1, of the series (good to 1e-6 there)."""
     with open(REFERENCE / "01_periodic_arrays_stokes.csv") as stream:
         rows = csv.DictReader(line for line in stream if not line.startswith("#"))
         table = {float(row["phi"]): float(row["K_computed"]) for row in rows if row["lattice"] == "SC"}
@@ -33,25 +33,25 @@ def exact_drag(fraction):
 
 
 def cube_of(fraction, cells_across):
-    """(edge of the cube in cells, diameter): the whole edge whose diameter is nearest to cells_across."""
+    """Returns (edge of the cube in cells, diameter): the whole edge whose diameter is nearest to cells_across."""
     ratio = (6 * fraction / math.pi) ** (1 / 3)
     edge = round(cells_across / ratio)
     return edge, edge * ratio
 
 
 def offsets(number):
-    """Positions of a centre in its cell, [0, 1)^3: random, always the same."""
+    """Returns positions of a centre in its cell, [0, 1)^3: random, always the same."""
     generator = random.Random(1959)
     return [tuple(round(generator.random(), 6) for _ in range(3)) for _ in range(number)]
 
 
 def drive(fraction, edge, diameter, viscosity, speed):
-    """The acceleration of the fluid that balances the exact drag at this mean velocity."""
+    """Returns the acceleration of the fluid that balances the exact drag at this mean velocity."""
     return 3 * math.pi * viscosity * diameter * speed * exact_drag(fraction) / edge**3
 
 
 def fixed_case(fraction, cells_across, offset, relaxation_time, fluid=None, coupling=None, change=1e-4, position=None):
-    """The text of the case. It ends when K has less than `change` still before it, looked at 30 times in L^2 / nu (some 40 e-foldings of the slowest mode),
+    """Returns the text of the case. It ends when K has less than `change` still before it, looked at 30 times in L^2 / nu (some 40 e-foldings of the slowest mode),
     after even numbers of steps: in a box of an even number of cells (in no other) the lattice keeps a staggered mode, and
     with it the drag alternates from step to step by some 5e-5 of it; with cli walls at solid fraction 0.45 in 6 cells by
     2e-3, which take 500 steps to fade by e. Hence the least number of steps."""
@@ -70,7 +70,7 @@ def fixed_case(fraction, cells_across, offset, relaxation_time, fluid=None, coup
 
 
 def drag_error(fraction, outcome):
-    """Of a run of fixed_case, in percent. ValueError if it did not settle."""
+    """Returns the error of a run of fixed_case, in percent; raises ValueError if it did not settle."""
     if outcome.report["exit_reason"] != "steady":
         raise ValueError(f"the drag was not steady after {outcome.report['steps']} steps")
     return 100 * (outcome.quantity("K") / exact_drag(fraction) - 1)

@@ -33,7 +33,7 @@ class Goal:
     low: float = None     # a goal that is a range: [low, limit]
 
     def met(self, found):
-        """False for what is not a number."""
+        """Says whether the goal is met; False for what is not a number."""
         return self.low <= found <= self.limit if self.low is not None else abs(found) <= self.limit
 
     def __str__(self):
@@ -51,21 +51,21 @@ class Run:
 
 @dataclasses.dataclass(frozen=True)
 class Found:
-    """A figure that says which runs it is made of: the table then gives their core-seconds."""
+    """Found is a figure that says which runs it is made of: the table then gives their core-seconds."""
     value: float
     runs: tuple
 
 
 @dataclasses.dataclass(frozen=True)
 class Curve:
-    """A line of the plot of error against cost; curves of one plot share its picture."""
+    """A Curve is a line of the plot of error against cost; curves of one plot share its picture."""
     label: str
     points: list          # of (core-seconds, error in percent, note at the point such as "D = 8")
     plot: str = ""
 
 
 class Outcome:
-    """The results folder of a run that ended well."""
+    """An Outcome is the results folder of a run that ended well."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -75,15 +75,15 @@ class Outcome:
         return self.report["quantities"][name]
 
     def last_field(self, name):
-        """A field of the last time written: [z, y, x], and for the velocity [z, y, x, 3]."""
+        """Returns a field of the last time written: [z, y, x], and for the velocity [z, y, x, 3]."""
         with h5py.File(sorted(self.folder.glob("fields_*.hdf"))[-1]) as f:
             return f[f"VTKHDF/PointData/{name}"][...]
 
     def mean_velocity(self):
-        """Of the whole box at the last time written, bodies included."""
+        """Returns the mean over the whole box at the last time written, bodies included."""
         return self.last_field("velocity").mean(axis=(0, 1, 2), dtype=float)
 
     @property
     def bodies(self):
-        """The series of bodies.h5: outcome.bodies.time, .array("position"), .of_body(0, "velocity"), ..."""
+        """Returns the series of bodies.h5: outcome.bodies.time, .array("position"), .of_body(0, "velocity"), ..."""
         return BodySeries(self.folder / "bodies.h5")

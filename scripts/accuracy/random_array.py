@@ -46,7 +46,7 @@ LAWS = (hill_koch_ladd, van_der_hoef, tenneti)
 
 
 def between(phi):
-    """Least and largest K of the laws."""
+    """Returns the least and largest K of the laws."""
     found = [law(phi) for law in LAWS]
     return min(found), max(found)
 
@@ -58,7 +58,7 @@ SHORT_GOALS = [Goal("accuracy.random_array.few.phi0.2.d8.error", 3.0 * (10 / 8)*
 
 
 def edge(phi, number=NUMBER):
-    """Of the cube, in radii."""
+    """Returns the edge of the cube, in radii."""
     return (4 * math.pi * number / (3 * phi))**(1 / 3)
 
 
@@ -81,7 +81,7 @@ def spread_out(x, length, least):
 
 @functools.cache
 def array(phi, seed, number=NUMBER):
-    """Centres in radii: hard spheres in equilibrium, by Metropolis' moves of single spheres."""
+    """Returns centres in radii: hard spheres in equilibrium, by Metropolis' moves of single spheres."""
     generator, length = np.random.default_rng(seed), edge(phi, number)
     least = 2 + (FEW_GAP if number == FEW else LEAST_GAP)
     x = spread_out(generator.random((number, 3)) * length, length, least)
@@ -96,7 +96,7 @@ def array(phi, seed, number=NUMBER):
 
 
 def exact(setup, fineness):
-    """K of the eight spheres, flow along x."""
+    """Returns K of the eight spheres, flow along x."""
     phi = float(setup.removeprefix("few.phi"))
     spheres = [sphere_points(x, 1, 30 + 30 * fineness, 0.65) for x in array(phi, 0, FEW)]
     flow, = solve(PeriodicBox((edge(phi, FEW),) * 3), spheres, [uniform((1, 0, 0))])

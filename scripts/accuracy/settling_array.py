@@ -4,7 +4,7 @@ Its images make it a simple cubic array that moves through the lattice. Referenc
 in any direction.
 Gravity pulls the body, a force on the fluid balances it: F on the body is -f (L^3 - V), the drag with the mean pressure's
 share f L^3 = 6 pi mu a K U, and U is the body's velocity less the mean of the whole box. The Reynolds number is 0.3, the
-direction oblique, the mean over three cells of way.
+direction oblique, the mean over three cells of displacement.
 """
 import math
 
@@ -54,10 +54,10 @@ def runs(level):
 
 def measure(run, outcome):
     bodies = outcome.bodies
-    way = bodies.way()[:, 0] @ DIRECTION
+    displacement = bodies.unwrapped()[:, 0] @ DIRECTION
     settled = bodies.step >= run.settings["start"]
-    time, way = bodies.step[settled], way[settled]
-    velocity = (way[-1] - way[0]) / (time[-1] - time[0]) - outcome.mean_velocity() @ DIRECTION
+    time, displacement = bodies.step[settled], displacement[settled]
+    velocity = (displacement[-1] - displacement[0]) / (time[-1] - time[0]) - outcome.mean_velocity() @ DIRECTION
     along = bodies.array("velocity")[settled, 0] @ DIRECTION
     scale = 100 / run.settings["velocity"]
     return dict(error=scale * velocity - 100, spread=scale * (along.max() - along.min()) / 2)

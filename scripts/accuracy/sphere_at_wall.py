@@ -34,14 +34,14 @@ def parts(setup):
 
 
 def scales(motion, h):
-    """What force and torque are divided by, at a = mu = U = omega = S = 1."""
+    """Returns what force and torque are divided by, at a = mu = U = omega = S = 1."""
     return {"translation": (6 * math.pi, 8 * math.pi), "rotation": (6 * math.pi, 8 * math.pi),
             "shear": (6 * math.pi * h, 4 * math.pi)}[motion]
 
 
 @functools.cache
 def flows(h, fineness):
-    """{motion: flow}"""
+    """Returns {motion: flow}."""
     depth, centre = 0.65 if h >= 1.5 else 0.72, np.array([0, 0, h])
     sphere = sphere_points(centre, 1, (250 if h >= 1.5 else 400) * fineness, depth)
     box = Channel((LENGTH, LENGTH), HEIGHT, 2 * h - 1 - depth)
@@ -50,7 +50,7 @@ def flows(h, fineness):
 
 
 def exact(setup, fineness):
-    """Factors of the fluid's force along x and torque about y on the sphere."""
+    """Returns the factors of the fluid's force along x and torque about y on the sphere."""
     motion, h = parts(setup)
     flow, (force, torque) = flows(h, fineness)[motion], scales(motion, h)
     return {"force": -flow.force(0)[0] / force, "torque": -flow.torque(0, np.array([0, 0, h]))[1] / torque}

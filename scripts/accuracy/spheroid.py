@@ -24,13 +24,13 @@ SHORT_GOALS = [Goal("accuracy.spheroid.r2.axis.oblique.d8.error", 2.25)]  # (12 
 
 
 def parts(setup):
-    """(aspect, way, direction of the force)"""
+    """Returns (aspect, way, direction of the force)."""
     aspect, flow, way = setup.rsplit(".", 2)
     return float(aspect.removeprefix("r")), way, rotation_of(way)[:, 2 if flow == "axis" else 0]
 
 
 def rotation_of(way):
-    """Rodrigues' formula."""
+    """Returns the rotation matrix, by Rodrigues' formula."""
     axis, degrees = TURN[way]
     angle = math.radians(degrees)
     x, y, z = np.array(axis) / np.linalg.norm(axis)
@@ -39,13 +39,13 @@ def rotation_of(way):
 
 
 def semi_axes(aspect):
-    """(polar, equatorial) in radii of the sphere of the same volume."""
+    """Returns (polar, equatorial) in radii of the sphere of the same volume."""
     return aspect**(2 / 3), aspect**(-1 / 3)
 
 
 @functools.cache
 def mobility(aspect, way, fineness):
-    """U = M F / (6 pi mu a)."""
+    """Returns the mobility M: U = M F / (6 pi mu a)."""
     rotation = rotation_of(way)
     spheroid = spheroid_points(np.zeros(3), *semi_axes(aspect), rotation, 400 * fineness, 0.55)
     flows = solve(PeriodicBox((EDGE,) * 3), [spheroid], [uniform(e) for e in np.eye(3)])

@@ -28,7 +28,7 @@ DIGITS = 1e-10  # of the point force's flow: what is left out of Ewald's sums an
 
 
 def _erfc_scaled():
-    """erfc(x) exp(x^2) for 0 <= x <= 6, to 1e-14, as a polynomial in t = 2 / (2 + x)."""
+    """Returns erfc(x) exp(x^2) for 0 <= x <= 6, to 1e-14, as a polynomial in t = 2 / (2 + x)."""
     low = 2 / (2 + 6)
     series = np.polynomial.chebyshev.Chebyshev.interpolate(
         np.vectorize(lambda t: math.erfc(2 / t - 2) * math.exp((2 / t - 2)**2)), 26, [low, 1])
@@ -40,17 +40,17 @@ _erfcx = _erfc_scaled()
 
 @dataclasses.dataclass(frozen=True)
 class Surface:
-    """Where a body's flow is matched (on its surface) and where its point forces are (inside)."""
+    """A Surface says where a body's flow is matched (on its surface) and where its point forces are (inside)."""
     centre: np.ndarray
     matched: np.ndarray    # [m, 3]
     sources: np.ndarray    # [n, 3]
 
 
 class PeriodicBox:
-    """Flow of point forces, repeated with the box; 1 / viscosity, zero mean velocity over the box."""
+    """Computes the flow of point forces, repeated with the box; 1 / viscosity, zero mean velocity over the box."""
 
     def __init__(self, lengths, split=None):
-        """split: 1 / length, Ewald's parameter; its default makes waves and images cost alike."""
+        """Takes Ewald's parameter split, 1 / length; its default makes waves and images cost alike."""
         self.lengths = np.array(lengths, float)
         self.volume = self.lengths.prod()
         reach = math.sqrt(-math.log(DIGITS)) + 0.3
@@ -69,7 +69,7 @@ class PeriodicBox:
         self.images = np.array(list(itertools.product(*images))) * self.lengths
 
     def velocities(self, targets, sources):
-        """[targets, 3, sources, 3]: velocity at a target (first axes) of a unit force at a source (last axes)."""
+        """Returns [targets, 3, sources, 3]: velocity at a target (first axes) of a unit force at a source (last axes)."""
         result = self._long_range(targets, sources)
         away = targets[:, None, :] - sources[None, :, :]
         away -= self.lengths * np.round(away / self.lengths)
@@ -109,10 +109,10 @@ class PeriodicBox:
 
 
 class Channel:
-    """Flow of point forces between plates at rest at z = 0 and z = height, repeated along x and y; no mean pressure gradient."""
+    """Computes the flow of point forces between plates at rest at z = 0 and z = height, repeated along x and y; no mean pressure gradient."""
 
     def __init__(self, lengths, height, nearest):
-        """nearest: least of the sums of distances to a plate, of a source and of a target."""
+        """Takes nearest, the least of the sums of distances to a plate, of a source and of a target."""
         self.lengths, self.height = np.array(lengths, float), float(height)
         self.area = self.lengths.prod()
         self.periodic = PeriodicBox((*self.lengths, 2 * self.height))
@@ -131,7 +131,7 @@ class Channel:
         return result
 
     def _mean_profile(self, z, source):
-        """What the mean over x and y of the flow between the plates is more than that of the periodic one."""
+        """Returns what the mean over x and y of the flow between the plates is more than that of the periodic one."""
         z, source = z[:, None], source[None, :]
         plates = np.minimum(z, source) * (self.height - np.maximum(z, source)) / self.height
         d, period = np.abs(z - source), 2 * self.height
@@ -187,7 +187,7 @@ class Channel:
         add(2, 2, w, of_z, one)
 
     def _source_waves(self, kappa, distances):
-        """The periodic flow's wave at signed distances (z) from point forces, along e and z, and across: [waves, sources]."""
+        """Returns the periodic flow's wave at signed distances (z) from point forces, along e and z, and across: [waves, sources]."""
         result = dict.fromkeys(("across", "e of e", "z of e", "e of z", "z of z"), 0)
         for image in range(-3, 4):
             z = np.abs(s := distances + image * 2 * self.height)
@@ -202,7 +202,7 @@ class Channel:
 
 
 def fibonacci(count):
-    """Points spread evenly over the unit sphere."""
+    """Returns points spread evenly over the unit sphere."""
     i = np.arange(count) + 0.5
     z, angle = 1 - 2 * i / count, np.pi * (1 + math.sqrt(5)) * i
     r = np.sqrt(1 - z**2)
@@ -210,14 +210,14 @@ def fibonacci(count):
 
 
 def sphere_points(centre, radius, count=400, depth=0.65):
-    """A sphere; its point forces at depth times the radius. Another sphere or a plate at a gap g (in radii) has its images
+    """Returns the points of a sphere, with its point forces at depth times the radius. Another sphere or a plate at a gap g (in radii) has its images
     at most at 1 - sqrt(g (1 + g / 4)) (sphere) or 1 - sqrt(g (2 + g)) + g (plate): the depth must be above that."""
     return Surface(np.array(centre, float), centre + radius * fibonacci(2 * count),
                    centre + radius * depth * fibonacci(count))
 
 
 def spheroid_points(centre, polar, equatorial, rotation, count=600, depth=0.6):
-    """A spheroid, its axis of symmetry the last column of rotation; the point forces on a confocal one (inside it all of an
+    """Returns the points of a spheroid whose axis of symmetry is the last column of rotation, with the point forces on a confocal one (inside it all of an
     isolated spheroid's singularities lie between the foci), whose smaller axis is depth times the body's."""
     shift = (1 - depth**2) * min(polar, equatorial)**2
     axes = np.array([equatorial, equatorial, polar])
@@ -235,7 +235,7 @@ def rotation_about(centre, omega):
 
 @dataclasses.dataclass
 class Mirrors:
-    """Planes through a point, across which the flow and the bodies are mirrored: u(Rx) = sign R u(x)."""
+    """Mirrors are planes through a point, across which the flow and the bodies are mirrored: u(Rx) = sign R u(x)."""
     centre: np.ndarray
     signs: tuple             # of the planes normal to x, y, z; 0: no mirror
 
@@ -247,7 +247,7 @@ class Mirrors:
         return self.centre + flip * (points - self.centre)
 
     def whole(self, sources, strengths, residual):
-        """The flow of the point forces and of their images."""
+        """Returns the flow of the point forces and of their images."""
         parts = list(self.elements())
         return Flow([np.concatenate([self.image(y, flip) for flip, _ in parts]) for y in sources],
                     [np.concatenate([sign * flip * f for flip, sign in parts]) for f in strengths], residual)
@@ -271,14 +271,14 @@ class Flow:
 
 
 def least_squares(matrix, wanted):
-    """By the triangle of both side by side: several times faster than numpy's singular values."""
+    """Solves the least squares by the triangle of both side by side: several times faster than numpy's singular values."""
     n = matrix.shape[1]
     triangle = np.linalg.qr(np.hstack([matrix, wanted]), mode="r")
     return np.linalg.solve(triangle[:n, :n], triangle[:n, n:])
 
 
 def solve(box, bodies, velocities, mirrors=None):
-    """The flows in the box, one for each of the velocities (functions of the points) that the bodies' surfaces have. With
+    """Returns the flows in the box, one for each of the velocities (functions of the points) that the bodies' surfaces have. With
     mirrors the bodies are those of one part, and what is mirrored belongs to them too."""
     mirrors = mirrors or Mirrors(np.zeros(3), (0, 0, 0))
     matched = np.concatenate([mirrors.kept(b.matched) for b in bodies])

@@ -20,7 +20,7 @@ STEADY = 2e-4               # what a force may still change in the last fifth of
 
 
 def references(problem):
-    """{setup: {quantity: value}} of a problem."""
+    """Returns {setup: {quantity: value}} of a problem."""
     found = {}
     with open(REFERENCE) as stream:
         for row in csv.DictReader(line for line in stream if not line.startswith("#")):
@@ -30,14 +30,14 @@ def references(problem):
 
 
 def offsets(number):
-    """Places of a body's centre in its cell, [0, 1)^3: each coordinate once in each of `number` equal parts, in random order."""
+    """Returns places of a body's centre in its cell, [0, 1)^3: each coordinate once in each of `number` equal parts, in random order."""
     generator = random.Random(1880)
     columns = [generator.sample(range(number), number) for _ in range(3)]
     return [tuple((place + generator.random()) / number for place in row) for row in zip(*columns)]
 
 
 def speed(diameter):
-    """Of the flow, in cells a step."""
+    """Returns the speed of the flow, in cells a step."""
     return REYNOLDS * VISCOSITY / diameter
 
 
@@ -51,7 +51,7 @@ def body(shape, position, motion="fixed", **keys):
 
 
 def case(title, cells, shape, bodies, steps, boundary='"periodic"', fluid="", quantities=()):
-    """The text of a case. shape: the keys of the only shape; quantities: axes of drag coefficients. The bodies are written ten
+    """Returns the text of a case. shape: the keys of the only shape; quantities: axes of drag coefficients. The bodies are written ten
     times, an odd number of steps apart: cli has modes in narrow gaps that change sign every step and fade slowly."""
     every = max(1, steps // 20) * 2 + 1
     parts = [f'title = "{title}"', '[units]\nsystem = "lattice"',
@@ -70,7 +70,7 @@ def whole(cells):
 
 
 def settled(series, scale):
-    """The end of a series of vectors, without what alternates from step to step (see case). ValueError if it has changed by
+    """Returns the end of a series of vectors, without what alternates from step to step (see case). ValueError if it has changed by
     more than STEADY of the scale in the last fifth of the run."""
     smooth = (series[:-2] + 2 * series[1:-1] + series[2:]) / 4
     if (change := max(abs(smooth[-1] - smooth[-3])) / scale) > STEADY:
@@ -79,12 +79,12 @@ def settled(series, scale):
 
 
 def alternating(series, scale):
-    """What the end of a series has that changes its sign every step, in percent of the scale."""
+    """Returns what the end of a series has that changes its sign every step, in percent of the scale."""
     return 100 * max(abs(series[-1] - 2 * series[-2] + series[-3])) / 4 / scale
 
 
 def drag(run, outcome, axis="x"):
-    """The drag coefficient of fixed bodies along an axis, with the steady force in place of that of the last step."""
+    """Returns the drag coefficient of fixed bodies along an axis, with the steady force in place of that of the last step."""
     scene = tomllib.loads(run.case)
     forces = outcome.bodies.array("force")
     shape, i = scene["shapes"][0], "xyz".index(axis)
@@ -99,13 +99,13 @@ def percent(found, exact):
 
 
 def mean_and_spread(errors):
-    """Mean over the places on the lattice, and the standard deviation of one of them."""
+    """Returns the mean over the places on the lattice, and the standard deviation of one of them."""
     mean = sum(errors) / len(errors)
     return mean, math.sqrt(sum((e - mean)**2 for e in errors) / max(1, len(errors) - 1))
 
 
 def summary(problem, measured, fine):
-    """Figures of a problem whose runs are named SETUP.dD.placeN and have errors: of each setup and D the mean over the places
+    """Returns figures of a problem whose runs are named SETUP.dD.placeN and have errors: of each setup and D the mean over the places
     and the spread, the largest of the means at the fine D, and the largest alternating part."""
     groups = {}
     for key, found in measured.items():

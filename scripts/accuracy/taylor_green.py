@@ -38,7 +38,7 @@ def reference():
 
 
 def scales(N):
-    """(cells that are 1, steps that are 1)."""
+    """Returns (cells that are 1, steps that are 1)."""
     length = N / (2 * math.pi)
     return length, length / SPEED
 
@@ -68,7 +68,7 @@ def runs(level):
 
 
 def at(table, t):
-    """Of the table, by a parabola through the three nearest times: it is given every quarter."""
+    """Returns the value of the table, by a parabola through the three nearest times: it is given every quarter."""
     k = min(max(round(t * 4), 1), 39)
     x = 4 * t - k
     before, here, after = (table[0.25 * (k + i)] for i in (-1, 0, 1))

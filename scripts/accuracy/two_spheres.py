@@ -30,7 +30,7 @@ def parts(setup):
 
 
 def exact(setup, fineness):
-    """K of the box, from points in half of it (mirrored where the line is an axis)."""
+    """Returns K of the box, from points in half of it (mirrored where the line is an axis)."""
     direction, gap = parts(setup)
     line, image = LINE[direction], 1 - math.sqrt(gap * (1 + gap / 4))
     depth = max(0.6, image + 0.25 * (1 - image))

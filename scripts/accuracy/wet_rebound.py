@@ -31,7 +31,7 @@ SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d10.difference", SCATTER)]
 
 
 def terminal_velocity(ball, diameter, density, mu):
-    """Drag after Schiller and Naumann."""
+    """Returns the drag after Schiller and Naumann."""
     v = 0.1
     for _ in range(200):
         reynolds = density * v * diameter / mu
@@ -61,7 +61,7 @@ def runs(level):
 
 
 def rebound(gap, velocity):
-    """Speeds at GAP before and after the lowest point (0: it does not come back), by linear interpolation."""
+    """Returns speeds at GAP before and after the lowest point (0: it does not come back), by linear interpolation."""
     lowest = int(np.argmin(gap))
     down = int(np.nonzero(gap[:lowest] > GAP)[0][-1])
     up = np.nonzero(gap[lowest:] > GAP)[0]

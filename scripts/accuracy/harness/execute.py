@@ -12,7 +12,7 @@ ENVIRONMENT = {"OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_btl_vader_single_c
 
 
 class RunFailed(Exception):
-    """What happened, and the end of the log."""
+    """RunFailed says what happened, with the end of the log."""
 
 
 def launcher(ranks):
@@ -31,7 +31,7 @@ def write_case(run, folder):
 
 
 def execute(silt, module, run, folder):
-    """What is kept of the run. The folder is gone afterwards, unless the run failed. Raises RunFailed."""
+    """Returns what is kept of the run. The folder is gone afterwards, unless the run failed. Raises RunFailed."""
     write_case(run, folder)
     command = launcher(run.ranks) + [silt, "run", folder, "--out", folder / "out"]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -54,7 +54,7 @@ def numbers(measured):
 
 
 def costs(report, ranks):
-    """Core-seconds: of the steps alone, without start-up and output."""
+    """Returns the core-seconds of the steps alone, without start-up and output."""
     return {"core_seconds": report["step_seconds"] * ranks, "wall_seconds": report["wall_seconds"],
             "steps": report["steps"], "mlups": report["mlups"], "stage_seconds": report["stage_seconds"],
             "commit": report["commit"]}

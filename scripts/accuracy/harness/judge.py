@@ -9,7 +9,7 @@ from harness import problems
 
 @dataclasses.dataclass
 class Row:
-    """A figure: what was found (nan: not measured), and what it is held to."""
+    """A Row is a figure: what was found (nan: not measured), and what it is held to."""
     problem: str
     figure: str
     found: float
@@ -28,7 +28,7 @@ class Judged:
 
 
 def judge(module, entries, level):
-    """entries: {run.key: what is kept of it} of the runs that are there."""
+    """Judges the figures by entries, {run.key: what is kept of it}, of the runs that are there."""
     goals = {goal.figure: goal for goal in problems.goals_of(module, level)}
     try:
         found = {name: as_found(value) for name, value in module.figures(measured_of(entries)).items()} if entries else {}

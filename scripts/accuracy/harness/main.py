@@ -53,7 +53,7 @@ class Session:
         self.faults = []
 
     def copy_program(self):
-        """What the whole session runs, even if the program is built anew meanwhile."""
+        """Returns what the whole session runs, even if the program is built anew meanwhile."""
         copy = self.out / "scratch" / f"silt-{self.program[:20]}"
         copy.parent.mkdir(parents=True, exist_ok=True)
         self.silt = pathlib.Path(shutil.copy2(self.silt, copy))
@@ -89,7 +89,7 @@ class Session:
         print(f"{name}: {kept['core_seconds']:.3g} core-seconds; {shown}", flush=True)
 
     def run_all(self, wanted):
-        """Those of several ranks one by one, the others `jobs` at a time."""
+        """Runs those of several ranks one by one, the others `jobs` at a time."""
         for module, run in wanted:
             if run.ranks > 1:
                 self.run(module, run)
@@ -102,7 +102,7 @@ class Session:
                 raise
 
     def conclude(self, modules):
-        """Figures, tables, plots of what is there; the rows of the summary, and what they cost."""
+        """Writes figures, tables and plots of what is there; returns the rows of the summary, and what they cost."""
         rows, runs = [], []
         for module in modules:
             its_runs = self.runs(module)
@@ -134,7 +134,7 @@ def built_silt():
 
 
 def load_modules(arguments, parser):
-    """(modules, {name: what is wrong}). Ends the program for an unknown name."""
+    """Returns (modules, {name: what is wrong}). Ends the program for an unknown name."""
     known = problems.names(arguments.folder)
     sys.path.insert(0, str(arguments.folder))
     for name in arguments.problems:

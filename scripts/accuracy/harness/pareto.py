@@ -19,7 +19,7 @@ def curves_of(module, runs, entries, measured):
 
 
 def default_curves(runs, entries):
-    """|error| of the runs that measured one: a curve for all settings but D, points in the order of D."""
+    """Returns |error| of the runs that measured one: a curve for all settings but D, points in the order of D."""
     found = {}
     for run in runs:
         entry = entries[run.key]
@@ -31,7 +31,7 @@ def default_curves(runs, entries):
 
 
 def slope(points):
-    """d log|error| / d log cost by least squares; None for less than two costs."""
+    """Returns d log|error| / d log cost by least squares; None for less than two costs."""
     logs = [(math.log(cost), math.log(abs(error))) for cost, error, _ in points]
     n = len(logs)
     mx, my = (sum(column) / max(n, 1) for column in zip(*logs)) if n else (0, 0)
@@ -62,7 +62,7 @@ def plot(path, title, curves):
 
 
 def write_plots(folder, module, curves):
-    """The files written; none without points."""
+    """Returns the files written; none without points."""
     files = []
     for name in dict.fromkeys(curve.plot for curve in curves):
         shown = [curve for curve in curves if curve.plot == name and drawable(curve)]

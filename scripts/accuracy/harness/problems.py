@@ -8,12 +8,12 @@ HAS_GOALS = re.compile(r"^GOALS\b", re.MULTILINE)
 
 
 def names(folder):
-    """Of the modules that are problems: those that say GOALS."""
+    """Returns the modules that are problems: those that say GOALS."""
     return sorted(path.stem for path in folder.glob("*.py") if HAS_GOALS.search(path.read_text()))
 
 
 def load(folder, name):
-    """(module, None), or (None, what is wrong with it)."""
+    """Returns (module, None), or (None, what is wrong with it)."""
     try:
         spec = importlib.util.spec_from_file_location(name, folder / f"{name}.py")
         module = importlib.util.module_from_spec(spec)
@@ -26,7 +26,7 @@ def load(folder, name):
 
 
 def runs_of(module, level):
-    """Its runs; ValueError where two have one key."""
+    """Returns its runs; raises ValueError where two have one key."""
     runs = module.runs(level)
     keys = [run.key for run in runs]
     for key in keys:
@@ -40,5 +40,5 @@ def goals_of(module, level):
 
 
 def summary(module):
-    """The first line of its docstring."""
+    """Returns the first line of its docstring."""
     return (module.__doc__ or "").strip().split("\n")[0]

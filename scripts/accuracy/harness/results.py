@@ -14,7 +14,7 @@ def digest(*texts):
 
 
 def fingerprint(module, run, program):
-    """What a result hangs on. Of the module only the text of measure: helpers that change need --rerun."""
+    """Returns what a result hangs on. Of the module only the text of measure: helpers that change need --rerun."""
     files = [part for item in sorted(run.files.items()) for part in item]
     return digest(module.__name__, run.key, run.case, run.ranks, inspect.getsource(module.measure), program, *files)
 

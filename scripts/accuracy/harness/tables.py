@@ -20,7 +20,7 @@ def commit(root):
 
 
 def write_json(path, root, rows):
-    """Figures by key; null where one was asked for and not measured."""
+    """Returns figures by key; null where one was asked for and not measured."""
     number = lambda x: x if x is not None and math.isfinite(x) else None  # noqa: E731
     table = [{"figure": row.figure, "found": number(row.found), "goal": str(row.goal) if row.goal else None, "met": row.met,
               "core_seconds": number(row.core_seconds)} for row in rows]
@@ -29,7 +29,7 @@ def write_json(path, root, rows):
 
 
 def write_csv(path, runs):
-    """runs: (problem, Run, entry). Settings and measured numbers in columns of their own."""
+    """Writes runs, (problem, Run, entry), with settings and measured numbers in columns of their own."""
     rows = [{"problem": problem, "run": run.key, **run.settings, **entry["measured"],
              **{name: entry[name] for name in ("steps", "core_seconds", "wall_seconds", "mlups")}}
             for problem, run, entry in runs]
@@ -41,7 +41,7 @@ def write_csv(path, runs):
 
 
 def markdown(rows):
-    """Aligned, so that it reads well on a terminal too."""
+    """Returns a table, aligned so that it reads well on a terminal too."""
     head = ["figure", "found", "goal", "met", "core-seconds"]
     cells = [head] + [[f"`{row.figure}`", shown(row.found), str(row.goal) if row.goal else "", verdict(row),
                        "" if row.core_seconds is None else f"{row.core_seconds:.3g}"] for row in rows]

@@ -83,9 +83,12 @@ TEST(FullDisk, is_told_of_a_field_file) {
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
   const auto write = [&] {
     adapters::write_fields(
-        MPI_COMM_WORLD, scratch / "fields_1.hdf", {cells}, boxes,
-        {{"density", "", 1, [&](std::size_t b, double* out) { std::fill_n(out, boxes[b].cells(), 1.25); }}},
-        0, 1, {});
+        MPI_COMM_WORLD, scratch / "fields_1.hdf", boxes,
+        {{cells},
+         {{"density", "", 1, [&](std::size_t b, double* out) { std::fill_n(out, boxes[b].cells(), 1.25); }}},
+         0,
+         1},
+        {});
   };
   for (const rlim_t limit : {100, 20000}) {
     std::string error;

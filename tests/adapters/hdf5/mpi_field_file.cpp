@@ -34,7 +34,7 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
 
 void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
            double time = 1.5) {
-  adapters::write_fields(comm, path, grid, boxes, quantities(boxes), time, 100, provenance);
+  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, 100}, provenance);
 }
 
 TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
