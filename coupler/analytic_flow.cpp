@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/case/case.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "lbm/lattice.hpp"
 
@@ -33,9 +34,9 @@ std::array<double, 3> TaylorGreen::strain_rate(double x, double y, double t) con
   return {xx, -xx, 0.5 * a * (-ky + kx * kx / ky) * cc};
 }
 
-std::unique_ptr<ExactProfile> exact_profile(const Case& scene, const std::string& name) {
-  if (name == "pipe") return std::make_unique<PipeProfile>(scene);
-  return std::make_unique<WallProfile>(scene, name);
+std::unique_ptr<ExactProfile> exact_profile(const Case& scene, Profile profile) {
+  if (profile == Profile::pipe) return std::make_unique<PipeProfile>(scene);
+  return std::make_unique<WallProfile>(scene, profile);
 }
 
 PipeProfile::PipeProfile(const Case& scene) : viscosity_(scene.fluid->kinematic_viscosity) {
@@ -61,8 +62,8 @@ double PipeProfile::largest() const {
   return std::abs(velocity(tube_.point).dot(tube_.axis)) + std::abs(tube_.angular_velocity) * tube_.radius;
 }
 
-WallProfile::WallProfile(const Case& scene, const std::string& profile)
-    : is_duct_(profile == "duct"), viscosity_(scene.fluid->kinematic_viscosity) {
+WallProfile::WallProfile(const Case& scene, Profile profile)
+    : is_duct_(profile == Profile::duct), viscosity_(scene.fluid->kinematic_viscosity) {
   const rigid::Vec3& force = scene.fluid->body_force;
   force.cwiseAbs().maxCoeff(&flow_axis_);
   acceleration_ = force[flow_axis_];
@@ -75,7 +76,7 @@ WallProfile::WallProfile(const Case& scene, const std::string& profile)
   }
   if (acceleration_ == 0 || walls != (is_duct_ ? 2 : 1) || !scene.periodic(flow_axis_))
     throw CaseError(scene.place("quantities"),
-                    "the profile \"" + profile +
+                    "the profile \"" + std::string(profile_names[profile]) +
                         "\" needs a fluid.body_force along a periodic axis and walls across " +
                         (is_duct_ ? "the two other axes" : "exactly one other axis"));
 }
@@ -167,9 +168,9 @@ void set_vortex(const Case& scene, Flow& flow) {
 
 void set_initial_flow(const Case& scene, Flow& flow) {
   const FluidSpec& fluid = *scene.fluid;
-  if (fluid.initial == "taylor-green") return set_vortex<TaylorGreen>(scene, flow);
-  if (fluid.initial == "taylor-green-3d") return set_vortex<TaylorGreen3D>(scene, flow);
-  if (fluid.initial != "uniform") return;
+  if (fluid.initial == InitialFlow::taylor_green) return set_vortex<TaylorGreen>(scene, flow);
+  if (fluid.initial == InitialFlow::taylor_green_3d) return set_vortex<TaylorGreen3D>(scene, flow);
+  if (fluid.initial != InitialFlow::uniform) return;
   const rigid::Vec3& u = fluid.initial_velocity;
   for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
     flow.set_equilibrium(b, cell, 0, {u[0], u[1], u[2]});

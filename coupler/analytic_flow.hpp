@@ -2,10 +2,15 @@
 // Flows with closed forms, in lattice units: what a run may begin with, and what it is compared with.
 #include <array>
 #include <memory>
+#include <string>
 
-#include "coupler/case/case.hpp"
+#include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
+
+struct Case;
+enum class Profile;
+class Flow;
 
 /// The two-dimensional Taylor-Green vortex in the x-y plane, one wave a period:
 ///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y) e^(-nu (kx^2 + ky^2) t),  exact for incompressible
@@ -31,7 +36,7 @@ class ExactProfile {
 };
 
 /// "channel", "duct" or "pipe", from the walls and the body force of a case. CaseError if it has others.
-std::unique_ptr<ExactProfile> exact_profile(const Case&, const std::string& name);
+std::unique_ptr<ExactProfile> exact_profile(const Case&, Profile);
 
 /// Along the body force in a tube that slides and turns: a (R^2 - r^2) / (4 nu) along the axis and the rigid
 /// motion of the tube.
@@ -50,7 +55,7 @@ class PipeProfile : public ExactProfile {
 /// two). Walls half way between cells.
 class WallProfile : public ExactProfile {
  public:
-  WallProfile(const Case&, const std::string& profile);
+  WallProfile(const Case&, Profile);
   rigid::Vec3 velocity(const rigid::Vec3& x) const override {
     return (*this)({x[0], x[1], x[2]}) * rigid::Vec3::Unit(flow_axis_);
   }
@@ -68,6 +73,6 @@ class WallProfile : public ExactProfile {
 };
 
 /// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh (at rest).
-void set_initial_flow(const Case&, class Flow&);
+void set_initial_flow(const Case&, Flow&);
 
 }  // namespace silt::coupler

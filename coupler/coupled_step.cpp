@@ -1,60 +1,36 @@
 #include "coupler/coupled_step.hpp"
 
-#include <chrono>
-
 namespace silt::coupler {
-
-namespace {
-/// Adds the time since the last lap to a stage.
-class Laps {
- public:
-  explicit Laps(StageSeconds& seconds) : seconds_(seconds) {}
-  void end(Stage stage) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds_[int(stage)] += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-  /// Time that was counted for one stage belongs to another.
-  void move(Stage from, Stage to, double seconds) {
-    seconds_[int(from)] -= seconds, seconds_[int(to)] += seconds;
-  }
-
- private:
-  StageSeconds& seconds_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-}  // namespace
 
 CoupledStep::CoupledStep(const SceneParts& scene) : scene_(scene) {}
 
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
-  Laps laps(seconds_);
-  if (scene_.flow) {
-    if (scene_.surfaces) {
-      scene_.flow->map_bodies(bodies);  // Algorithm 2, line 1: object mapping
-      laps.end(Stage::object_mapping);
-    }
-    scene_.flow->stream_collide(scene_.gravity);  // line 2, and on the way what most surfaces return
-    laps.end(Stage::stream_collide);
-    laps.move(Stage::stream_collide, Stage::force_evaluation, scene_.flow->take_link_seconds());
-    scene_.flow->communicate();
-    laps.end(Stage::lbm_communication);
-    if (scene_.surfaces) {
-      scene_.flow->evaluate_forces(bodies, scene_.gravity);  // line 3: what surfaces return, forces on bodies
-      if (scene_.forces_seen) scene_.forces_seen(bodies);
-      laps.end(Stage::force_evaluation);
-    }
+  if (Flow* const flow = scene_.flow) {
+    // Lines 1 and 2-4. Line 1 sends the densities around every body; here the moments around uncovered cells
+    // go, once the bodies are mapped, and only if there are such cells.
+    if (scene_.surfaces) clock_.timed(Stage::object_mapping, [&] { flow->map_bodies(bodies); });
+    // Lines 6-8, and of lines 9-11 what surfaces within a block return, while its populations are in cache.
+    clock_.timed(Stage::stream_collide, [&] { flow->stream_collide(clock_); });
+    // Line 5. Populations stream in place, so they are exchanged after the pass instead of before it.
+    clock_.timed(Stage::lbm_communication, [&] { flow->communicate(); });
+    // Lines 9-11: what the other surfaces return, and the forces on the bodies.
+    if (scene_.surfaces) clock_.timed(Stage::force_evaluation, [&] { flow->evaluate_forces(bodies); });
+    if (scene_.forces_seen) scene_.forces_seen(bodies);
   }
-  rigid::RigidStepReport report;
-  if (scene_.rigid_step) {
-    report = scene_.rigid_step->advance(bodies, scene_.substeps);  // line 4: the physics engine, Algorithm 1
-    const rigid::StageClock& parts = report.seconds;
-    seconds_[int(Stage::integrate)] += parts.integrate;
-    seconds_[int(Stage::collision_detection)] += parts.collision_detection;
-    seconds_[int(Stage::contact_response)] += parts.contact_response;
-    seconds_[int(Stage::body_synchronisation)] += parts.synchronisation;
-  }
+  // Line 12: the physics engine, Algorithm 1.
+  if (!scene_.rigid_step) return {};
+  const rigid::RigidStepReport report = scene_.rigid_step->advance(bodies, scene_.substeps);
+  bodies_ += report.seconds;
   return report;
+}
+
+StageSeconds CoupledStep::seconds() const {
+  StageSeconds all = clock_.seconds();
+  all[int(Stage::integrate)] = bodies_.integrate;
+  all[int(Stage::collision_detection)] = bodies_.collision_detection;
+  all[int(Stage::contact_response)] = bodies_.contact_response;
+  all[int(Stage::body_synchronisation)] = bodies_.synchronisation;
+  return all;
 }
 
 }  // namespace silt::coupler

@@ -1,19 +1,16 @@
 #include "coupler/flow.hpp"
 
-#include <xxhash.h>
-
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <limits>
-#include <utility>
 
-#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/refill.hpp"
+#include "coupler/side_force.hpp"
+#include "coupler/state_hash.hpp"
 
 namespace silt::coupler {
 
@@ -22,63 +19,61 @@ using rigid::Vec3;
 
 namespace {
 
-/// Steps between two weighings of the fluid for the pressure anchor, each the price of some steps.
-constexpr std::int64_t weighing_interval = 2000;
+lbm::CollisionSpec collision_of(const FluidSpec& f) {
+  return {f.relaxation_time, f.magic, f.collision, {f.body_force[0], f.body_force[1], f.body_force[2]}};
+}
 
-/// Of mass and momentum of cells.
-std::int64_t to_quanta(double x) {
-  return std::llrint(x / lbm::mass_quantum);
+/// Where fluid may come and go, its mass is not to be kept.
+bool is_open(const Case& scene) {
+  return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& b) {
+    return b.kind == BoundaryKind::pressure_outlet || b.kind == BoundaryKind::velocity_inlet;
+  });
+}
+
+template <class T>
+std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
+  std::vector<lbm::CellBox> all;
+  for (const auto& b : fluid.blocks()) all.push_back(b.box());
+  return all;
 }
 
 template <class T>
 class FlowOf final : public Flow {
  public:
-  FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const BodyExchange& exchange)
+  FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange)
       : coupling_(scene.coupling),
         world_(exchange.world()),
-        fluid_(domain, collision(*scene.fluid), comm),
+        fluid_(domain, collision_of(*scene.fluid), comm),
         map_(fluid_.domain(), world_, boxes(fluid_)),
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
-        forces_(coupling_, exchange, scene.contacts.substeps),
-        anchored_(scene.coupling.pressure_anchor && scene.has_surfaces() && !has_outlet(scene)) {}
+        forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time),
+        corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {}
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
-    const bool changed =
-        std::any_of(map_.blocks().begin(), map_.blocks().end(), [](auto& b) { return b.changed; });
-    if (changed) remap(bodies);
+    if (map_.changed()) remap(bodies);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
-    give_pending_blows(bodies);
+    give_pending_impacts(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
-  void stream_collide(const Vec3& gravity) override {
-    if (anchored_) set_anchor_density();
+  void stream_collide(StepClock& clock) override {
+    if (corrects_mass_) fluid_.set_mass_correction(correction_.take_surplus());
     if (world_.shapes.empty()) return fluid_.stream_collide();
     fluid_.stream_collide([&](int b, int part) {
-      if (!forces_.waiting(links_[b], part)) return;
-      const auto begin = std::chrono::steady_clock::now();
-      forces_.after_part(fluid_.blocks()[b], links_[b], part, gravity);
-      link_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      if (forces_.waiting(links_[b], part))
+        clock.timed(Stage::force_evaluation,
+                    [&] { forces_.after_part(fluid_.blocks()[b], links_[b], part); });
     });
   }
-  double take_link_seconds() override { return std::exchange(link_seconds_, 0.0); }
-
   void communicate() override { fluid_.exchange(); }
 
-  void evaluate_forces(rigid::BodySet& bodies, const Vec3& gravity) override {
+  void evaluate_forces(rigid::BodySet& bodies) override {
     stepped_ = true;
-    const std::int64_t from_links = forces_(fluid_, links_, bodies, gravity);
-    if (!anchored_) return;
-    std::int64_t mine[3] = {from_links, mass_gained_, cells_gained_}, all[3];
-    MPI_Allreduce(mine, all, 3, MPI_INT64_T, MPI_SUM, fluid_.comm());
-    anchor_.gain = all[0];
-    anchor_.mass += all[0] + all[1] + to_quanta(anchor_density_ * double(all[2]));
-    anchor_.fluid_cells += all[2];
-    mass_gained_ = cells_gained_ = 0;
-    if (++anchor_.steps % weighing_interval == 0) weigh();
+    const std::int64_t gain = forces_.finish(fluid_, links_, bodies);
+    if (corrects_mass_ && correction_.end_step(fluid_.comm(), gain)) correction_.recount(totals());
   }
 
   const lbm::Domain& domain() const override { return fluid_.domain(); }
@@ -94,55 +89,46 @@ class FlowOf final : public Flow {
   void set_arriving(int b, Int3 x, int i, double g) override { fluid_.arriving(b, x, i) = T(g); }
   std::size_t bytes() const override { return fluid_.bytes(); }
   MappingCounts mapping() const override { return counts_; }
-  AnchorState anchor() const override { return anchor_; }
-  void set_anchor(const AnchorState& a) override { anchor_ = a, restarted_ = true; }
+  const MassCorrectionState& mass_correction() const override { return correction_.state(); }
+  void set_mass_correction(const MassCorrectionState& state) override {
+    correction_.set_state(state);
+    restarted_ = true;
+  }
 
   void start(rigid::BodySet& bodies) override {
     map_(bodies);
     rebuild_links(bodies);
     if (restarted_) return;
     forces_.start(map_.blocks(), bodies);
-    if (anchored_) weigh();
+    if (corrects_mass_) correction_.recount(totals());
   }
 
-  FlowTotals totals() const override;
-  std::uint64_t hash() const override;
-  Vec3 side_force(int axis, bool upper) const override;
+  FlowTotals totals() const override { return flow_totals<T>(fluid_, map_.blocks()); }
+  std::uint64_t hash() const override { return hash_fluid<T>(fluid_, map_.blocks()); }
+  Vec3 side_force(int axis, bool upper) const override {
+    return coupler::side_force<T>(fluid_, map_.blocks(), axis, upper);
+  }
   Load wall_load(std::size_t wall) const override {
     if (!stepped_) return {};
     auto sums = forces_.wall_load(wall);
     MPI_Allreduce(MPI_IN_PLACE, sums.data(), 6, MPI_INT64_T, MPI_SUM, fluid_.comm());
     Load load;
-    for (int d = 0; d < 3; ++d)
-      load.force[d] = double(sums[d]) * lbm::link_quantum,
+    for (int d = 0; d < 3; ++d) {
+      load.force[d] = double(sums[d]) * lbm::link_quantum;
       load.torque[d] = double(sums[3 + d]) * lbm::link_quantum;
+    }
     return load;
   }
 
  private:
-  static lbm::CollisionSpec collision(const FluidSpec& f) {
-    return {f.relaxation_time, f.magic, f.collision, {f.body_force[0], f.body_force[1], f.body_force[2]}};
-  }
-  static bool has_outlet(const Case& scene) {
-    return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& b) {
-      return b.kind == BoundaryKind::pressure_outlet || b.kind == BoundaryKind::velocity_inlet;
-    });
-  }
-  static std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
-    std::vector<lbm::CellBox> all;
-    for (const auto& b : fluid.blocks()) all.push_back(b.box());
-    return all;
-  }
-
-  /// The pressure anchor: interpolated walls, and cells that change sides, do not conserve mass. What is
-  /// known to have been gained, and as much as the links gained in the last step for the one to come, is
-  /// taken out of all cells alike. (Cells that have changed sides in this step are known when it ends.)
-  void set_anchor_density() {
-    const std::int64_t surplus = anchor_.mass + anchor_.gain;
-    anchor_density_ =
-        anchor_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(anchor_.fluid_cells) : 0;
-    fluid_.set_anchor(anchor_density_);
-    anchor_.mass -= surplus;  // to the quantum; the rounding of single cells is not seen
+  /// Cells that changed sides, and links.
+  void remap(const rigid::BodySet& bodies) {
+    const ChangedCells cells = changed_cells(map_.blocks());
+    for_fetched(cells.covered, [&](const CoveredCell& c) { take_covered(c, bodies); });
+    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
+    for (const CoveredCell& c : cells.uncovered) take_uncovered(c, bodies);
+    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
+    rebuild_links(bodies);
   }
 
   /// Visits cells whose populations are asked for a few cells ahead.
@@ -155,21 +141,30 @@ class FlowOf final : public Flow {
     }
   }
 
-  /// Cells that changed sides, and links.
-  void remap(const rigid::BodySet& bodies) {
-    const ChangedCells cells = changed_cells(map_.blocks());
-    for_fetched(cells.covered, [&](const CoveredCell& c) { hand_over(c, bodies, +1); });
-    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
-    for (const auto& c : cells.uncovered) hand_over(c, bodies, -1);
-    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
-    rebuild_links(bodies);
+  bool is_exact() const { return coupling_.force == ForceForm::exact; }
+
+  void take_covered(const CoveredCell& c, const rigid::BodySet& bodies) {
+    if (!corrects_mass_ && !is_exact()) return;
+    const lbm::Moments m = fluid_.moments(c.block, c.cell);
+    if (corrects_mass_) correction_.cell_covered(m.density_deviation);
+    if (is_exact()) give_momentum(c, bodies, m, +1);
+  }
+  void take_uncovered(const CoveredCell& c, const rigid::BodySet& bodies) {
+    if (!corrects_mass_ && !is_exact()) return;
+    const lbm::Moments m = fluid_.moments(c.block, c.cell);
+    if (corrects_mass_) correction_.cell_uncovered(m.density_deviation);
+    if (is_exact()) give_momentum(c, bodies, m, -1);
   }
 
-  /// Populations in single precision round: what the anchor knows differs from what there is by some 1e-13 a
-  /// cell and step.
-  void weigh() {
-    const FlowTotals now = totals();
-    anchor_.mass = to_quanta(now.mass_deviation), anchor_.fluid_cells = std::int64_t(now.fluid_cells);
+  /// The body gains (sign 1) or loses (-1) the momentum of a cell.
+  void give_momentum(const CoveredCell& c, const rigid::BodySet& bodies, const lbm::Moments& m, int sign) {
+    if (!c.body) return;
+    const std::size_t row = bodies.row_of(c.body->id);
+    if (row >= bodies.size()) return;
+    const Int3 cell = map_.blocks()[c.block].box.lower + c.cell;
+    const auto u = fluid_.velocity(m);
+    forces_.add_covered(c.body->id, sign * Vec3(u[0], u[1], u[2]),
+                        nearest_arm(fluid_.domain(), bodies.position[row], cell));
   }
 
   /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
@@ -178,8 +173,7 @@ class FlowOf final : public Flow {
     const auto& f = fluid_.spec().force;
     const Vec3 force(f[0], f[1], f[2]);
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_free(row))
-        bodies.add_force(row, bodies.mass[row] * (1 - bodies.weight_factor[row]) * force);
+      if (bodies.is_free(row)) bodies.add_force(row, bodies.displaced_mass(row) * force);
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {
@@ -190,41 +184,12 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_, fluid, fluid_.sweep_of(int(b)), block.surfaces);
-        block.order_groups(fluid_.sweep_of(int(b)));
+        build_links(map, world_, bodies, coupling_, fluid, fluid_.pass_order(int(b)), block.surfaces);
+        block.order_groups(fluid_.pass_order(int(b)));
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
       }
       counts_.links += block.count;
-    }
-  }
-
-  /// Mass, and in the exact form momentum, of a cell that a body covered (+1: the body gains it) or left
-  /// (-1).
-  void hand_over(const CoveredCell& c, const rigid::BodySet& bodies, int sign) {
-    if (!anchored_ && coupling_.force != ForceForm::exact) return;
-    const lbm::Moments m = fluid_.moments(c.block, c.cell);
-    mass_gained_ -= sign * to_quanta(m.density_deviation);
-    cells_gained_ -= sign;
-    if (coupling_.force != ForceForm::exact || !c.body) return;
-    const std::size_t row = bodies.row_of(c.body->id);
-    if (row >= bodies.size()) return;
-    const Vec3 arm =
-        nearest_arm(fluid_.domain(), bodies.position[row], map_.blocks()[c.block].box.lower + c.cell);
-    const auto& force = fluid_.spec().force;
-    const Vec3 momentum(m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1],
-                        m.momentum[2] + 0.5 * force[2]);
-    forces_.hand_over(c.body->id, sign * momentum, arm);
-  }
-
-  template <class F>
-  void for_fluid_cells(F&& f) const {
-    for (int b = 0; b < blocks(); ++b) {
-      const Int3 size = block(b).size;
-      for (int z = 0; z < size.z; ++z)
-        for (int y = 0; y < size.y; ++y)
-          for (int x = 0; x < size.x; ++x)
-            if (is_fluid(b, {x, y, z})) f(b, Int3{x, y, z});
     }
   }
 
@@ -236,101 +201,9 @@ class FlowOf final : public Flow {
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;
-  double link_seconds_ = 0;
-  bool anchored_, restarted_ = false, stepped_ = false;
-  AnchorState anchor_;
-  double anchor_density_ = 0;                        // added to every cell in this step
-  std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's, since the anchor last heard of it
+  bool corrects_mass_, restarted_ = false, stepped_ = false;
+  MassCorrection correction_;
 };
-
-template <class T>
-FlowTotals FlowOf<T>::totals() const {
-  FlowTotals t;
-  std::int64_t sums[5] = {};
-  double high[3] = {0, -std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()};
-  std::int64_t bad = std::numeric_limits<std::int64_t>::max();
-  const Int3 n = domain().cells();
-  for_fluid_cells([&](int b, Int3 x) {
-    const lbm::Moments m = moments(b, x);
-    const auto u = velocity(m);
-    const double speed = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    if (!std::isfinite(m.density_deviation) || !(speed < 1e3)) {
-      const Int3 g = block(b).lower + x;
-      bad = std::min(bad, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x);
-      return;
-    }
-    ++sums[0], sums[1] += to_quanta(m.density_deviation);
-    for (int d = 0; d < 3; ++d) sums[2 + d] += to_quanta(m.momentum[d]);
-    high[0] = std::max(high[0], speed);
-    high[1] = std::max(high[1], -m.density_deviation), high[2] = std::max(high[2], m.density_deviation);
-  });
-  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_INT64_T, MPI_SUM, fluid_.comm());
-  MPI_Allreduce(MPI_IN_PLACE, high, 3, MPI_DOUBLE, MPI_MAX, fluid_.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, fluid_.comm());
-  t.fluid_cells = std::uint64_t(sums[0]);
-  t.mass_deviation = double(sums[1]) * lbm::mass_quantum;
-  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[2 + d]) * lbm::mass_quantum;
-  t.max_speed = high[0], t.min_density = 1 - high[1], t.max_density = 1 + high[2];
-  t.finite = bad == std::numeric_limits<std::int64_t>::max();
-  if (!t.finite) t.bad_cell = {int(bad % n.x), int(bad / n.x % n.y), int(bad / n.x / n.y)};
-  return t;
-}
-
-/// The side that turns a population round which leaves the domain into a cell g: the first wall, in the order
-/// of the axes, as in the halo; none: -1.
-int bouncing_axis(const lbm::Domain& domain, Int3 g) {
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (g[d] >= 0 && g[d] < domain.cells()[d])) continue;
-    if (domain.side(d, g[d] >= 0).kind == lbm::SideKind::bounce) return d;
-  }
-  return -1;
-}
-
-/// Sum of c (f out + f back) over the links across the side.
-template <class T>
-Vec3 FlowOf<T>::side_force(int axis, bool upper) const {
-  const int last = domain().cells()[axis] - 1, outward = upper ? 1 : -1;
-  std::int64_t sums[3] = {};
-  for (int b = 0; b < blocks(); ++b) {
-    const lbm::CellBox& box = block(b);
-    const int at = (upper ? last : 0) - box.lower[axis];
-    if (at < 0 || at >= box.size[axis]) continue;
-    Int3 low{}, high = box.size;
-    low[axis] = at, high[axis] = at + 1;
-    for (int z = low.z; z < high.z; ++z)
-      for (int y = low.y; y < high.y; ++y)
-        for (int x = low.x; x < high.x; ++x) {
-          if (!is_fluid(b, {x, y, z})) continue;
-          for (int i = 1; i < lbm::directions; ++i) {
-            const Int3 c = lbm::c[i];
-            if (c[axis] != outward || bouncing_axis(domain(), box.lower + Int3{x, y, z} + c) != axis)
-              continue;
-            const double out = fluid_.leaving(b, {x, y, z}, i),
-                         back = fluid_.arriving(b, {x, y, z}, lbm::opposite(i));
-            const std::int64_t exchanged = std::llrint((out + back) / lbm::link_quantum);
-            for (int d = 0; d < 3; ++d) sums[d] += c[d] * exchanged;
-          }
-        }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, fluid_.comm());
-  return Vec3(double(sums[0]), double(sums[1]), double(sums[2])) * lbm::link_quantum;
-}
-
-template <class T>
-std::uint64_t FlowOf<T>::hash() const {
-  std::uint64_t sum = 0;
-  const Int3 n = domain().cells();
-  for_fluid_cells([&](int b, Int3 x) {
-    const Int3 g = block(b).lower + x;
-    struct {
-      std::int64_t cell;
-      T g[20];  // one spare: no padding bytes in either precision
-    } record{(std::int64_t(g.z) * n.y + g.y) * n.x + g.x, {}};
-    for (int i = 0; i < lbm::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
-    sum += XXH3_64bits(&record, sizeof record);
-  });
-  return sum;
-}
 
 lbm::SideCondition side_condition(const BoundarySpec& b) {
   lbm::SideCondition s;
@@ -364,7 +237,7 @@ lbm::Domain make_domain(const Case& scene, int ranks) {
 }
 
 std::unique_ptr<Flow> make_flow(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
-                                const BodyExchange& exchange) {
+                                const ParallelBodyExchange& exchange) {
   if (scene.fluid->precision == Precision::single_)
     return std::make_unique<FlowOf<float>>(scene, domain, comm, exchange);
   return std::make_unique<FlowOf<double>>(scene, domain, comm, exchange);

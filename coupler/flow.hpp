@@ -8,36 +8,23 @@
 #include <cstdint>
 #include <memory>
 
-#include "coupler/case/case.hpp"
-#include "lbm/fluid.hpp"
-#include "rigid/bodies/body_exchange.hpp"
+#include "coupler/flow_totals.hpp"
+#include "coupler/mass_correction.hpp"
+#include "coupler/stage.hpp"
+#include "lbm/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
+
+class ParallelBodyExchange;
+struct Case;
 
 /// Cells that changed sides on this rank in the last mapping (ghost cells not counted), and cut links held.
 struct MappingCounts {
   std::uint64_t covered = 0, uncovered = 0, links = 0;
 };
 
-/// Of all ranks, over fluid cells; sums in fixed point, so the same on any number of ranks.
-struct FlowTotals {
-  std::uint64_t fluid_cells = 0;
-  double mass_deviation = 0;         // sum of density deviations
-  std::array<double, 3> momentum{};  // sum of c g (no half force)
-  double max_speed = 0, min_density = 0, max_density = 0;
-  bool finite = true;  // false: some value is not a number (global cell in bad_cell)
-  std::array<int, 3> bad_cell{};
-};
-
-/// What the pressure anchor remembers between steps (mass quanta, 2^-40; the same on every rank).
-struct AnchorState {
-  std::int64_t mass = 0;  // sum of the density deviations of all fluid cells; 0 without an anchor
-  std::int64_t fluid_cells = 0;
-  std::int64_t gain = 0;   // of the last step, through links: what the next one will bring
-  std::int64_t steps = 0;  // since the simulation began
-};
-
+/// Force and torque, lattice units, world frame.
 struct Load {
   rigid::Vec3 force = rigid::Vec3::Zero(), torque = rigid::Vec3::Zero();
 };
@@ -47,20 +34,19 @@ class Flow {
   virtual ~Flow() = default;
 
   // ---- the passes of a step, in this order (Algorithm 2) ----
-  /// Object mapping: bodies that moved further than the tolerance onto the lattice at their present poses;
-  /// links rebuilt where something changed; uncovered cells refilled. Renews mapping_pose of every held row.
+  /// Object mapping: puts bodies that moved further than the tolerance onto the lattice at their present
+  /// poses, rebuilds links where something changed and refills uncovered cells. Renews the mapping pose of
+  /// every body held.
   virtual void map_bodies(rigid::BodySet&) = 0;
-  /// With it the links that touch no ghost cell, while their populations are in cache; under implicit
-  /// coupling this needs the gravity that will act.
-  virtual void stream_collide(const rigid::Vec3& gravity) = 0;
-  /// Seconds that links took within stream_collide since this was last asked.
-  virtual double take_link_seconds() = 0;
+  /// With it the links that touch no ghost cell, while their populations are in cache. The clock counts what
+  /// they take as force evaluation.
+  virtual void stream_collide(StepClock&) = 0;
   /// LBM communication: ghost layers and domain walls.
   virtual void communicate() = 0;
   /// Force evaluation: what the other surfaces return, and force and torque on bodies added to the rows'
   /// accumulators (at the owners). With implicit coupling also solves for the bodies' new velocity and
   /// returns with it.
-  virtual void evaluate_forces(rigid::BodySet&, const rigid::Vec3& gravity) = 0;
+  virtual void evaluate_forces(rigid::BodySet&) = 0;
 
   // ---- between steps ----
   virtual const lbm::Domain& domain() const = 0;
@@ -80,25 +66,24 @@ class Flow {
   virtual MappingCounts mapping() const = 0;  // of the last step, this rank
 
   /// Collective. First call after the bodies exist and before the first step: maps without refilling, at the
-  /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and set_anchor
-  /// first.
+  /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and
+  /// set_mass_correction first.
   virtual void start(rigid::BodySet&) = 0;
   virtual FlowTotals totals() const = 0;  // collective
-  /// Wrapping sum over this rank's fluid cells of XXH3 of global cell index and its arriving populations.
+  /// hash_fluid of this rank (state_hash.hpp).
   virtual std::uint64_t hash() const = 0;
-  /// Force of the fluid on a side of the domain in the last step, by momentum exchange: 0 where it is not a
-  /// wall. Collective, in fixed point.
+  /// Force of the fluid on a side of the domain in the last step: 0 where it is not a wall. Collective.
   virtual rigid::Vec3 side_force(int axis, bool upper) const = 0;
   /// Force and torque of the fluid on a wall in the last step (`wall` counts the walls' rows), the torque
   /// about its position. Collective, in fixed point. Zero before the first step.
   virtual Load wall_load(std::size_t wall) const = 0;
-  virtual AnchorState anchor() const = 0;
-  virtual void set_anchor(const AnchorState&) = 0;
+  virtual const MassCorrectionState& mass_correction() const = 0;
+  virtual void set_mass_correction(const MassCorrectionState&) = 0;
 };
 
-/// The domain a case asks for, cut for a number of ranks. std::invalid_argument if it cannot be.
+/// Returns the domain a case asks for, cut for a number of ranks. std::invalid_argument if it cannot be.
 lbm::Domain make_domain(const Case&, int ranks);
 /// Needs case.fluid. The exchange tells who owns what (force sums go to owners).
-std::unique_ptr<Flow> make_flow(const Case&, const lbm::Domain&, MPI_Comm, const class BodyExchange&);
+std::unique_ptr<Flow> make_flow(const Case&, const lbm::Domain&, MPI_Comm, const ParallelBodyExchange&);
 
 }  // namespace silt::coupler

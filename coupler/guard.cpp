@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/case/case.hpp"
+#include "coupler/flow_totals.hpp"
+#include "rigid/bodies/body_set.hpp"
+
 namespace silt::coupler {
 
 namespace {
@@ -94,7 +98,7 @@ void check_rows(const Case& scene, const rigid::BodySet& bodies, std::size_t beg
 
 }  // namespace
 
-double check_bodies(const Case& scene, const rigid::BodySet& bodies, std::int64_t step, int rank) {
+double check_motion(const Case& scene, const rigid::BodySet& bodies, std::int64_t step, int rank) {
   constexpr std::size_t at_once = 256;
   double highest = 0;
   for (std::size_t begin = 0; begin < bodies.owned; begin += at_once) {

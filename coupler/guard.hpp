@@ -1,12 +1,17 @@
 #pragma once
 // Stops a run whose state has left the range in which it means anything, and says what to change.
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
-#include "coupler/case/case.hpp"
-#include "coupler/flow.hpp"
+namespace silt::rigid {
+struct BodySet;
+}
 
 namespace silt::coupler {
+
+struct Case;
+struct FlowTotals;
 
 /// A value left its allowed range. what(): step, where, value, what is allowed, which key to change.
 struct GuardStop : std::runtime_error {
@@ -25,7 +30,7 @@ inline constexpr double furthest_motion = 1;
 void check_flow(const Case&, const FlowTotals&, std::int64_t step);
 
 /// This rank's bodies; GuardStop on the ranks that own a bad one only. Returns their largest speed.
-double check_bodies(const Case&, const rigid::BodySet&, std::int64_t step, int rank);
+double check_motion(const Case&, const rigid::BodySet&, std::int64_t step, int rank);
 
 /// The text for sums of forces that ran out of range on this rank.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step, int rank);

@@ -12,9 +12,10 @@ struct RunCounters {
   std::uint64_t covered = 0, uncovered = 0;  // cells, by bodies
   std::uint64_t migrations = 0;              // bodies that changed their owner
   std::uint64_t contacts = 0, mixed_owner_contacts = 0;
-  std::uint64_t sweeps = 0, infeasible = 0;              // of the resolver (ResolverStatistics)
-  std::uint64_t queries = 0, fallbacks = 0;              // of the collision backend
-  std::uint64_t films = 0, narrow_without_film = 0;      // contacts with lubrication, and as narrow without
+  std::uint64_t sweeps = 0, infeasible = 0;  // of the resolver (ResolverStatistics)
+  std::uint64_t queries = 0, fallbacks = 0;  // of the collision backend
+  std::uint64_t lubricated_contacts = 0,
+                unlubricated_contacts = 0;               // contacts with lubrication, and as narrow without
   double body_speed = 0, penetration = 0, residual = 0;  // largest
 };
 
@@ -35,8 +36,8 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"infeasible", "infeasible"}, c.infeasible);
   visit(CounterName{"queries", "collision_queries"}, c.queries);
   visit(CounterName{"fallbacks", "fallbacks"}, c.fallbacks);
-  visit(CounterName{"films", "lubricated_contacts"}, c.films);
-  visit(CounterName{"narrow_without_film", "unlubricated_contacts"}, c.narrow_without_film);
+  visit(CounterName{"lubricated_contacts", "lubricated_contacts"}, c.lubricated_contacts);
+  visit(CounterName{"unlubricated_contacts", "unlubricated_contacts"}, c.unlubricated_contacts);
   visit(CounterName{"body_speed", "max_body_velocity", dimension::velocity}, c.body_speed);
   visit(CounterName{"penetration", "max_penetration", dimension::length}, c.penetration);
   visit(CounterName{"residual", "resolver_residual"}, c.residual);

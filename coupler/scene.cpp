@@ -4,9 +4,12 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/fill.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
+#include "coupler/guard.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -16,15 +19,15 @@ namespace {
 
 using rigid::Vec3;
 
-// Cells by which the blocks are grown when the holders of a body are found. With fluid: the ghost layer, the
-// cell behind a link's fluid cell, and the largest motion of a step that the guard lets pass.
-constexpr double ghost_layers = 2, largest_motion = 1;
-// Without: what rounding may do to a contact point between two blocks.
+// Cells by which the blocks are grown when the holders of a body are found, with fluid: the ghost layer and
+// the cell behind a link's fluid cell; besides them the furthest motion of a step that the guard lets pass.
+constexpr double ghost_layers = 2;
+// Without fluid: what rounding may do to a contact point between two blocks.
 constexpr double dry_slack = 1e-3;
 
 double rim_of(const Case& scene) {
   return scene.contacts.margin / 2 +
-         (scene.fluid ? ghost_layers + largest_motion : scene.contacts.margin / 2 + dry_slack);
+         (scene.fluid ? ghost_layers + furthest_motion : scene.contacts.margin / 2 + dry_slack);
 }
 
 int size_of(MPI_Comm comm) {
@@ -43,7 +46,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
-  world.films = make_lubrication(scene);
+  world.lubrication = make_lubrication(scene);
   return world;
 }
 
@@ -83,7 +86,7 @@ std::vector<rigid::BodyRecord> body_records(const Case& scene, const std::vector
     r.shape = body.shape, r.material = body.material, r.kind = body.kind;
     r.motion = body.motion;
     r.mass = body.density * shape.volume;
-    r.weight_factor = scene.fluid ? 1 - 1 / body.density : 1;  // buoyancy: the fluid's density is 1
+    r.weight_in_fluid = scene.fluid ? 1 - 1 / body.density : 1;  // buoyancy: the fluid's density is 1
     Eigen::Map<rigid::Mat3>{r.inertia_B} = body.density * shape.inertia;
     const rigid::Quat q = body.pose.orientation.normalized();
     store(body.pose.to_world(shape.centre), r.position);
@@ -95,8 +98,16 @@ std::vector<rigid::BodyRecord> body_records(const Case& scene, const std::vector
   return records;
 }
 
+bool Scene::has_surfaces() const {
+  return body_count > 0 || !setup.walls.empty();
+}
+
 Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
-    : setup(scene), comm(communicator), ranks(size_of(communicator)), domain(make_domain(setup, ranks)) {
+    : own_setup_(std::make_shared<const Case>(scene)),
+      setup(*own_setup_),
+      comm(communicator),
+      ranks(size_of(communicator)),
+      domain(make_domain(setup, ranks)) {
   MPI_Comm_rank(comm, &rank);
   const auto shapes = centred_shapes(setup);
   world = make_world(setup, shapes);
@@ -107,12 +118,14 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
                                [](const rigid::BodyRecord& r) { return r.motion != rigid::Motion::fixed; });
   if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
-  exchange = std::make_unique<BodyExchange>(comm, domain, world, rim_of(setup));
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
+    set_mapping_pose(bodies, row, bodies.pose(row));
+  exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
   exchange->distribute(bodies);
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
-    if (setup.fluid) settings.entrained = entrained_at_contact;
+    if (setup.fluid) settings.impacts = std::make_shared<EntrainedFluid>();
     resolver = rigid::make_resolver(setup.contacts.resolver, settings);
     rigid_step = std::make_unique<rigid::RigidStep>(
         world, *backend, *resolver, *exchange,
@@ -132,7 +145,7 @@ void Scene::take_bodies(std::span<const rigid::BodyRecord> records, const SavedB
     }
     extent.wrap(bodies.position[row], bodies.image[row]);
     bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
-    bodies.mapping_pose[row] = bodies.pose(row);
+    set_mapping_pose(bodies, row, bodies.pose(row));
   }
   bodies.reindex();
 }
@@ -142,7 +155,6 @@ SceneParts Scene::parts() {
   parts.flow = flow.get();
   parts.rigid_step = rigid_step.get();
   parts.substeps = setup.contacts.substeps;
-  parts.gravity = setup.gravity;
   parts.surfaces = has_surfaces();
   return parts;
 }

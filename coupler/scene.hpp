@@ -8,13 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/case.hpp"
 #include "coupler/coupled_step.hpp"
-#include "coupler/exchange/body_exchange.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/flow.hpp"
 #include "rigid/rigid_step.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// Bodies as a checkpoint holds them: records, and as many lists of stored impulses.
 struct SavedBodies {
@@ -36,13 +37,15 @@ std::vector<CentredShape> centred_shapes(const Case&);
 std::vector<rigid::BodyRecord> body_records(const Case&, const std::vector<CentredShape>&);
 
 class Scene {
+  std::shared_ptr<const Case> own_setup_;
+
  public:
   /// Collective. The case must have passed check_case. With `saved` the bodies are those (all of them on
   /// every rank) instead of the case's. std::invalid_argument for a domain that cannot be cut for this many
   /// ranks, or an unknown backend or resolver. The flow is at rest and not started.
   Scene(const Case&, MPI_Comm, const SavedBodies* saved = nullptr);
 
-  const Case setup;
+  const Case& setup;
   MPI_Comm comm;
   int rank = 0, ranks = 1;
   lbm::Domain domain;
@@ -50,8 +53,8 @@ class Scene {
   rigid::BodySet bodies;         // this rank's
   std::uint64_t body_count = 0;  // of all ranks
   bool anything_moves = false;   // a body that is not fixed, on any rank
-  bool has_surfaces() const { return body_count > 0 || !setup.walls.empty(); }
-  std::unique_ptr<BodyExchange> exchange;
+  bool has_surfaces() const;
+  std::unique_ptr<ParallelBodyExchange> exchange;
   std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves
   std::unique_ptr<rigid::ContactResolver> resolver;
   std::unique_ptr<rigid::RigidStep> rigid_step;

@@ -7,8 +7,10 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
-#include "coupler/forces/fluid_forces.hpp"
+#include "coupler/forces/covered_momentum.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/isa.hpp"
@@ -28,9 +30,9 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);
-      AnchorState anchor = saved->anchor;
-      anchor.steps = saved->step;
-      scene_.flow->set_anchor(anchor);
+      MassCorrectionState correction = saved->mass_correction;
+      correction.steps = saved->step;
+      scene_.flow->set_mass_correction(correction);
     } else {
       set_initial_flow(setup(), *scene_.flow);
     }
@@ -43,8 +45,9 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
     fluid_speed_ = saved->fluid_speed;
   } else {
     initial_ = balance();
-    check_bodies(setup(), scene_.bodies, step_, scene_.rank);
+    check_motion(setup(), scene_.bodies, step_, scene_.rank);
   }
+  bodies_at_start_ = count_owned(scene_.comm, scene_.bodies);
 }
 
 SceneParts Simulation::observed_parts() {
@@ -65,7 +68,9 @@ void Simulation::step() {
   count(report);
   if (scene_.anything_moves)
     counters_.body_speed =
-        std::max(counters_.body_speed, check_bodies(setup(), scene_.bodies, step_, scene_.rank));
+        std::max(counters_.body_speed, check_motion(setup(), scene_.bodies, step_, scene_.rank));
+  if (scene_.anything_moves && step_ % guard_interval == 0)
+    check_exchange(*scene_.exchange, scene_.bodies, bodies_at_start_, step_);
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -92,8 +97,8 @@ void Simulation::count(const rigid::RigidStepReport& report) {
   }
   last_contacts_ = report.resolver.contacts;
   counters_.contacts += report.resolver.contacts;
-  counters_.films += report.films.with;
-  counters_.narrow_without_film += report.films.without;
+  counters_.lubricated_contacts += report.lubrication.with;
+  counters_.unlubricated_contacts += report.lubrication.without;
   counters_.mixed_owner_contacts += report.mixed_owner_contacts;
   if (scene_.rank == 0) counters_.sweeps += report.resolver.sweeps;  // the same on every rank
   counters_.infeasible += report.resolver.infeasible;
@@ -199,7 +204,7 @@ Balance Simulation::balance() const {
     if (!bodies.is_free(row)) continue;
     Vec3 p = bodies.mass[row] * bodies.velocity[row];
     sums[3] += rigid::to_fixed(p.norm());
-    p += owed_impulse(bodies, row) + bodies.pending_blow[row];
+    p += impulse_debt(bodies, row) + pending_impact(bodies, row);
     for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
   }
   sum_over_ranks(scene_.comm, sums);
@@ -220,6 +225,10 @@ std::uint64_t Simulation::links() const {
   std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->mapping().links : 0;
   sum_over_ranks(scene_.comm, std::span(&n, 1));
   return n;
+}
+
+std::uint64_t Simulation::body_count() const {
+  return count_owned(scene_.comm, scene_.bodies).count;
 }
 
 std::uint64_t Simulation::contacts_now() const {

@@ -11,6 +11,7 @@
 // and the result does not depend on how many there are. Lattice units.
 #include <functional>
 
+#include "coupler/exchange/check_exchange.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
@@ -30,7 +31,7 @@ struct SavedState {
   RunCounters counters;
   Balance initial;
   double fluid_speed = 0;
-  AnchorState anchor;
+  MassCorrectionState mass_correction;
   std::function<void(Flow&)> set_populations;
 };
 
@@ -75,10 +76,11 @@ class Simulation {
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
-  const StageSeconds& stage_seconds() const { return coupled_step_.seconds(); }  // local
-  double step_seconds() const { return step_seconds_; }  // local: time spent in step()
+  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local
+  double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Force and torque the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
+  std::uint64_t body_count() const;    // that have an owner on any rank, counted
   std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
  private:
@@ -98,6 +100,7 @@ class Simulation {
   RunCounters counters_;  // this rank's; those of a checkpoint on rank 0
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
+  OwnedBodies bodies_at_start_;  // of all ranks
   double fluid_speed_ = 0, step_seconds_ = 0;
   std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
 };

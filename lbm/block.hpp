@@ -1,6 +1,6 @@
 #pragma once
-// The populations of one block of cells and its ghost layer: 19 arrays of deviations g_i = f_i - w_i, x
-// running fastest, streamed in place (AA pattern, Bailey et al. 2009).
+// The populations of one block of cells and its ghost layer: 19 arrays of deviations, x running fastest,
+// streamed in place (README.md, equations 1 and 8).
 //
 // A slot (x, i) is element i of cell x. Between two steps every population is arriving somewhere; where it is
 // stored depends on the parity of the steps done so far:
@@ -34,8 +34,13 @@ struct CellBox {  // cells lower <= x < lower + size
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
 };
 
-/// A population on its way round the end of a row: to the row's other end, or back from a wall, whose motion
-/// adds something. Slots relative to the row's first cell.
+/// Rows [y0, y1) of the planes [z0, z1) of a block.
+struct RowRange {
+  int y0, y1, z0, z1;
+};
+
+/// A population that leaves a row at its end goes to the row's other end, or back from a wall, whose motion
+/// adds something. Slots are relative to the row's first cell.
 template <class T>
 struct RowEnd {
   std::ptrdiff_t from, to;
@@ -46,9 +51,9 @@ struct RowEnd {
 template <class T>
 class Block {
  public:
-  /// No padding: a gap in a row costs the bandwidth of the cache lines it breaks, and more. A row is one cell
-  /// longer than the block, a plane one row: no direction crosses out on both sides, so the ghost after a row
-  /// is also the one before the next.
+  /// Rows are not padded: a gap in a row costs the bandwidth of the cache lines it breaks, and more. A row is
+  /// one cell longer than the block, a plane one row: no direction crosses out on both sides, so the ghost
+  /// after a row is also the one before the next.
   explicit Block(const CellBox& box) : box_(box) {
     constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T);  // elements
     row_ = box.size.x + 1;
@@ -65,7 +70,7 @@ class Block {
   /// Bytes held for populations, ghosts included.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
 
-  /// Element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
+  /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
   std::ptrdiff_t cell(int x, int y, int z) const { return x + row_ * y + plane_ * z; }
   std::ptrdiff_t cell(Int3 x) const { return cell(x.x, x.y, x.z); }
   std::ptrdiff_t step(int i) const { return cell(c[i]); }
@@ -78,7 +83,7 @@ class Block {
   std::ptrdiff_t slot(int i) const {
     return direction_ * i - cell(std::min(c[i].x, 0), std::min(c[i].y, 0), std::min(c[i].z, 0));
   }
-  /// Middle of the slots, for offsets of 32 bits.
+  /// The middle of the slots, from which offsets fit 32 bits.
   std::ptrdiff_t middle() const { return slot(directions / 2); }
   std::ptrdiff_t arriving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) : slot(opposite(i)) - step(i);
@@ -89,8 +94,8 @@ class Block {
   T* data() { return memory_.get(); }
   const T* data() const { return memory_.get(); }
 
-  /// What the dense pass moves by itself at the ends of each row, while they are in cache: the part of the
-  /// ghost layer (halo.hpp) that a row exchanges with itself or a wall. By the parity the pass begins with.
+  /// The dense pass moves these by itself at the ends of each row, while they are in cache: the part of the
+  /// ghost layer (halo.hpp) that a row exchanges with itself or a wall, by the parity the pass begins with.
   const std::vector<RowEnd<T>>& row_ends(Parity p) const { return row_ends_[int(p)]; }
   void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
 

@@ -3,8 +3,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "lbm/cut_links_kernel.hpp"
 #include "lbm/isa.hpp"
-#include "lbm/kernels.hpp"
 
 namespace silt::lbm {
 
@@ -18,47 +18,49 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
   LinkSlots s;
   for (int i = 1; i < directions; ++i) {
     const int j = opposite(i);
-    s.out[i] = from_middle(block.leaving(i, parity)), s.behind[i] = from_middle(block.arriving(i, parity));
-    s.against[i] = from_middle(block.leaving(j, parity)), s.back[i] = from_middle(block.arriving(j, parity));
+    s.out[i] = from_middle(block.leaving(i, parity));
+    s.behind[i] = from_middle(block.arriving(i, parity));
+    s.against[i] = from_middle(block.leaving(j, parity));
+    s.back[i] = from_middle(block.arriving(j, parity));
   }
   return s;
 }
 
-template <class T>
-void apply_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
-                     const LinkGroup& group, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
-                     const NextGroup<T>& next) {
-  SILT_DISPATCH(apply_group, block, slots, links, group, motion, form, sums, next)
-}
-
-template <class T>
-void correct_cut_links(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links,
-                       const LinkGroup& group, const SurfaceMotion& increment, LinkSums& sums,
-                       const NextGroup<T>& next) {
-  SILT_DISPATCH(correct_group, block, slots, links, group, increment, sums, next)
-}
-
 namespace {
+
 template <class T>
-void add_stiffness(const CutLinks<T>& links, int exponent, StiffnessSums& sums) {
-  SILT_DISPATCH(surface_stiffness, links, exponent, sums)
+const LinkKernels<T>& link_kernels() {
+  static const LinkKernels<T> kernels =
+      chosen(portable::link_kernels<T>, avx2::link_kernels<T>, avx512::link_kernels<T>)();
+  return kernels;
 }
+
 }  // namespace
+
+template <class T>
+void apply_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  link_kernels<T>().apply(at, motion, form, sums);
+}
+
+template <class T>
+void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment, LinkSums& sums) {
+  link_kernels<T>().correct(at, increment, sums);
+}
 
 template <class T>
 StiffnessSums stiffness_of(const CutLinks<T>& links, int exponent) {
   StiffnessSums sums;
-  add_stiffness(links, exponent, sums);
+  chosen(portable::stiffness_kernel<T>, avx2::stiffness_kernel<T>, avx512::stiffness_kernel<T>)()(
+      links, exponent, sums);
   return sums;
 }
 
-#define SILT_INSTANTIATE(T)                                                                          \
-  template LinkSlots link_slots(const Block<T>&, Parity);                                            \
-  template void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
-                                const SurfaceMotion&, ForceForm, LinkSums&, const NextGroup<T>&);    \
-  template void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
-                                  const SurfaceMotion&, LinkSums&, const NextGroup<T>&);             \
+#define SILT_INSTANTIATE(T)                                                                           \
+  template LinkSlots link_slots(const Block<T>&, Parity);                                             \
+  template void apply_cut_links(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);  \
+  template void correct_cut_links(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&); \
   template StiffnessSums stiffness_of(const CutLinks<T>&, int);
-SILT_INSTANTIATE(float) SILT_INSTANTIATE(double)
+SILT_INSTANTIATE(float)
+SILT_INSTANTIATE(double)
 
 }  // namespace silt::lbm

@@ -1,32 +1,33 @@
 #pragma once
-// Cut links: where a link from a fluid cell x along c_i meets a solid surface at a distance q c_i, q in (0,
-// 1]. The dense kernel ignores them; this sparse pass then overwrites what the surface returns (NUMERICS: one
-// link owns the two slots it uses, so the order of links cannot matter).
+// Cut links: a link from a fluid cell x along c_i is cut where it meets a solid surface at x + q c_i, q in
+// (0, 1]. The dense kernel ignores them; this sparse pass then overwrites what the surface returns
+// (wall_formula.hpp). One link owns the two slots it uses, so the order of links cannot matter.
 //
-// What comes back is the formula of lbm/wall_scheme.hpp. All links of a group are of one scheme: where x -
-// c_i is not fluid (a narrow gap) a link is put into a group of a scheme that does not read there.
+// All links of a group are of one scheme: where x - c_i is not fluid a link is put into a group of
+// `single_cell_gap`, which does not read there.
 //
-// A group is what is applied at a time: links of a surface whose fluid cells lie in a plane, or a few of
-// small ones, of all directions. It may be applied once its cells and their neighbours have collided: inner
-// groups as soon as the dense pass is done with part `ready` (sweep.hpp), while the populations are still in
-// cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
+// A group is what is applied at a time: links of a surface, of all directions, whose fluid cells lie in one
+// plane, or in a few if these are small. It may be applied once its cells and their neighbours have collided:
+// inner groups as soon as the dense pass is done with part `ready` (pass_order.hpp), while the populations
+// are still in cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
 #include <cstdint>
 #include <vector>
 
 #include "lbm/block.hpp"
+#include "lbm/force_form.hpp"
 #include "lbm/prefetch.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/wall_formula.hpp"
 
 namespace silt::lbm {
 
-/// Groups are filled up to a multiple of this with copies of their last link (which then is written twice,
-/// with the same value, and counted once).
+/// Groups are padded to a multiple of this with copies of their last link (which then is written twice, with
+/// the same value, and counted once).
 inline constexpr int link_lanes = 16;
-constexpr std::uint32_t filled_up(std::uint32_t links) {
+constexpr std::uint32_t padded(std::uint32_t links) {
   return (links + link_lanes - 1) / link_lanes * link_lanes;
 }
 
-/// Where a link's fluid cell is, counted from its group's corner, and its direction.
+/// The place of a link packs where its fluid cell is, counted from its group's corner, and its direction.
 inline constexpr int place_x_bits = 12, place_y_bits = 12, place_z_bits = 3;
 inline constexpr int place_z_shift = place_x_bits + place_y_bits,
                      place_direction_shift = place_z_shift + place_z_bits;
@@ -53,12 +54,13 @@ inline constexpr int place_direction(std::uint32_t p) {
 struct LinkGroup {
   std::uint32_t begin, count;  // of the arrays of CutLinks
   WallScheme scheme;
-  Int3 corner;            // cell of the block that places count from (may lie outside of it)
-  std::int32_t ready;     // last part of the dense pass that the links read or write; -1: at the rim
-  std::uint32_t far = 0;  // of `narrow`: of CutLinks::far_q and far_u
+  Int3 corner;                 // cell of the block that places count from (may lie outside of it)
+  std::int32_t ready;          // last part of the dense pass that the links read or write; -1: at the rim
+  std::uint32_t opposite = 0;  // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
 };
 
-/// Reference point of a surface: the centre of block cell `cell` is at `offset` from it.
+/// The frame of a surface is fixed to its reference point: the centre of block cell `cell` is at `offset`
+/// from it.
 struct SurfaceFrame {
   Int3 cell;
   double offset[3];
@@ -72,9 +74,9 @@ struct CutLinks {
   WallFluid<T> fluid;  // that the links stand in
   SurfaceFrame frame;
   std::vector<LinkGroup> groups;
-  std::vector<std::uint32_t> place;  // of whole groups, filled up
+  std::vector<std::uint32_t> place;  // of whole groups, padded
   std::vector<T> q;
-  std::vector<T> far_q, far_u;  // FarWall of the links of `narrow`; empty: of none
+  std::vector<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
 
   /// A hint that a group will be wanted soon.
   void prefetch(const LinkGroup& g) const {
@@ -86,54 +88,50 @@ struct CutLinks {
   }
 };
 
-/// Where the four populations of a link along i lie, from its cell at Block::middle(); by direction.
+/// The four populations of a link along i lie at these slots, by direction, from its cell at Block::middle().
 struct LinkSlots {
   std::int32_t out[32] = {};      // f*_i(x)
   std::int32_t behind[32] = {};   // f*_i(x - c_i)
   std::int32_t against[32] = {};  // f*_opp(x)
   std::int32_t back[32] = {};     // f_opp(x, t + 1): what the surface returns
 };
-/// `parity`: the block's after the pass.
+/// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
+/// large for offsets of 32 bits.
 template <class T>
 LinkSlots link_slots(const Block<T>&, Parity);
 
-/// Rigid motion of a surface: velocity of its reference point, angular velocity. Cells a step, radians a
-/// step.
+/// A surface moves as a rigid body: velocity of its reference point in cells a step, angular velocity in
+/// radians a step.
 struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
 };
 
-/// Fixed point: sums that do not depend on the order or the partition of links. Each term is rounded once to
-/// a whole number of quanta: force and torque 2^-44 (a term below 2^6 in magnitude, a sum below 2^19), mass
-/// 2^-40 (2^10, 2^23); lattice units. A term that might be out of range, or not a number, sets `invalid`.
-/// Sums wrap on the way without harm: only the result must be in range. Stiffness: see StiffnessSums.
+/// Sums are in fixed point, so that they do not depend on the order or the partition of links (README.md,
+/// "Forces and sums"). These are the quanta of force and torque, and of mass, in lattice units.
 inline constexpr double link_quantum = 0x1p-44, mass_quantum = 0x1p-40;
 
-/// Momentum exchange (equation 6 of Goetz et al.) with deviations, on one surface in one step.
+/// The sums of the momentum exchange on one surface in one step (README.md, equation 18).
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
   std::int64_t mass = 0;  // density gained by the fluid, in mass quanta
-  bool invalid = false;
+  bool invalid = false;   // a term might have been out of range, or was not a number
 };
 
-/// Sum of k J J^T, J = [c, r x c]: how force and torque fall with the surface's velocity (implicit coupling).
-/// Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum for the first three rows and
-/// columns, and 2^exponent times that for each of the others: 2^exponent is no less than |r x c|. In single
-/// precision the terms of 64 links fit 32 bits.
+/// The stiffness of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
+/// velocity (README.md, equation 19). Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum
+/// for the first three rows and columns, and 2^exponent times that for each of the others: 2^exponent is no
+/// less than |r x c|. In single precision the terms of 64 links fit 32 bits.
 struct StiffnessSums {
   std::int64_t h[21] = {};
 };
 template <class T>
 inline constexpr double stiffness_quantum = sizeof(T) == 4 ? 0x1p-24 : 0x1p-44;
-/// For a surface no cell of which is further than `radius` from its reference point.
+/// The exponent of a surface no cell of which is further than `radius` from its reference point.
 inline int stiffness_exponent(double radius) {
   int e = 0;
   while (double(1 << e) < 1.5 * (radius + 2)) ++e;
   return e;
 }
-
-/// `galilean`: Wen et al. 2014, F = sum c (f* + f_opp) - u_w (f* - f_opp). `exact`: equation 6 alone.
-enum class ForceForm : std::uint8_t { galilean, exact };
 
 /// The group that the next call is for, of the same block: its populations are fetched in the meantime.
 /// Waiting for them would take longer than what is computed.
@@ -143,17 +141,26 @@ struct NextGroup {
   const LinkGroup* group = nullptr;
 };
 
+/// A group of links and the block that it lies in.
+template <class T>
+struct GroupInBlock {
+  Block<T>& block;
+  const LinkSlots& slots;  // of the block
+  const CutLinks<T>& links;
+  const LinkGroup& group;  // of the links
+  NextGroup<T> next = {};
+};
+
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.
 template <class T>
-void apply_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, const SurfaceMotion&,
-                     ForceForm, LinkSums&, const NextGroup<T>& = {});
+void apply_cut_links(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
 
 /// Changes what was returned as if the surface had moved faster by `increment`; adds the mass only.
 template <class T>
-void correct_cut_links(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,
-                       const SurfaceMotion& increment, LinkSums&, const NextGroup<T>& = {});
+void correct_cut_links(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&);
 
-/// Of all links of a surface; depends on geometry only. `exponent`: of the surface (StiffnessSums).
+/// The stiffness of all links of a surface, which depends on geometry only. `exponent` is that of the surface
+/// (stiffness_exponent).
 template <class T>
 StiffnessSums stiffness_of(const CutLinks<T>&, int exponent);
 

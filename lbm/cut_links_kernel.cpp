@@ -1,28 +1,31 @@
-// Built once an instruction set. A vector of links at a time: place, gather, formula, scatter, sums, all in
-// registers (groups are filled up to whole vectors).
+// The pass over cut links, built once an instruction set. A vector of links at a time: place, gather,
+// formula, scatter, sums, all in registers (groups are padded to whole vectors).
 #include <algorithm>
 #include <cmath>
 
-#include "lbm/kernels.hpp"
+#include "lbm/cut_links_kernel.hpp"
 #include "lbm/link_fetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-/// Velocity of a rigid surface.
+/// The velocity of a rigid surface at an arm.
 template <class T>
 struct Motion {
   using V = typename Lanes<T>::Real;
   T v[3], o[3];
   explicit Motion(const SurfaceMotion& m) {
-    for (int k = 0; k < 3; ++k) v[k] = T(m.v[k]), o[k] = T(m.omega[k]);
+    for (int k = 0; k < 3; ++k) {
+      v[k] = T(m.v[k]);
+      o[k] = T(m.omega[k]);
+    }
   }
   V x(const V& y, const V& z) const { return v[0] + (o[1] * z - o[2] * y); }
   V y(const V& z, const V& x) const { return v[1] + (o[2] * x - o[0] * z); }
   V z(const V& x, const V& y) const { return v[2] + (o[0] * y - o[1] * x); }
 };
 
-/// The largest |f* + f_opp| for which no term leaves its range.
+/// The largest |f* + f_opp| for which no term leaves its range (README.md, "Forces and sums").
 double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   double u = 0;
   for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
@@ -43,7 +46,7 @@ typename Lanes<T>::Real velocity_along(const T* data, const LinkSlots& slots, co
   return at.along(momentum[0], momentum[1], momentum[2]);
 }
 
-/// What a vector of links sends to the surface, and what comes back.
+/// A vector of links sends `out` to the surface; `back` is what comes back (README.md, equations 9 and 15).
 template <class T>
 struct Exchange {
   typename Lanes<T>::Real out, back;
@@ -52,7 +55,7 @@ struct Exchange {
 template <WallScheme scheme, class T>
 Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
                      const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
-                     const FarWall<typename Lanes<T>::Real>& far) {
+                     const OppositeWall<typename Lanes<T>::Real>& far) {
   using L = Lanes<T>;
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
   const auto out = L::gather(data, at.slots(slots.out));
@@ -62,9 +65,9 @@ Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& 
                behind = L::gather(data, at.slots(slots.behind));
     const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
     back += s.b * behind + s.c * against + T(0.5) * (s.k - at.weight6() * (s.a - s.c)) * cf;
-  } else if constexpr (scheme == WallScheme::narrow) {
+  } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, slots, fluid, at);
-    back -= (at.weight6() - s.k) * along + at.weight6() * narrow_bend(q, along, cu, far, fluid);
+    back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, far, fluid);
   }
   return {out, back};
 }
@@ -87,13 +90,18 @@ class GroupSums {
                     (at.c[2] * sum - uz * difference) * scale};
     const auto& r = at.r;
     for (int d = 0; d < 3; ++d) force_[d].add(g[d]);
-    torque_[0].add(r[1] * g[2] - r[2] * g[1]), torque_[1].add(r[2] * g[0] - r[0] * g[2]);
+    torque_[0].add(r[1] * g[2] - r[2] * g[1]);
+    torque_[1].add(r[2] * g[0] - r[0] * g[2]);
     torque_[2].add(r[0] * g[1] - r[1] * g[0]);
-    mass_.add(returned * mass_scale), mass_.take_off(in * mass_scale);
+    mass_.add(returned * mass_scale);
+    mass_.subtract(in * mass_scale);
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
   void add_to(LinkSums& sums) const {
-    for (int d = 0; d < 3; ++d) sums.force[d] += force_[d].total(), sums.torque[d] += torque_[d].total();
+    for (int d = 0; d < 3; ++d) {
+      sums.force[d] += force_[d].total();
+      sums.torque[d] += torque_[d].total();
+    }
     sums.mass += mass_.total();
     if (!L::all(good_)) sums.invalid = true;
   }
@@ -105,9 +113,10 @@ class GroupSums {
 };
 
 template <WallScheme scheme, class T>
-void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-           const SurfaceMotion& motion, ForceForm form, LinkSums& sums, LinkFetch<T>& fetch) {
+void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
+           LinkFetch<T>& fetch) {
   using L = Lanes<T>;
+  const auto& [block, slots, links, group, next] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -122,11 +131,11 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
     const Places<T> at(place + l, origin);
     const auto q = L::template load<typename L::Real>(distance + l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-    FarWall<typename L::Real> far;
-    if constexpr (scheme == WallScheme::narrow) {
-      if (!links.far_q.empty()) {
-        far.q = L::template load<typename L::Real>(links.far_q.data() + group.far + l);
-        far.u = L::template load<typename L::Real>(links.far_u.data() + group.far + l);
+    OppositeWall<typename L::Real> far;
+    if constexpr (scheme == WallScheme::single_cell_gap) {
+      if (!links.opposite_q.empty()) {
+        far.q = L::template load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
+        far.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
       }
     }
     const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far);
@@ -138,9 +147,10 @@ void apply(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, co
 }
 
 template <WallScheme scheme, class T>
-void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-             const SurfaceMotion& increment, LinkSums& sums, LinkFetch<T>& fetch) {
+void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums,
+             LinkFetch<T>& fetch) {
   using L = Lanes<T>;
+  const auto& [block, slots, links, group, next] = here;
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);
@@ -162,36 +172,32 @@ void correct(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, 
     L::scatter(data, slot, after);
     const auto counted = L::below(count - l);
     constexpr T scale = T(1 / mass_quantum);
-    mass.add(counted ? V(after * scale) : V{}), mass.take_off(counted ? V(before * scale) : V{});
+    mass.add(counted ? V(after * scale) : V{});
+    mass.subtract(counted ? V(before * scale) : V{});
   }
   fetch.finish(l);
   sums.mass += mass.total();
 }
 
+template <class T>
+void apply_group(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  LinkFetch<T> fetch(here, Wanted::all);
+  with_scheme(here.group.scheme, [&](auto scheme) { apply<scheme()>(here, motion, form, sums, fetch); });
+}
+
+template <class T>
+void correct_group(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums) {
+  LinkFetch<T> fetch(here, Wanted::returned);
+  with_scheme(here.group.scheme, [&](auto scheme) { correct<scheme()>(here, increment, sums, fetch); });
+}
+
 }  // namespace
 
 template <class T>
-void apply_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-                 const SurfaceMotion& motion, ForceForm form, LinkSums& sums, const NextGroup<T>& next) {
-  LinkFetch<T> fetch(block, slots, {&links, &group}, next, Wanted::all);
-  with_scheme(group.scheme,
-              [&](auto scheme) { apply<scheme()>(block, slots, links, group, motion, form, sums, fetch); });
+LinkKernels<T> link_kernels() {
+  return {apply_group<T>, correct_group<T>};
 }
-
-template <class T>
-void correct_group(Block<T>& block, const LinkSlots& slots, const CutLinks<T>& links, const LinkGroup& group,
-                   const SurfaceMotion& increment, LinkSums& sums, const NextGroup<T>& next) {
-  LinkFetch<T> fetch(block, slots, {&links, &group}, next, Wanted::returned);
-  with_scheme(group.scheme,
-              [&](auto scheme) { correct<scheme()>(block, slots, links, group, increment, sums, fetch); });
-}
-
-#define SILT_INSTANTIATE(T)                                                                      \
-  template void apply_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&,   \
-                            const SurfaceMotion&, ForceForm, LinkSums&, const NextGroup<T>&);    \
-  template void correct_group(Block<T>&, const LinkSlots&, const CutLinks<T>&, const LinkGroup&, \
-                              const SurfaceMotion&, LinkSums&, const NextGroup<T>&);
-SILT_INSTANTIATE(float)
-SILT_INSTANTIATE(double)
+template LinkKernels<float> link_kernels();
+template LinkKernels<double> link_kernels();
 
 }  // namespace silt::lbm::SILT_ISA

@@ -10,9 +10,9 @@ namespace silt::lbm {
 
 namespace {
 
-/// Blocks along each axis for one block a rank: the smallest surface between blocks, where a cut across x
-/// (short rows are slow) counts double. Falls back to more blocks than ranks never; to fewer cells never
-/// below 2.
+/// The blocks along each axis, one a rank, that have the smallest surface between them, where a cut across x
+/// counts double (short rows are slow). Throws std::invalid_argument where blocks would have fewer than 2
+/// cells an edge.
 Int3 blocks_per_axis(Int3 cells, int ranks) {
   Int3 best{};
   double best_surface = 0;
@@ -24,7 +24,10 @@ Int3 blocks_per_axis(Int3 cells, int ranks) {
       const double surface = 2.0 * (nx - 1) * cells.y * cells.z +
                              1.01 * (ny - 1) * double(cells.x) * cells.z +
                              1.0 * (nz - 1) * double(cells.x) * cells.y;
-      if (best.x == 0 || surface < best_surface) best = {nx, ny, nz}, best_surface = surface;
+      if (best.x == 0 || surface < best_surface) {
+        best = {nx, ny, nz};
+        best_surface = surface;
+      }
     }
   if (best.x == 0)
     throw std::invalid_argument("the domain of " + std::to_string(cells.x) + " x " + std::to_string(cells.y) +

@@ -24,9 +24,10 @@ struct BlockPlace {
 
 class Domain {
  public:
-  /// Sides in the order x low, x high, y low, ... Blocks: cells of a block along each axis (the last one of
-  /// an axis takes the rest), or none: chosen for the number of ranks. Blocks are dealt out to ranks in
-  /// contiguous runs, x fastest. Throws std::invalid_argument for fewer blocks than ranks.
+  /// Sides are in the order x low, x high, y low, ... `block_cells` gives the cells of a block along each
+  /// axis (the last one of an axis takes the rest); without it blocks are chosen for the number of ranks.
+  /// Blocks are dealt out to ranks in contiguous runs, x fastest. Throws std::invalid_argument for fewer
+  /// blocks than ranks.
   Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells, int ranks);
 
   Int3 cells() const { return cells_; }
@@ -34,17 +35,17 @@ class Domain {
   const SideCondition& side(int axis, bool upper) const { return sides_[2 * axis + upper]; }
   const std::vector<BlockPlace>& blocks() const { return blocks_; }
   std::vector<int> blocks_of(int rank) const;
-  /// Of a cell inside the domain.
+  /// The block of a cell inside the domain.
   int block_at(Int3 cell) const;
   int rank_at(Int3 cell) const { return blocks_[block_at(cell)].rank; }
-  /// Into the domain along the periodic axes.
+  /// The image of a cell that lies in the domain along the periodic axes.
   Int3 wrapped(Int3 cell) const;
   bool inside(Int3 cell) const;
-  /// Those that bounce of the sides behind which a cell lies: -1 or 1 along their axes, else 0.
+  /// The bouncing sides behind which a cell lies: -1 or 1 along their axes, else 0.
   Int3 walls_met(Int3 cell) const;
-  /// c_j . u of what meets these walls (as from walls_met). Through an edge, of each only the velocity across
-  /// it: the walls that meet there leave a corner at rest. With that of the lid alone, the jets of a
-  /// lid-driven square at Reynolds number 1000, 65 cells, are a tenth too weak.
+  /// c_j . u of what meets these walls (as from walls_met). Through an edge each counts only with its
+  /// velocity across it: the walls that meet there leave a corner at rest. With the lid's alone, the jets of
+  /// a lid-driven square at Reynolds number 1000, 65 cells, are a tenth too weak.
   double wall_velocity_along(Int3 walls, int j) const;
   /// The blocks that share a face, edge or corner with block b, b itself included (sorted, each once).
   std::vector<int> neighbourhood(int b) const;

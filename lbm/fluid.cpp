@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "lbm/collision.hpp"
 #include "lbm/prefetch.hpp"
+#include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
 
@@ -16,7 +18,7 @@ std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
   return blocks;
 }
 
-/// Faces beyond which another rank is.
+/// The faces of a block beyond which another rank is.
 ShellFaces shell_of(const Domain& domain, int b) {
   const BlockPlace& place = domain.blocks()[b];
   ShellFaces shell;
@@ -31,13 +33,13 @@ ShellFaces shell_of(const Domain& domain, int b) {
 }
 
 template <class T>
-std::vector<Sweep> sweeps_of(const Domain& domain, MPI_Comm comm) {
+std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  std::vector<Sweep> sweeps;
+  std::vector<PassOrder> orders;
   for (int b : domain.blocks_of(rank))
-    sweeps.emplace_back(domain.blocks()[b].box.size, sizeof(T), shell_of(domain, b));
-  return sweeps;
+    orders.emplace_back(domain.blocks()[b].box.size, sizeof(T), shell_of(domain, b));
+  return orders;
 }
 }  // namespace
 
@@ -50,39 +52,45 @@ template <class T>
 Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
     : domain_(domain),
       spec_(spec),
-      rates_(spec),
+      rates_(std::make_unique<CollisionRates<T>>(spec)),
       comm_(comm),
       blocks_(local_blocks<T>(domain, comm)),
-      sweeps_(sweeps_of<T>(domain, comm)),
+      orders_(orders_of<T>(domain, comm)),
       idle_(blocks_.size(), 0),
-      halo_(domain_, comm, blocks_, sweeps_, spec.force) {}
+      halo_(domain_, comm, blocks_, orders_, spec.force) {}
 
 template <class T>
-void Fluid<T>::set_anchor(double density_per_cell) {
-  rates_.anchor = T(density_per_cell);
-  rates_.source = CollisionRates<T>(spec_).source || rates_.anchor != 0;
+Fluid<T>::~Fluid() = default;
+
+template <class T>
+void Fluid<T>::set_mass_correction(double density_per_cell) {
+  rates_->mass_correction = T(density_per_cell);
+  rates_->source = CollisionRates<T>(spec_).source || rates_->mass_correction != 0;
 }
 
 template <class T>
 void Fluid<T>::collide_shells() {
   for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (const RowRange& rows : sweeps_[b].shell())
-      if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, rates_, rows);
+    for (const RowRange& rows : orders_[b].shell())
+      if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, *rates_, rows);
   halo_.start(blocks_, flipped(parity_));
+}
+
+template <class T>
+void Fluid<T>::collide_rows(int b, RowRange rows) {
+  lbm::stream_collide(blocks_[b], parity_, *rates_, rows);
+  halo_.progress();
 }
 
 template <class T>
 void Fluid<T>::stream_collide() {
   collide_shells();
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+  for (int b = 0; b < int(blocks_.size()); ++b) {
     if (idle_[b]) continue;
-    const RowRange inner = sweeps_[b].inner();
+    const RowRange inner = orders_[b].inner();
     const int planes = std::max(1, (inner.z1 - inner.z0 + 7) / 8);  // between looks at the messages
-    for (int z = inner.z0; z < inner.z1; z += planes) {
-      lbm::stream_collide(blocks_[b], parity_, rates_,
-                          {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
-      halo_.progress();
-    }
+    for (int z = inner.z0; z < inner.z1; z += planes)
+      collide_rows(b, {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
   }
   parity_ = flipped(parity_);
 }
@@ -98,9 +106,15 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
     const double g = arriving(b, x, i);
     const Int3 v = c[i];
     m.density_deviation += g;
-    add(m.momentum[0], v.x, g), add(m.momentum[1], v.y, g), add(m.momentum[2], v.z, g);
-    add(m.flux[0], v.x * v.x, g), add(m.flux[1], v.y * v.y, g), add(m.flux[2], v.z * v.z, g);
-    add(m.flux[3], v.x * v.y, g), add(m.flux[4], v.x * v.z, g), add(m.flux[5], v.y * v.z, g);
+    add(m.momentum[0], v.x, g);
+    add(m.momentum[1], v.y, g);
+    add(m.momentum[2], v.z, g);
+    add(m.flux[0], v.x * v.x, g);
+    add(m.flux[1], v.y * v.y, g);
+    add(m.flux[2], v.z * v.z, g);
+    add(m.flux[3], v.x * v.y, g);
+    add(m.flux[4], v.x * v.z, g);
+    add(m.flux[5], v.y * v.z, g);
   }
   return m;
 }

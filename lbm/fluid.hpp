@@ -3,17 +3,20 @@
 // velocity and momentum flux where they are asked for (never computed otherwise).
 #include <mpi.h>
 
+#include <memory>
 #include <vector>
 
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
-#include "lbm/stream_collide.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 
 namespace silt::lbm {
 
-/// Of one cell, from the populations arriving at it. Deviations from density 1 at rest.
+template <class T>
+struct CollisionRates;
+
+/// The moments of the populations that arrive at one cell: deviations from density 1 at rest.
 struct Moments {
   double density_deviation = 0;
   double momentum[3] = {};  // sum c g, without the half force
@@ -23,7 +26,9 @@ struct Moments {
 template <class T>
 class Fluid {
  public:
+  /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   Fluid(const Domain&, const CollisionSpec&, MPI_Comm);
+  ~Fluid();
 
   const Domain& domain() const { return domain_; }
   const CollisionSpec& spec() const { return spec_; }
@@ -33,29 +38,28 @@ class Fluid {
   const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
 
-  /// Density added to every cell by each collision from now on (spread as w_i), 0 for none.
-  void set_anchor(double density_per_cell);
+  /// Each collision adds this density to every cell from now on, in the shares w_i; 0 adds none.
+  void set_mass_correction(double density_per_cell);
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
-  /// soon as what they carry is there. Then exchange().
+  /// soon as what they carry is there. Call exchange() next.
   void stream_collide();
-  /// The same, part by part (sweep.hpp): calls after_part(block, part) when a part of a block is done, in the
-  /// order of blocks and parts.
+  /// Does the same part by part (pass_order.hpp), and calls after_part(block, part) when a part of a block is
+  /// done, in the order of blocks and parts.
   template <class AfterPart>
   void stream_collide(AfterPart&& after_part) {
     collide_shells();
     for (int b = 0; b < int(blocks_.size()); ++b)
-      for (int part = 0; !idle_[b] && part < sweeps_[b].parts(); ++part) {
-        lbm::stream_collide(blocks_[b], parity_, rates_, sweeps_[b].rows_of(part));
-        halo_.progress();
+      for (int part = 0; !idle_[b] && part < orders_[b].parts(); ++part) {
+        collide_rows(b, orders_[b].rows_of(part));
         after_part(b, part);
       }
     parity_ = flipped(parity_);
   }
-  const Sweep& sweep_of(int b) const { return sweeps_[b]; }
-  /// Ghost slots and domain walls, for the pass just done: what messages are left, and waiting for all. Cut
-  /// links of the rim come after it.
+  const PassOrder& pass_order(int b) const { return orders_[b]; }
+  /// Fills or returns ghost slots and applies domain walls, for the pass just done: sends what messages are
+  /// left and waits for all. Cut links of the rim come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
 
   T& arriving(int b, Int3 local_cell, int i) {
@@ -64,12 +68,12 @@ class Fluid {
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
   }
-  /// What left a cell along i in the last pass (until the next one).
+  /// The population that left a cell along i in the last pass (until the next one).
   T leaving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// A hint that the populations arriving at a cell (ghosts too) will be asked for soon.
+  /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
   void prefetch(int b, Int3 local_cell) const;
   /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
   std::array<double, 3> velocity(const Moments&) const;
@@ -79,19 +83,20 @@ class Fluid {
 
  private:
   void collide_shells();
+  void collide_rows(int b, RowRange);
 
   Domain domain_;
   CollisionSpec spec_;
-  CollisionRates<T> rates_;
+  std::unique_ptr<CollisionRates<T>> rates_;
   MPI_Comm comm_;
   std::vector<Block<T>> blocks_;
-  std::vector<Sweep> sweeps_;  // of the blocks
+  std::vector<PassOrder> orders_;  // of the blocks
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   Halo<T> halo_;
 };
 
-/// g_i^eq of a density deviation and momentum (incompressible, quadratic), in double.
+/// The equilibrium of a density deviation and momentum (README.md, equation 2), in double.
 double equilibrium(int i, double density_deviation, const double momentum[3]);
 
 }  // namespace silt::lbm

@@ -21,7 +21,7 @@ struct Home {
   bool upper = false;
 };
 
-/// Where the population that left along j into the ghost cell g (global, unwrapped) belongs.
+/// The home of the population that left along j into the ghost cell g (global, unwrapped).
 Home home_of(const Domain& domain, Int3 g, int j) {
   Int3 cell = g, direction = c[j];
   Home pressure{HomeKind::slot, {}, 0};
@@ -50,8 +50,8 @@ double wall_addend(const Domain& domain, Int3 sides, int j) {
 
 enum class RowEndKind { lists, round, wall };
 
-/// What the rows of a block do at one end by themselves: go round to the other end, meet a wall, or neither
-/// (then the lists of this file do it).
+/// The rows of a block may by themselves go round to the other end, or meet a wall; else the lists of this
+/// file do what is to do there.
 RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
   const int cells = domain.cells().x;
   if (domain.periodic(0)) return box.size.x == cells ? RowEndKind::round : RowEndKind::lists;
@@ -70,8 +70,8 @@ bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   return kind == RowEndKind::round && own_row;
 }
 
-/// An even pass has just written the homes of its row; an odd one the ghost slots that its row's last cell
-/// sends to.
+/// Gives the block its row ends. An even pass has just written the homes of its row, an odd one the ghost
+/// slots that its row's last cell sends to.
 template <class T>
 void add_row_ends(const Domain& domain, Block<T>& block) {
   const int nx = block.size().x;
@@ -94,7 +94,7 @@ void add_row_ends(const Domain& domain, Block<T>& block) {
   }
 }
 
-/// Few at a time: no call.
+/// Copies a few slots at a time, without a call.
 template <class T>
 inline void copy_slots(const T* from, T* to, std::uint32_t length) {
   for (std::uint32_t n = 0; n < length; ++n) to[n] = from[n];
@@ -146,7 +146,7 @@ struct Halo<T>::Builder {
   const Domain& domain;
   std::vector<int> local;  // global block -> local index, or -1
   std::vector<const Block<T>*> layout;
-  std::span<const Sweep> sweeps;
+  std::span<const PassOrder> orders;
   std::map<std::pair<int, int>, Copy> copies;
   std::map<std::tuple<int, int, int, int, int>, Wall> walls;  // by block, sides met, direction
   std::map<std::tuple<int, int, bool>, Outlet> outlets;
@@ -170,16 +170,17 @@ struct Halo<T>::Builder {
     const Int3 cell = home.cell - domain.blocks()[home_block].box.lower;
     if (here >= 0 && there >= 0) {
       Copy& copy = copies[{here, there}];
-      copy.ghost_block = here, copy.home_block = there;
+      copy.ghost_block = here;
+      copy.home_block = there;
       add_to(copy.runs, slot(here, g, j), slot(there, cell, home.direction));
     } else if (here >= 0) {
       const Int3 writer = g - c[j];
       Peer& peer = peers[domain.blocks()[home_block].rank];
-      peer.early &= sweeps[here].in_shell(writer.y, writer.z);
+      peer.early &= orders[here].in_shell(writer.y, writer.z);
       add_to(peer.ghosts, here, slot(here, g, j));
     } else if (there >= 0) {
       Peer& peer = peers[place.rank];
-      peer.early &= sweeps[there].in_shell(cell.y, cell.z);
+      peer.early &= orders[there].in_shell(cell.y, cell.z);
       add_to(peer.homes, there, slot(there, cell, home.direction));
     }
   }
@@ -219,19 +220,20 @@ struct Halo<T>::Builder {
     }
     for (auto& [r, peer] : peers) {
       peer.rank = r;
-      peer.ghost_buffer.resize(slots_in(peer.ghosts)), peer.home_buffer.resize(slots_in(peer.homes));
+      peer.ghost_buffer.resize(slots_in(peer.ghosts));
+      peer.home_buffer.resize(slots_in(peer.homes));
       halo.peers_.push_back(std::move(peer));
     }
   }
 };
 
 template <class T>
-Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks, std::span<const Sweep> sweeps,
-              const std::array<double, 3>& force)
+Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
+              std::span<const PassOrder> orders, const std::array<double, 3>& force)
     : comm_(comm), force_(force) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, sweeps, {}, {}, {}, {}};
+  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, orders, {}, {}, {}, {}};
   int k = 0;
   for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
   for (auto& b : blocks) builder.layout.push_back(&b);
@@ -327,7 +329,9 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
 #pragma GCC unroll 19
       for (int i = 1; i < directions; ++i) {
         const double g = out[i][link.cell];
-        add(u[0], c[i].x, g), add(u[1], c[i].y, g), add(u[2], c[i].z, g);
+        add(u[0], c[i].x, g);
+        add(u[1], c[i].y, g);
+        add(u[2], c[i].z, g);
       }
       rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     }

@@ -21,26 +21,26 @@
 #include <vector>
 
 #include "lbm/domain.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 
 namespace silt::lbm {
 
 template <class T>
 class Halo {
  public:
-  /// blocks: the local ones, in the order of domain.blocks_of(rank), and their sweeps; gives them their row
-  /// ends. force: the uniform acceleration.
-  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const Sweep> sweeps,
+  /// `blocks` are the local ones, in the order of domain.blocks_of(rank), `orders` those of their passes;
+  /// gives the blocks their row ends. `force` is the uniform acceleration.
+  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const PassOrder> orders,
        const std::array<double, 3>& force);
-  /// The shells have collided: messages of which they write all set out. `parity`: of the blocks after the
-  /// dense pass.
+  /// Call when the shells have collided: the messages that they alone write set out. `parity` is that of the
+  /// blocks after the dense pass.
   void start(std::span<const Block<T>> blocks, Parity parity);
   /// Gives the messages under way a chance to move.
   void progress();
-  /// The pass is done. Between an idle block and another of this rank nothing
-  /// moves: its slots mean nothing, and cut links cover every way into it.
+  /// Call when the pass is done. Between an idle block and another of this rank nothing moves: its slots mean
+  /// nothing, and cut links cover every way into it.
   void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
-  /// Bytes sent by this rank in one exchange; those of them that set out with the shells.
+  /// The bytes that this rank sends in one exchange, and those of them that set out with the shells.
   std::size_t message_bytes() const;
   std::size_t early_bytes() const;
 

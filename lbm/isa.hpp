@@ -1,25 +1,32 @@
 #pragma once
 // Which build of the hot kernels runs here. All builds round alike (no contraction), so the choice never
 // changes a result.
+#include <array>
+#include <string_view>
 
 namespace silt::lbm {
 
+/// Instruction sets, each wider than the one before.
 enum class Isa { portable, avx2, avx512 };
+inline constexpr std::array<std::string_view, 3> isa_names = {"portable", "avx2", "avx512"};
+
 /// The widest one this machine has; the environment variable SILT_ISA may name a lesser one.
 Isa chosen_isa();
-/// For this thread, from now on: results too small for a normal number become zero (they are slow, and mean
+/// The name of the chosen one.
+inline std::string_view instruction_set() {
+  return isa_names[static_cast<std::size_t>(chosen_isa())];
+}
+
+/// The one that runs here of the three builds of a kernel (a pointer) or of a table of kernels (a struct of
+/// pointers).
+template <class Build>
+Build chosen(Build portable, Build avx2, Build avx512) {
+  const Isa isa = chosen_isa();
+  return isa == Isa::avx512 ? avx512 : isa == Isa::avx2 ? avx2 : portable;
+}
+
+/// For this thread, from now on, results too small for a normal number become zero (they are slow, and mean
 /// nothing in populations). Does nothing where the machine has no such mode.
 void flush_denormals_to_zero();
 
 }  // namespace silt::lbm
-
-/// Calls silt::lbm::<isa>::function(...) of the chosen build.
-#define SILT_DISPATCH(function, ...)          \
-  switch (chosen_isa()) {                     \
-    case Isa::avx512:                         \
-      return avx512::function(__VA_ARGS__);   \
-    case Isa::avx2:                           \
-      return avx2::function(__VA_ARGS__);     \
-    default:                                  \
-      return portable::function(__VA_ARGS__); \
-  }

@@ -13,8 +13,8 @@ struct FreeMemory {
 template <class T>
 using LargeMemory = std::unique_ptr<T[], FreeMemory>;
 
-/// Zeros from the start of a cache line on; on large pages as far as they are filled and the system has them.
-/// std::bad_alloc.
+/// Allocates zeros from the start of a cache line on, on large pages as far as they are filled and the system
+/// has them. Throws std::bad_alloc.
 void* zeroed_memory(std::size_t bytes);
 
 template <class T>

@@ -7,7 +7,7 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// What of a link is wanted: all that a scheme reads and writes, or only what the surface returns.
+/// Of a link either all that a scheme reads and writes is wanted, or only what the surface returns.
 enum class Wanted { all, returned };
 
 template <class T>
@@ -15,16 +15,19 @@ class LinkFetch {
  public:
   using L = Lanes<T>;
 
-  LinkFetch(const Block<T>& block, const LinkSlots& slots, const NextGroup<T>& present,
-            const NextGroup<T>& next, Wanted wanted)
-      : block_(block), slots_(slots), present_(present), next_(next), wanted_(wanted) {}
+  LinkFetch(const GroupInBlock<T>& here, Wanted wanted)
+      : block_(here.block),
+        slots_(here.slots),
+        present_{&here.links, &here.group},
+        next_(here.next),
+        wanted_(wanted) {}
 
-  /// Before the links from l on of the present group, a vector of them, are computed.
+  /// Call before a vector of links of the present group, those from l on, is computed.
   void before(int l) {
     if (l % window == 0) prepare(l + window);
     fetch(l % window);
   }
-  /// After the last: `l` is past it.
+  /// Call after the last; `l` is past it.
   void finish(int l) {
     for (int k = l % window; k > 0 && k < prepared_; k += L::count) fetch(k);
   }
@@ -40,7 +43,7 @@ class LinkFetch {
       list(next_, 0);
   }
 
-  /// Where the populations of a window of links are. The last vector's rows are as short as it.
+  /// Lists where the populations of a window of links are. The last vector's rows are as short as it.
   void list(const NextGroup<T>& links, int first) {
     const LinkGroup& group = *links.group;
     const PlaceOrigin<T> origin(block_, group.corner, links.links->frame);
@@ -64,11 +67,14 @@ class LinkFetch {
 
   template <class Add>
   void add_read(WallScheme scheme, const Places<T>& at, Add&& add) const {
-    if (scheme == WallScheme::narrow) {
+    if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
     } else {
       add(at.slots(slots_.out));
-      if (reads_behind(scheme)) add(at.slots(slots_.behind)), add(at.slots(slots_.against));
+      if (reads_behind(scheme)) {
+        add(at.slots(slots_.behind));
+        add(at.slots(slots_.against));
+      }
     }
   }
 

@@ -98,18 +98,18 @@ struct Lanes {
 #endif
 };
 
-/// The sum of terms, each rounded to a whole number of quanta; a term is below 2^50 quanta.
+/// Adds terms, each rounded to a whole number of quanta; a term is below 2^50 quanta.
 template <class T>
 class FixedSum {
  public:
   using Real = typename Lanes<T>::Real;
 
 #if defined(SILT_ISA_avx512)
-  /// In quanta.
+  /// x is in quanta.
   void add(const Real& x) {
     sum_ += rounded(x);
   }
-  void take_off(const Real& x) {
+  void subtract(const Real& x) {
     sum_ -= rounded(x);
   }
   std::int64_t total() const {
@@ -136,7 +136,7 @@ class FixedSum {
   void add(const Real& x) {
     sum_ += rounded(x);
   }
-  void take_off(const Real& x) {
+  void subtract(const Real& x) {
     sum_ -= rounded(x);
   }
   std::int64_t total() const {

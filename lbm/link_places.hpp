@@ -14,16 +14,17 @@ struct Components {
 };
 inline constexpr Components components;
 
-/// What a group's places count from.
+/// The origin that a group's places count from.
 template <class T>
 struct PlaceOrigin {
   std::int32_t row = 0, plane = 0;  // elements between rows and planes of cells
-  Int3 far;                         // cells from that of the surface's reference point to the group's corner
+  Int3 corner;                      // of the group, from the cell of the surface's reference point
   T offset[3];                      // of that cell's centre from the reference point
   PlaceOrigin(Int3 corner, const SurfaceFrame& frame)
-      : far(corner - frame.cell), offset{T(frame.offset[0]), T(frame.offset[1]), T(frame.offset[2])} {}
+      : corner(corner - frame.cell), offset{T(frame.offset[0]), T(frame.offset[1]), T(frame.offset[2])} {}
   PlaceOrigin(const Block<T>& block, Int3 corner, const SurfaceFrame& frame) : PlaceOrigin(corner, frame) {
-    row = std::int32_t(block.row_stride()), plane = std::int32_t(block.plane_stride());
+    row = std::int32_t(block.row_stride());
+    plane = std::int32_t(block.plane_stride());
   }
 };
 
@@ -40,11 +41,12 @@ struct Places {
                z = (place >> place_z_shift) & ((1 << place_z_bits) - 1);
     direction = (place >> place_direction_shift) & 31;
     cell = x + origin.row * y + origin.plane * z;
-    r[0] = L::real(x + origin.far.x) + origin.offset[0], r[1] = L::real(y + origin.far.y) + origin.offset[1];
-    r[2] = L::real(z + origin.far.z) + origin.offset[2];
+    r[0] = L::real(x + origin.corner.x) + origin.offset[0];
+    r[1] = L::real(y + origin.corner.y) + origin.offset[1];
+    r[2] = L::real(z + origin.corner.z) + origin.offset[2];
     for (int d = 0; d < 3; ++d) c[d] = L::real(L::look_up(components.of[d], direction));
   }
-  /// Where a population of each link is: its slot at the link's cell.
+  /// The slots at the links' cells where a population of each lies.
   typename L::Whole slots(const std::int32_t (&table)[32]) const {
     return L::look_up(table, direction) + cell;
   }

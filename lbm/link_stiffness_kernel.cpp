@@ -3,7 +3,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "lbm/kernels.hpp"
+#include "lbm/cut_links_kernel.hpp"
 #include "lbm/link_places.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -14,7 +14,7 @@ constexpr int entries = 21;  // the upper triangle of k J J^T
 template <class T>
 using Entries = typename Lanes<T>::Quanta[entries];
 
-/// Adds a group's. In single precision of 32-bit terms.
+/// Adds the stiffness of a group. In single precision its terms have 32 bits.
 template <WallScheme scheme, class T>
 void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, Entries<T>& sums) {
   using L = Lanes<T>;
@@ -45,17 +45,22 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
   }
 }
 
-}  // namespace
-
 template <class T>
-void surface_stiffness(const CutLinks<T>& links, int exponent, StiffnessSums& sums) {
+void add_stiffness(const CutLinks<T>& links, int exponent, StiffnessSums& sums) {
   Entries<T> lanes = {};
   for (const LinkGroup& group : links.groups)
     with_scheme(group.scheme, [&](auto scheme) { add_group<scheme()>(links, group, exponent, lanes); });
   for (int e = 0; e < entries; ++e)
     for (int l = 0; l < Lanes<T>::count; ++l) sums.h[e] += lanes[e][l];
 }
-template void surface_stiffness(const CutLinks<float>&, int exponent, StiffnessSums&);
-template void surface_stiffness(const CutLinks<double>&, int exponent, StiffnessSums&);
+
+}  // namespace
+
+template <class T>
+AddStiffness<T> stiffness_kernel() {
+  return add_stiffness<T>;
+}
+template AddStiffness<float> stiffness_kernel();
+template AddStiffness<double> stiffness_kernel();
 
 }  // namespace silt::lbm::SILT_ISA

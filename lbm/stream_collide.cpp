@@ -1,26 +1,16 @@
 #include "lbm/stream_collide.hpp"
 
 #include "lbm/isa.hpp"
-#include "lbm/kernels.hpp"
+#include "lbm/stream_collide_kernel.hpp"
 
 namespace silt::lbm {
 
 template <class T>
 void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range) {
-  SILT_DISPATCH(stream_collide_rows, block, parity, rates, range)
+  const auto kernel_of = chosen(portable::collide_rows<T>, avx2::collide_rows<T>, avx512::collide_rows<T>);
+  kernel_of(rates.model)(block, parity, rates, range);
 }
 template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange);
 template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange);
-
-const char* instruction_set() {
-  switch (chosen_isa()) {
-    case Isa::avx512:
-      return "avx512";
-    case Isa::avx2:
-      return "avx2";
-    default:
-      return "portable";
-  }
-}
 
 }  // namespace silt::lbm

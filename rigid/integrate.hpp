@@ -1,21 +1,22 @@
 #pragma once
 // The half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force. Reads and writes owned rows only.
 //
-// Rotation: implicit midpoint on the angular momentum in the body frame (NUMERICS 8; Simo, Wong 1991),
+// Rotation: implicit midpoint on the angular momentum in the body frame (rigid/README.md, M5 and M6; Simo,
+// Wong 1991),
 //   L_B' - L_B = h Lbar x (I_B^-1 Lbar),  Lbar = (L_B + L_B') / 2,   q' = q cay(h I_B^-1 Lbar),
 // which keeps L in the world frame, its length and the kinetic energy to round-off, for any h.
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::rigid {
 
-/// x += h v, q turned by h: free bodies with constant v and L, prescribed ones with constant v and omega.
+/// Moves every body by h: free ones with constant v and L, prescribed ones with constant v and omega.
 /// Leaves angular_velocity = I_W^-1 L at the new orientation. Walls and fixed bodies stay.
 void drift(BodySet&, double h);
 
-/// One free rotation step; L_W is constant. Returns the new orientation. Exposed for tests.
+/// Returns the orientation after a free rotation over h; L_W is constant. Exposed for tests.
 Quat free_rotation(const Quat& orientation, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h);
 
-/// The rotation by the vector angle (radians about its own axis).
+/// Returns the rotation by the vector angle (radians about its own axis).
 Quat rotation_by(const Vec3& angle);
 
 }  // namespace silt::rigid

@@ -11,18 +11,13 @@ namespace silt::rigid {
 
 namespace {
 
-/// Adds the time since the last call, or since it was made, to one of the stages.
-class Stopwatch {
- public:
-  void lap(double& seconds) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
+/// Runs one stage of a step and adds the time it took to that stage's seconds.
+template <class Run>
+void timed(double& seconds, Run&& run) {
+  const auto begin = std::chrono::steady_clock::now();
+  run();
+  seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
 
 void clear_forces(BodySet& bodies) {
   std::fill(bodies.force.begin(), bodies.force.end(), FixedVec3{});
@@ -46,24 +41,6 @@ std::uint64_t mixed_owner_contacts(const BodySet& bodies, const std::vector<Cont
   });
 }
 
-void add(RigidStepReport& sum, const RigidStepReport& one) {
-  const ResolverStatistics& r = one.resolver;
-  sum.resolver.contacts = r.contacts;
-  sum.resolver.sweeps += r.sweeps;
-  sum.resolver.impact_sweeps += r.impact_sweeps;
-  sum.resolver.infeasible += r.infeasible;
-  sum.resolver.residual = std::max(sum.resolver.residual, r.residual);
-  sum.resolver.penetration = std::max(sum.resolver.penetration, r.penetration);
-  sum.resolver.cone_excess = std::max(sum.resolver.cone_excess, r.cone_excess);
-  sum.pairs = one.pairs;
-  sum.films = one.films;
-  sum.mixed_owner_contacts = one.mixed_owner_contacts;
-  sum.seconds.integrate += one.seconds.integrate;
-  sum.seconds.collision_detection += one.seconds.collision_detection;
-  sum.seconds.contact_response += one.seconds.contact_response;
-  sum.seconds.synchronisation += one.seconds.synchronisation;
-}
-
 }  // namespace
 
 RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResolver& resolver,
@@ -75,59 +52,54 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
       detect_contacts_(std::move(broad_phase)) {}
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
-  Stopwatch watch;
-  StageClock before;
-  exchange_.sum_forces(bodies);  // line 1
-  watch.lap(before.synchronisation);
-  RigidStepReport report = after_forces(bodies, dt, true);
-  report.seconds.synchronisation += before.synchronisation;
+  RigidStepReport report;
+  timed(report.seconds.synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
+  report += substep(bodies, dt, true);
   return report;
 }
 
 RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
-  Stopwatch watch;
   RigidStepReport report;
-  exchange_.sum_forces(bodies);  // line 1
-  watch.lap(report.seconds.synchronisation);
-  for (int i = 1; i <= substeps; ++i) add(report, after_forces(bodies, 1.0 / substeps, i == substeps));
+  timed(report.seconds.synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
+  for (int i = 1; i <= substeps; ++i) report += substep(bodies, 1.0 / substeps, i == substeps);
   return report;
 }
 
-RigidStepReport RigidStep::after_forces(BodySet& bodies, double dt, bool last) {
+/// Lines 2 to 23 of Algorithm 1; the numbers of equations are those of README.md.
+RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
-  StageClock& seconds = report.seconds;
-  Stopwatch watch;
+  RigidSeconds& seconds = report.seconds;
+  timed(seconds.integrate, [&] { drift(bodies, 0.5 * dt); });              // lines 2-5, positions (M1)
+  timed(seconds.synchronisation, [&] { exchange_.synchronise(bodies); });  // line 6
+  timed(seconds.collision_detection, [&] { detect_contacts(bodies, dt, report); });  // lines 7-12
+  timed(seconds.synchronisation, [&] { exchange_contacts(bodies, report); });        // line 13
+  timed(seconds.integrate, [&] { kick_before_contacts(bodies, dt); });  // lines 2-5, velocities (M2)
+  timed(seconds.contact_response, [&] { resolve_contacts(bodies, dt, report); });  // lines 14-20 (M3)
+  timed(seconds.integrate, [&] { finish(bodies, dt, last); });                     // lines 21-22 (M4)
+  timed(seconds.synchronisation, [&] { exchange_.synchronise(bodies); });          // line 23
+  return report;
+}
 
-  drift(bodies, 0.5 * dt);  // lines 2-5, positions
-  watch.lap(seconds.integrate);
+void RigidStep::detect_contacts(const BodySet& bodies, double dt, RigidStepReport& report) {
+  report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);
+  report.lubrication = detect_contacts_.lubrication();
+}
 
-  exchange_.synchronise(bodies);  // line 6
-  watch.lap(seconds.synchronisation);
-
-  report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
-  report.films = detect_contacts_.films();
-  watch.lap(seconds.collision_detection);
-
-  exchange_.exchange_contacts(bodies, contacts_);  // line 13
+void RigidStep::exchange_contacts(BodySet& bodies, RigidStepReport& report) {
+  exchange_.exchange_contacts(bodies, contacts_);
   report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
-  watch.lap(seconds.synchronisation);
+}
 
-  find_rows_in_contact(bodies);
-  first_kick(bodies, dt);  // lines 2-5, velocities
-  watch.lap(seconds.integrate);
+void RigidStep::resolve_contacts(BodySet& bodies, double dt, RigidStepReport& report) {
+  report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);
+}
 
-  report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);  // lines 14-20
-  watch.lap(seconds.contact_response);
-
+/// The second half of the drift, with the velocities after the contacts.
+void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   take_velocities(bodies, dt);
   if (last && forced_) clear_forces(bodies);
   take_position_correction(bodies, dt);
-  drift(bodies, 0.5 * dt);  // lines 21-22
-  watch.lap(seconds.integrate);
-
-  exchange_.synchronise(bodies);  // line 23
-  watch.lap(seconds.synchronisation);
-  return report;
+  drift(bodies, 0.5 * dt);
 }
 
 /// Lists the rows that have a contact.
@@ -136,7 +108,9 @@ void RigidStep::find_rows_in_contact(const BodySet& bodies) {
   in_contact_.assign(bodies.size(), 0);
   rows.clear();
   const auto meet = [&](std::size_t row) {
-    if (!in_contact_[row]) in_contact_[row] = 1, rows.push_back(row);
+    if (in_contact_[row]) return;
+    in_contact_[row] = 1;
+    rows.push_back(row);
   };
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = contacts_[k];
@@ -146,8 +120,9 @@ void RigidStep::find_rows_in_contact(const BodySet& bodies) {
   }
 }
 
-/// Gravity and external force; for bodies in contact velocities_ keeps those before and after.
-void RigidStep::first_kick(BodySet& bodies, double dt) {
+/// Gravity and external force; for bodies in contact velocities_ keeps the velocities before and after.
+void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
+  find_rows_in_contact(bodies);
   StepVelocities& of = velocities_;
   for (auto* all : {&of.before_v, &of.before_w, &of.v, &of.w}) all->resize(bodies.size());
   if (resolver_.first_kick() < 1) of.misses_kick.assign(bodies.size(), 0);
@@ -157,7 +132,7 @@ void RigidStep::first_kick(BodySet& bodies, double dt) {
   }
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_free(row)) bodies.velocity[row] += (dt * bodies.weight_factor[row]) * world_.gravity;
+      if (bodies.is_free(row)) bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)

@@ -9,16 +9,34 @@
 
 namespace silt::rigid {
 
-struct StageClock {  // seconds of the last step, by the paper's parts of the physics engine
+struct RigidSeconds {  // seconds of the last step, by the paper's parts of the physics engine
   double integrate = 0, collision_detection = 0, contact_response = 0, synchronisation = 0;
+
+  RigidSeconds& operator+=(const RigidSeconds& o) {
+    integrate += o.integrate;
+    collision_detection += o.collision_detection;
+    contact_response += o.contact_response;
+    synchronisation += o.synchronisation;
+    return *this;
+  }
 };
 
 struct RigidStepReport {
   ResolverStatistics resolver;
   std::uint64_t pairs = 0;                 // candidate pairs of the broad phase
-  FilmCounts films;                        // contacts as narrow as that this rank found
+  LubricationCounts lubrication;           // contacts as narrow as that this rank found
   std::uint64_t mixed_owner_contacts = 0;  // between bodies that different ranks own (parallel only)
-  StageClock seconds;
+  RigidSeconds seconds;
+
+  /// Adds a later sub-step: times add up, counts are those of the last one.
+  RigidStepReport& operator+=(const RigidStepReport& later) {
+    resolver += later.resolver;
+    pairs = later.pairs;
+    lubrication = later.lubrication;
+    mixed_owner_contacts = later.mixed_owner_contacts;
+    seconds += later.seconds;
+    return *this;
+  }
 };
 
 class RigidStep {
@@ -37,9 +55,13 @@ class RigidStep {
   CollisionBackend& backend_;
   ContactResolver& resolver_;
   BodyExchange& exchange_;
-  RigidStepReport after_forces(BodySet&, double dt, bool last);  // lines 2 to 23
+  RigidStepReport substep(BodySet&, double dt, bool last);
+  void detect_contacts(const BodySet&, double dt, RigidStepReport&);
+  void exchange_contacts(BodySet&, RigidStepReport&);
+  void kick_before_contacts(BodySet&, double dt);
+  void resolve_contacts(BodySet&, double dt, RigidStepReport&);
+  void finish(BodySet&, double dt, bool last);
   void find_rows_in_contact(const BodySet&);
-  void first_kick(BodySet&, double dt);
   void kick(BodySet&, std::size_t row, double dt) const;
   void take_velocities(BodySet&, double dt);
   void take_position_correction(BodySet&, double dt) const;

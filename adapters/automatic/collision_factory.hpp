@@ -11,9 +11,10 @@ namespace silt::adapters {
 /// The names make_backend knows, the default ("auto") first.
 std::vector<std::string_view> backend_names();
 
-/// "auto": the best answer pair by pair; "analytic": closed forms; "bullet", "fcl": that engine for every
-/// pair. Throws std::invalid_argument that lists the known names for any other name, and std::runtime_error
-/// where the engine found at run time is not the one built against. One object serves one thread.
+/// Makes a backend. "auto" is the best answer pair by pair, "analytic" closed forms, "bullet" and "fcl" that
+/// engine for every pair. Throws std::invalid_argument that lists the known names for any other name, and
+/// std::runtime_error where the engine found at run time is not the one built against. One object serves one
+/// thread.
 std::unique_ptr<rigid::CollisionBackend> make_backend(std::string_view name);
 
 }  // namespace silt::adapters

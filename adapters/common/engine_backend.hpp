@@ -1,5 +1,5 @@
 #pragma once
-// What every engine's backend does around the engine: ask, check, fall back, build the points.
+// Every engine's backend does the same around its engine: it asks, checks, falls back, and builds the points.
 #include <optional>
 
 #include "rigid/collision/collision_backend.hpp"
@@ -15,8 +15,8 @@ inline constexpr double answer_tolerance = 1e-11;
 /// A normal this near (radian) to that of a face or of two crossed edges is taken to be it (not for spheres).
 inline constexpr double snap_angle = 1e-7;
 
-/// The same for a pair with a cylinder, an ellipsoid or a polyhedron: engines find the normal of curved
-/// shapes to 1e-4 or worse, the gap to 1e-5.
+/// The tolerance is wider for a pair with a cylinder, an ellipsoid or a polyhedron: engines find the normal
+/// of curved shapes to 1e-4 or worse, the gap to 1e-5.
 inline constexpr double curved_tolerance = 1e-5;
 
 /// A pair as asked; the cores are those of rounded_box (b's is of no use for a half-space).
@@ -54,7 +54,7 @@ class EngineBackend : public rigid::CollisionBackend {
  protected:
   /// How many ways to ask the engine about this pair, best first.
   virtual int methods(const Query&) const = 0;
-  /// Nothing where the engine sees no contact within the tolerance.
+  /// The deepest point; nothing where the engine sees no contact within the tolerance.
   virtual std::optional<Answer> ask(int method, const Query&) = 0;
 
  private:

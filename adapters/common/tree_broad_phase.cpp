@@ -9,9 +9,9 @@ using rigid::Vec3;
 
 namespace {
 
-/// How far a body may move before its leaf does, relative to its reach. More makes more pairs to look at.
+/// A body may move so far before its leaf does, relative to its reach. More makes more pairs to look at.
 constexpr double slack = 0.05;
-/// Of coordinates, relative: a cube must not miss by rounding what `meet` finds.
+/// The relative rounding of coordinates: a cube must not miss by it what `meet` finds.
 constexpr double rounding = 1e-14;
 
 /// Every direction and its opposite are the same pair seen from either body: these are half of the 26.
@@ -57,7 +57,7 @@ TreeBroadPhase::Leaf TreeBroadPhase::leaf_of(rigid::BodyId id, std::size_t row) 
   return at->second;
 }
 
-/// Leaves for the bodies that are here now, where they are now.
+/// Makes leaves for the bodies that are here now, where they are now.
 void TreeBroadPhase::follow(const rigid::Surroundings& around) {
   ++step_;
   reach_.resize(around.size());

@@ -23,10 +23,10 @@ class TreeBroadPhase : public rigid::BroadPhase {
   };
 
  private:
-  /// A new leaf, or one whose cube is another now.
+  /// Sets a new leaf, or one whose cube is another now.
   virtual void place(Leaf, const Cube&) = 0;
   virtual void remove(Leaf) = 0;
-  /// After the last of these in a step, before the tree is asked.
+  /// Called after the last of these in a step, before the tree is asked.
   virtual void refresh() = 0;
   /// Append all pairs of leaves whose cubes overlap, and all leaves whose cubes overlap the one given. More
   /// do no harm.

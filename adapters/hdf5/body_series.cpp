@@ -106,6 +106,11 @@ void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Pro
   file.group("/bodies", true);
   create_columns(file, "/", time_columns(info.time), times_a_chunk);
   create_columns(file, "/bodies/", body_columns(info.length, info.time, info.mass), rows_a_chunk);
+  for (const char* load : {"force", "torque"})
+    file.attribute(
+        file.dataset(std::string("/bodies/") + load), "meaning",
+        std::string("what the fluid gave the body in the step, and what a program added; without gravity "
+                    "and without the fluid's hydrostatic pressure"));
   write_kinds(file, info.kinds, info.length, info.mass + "/" + info.length + "^3");
   file.write_provenance(provenance);
   file.close();

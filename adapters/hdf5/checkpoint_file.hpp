@@ -1,9 +1,9 @@
 #pragma once
-// A checkpoint: everything a run needs to go on, to the bit, on any number of ranks. Format 1:
+// A checkpoint: everything a run needs to go on, to the bit, on any number of ranks:
 //   /              format, format_version, complete
 //   /state         the caller's named numbers and texts
 //   /cells/NAME    [z][y][x] or [q][z][y][x] of float, double or bytes, with a checksum
-//   /bodies/...    the columns of BodyRecord, sorted by id; impulse_count
+//   /bodies/...    the columns of BodyRecord, sorted by id, and those of its HolderState; impulse_count
 //   /impulses/...  the columns of StoredImpulse, body after body
 //   /provenance
 // HDF5 guards its own metadata with checksums in this file; each dataset carries one of its content.
@@ -25,7 +25,16 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 3;
+inline constexpr std::int64_t checkpoint_format_version = 5;
+
+/// A member of what the caller keeps in rigid::HolderState: the name of its dataset in /bodies, its offset in
+/// bytes, and how many numbers of which type it is.
+struct HolderColumn {
+  const char* name;
+  std::size_t offset;
+  enum Type { int64, float64 } type;
+  int components;
+};
 
 /// Writes one checkpoint under a temporary name (PATH.part) and gives it its name once it has been verified.
 /// Every call is collective. Errors are std::runtime_error on every rank, naming the file and the reason; the
@@ -33,7 +42,7 @@ inline constexpr std::int64_t checkpoint_format_version = 3;
 class CheckpointWriter {
  public:
   CheckpointWriter(MPI_Comm, const std::filesystem::path&, const Provenance&);
-  /// Without commit: nothing is left behind.
+  /// Leaves nothing behind where commit was not called.
   ~CheckpointWriter();
 
   /// Rank 0's value counts.
@@ -41,7 +50,7 @@ class CheckpointWriter {
   void set(const std::string& name, double);
   void set(const std::string& name, const std::string&);
 
-  /// Cell data of a lattice: this rank's boxes; `components` populations a cell (1: the dataset is
+  /// Writes cell data of a lattice, this rank's boxes; `components` populations a cell (1: the dataset is
   /// [z][y][x]). fill(q, box, out) writes population q of all cells of one box, x fastest; it is called for
   /// one q after the other. T: float, double, std::uint8_t. Cells no rank holds read as zero.
   template <class T>
@@ -49,8 +58,10 @@ class CheckpointWriter {
              const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, T* out)>& fill);
 
-  /// The bodies this rank owns, any order, and their stored impulses (one list a record).
-  void bodies(std::span<const rigid::BodyRecord>, std::span<const std::vector<rigid::StoredImpulse>>);
+  /// Writes the bodies that this rank owns, in any order, and their stored impulses (one list a record). Of
+  /// their holder state it writes what the columns name.
+  void bodies(std::span<const rigid::BodyRecord>, std::span<const std::vector<rigid::StoredImpulse>>,
+              std::span<const HolderColumn> = {});
 
   /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0:
   /// keeps all) of those with a step up to this one's.
@@ -75,16 +86,16 @@ class CheckpointReader {
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
   std::string text(const std::string& name) const;
-  /// Of the run that wrote it.
+  /// The provenance of the run that wrote it.
   std::string provenance(const std::string& name) const;
   std::string case_text() const;
 
   bool has_cells(const std::string& name) const;
-  /// Of a dataset: the lattice and the number of populations a cell.
+  /// The lattice of a dataset and its number of populations a cell.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
-  /// This rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T must be
-  /// the type that was written.
+  /// Reads this rank's boxes, whatever rank wrote them. take(q, box, in) as in CheckpointWriter::cells. T
+  /// must be the type that was written.
   template <class T>
   void cells(const std::string& name, const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, const T* in)>& take) const;
@@ -94,8 +105,10 @@ class CheckpointReader {
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   std::size_t body_count() const;
-  /// Those for which `mine` is true (e.g. whose position lies in this rank's blocks).
-  Bodies bodies(const std::function<bool(const rigid::BodyRecord&)>& mine) const;
+  /// Returns the bodies for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the holder
+  /// state that no column names are zero.
+  Bodies bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
+                std::span<const HolderColumn> = {}) const;
 
  private:
   struct State;

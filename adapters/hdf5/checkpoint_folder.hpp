@@ -17,10 +17,11 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::
 /// The step of a checkpoint's name, if it is one.
 std::optional<std::int64_t> checkpoint_step(const std::filesystem::path&);
 
-/// Newest (largest step) first; by name only, empty for a folder that is not there.
+/// The checkpoints of a folder, the newest (largest step) first; by name only, none for a folder that is not
+/// there.
 std::vector<CheckpointName> list_checkpoints(const std::filesystem::path& folder);
 
-/// The newest one in the same folder whose step is smaller than that of `path`.
+/// The newest checkpoint in the same folder whose step is smaller than that of `path`.
 std::optional<std::filesystem::path> previous_checkpoint(const std::filesystem::path& path);
 
 /// Deletes all but the `keep` newest of those up to and including the step of `path`, and unfinished ones

@@ -55,7 +55,7 @@ bool is_stored_as<std::uint8_t>(hid_t d) {
   return same_type(d, H5T_STD_U8LE);
 }
 
-/// Rows of one table, columns by their group; read and checked whole.
+/// Reads the rows of one table, columns by their group, and checks them whole.
 template <class Row>
 std::vector<Row> read_columns(const File& file, const std::string& group,
                               const std::vector<Column>& columns) {
@@ -69,7 +69,7 @@ std::vector<Row> read_columns(const File& file, const std::string& group,
   return rows;
 }
 
-/// Rank 0's rows on every rank.
+/// Gives every rank the rows of rank 0.
 template <class Row>
 void broadcast(MPI_Comm comm, std::vector<Row>& rows) {
   std::uint64_t n = rows.size();
@@ -181,15 +181,15 @@ std::size_t CheckpointReader::body_count() const {
   return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(
-    const std::function<bool(const rigid::BodyRecord&)>& mine) const {
+CheckpointReader::Bodies CheckpointReader::bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
+                                                  std::span<const HolderColumn> holder) const {
   std::vector<rigid::BodyRecord> records;
   std::vector<std::uint64_t> counts;
   std::vector<ImpulseRow> rows;
   on_rank_0(state_->comm, [&] {
     const File& file = *state_->file;
     if (!file.exists("/bodies")) return;
-    records = read_columns<rigid::BodyRecord>(file, "/bodies/", hdf5::record_columns());
+    records = read_columns<rigid::BodyRecord>(file, "/bodies/", hdf5::record_columns(holder));
     rows = read_columns<ImpulseRow>(file, "/impulses/", hdf5::impulse_columns());
     counts = read_columns<std::uint64_t>(file, "/bodies/", {{"impulse_count", 0, Column::uint64}});
     std::uint64_t sum = 0;

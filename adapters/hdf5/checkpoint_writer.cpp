@@ -23,7 +23,7 @@ struct CheckpointWriter::State {
   std::map<std::string, std::uint64_t> checksums;  // of the cell datasets, rank 0
 
   const hdf5::Path& part() const { return temporary.path(); }
-  /// The file, with room for so many bytes of data more. Rank 0.
+  /// The file, with room for so many more bytes of data. On rank 0 only.
   File open_to_add(std::uint64_t bytes) const {
     hdf5::reserve(part(), std::filesystem::file_size(part()) + bytes + hdf5::metadata_room);
     return File::open(part(), true);
@@ -172,7 +172,7 @@ void write_columns(File& file, const std::string& group, const std::vector<Colum
   }
 }
 
-/// Impulses (body after body, in rank order) in the order of the bodies.
+/// Puts impulses (body after body, in rank order) into the order of the bodies.
 std::vector<ImpulseRow> reordered(const std::vector<ImpulseRow>& rows,
                                   const std::vector<std::uint64_t>& counts,
                                   const std::vector<std::size_t>& order) {
@@ -188,7 +188,8 @@ std::vector<ImpulseRow> reordered(const std::vector<ImpulseRow>& rows,
 }  // namespace
 
 void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
-                              std::span<const std::vector<rigid::StoredImpulse>> impulses) {
+                              std::span<const std::vector<rigid::StoredImpulse>> impulses,
+                              std::span<const HolderColumn> holder) {
   std::vector<std::uint64_t> my_counts;
   std::vector<ImpulseRow> my_rows;
   together(state_->comm, [&] {
@@ -220,7 +221,7 @@ void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
     const auto sorted_rows = reordered(rows, counts, order);
     File file = state_->open_to_add(sorted.size() * sizeof(rigid::BodyRecord) +
                                     sorted_rows.size() * sizeof(ImpulseRow));
-    write_columns(file, "/bodies", hdf5::record_columns(), sorted.data(), sizeof(rigid::BodyRecord),
+    write_columns(file, "/bodies", hdf5::record_columns(holder), sorted.data(), sizeof(rigid::BodyRecord),
                   sorted.size());
     hdf5::write_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, {sorted_counts.size()},
                         sorted_counts.data(), sorted_counts.size() * sizeof(std::uint64_t));

@@ -8,7 +8,8 @@
 
 namespace silt::adapters::hdf5 {
 
-/// splitmix64's finaliser (Steele, Lea, Flood 2014): every bit of x acts on every bit of the result.
+/// Mixes bits by splitmix64's finaliser (Steele, Lea, Flood 2014): every bit of x acts on every bit of the
+/// result.
 inline std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
@@ -43,7 +44,7 @@ inline std::uint64_t run_checksum(std::size_t value_bytes, const void* values, s
   }
 }
 
-/// Of a small dataset that one rank holds whole.
+/// The checksum of a small dataset that one rank holds whole.
 inline std::uint64_t block_checksum(const void* data, std::size_t bytes) {
   return XXH3_64bits(data, bytes);
 }

@@ -19,7 +19,7 @@ std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
 }
 
-/// Everything but the values. Rank 0 only.
+/// Writes everything but the values. On rank 0 only.
 void create_file(const Path& path, const ImageGrid& grid, const std::vector<FieldQuantity>& quantities,
                  double time, std::int64_t step, const Provenance& provenance) {
   File file = File::create(path, hdf5::Format::classic);
@@ -80,7 +80,7 @@ std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuant
   });
 }
 
-/// fields_000100.hdf -> fields.hdf.series
+/// The name of the list of times: fields.hdf.series for fields_000100.hdf.
 Path series_path(const Path& path) {
   std::string stem = path.stem().string();
   const auto end = stem.find_last_not_of("0123456789");

@@ -14,7 +14,7 @@
 
 namespace silt::adapters {
 
-/// The lattice in the units of the case. origin: the lower corner of cell (0, 0, 0), not its centre.
+/// The lattice in the units of the case. `origin` is the lower corner of cell (0, 0, 0), not its centre.
 struct ImageGrid {
   std::array<int, 3> cells;
   std::array<double, 3> origin{0, 0, 0}, spacing{1, 1, 1};
@@ -31,14 +31,14 @@ struct FieldQuantity {
   bool double_precision = false;
 };
 
-/// FOLDER/fields_000000000100.hdf: names sort like steps.
+/// The path FOLDER/fields_000000000100.hdf of a step: names sort like steps.
 std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step);
 
-/// Collective; a rank without boxes joins with an empty list. Names, units and the number of quantities must
-/// be the same on every rank. Cells no rank holds are zero. Also keeps NAME.hdf.series, the list of times
-/// next to the file (fields_000100.hdf: fields.hdf.series), in which entries at or after this time are
-/// replaced. The file appears under its name only when it is whole.
-/// Throws std::runtime_error on every rank, naming the file and the reason (a full disk, a missing folder).
+/// Writes the file of one time. Collective; a rank without boxes joins with an empty list. Names, units and
+/// the number of quantities must be the same on every rank. Cells no rank holds are zero. Also keeps
+/// NAME.hdf.series, the list of times next to the file (fields_000100.hdf: fields.hdf.series), in which
+/// entries at or after this time are replaced. The file appears under its name only when it is whole. Throws
+/// std::runtime_error on every rank, naming the file and the reason (a full disk, a missing folder).
 void write_fields(MPI_Comm, const std::filesystem::path&, const ImageGrid&, const std::vector<CellBox>& boxes,
                   const std::vector<FieldQuantity>&, double time, std::int64_t step, const Provenance&);
 

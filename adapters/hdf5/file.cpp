@@ -31,7 +31,7 @@ std::string innermost_reason() {
   return reason;
 }
 
-/// From now on HDF5 prints nothing by itself.
+/// Keeps HDF5 from printing anything by itself from now on.
 void quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -84,9 +84,9 @@ File::~File() {
   if (own_writing_ && handle_ >= 0 && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0) abandon();
 }
 
-/// After a failed write: whatever HDF5 still wants to write to this file goes to memory and is forgotten.
-/// Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in
-/// MPI_Finalize.
+/// Call after a failed write: whatever HDF5 still wants to write to this file goes to memory and is
+/// forgotten. Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and
+/// crashes, in MPI_Finalize.
 void File::abandon() const {
   int* file = nullptr;
   if (!own_writing_ || H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0) return;
@@ -174,7 +174,7 @@ void File::attribute(hid_t owner, const std::string& name, hid_t type, const std
 }
 
 namespace {
-/// ASCII by name (what vtkHDFReader insists on), any bytes inside.
+/// A string type that is ASCII by name (vtkHDFReader insists on it) and may hold any bytes.
 Handle string_type(std::size_t length, const Path& path) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "string type");
   H5Tset_size(type, length ? length : 1);
@@ -289,7 +289,7 @@ void with_descriptor(const Path& path, int flags, const std::string& what, Act&&
 }  // namespace
 
 namespace {
-/// 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
+/// Returns 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
 int room_for(int file, std::uint64_t bytes) {
   struct statvfs disk;
   if (::fstatvfs(file, &disk) != 0 || static_cast<std::int64_t>(bytes) <= 0) return 0;

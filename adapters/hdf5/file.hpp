@@ -53,12 +53,12 @@ enum class Format {
   checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
 };
 
-/// A file and the operations this folder needs, each throwing Error. `serial` files are one rank's business.
+/// A file and the operations this folder needs, each throwing Error. `serial` files belong to one rank.
 class File {
  public:
   static File create(const Path&, Format);
   static File open(const Path&, bool writable);
-  /// Collective over comm.
+  /// Opens or creates a file; collective over comm.
   static File open_parallel(MPI_Comm, const Path&, bool writable);
 
   const Path& path() const { return path_; }
@@ -73,10 +73,10 @@ class File {
   bool exists(const std::string& name) const;
   Handle group(const std::string& name, bool create);
   Handle dataset(const std::string& name) const;
-  /// A contiguous dataset with its space taken now and not filled (a fresh file reads as zeros where nothing
-  /// is written).
+  /// Creates a contiguous dataset with its space taken now and not filled (a fresh file reads as zeros where
+  /// nothing is written).
   Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
-  /// A dataset that grows along its first axis, empty.
+  /// Creates an empty dataset that grows along its first axis.
   Handle create_growing(const std::string& name, hid_t type, std::vector<hsize_t> shape_of_row,
                         hsize_t chunk_rows);
   std::vector<hsize_t> shape(hid_t dataset) const;
@@ -86,7 +86,7 @@ class File {
   void attribute(hid_t owner, const std::string& name, std::int64_t value);
   void attribute(hid_t owner, const std::string& name, std::uint64_t value);
   void attribute(hid_t owner, const std::string& name, double value);
-  /// Of any native type; an empty shape is a scalar.
+  /// Writes an attribute of any native type; an empty shape is a scalar.
   void attribute(hid_t owner, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
                  const void* data);
   bool has_attribute(hid_t owner, const std::string& name) const;
@@ -113,10 +113,10 @@ class File {
 /// file is then as long as before. Where the file system cannot reserve, it only looks whether there is room.
 void reserve(const Path&, std::uint64_t size);
 
-/// Room for what HDF5 itself needs in one go of adding datasets, attributes or chunks, bytes.
+/// HDF5 itself needs this room, in bytes, in one go of adding datasets, attributes or chunks.
 inline constexpr std::uint64_t metadata_room = 1 << 17;
 
-/// A file on its way: on rank 0 it is removed, its space given back, unless it is kept in the end.
+/// A file that is being written: rank 0 removes it and gives its space back, unless it is kept in the end.
 class TemporaryFile {
  public:
   TemporaryFile(Path path, bool mine) : path_(std::move(path)), mine_(mine) {}

@@ -27,7 +27,7 @@ void together(MPI_Comm comm, Work&& work) {
   throw_together(comm, failed, error);
 }
 
-/// As `together`, for work that only rank 0 does.
+/// Does as `together` for work that only rank 0 does.
 template <class Work>
 void on_rank_0(MPI_Comm comm, Work&& work) {
   int rank = 0;

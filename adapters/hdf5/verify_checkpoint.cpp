@@ -9,27 +9,25 @@
 
 namespace silt::adapters::hdf5 {
 
-const std::vector<Column>& record_columns() {
+std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
   using R = rigid::BodyRecord;
-  static const std::vector<Column> columns{
-      {"id", offsetof(R, id), Column::uint64},
-      {"shape", offsetof(R, shape), Column::int32},
-      {"material", offsetof(R, material), Column::int32},
-      {"kind", offsetof(R, kind), Column::int32},
-      {"motion", offsetof(R, motion), Column::uint8},
-      {"mass", offsetof(R, mass), Column::float64},
-      {"weight_factor", offsetof(R, weight_factor), Column::float64},
-      {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
-      {"position", offsetof(R, position), Column::float64, 3},
-      {"orientation", offsetof(R, orientation), Column::float64, 4},
-      {"image", offsetof(R, image), Column::int32, 3},
-      {"velocity", offsetof(R, velocity), Column::float64, 3},
-      {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
-      {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3},
-      {"mapping_position", offsetof(R, mapping_position), Column::float64, 3},
-      {"mapping_orientation", offsetof(R, mapping_orientation), Column::float64, 4},
-      {"owed", offsetof(R, owed), Column::int64, 6},
-      {"pending_blow", offsetof(R, pending_blow), Column::float64, 3}};
+  std::vector<Column> columns{{"id", offsetof(R, id), Column::uint64},
+                              {"shape", offsetof(R, shape), Column::int32},
+                              {"material", offsetof(R, material), Column::int32},
+                              {"kind", offsetof(R, kind), Column::int32},
+                              {"motion", offsetof(R, motion), Column::uint8},
+                              {"mass", offsetof(R, mass), Column::float64},
+                              {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
+                              {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
+                              {"position", offsetof(R, position), Column::float64, 3},
+                              {"orientation", offsetof(R, orientation), Column::float64, 4},
+                              {"image", offsetof(R, image), Column::int32, 3},
+                              {"velocity", offsetof(R, velocity), Column::float64, 3},
+                              {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
+                              {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3}};
+  for (const HolderColumn& c : holder)
+    columns.push_back({c.name, offsetof(R, holder_state) + c.offset,
+                       c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.components});
   return columns;
 }
 
@@ -83,8 +81,10 @@ void verify_head(const File& file) {
     throw Error(file.path().string() + ": is not a checkpoint of silt");
   const auto version = file.int_attribute(root, "format_version");
   if (version != checkpoint_format_version)
-    throw Error(file.path().string() + ": has checkpoint format " + std::to_string(version) +
-                ", this version of silt reads format " + std::to_string(checkpoint_format_version));
+    throw Error(
+        file.path().string() + ": has checkpoint format " + std::to_string(version) +
+        ", this version of silt reads format " + std::to_string(checkpoint_format_version) +
+        "; go on with the version that wrote it (h5dump -g /provenance names it), or start a new run");
   if (!file.has_attribute(root, "complete"))
     throw Error(file.path().string() + ": was not written to its end");
 }
@@ -115,14 +115,23 @@ void verify_metadata(const File& file) {
              "the file's structure is altered");
 }
 
+/// Whatever its type and the number of values a row.
+void verify_column(const File& file, const std::string& name) {
+  const Handle d = file.dataset(name);
+  const Handle type(H5Dget_type(d), H5Tclose, file.path(), "type of " + name);
+  const auto shape = file.shape(d);
+  std::size_t bytes = H5Tget_size(type);
+  for (std::size_t k = 1; k < shape.size(); ++k) bytes *= shape[k];
+  read_checked(file, name, type, bytes);
+}
+
 void verify_tables(const File& file) {
-  for (const auto& [group, columns] : {std::pair{std::string("/bodies/"), &record_columns()},
-                                       {std::string("/impulses/"), &impulse_columns()}}) {
-    if (!file.exists(group.substr(0, group.size() - 1))) continue;
-    for (const Column& c : *columns) read_checked(file, group + c.name, c.memory_type(), c.bytes());
+  for (const auto& [group, columns] :
+       {std::pair{std::string("/bodies"), record_columns()}, {std::string("/impulses"), impulse_columns()}}) {
+    if (!file.exists(group)) continue;
+    for (const Column& c : columns) read_checked(file, group + '/' + c.name, c.memory_type(), c.bytes());
+    for (const std::string& name : dataset_names(file, group)) verify_column(file, group + '/' + name);
   }
-  if (file.exists("/bodies"))
-    read_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, sizeof(std::uint64_t));
   const Handle text = file.dataset("/provenance/case_text");
   const Handle type(H5Dget_type(text), H5Tclose, file.path(), "type of the case text");
   read_checked(file, "/provenance/case_text", type, H5Tget_size(type));

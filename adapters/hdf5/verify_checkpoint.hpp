@@ -1,5 +1,6 @@
 #pragma once
-// Private to adapters/hdf5: is a checkpoint whole, and what are its columns.
+// Private to adapters/hdf5: checks that a checkpoint is whole, and lists its columns.
+#include "adapters/hdf5/checkpoint_file.hpp"
 #include "adapters/hdf5/checksum.hpp"
 #include "adapters/hdf5/table.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -16,13 +17,14 @@ struct ImpulseRow {
   double impulse[3];
 };
 
-const std::vector<Column>& record_columns();   // of rigid::BodyRecord, in /bodies
+/// Of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
+std::vector<Column> record_columns(std::span<const HolderColumn> = {});
 const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 
-/// Names of the datasets in a group, in alphabetical order; none where there is no such group.
+/// The names of the datasets in a group, in alphabetical order; none where there is no such group.
 std::vector<std::string> dataset_names(const File&, const std::string& group);
 
-/// A contiguous dataset of one rank with its checksum.
+/// Writes a contiguous dataset of one rank with its checksum.
 void write_checked(File&, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
                    const void* data, std::size_t bytes);
 /// Reads it back whole; throws where its checksum differs.

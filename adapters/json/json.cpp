@@ -8,7 +8,7 @@
 namespace silt::adapters {
 namespace {
 
-/// Length of the valid UTF-8 sequence at the start of s, 0 if there is none (RFC 3629).
+/// The length of the valid UTF-8 sequence at the start of s, 0 if there is none (RFC 3629).
 std::size_t utf8_length(std::string_view s) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(s[i]); };
   const unsigned char lead = byte(0);

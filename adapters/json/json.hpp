@@ -28,7 +28,8 @@ class Json {
   Json(T value) : value_(static_cast<std::int64_t>(value)) {}
   template <std::unsigned_integral T>
   requires(!std::same_as<T, bool>) Json(T value) : value_(static_cast<std::uint64_t>(value)) {}
-  /// Printed with the fewest digits that read back to the same bits; NaN and infinities become null.
+  /// A number is printed with the fewest digits that read back to the same bits; NaN and infinities become
+  /// null.
   Json(double value) : value_(value) {}
   Json(std::string value) : value_(std::move(value)) {}
   Json(std::string_view value) : value_(std::string(value)) {}
@@ -43,14 +44,14 @@ class Json {
     return a;
   }
 
-  /// The member of that name, added (null) if missing. A null becomes an object; std::logic_error for other
-  /// values.
+  /// The member of that name, added (null) if missing. A null becomes an object; throws std::logic_error for
+  /// other values.
   Json& operator[](std::string_view key);
-  /// Appends. A null becomes an array; std::logic_error for other values.
+  /// Appends a value. A null becomes an array; throws std::logic_error for other values.
   void push_back(Json);
 
-  /// Indented by two spaces a level; arrays of plain values on one line. Text is UTF-8: bytes that are not
-  /// valid become U+FFFD, control characters are escaped.
+  /// The text, indented by two spaces a level; arrays of plain values on one line. Text is UTF-8: bytes that
+  /// are not valid become U+FFFD, control characters are escaped.
   std::string text() const;
 
  private:

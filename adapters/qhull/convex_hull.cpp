@@ -30,7 +30,7 @@ Frame frame_of(std::span<const Vec3> points) {
   return {0.5 * (lower + upper), (upper - lower).maxCoeff()};
 }
 
-/// Thickness along the direction in which the points spread least.
+/// The thickness along the direction in which the points spread least.
 double thickness(std::span<const Vec3> points, const Vec3& about) {
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += (p - about) / double(points.size());
@@ -61,7 +61,7 @@ void check(std::span<const Vec3> points) {
 /// which returns a code; no other call that can fail is made, so nothing of it can end the process.
 class Qhull {
  public:
-  /// Of n points, x y z each, of size about 1.
+  /// Finds the hull of n points, x y z each, of size about 1.
   Qhull(double* coordinates, int n) : said_(open_memstream(&text_, &length_)) {
     qh_zero(&state_, said_);
     char command[64];

@@ -19,8 +19,8 @@ struct ConvexHull {
 };
 
 /// Points inside the hull or on it, but no corners of it, are left out. A pure function of the points.
-/// std::invalid_argument if they are fewer than 4, not finite, or nearly in one plane; what qhull itself has
-/// to say is in the message.
+/// Throws std::invalid_argument if they are fewer than 4, not finite, or nearly in one plane; what qhull
+/// itself has to say is in the message.
 ConvexHull convex_hull(std::span<const rigid::Vec3> points);
 
 }  // namespace silt::adapters

@@ -37,7 +37,7 @@ class Welder {
  public:
   explicit Welder(double distance) : distance_(distance) {}
 
-  /// Number of the point, or of an earlier one that close.
+  /// The number of the point, or of an earlier one that close.
   int number(const Vec3& x, std::vector<Vec3>& points) {
     const std::array<std::int64_t, 3> cell = cell_of(x);
     for (int k = 0; k < 27; ++k) {

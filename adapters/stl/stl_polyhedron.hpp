@@ -7,8 +7,8 @@
 
 namespace silt::adapters {
 
-/// From the bytes of a file, text or binary, every length times `scale`. Corners closer than hull_flatness of
-/// its size are one; triangles in one plane become one face. The surface must be closed (each edge between
+/// Reads the bytes of a file, text or binary, every length times `scale`. Corners closer than hull_flatness
+/// of its size are one; triangles in one plane become one face. The surface must be closed (each edge between
 /// two triangles that run along it in opposite ways) and convex: its volume that of its hull to 1e-6. All its
 /// triangles may be inside out. std::invalid_argument says what is wrong, with points in the units of the
 /// file, and what to do.

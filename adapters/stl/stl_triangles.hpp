@@ -10,9 +10,9 @@ namespace silt::adapters {
 
 using Triangle = std::array<rigid::Vec3, 3>;
 
-/// From the bytes of a file. Binary if its length is the one its count of triangles asks for (some binary
-/// files begin with "solid" as well), else text if it begins with "solid". The normals in it are not read:
-/// the order of the corners says the same. std::invalid_argument says where it goes wrong.
+/// Reads the bytes of a file. It is binary if its length is the one its count of triangles asks for (some
+/// binary files begin with "solid" as well), else text if it begins with "solid". The normals in it are not
+/// read: the order of the corners says the same. Throws std::invalid_argument that says where it goes wrong.
 std::vector<Triangle> stl_triangles(std::string_view bytes);
 
 }  // namespace silt::adapters

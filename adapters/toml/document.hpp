@@ -8,7 +8,7 @@
 
 namespace silt::adapters {
 
-/// Where something stands: "case.toml:12:5". line 0: the whole file, or no file at all (a command line
+/// Where something stands: "case.toml:12:5". Line 0 is the whole file, or no file at all (a command line
 /// option).
 struct Place {
   std::string file;
@@ -38,20 +38,20 @@ struct Node {
   double number() const { return kind == Kind::integer ? static_cast<double>(integer) : floating; }
 };
 
-/// "a table", "a string", "an integer" ... for messages.
+/// The kind of a value for messages: "a table", "a string", "an integer" ...
 std::string_view kind_name(Node::Kind);
 /// The value as one would write it in TOML, shortened: -1e-06, "bullet", [0, 0, 1], { ... }.
 std::string written(const Node&);
 
-/// The text is not TOML.
+/// Thrown where the text is not TOML.
 struct SyntaxError : std::runtime_error {
   SyntaxError(Place where, const std::string& what) : std::runtime_error(what), place(std::move(where)) {}
   Place place;
 };
 
-/// The root table of a document; `file` is only what places are labelled with. Throws SyntaxError.
+/// Parses the root table of a document; `file` is only what places are labelled with. Throws SyntaxError.
 Node parse_document(std::string_view text, const std::string& file);
-/// One TOML value, such as the right-hand side of `--set key=value`. Throws SyntaxError.
+/// Parses one TOML value, such as the right-hand side of `--set key=value`. Throws SyntaxError.
 Node parse_value(std::string_view text, const Place&);
 
 }  // namespace silt::adapters

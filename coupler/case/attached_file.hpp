@@ -10,8 +10,8 @@ struct AttachedFile {
   std::string fingerprint;  // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
 };
 
-/// `name` is relative to the directory of the case and may not lead out of it. std::invalid_argument says
-/// what is wrong with it.
+/// Reads the file `name`, which is relative to the directory of the case and may not lead out of it.
+/// std::invalid_argument says what is wrong with it.
 AttachedFile read_attached(const std::filesystem::path& directory, const std::string& name);
 
 }  // namespace silt::coupler

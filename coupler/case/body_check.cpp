@@ -168,7 +168,10 @@ std::vector<Use> uses_of(const Case& scene) {
     ++uses[body.shape].count;
     uses[body.shape].free |= body.motion == Motion::free;
   }
-  for (const FillSpec& fill : scene.fills) uses[fill.shape].count += fill.count, uses[fill.shape].free = true;
+  for (const FillSpec& fill : scene.fills) {
+    uses[fill.shape].count += fill.count;
+    uses[fill.shape].free = true;
+  }
   return uses;
 }
 
@@ -238,7 +241,7 @@ void Findings::add(Diagnostic::Severity severity, const std::string& key, const 
   list.push_back({severity, scene.place(key), text});
 }
 
-void check_bodies(const Case& scene, Findings& findings) {
+void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
   check_sizes(scene, findings);
   bool placed = true;
@@ -250,7 +253,10 @@ void check_bodies(const Case& scene, Findings& findings) {
                                                      "domain.boundary");
       return;
     }
-    if (messages < most_messages && !check_place(scene, findings, body)) placed = false, ++messages;
+    if (messages < most_messages && !check_place(scene, findings, body)) {
+      placed = false;
+      ++messages;
+    }
   }
   check_backend(scene, findings);
   if (placed) check_pairs(scene, findings);

@@ -7,7 +7,7 @@
 
 namespace silt::coupler {
 
-/// What a check has found so far; keys are paths as in Case::places.
+/// Gathers what checks find; keys are paths as in Case::places.
 struct Findings {
   explicit Findings(const Case& scene) : scene(scene) {}
   void error(const std::string& key, const std::string& text) { add(Diagnostic::Severity::error, key, text); }
@@ -20,6 +20,7 @@ struct Findings {
   std::vector<Diagnostic> list;
 };
 
-void check_bodies(const Case&, Findings&);
+/// Judges sizes, places and overlaps of the bodies, and whether the backend can answer for their shapes.
+void find_body_faults(const Case&, Findings&);
 
 }  // namespace silt::coupler

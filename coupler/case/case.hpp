@@ -11,16 +11,20 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/units.hpp"
-#include "lbm/wall_scheme.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
 
 namespace silt::coupler {
 
 enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
+inline constexpr auto side_names = names_of<Side>("x-low", "x-high", "y-low", "y-high", "z-low", "z-high");
 
 enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
+inline constexpr auto boundary_names =
+    names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
 
 struct BoundarySpec {
   BoundaryKind kind = BoundaryKind::periodic;
@@ -29,42 +33,14 @@ struct BoundarySpec {
   bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
 };
 
-enum class Precision { single_, double_ };
-enum class TimeCoupling { explicit_, implicit_ };
-using lbm::WallScheme;
-enum class Refill { equilibrium, grad };
-enum class ForceForm { galilean, exact };
-
-struct FluidSpec {
-  double kinematic_viscosity = 0, relaxation_time = 0;
-  lbm::Collision collision = lbm::Collision::trt;
-  double magic = 1. / 6;  // Lambda; with bodies or [[walls]] best_magic of the wall scheme
-  Precision precision = Precision::single_;
-  rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
-  bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
-  // initial velocity: "rest", "uniform", "taylor-green", "taylor-green-3d"; amplitude and (for the vortices)
-  // one wave a period
-  std::string initial = "rest";
-  rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
-};
-
-struct CouplingSpec {
-  WallScheme wall_scheme = WallScheme::parabolic;
-  TimeCoupling time = TimeCoupling::implicit_;
-  Refill refill = Refill::grad;
-  ForceForm force = ForceForm::galilean;
-  bool pressure_anchor = true;
-  double remap_tolerance = 0.02;   // cells a surface may move before its cells and wall distances are renewed
-  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
-  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
-};
-
 struct ContactSpec {
   std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
   rigid::ResolverSettings resolver_settings;
   int substeps = 1;
   double margin = 1.0;
 };
+
+inline constexpr auto motion_names = names_of<rigid::Motion>("free", "fixed", "prescribed");
 
 struct BodySpec {  // one body
   int shape = 0, material = 0;
@@ -94,23 +70,30 @@ struct SeriesSpec {  // 0: never
   std::int64_t every = 0;
 };
 
+enum class Field { velocity, density };
+inline constexpr auto field_names = names_of<Field>("velocity", "density");
+
 struct OutputSpec {
   SeriesSpec fields, bodies, checkpoint, report;
-  std::vector<std::string> quantities;  // "velocity", "density", "vorticity" is not here yet
+  std::vector<Field> quantities;  // of the fields
   int keep_checkpoints = 2;
 };
 
-/// A figure the run puts into report.json under "quantities", for reference.toml to compare. The types and
+/// An analytic flow that a quantity compares with.
+enum class Profile { channel, duct, pipe };
+inline constexpr auto profile_names = names_of<Profile>("channel", "duct", "pipe");
+
+/// A value the run puts into report.json under "quantities", for reference.toml to compare. The types and
 /// the keys each takes are in quantity_types.
 struct QuantitySpec {
   std::string name, type;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  std::string profile;  // "channel", "duct", "pipe"
-  double time = 0;      // from when on (of an instant: when; without one the end), in steps
-  double height = 0;    // along the axis
-  int side = 0;         // a Side of the domain
-  int wall = 0;         // index into Case::walls
+  Profile profile = Profile::channel;
+  double time = 0;    // from when on (of an instant: when; without one the end), in steps
+  double height = 0;  // along the axis
+  int side = 0;       // a Side of the domain
+  int wall = 0;       // index into Case::walls
   rigid::Vec3 centre = rigid::Vec3::Zero();
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
 
@@ -162,7 +145,9 @@ struct Case {
   /// Where a key stands; if it is not in the file, where the table that would hold it does.
   Place place(std::string path) const;
   bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
-  bool has_lubrication() const { return fluid && coupling.lubrication && contacts.resolver == "sffd"; }
+  bool has_lubrication() const {
+    return fluid && coupling.lubrication && rigid::resolver_model(contacts.resolver).lubricates;
+  }
   /// Something besides the sides of the domain bounds the fluid.
   bool has_surfaces() const { return has_bodies() || !walls.empty(); }
 };

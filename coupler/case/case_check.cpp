@@ -93,12 +93,12 @@ void check_fluid(const Case& scene, Findings& findings) {
   if (!(scene.fluid->magic > 0))
     findings.error("fluid.magic",
                    fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));
-  if (scene.fluid->initial == "taylor-green-3d" &&
+  if (scene.fluid->initial == InitialFlow::taylor_green_3d &&
       (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
     findings.error("fluid.initial.type",
                    "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
                    "domain.size the same along x, y and z");
-  if (scene.fluid->initial != "rest")
+  if (scene.fluid->initial != InitialFlow::rest)
     check_speed(scene, findings, "fluid.initial.velocity", scene.fluid->initial_velocity.norm());
   bool inlet = false, outlet = false;
   std::string inlet_key;
@@ -112,7 +112,10 @@ void check_fluid(const Case& scene, Findings& findings) {
           fmt::format("{} moves through itself: the velocity of a moving wall must have no component along "
                       "{}",
                       side_keys[side], "xyz"[side / 2]));
-    if (boundary.kind == BoundaryKind::velocity_inlet) inlet = true, inlet_key = side_keys[side];
+    if (boundary.kind == BoundaryKind::velocity_inlet) {
+      inlet = true;
+      inlet_key = side_keys[side];
+    }
     if (boundary.kind == BoundaryKind::pressure_outlet) {
       outlet = true;
       if (!(boundary.density > 0.5 && boundary.density < 1.5))
@@ -148,7 +151,7 @@ void check_lubrication(const Case& scene, Findings& findings) {
   if (scene.places.count("coupling.lubrication") && scene.coupling.lubrication && !scene.has_lubrication())
     findings.error("coupling.lubrication",
                    fmt::format("coupling.lubrication is true, but contacts.resolver is '{}', which knows no "
-                               "viscous films; set contacts.resolver = \"sffd\", or remove the key",
+                               "lubrication films; set contacts.resolver = \"sffd\", or remove the key",
                                scene.contacts.resolver));
 }
 
@@ -281,9 +284,9 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   check_run(scene, findings);
   check_quantities(scene, findings);
   check_body_speeds(scene, findings);
-  check_walls(scene, findings);
+  find_wall_faults(scene, findings);
   if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; }))
-    check_bodies(scene, findings);
+    find_body_faults(scene, findings);
   if (!has_errors(findings.list) && !scene.fills.empty()) {
     try {
       place_bodies(scene);

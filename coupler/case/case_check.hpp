@@ -6,12 +6,12 @@
 
 namespace silt::coupler {
 
-/// Everything that is wrong (errors) or doubtful (warnings) about a scene, by topic: domain and blocks, fluid
-/// and boundaries, bodies, fills, run and output. A case with an error must not be started. Places every
-/// body, so that a fill that does not fit is found here.
+/// Returns everything that is wrong (errors) or doubtful (warnings) about a scene, by topic: domain and
+/// blocks, fluid and boundaries, bodies, fills, run and output. A case with an error must not be started.
+/// Places every body, so that a fill that does not fit is found here.
 std::vector<Diagnostic> check_case(const Case&);
 
-/// As check_case; throws CaseError if there is an error, else returns the warnings.
+/// Judges as check_case; throws CaseError if there is an error, else returns the warnings.
 std::vector<Diagnostic> require_runnable(const Case&);
 
 }  // namespace silt::coupler

@@ -18,12 +18,12 @@ struct Diagnostic {
   Place place;
   std::string text;
 
-  /// "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0", with "warning: " before a warning's
-  /// text.
+  /// Returns "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0", with "warning: " before a
+  /// warning's text.
   std::string line() const;
 };
 
-/// A case that cannot run. what() lists every diagnostic, one a line, in the order of the file.
+/// Says that a case cannot run. what() lists every diagnostic, one a line, in the order of the file.
 class CaseError : public std::runtime_error {
  public:
   explicit CaseError(std::vector<Diagnostic>);
@@ -35,17 +35,17 @@ class CaseError : public std::runtime_error {
 };
 
 bool has_errors(std::span<const Diagnostic>);
-/// One line each, errors and warnings in the order given.
+/// Returns one line each, errors and warnings in the order given.
 std::string listed(std::span<const Diagnostic>);
 
-/// The name closest to `wanted` by edit distance (a swap of neighbours counts one), or "" if none is close:
-/// more than a third of the letters differ, and neither begins with or contains the other.
+/// Returns the name closest to `wanted` by edit distance (a swap of neighbours counts one), or "" if none is
+/// close: more than a third of the letters differ, and neither begins with or contains the other.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
-/// "a, b, c"
+/// Returns "a, b, c".
 std::string joined(std::span<const std::string> names, std::string_view separator = ", ");
-/// "; did you mean 'kinematic_viscosity'? known: a, b, c", without the question if nothing is close.
+/// Returns "; did you mean 'kinematic_viscosity'? known: a, b, c", without the question if nothing is close.
 std::string suggestion(std::string_view wanted, std::span<const std::string> names);
-/// The shortest text that reads back as x to six digits: 1e-06, 0.25.
+/// Returns the shortest text that reads back as x to six digits: 1e-06, 0.25.
 std::string shown(double x);
 
 }  // namespace silt::coupler

@@ -46,6 +46,30 @@ std::string text_of(const fs::path& directory, const fs::path& file) {
                   names.empty() ? "" : suggestion(directory.filename().string(), names)));
 }
 
+void read_sections(TableReader reader, Case& scene) {
+  scene.title = reader.string("title").value_or("");
+  read_units(reader, scene);
+  read_domain(reader, scene);
+  read_fluid(reader, scene);
+  read_contacts(reader, scene);
+  read_walls(reader, scene);
+  read_shapes(reader, scene);
+  read_bodies(reader, scene);
+  read_fills(reader, scene);
+  read_run(reader, scene);
+  read_output(reader, scene);
+  read_quantities(reader, scene);
+}
+
+void collect_known_keys(const ReadContext& context, const Node& table, const std::string& path,
+                        std::map<std::string, std::vector<std::string>>& keys) {
+  if (const auto asked = context.known_keys.find(&table); asked != context.known_keys.end())
+    for (const std::string& key : asked->second)
+      if (auto& all = keys[path]; std::count(all.begin(), all.end(), key) == 0) all.push_back(key);
+  for (const Node& child : table.children)
+    collect_known_keys(context, child, path_of_child(table, path, child), keys);
+}
+
 }  // namespace
 
 int index_of(TableReader& reader, std::string_view key, const std::string& name,
@@ -75,20 +99,7 @@ Case read_case_text(const std::string& text, const std::string& file,
 
   ReadContext context;
   context.file = file;
-  TableReader reader(context, &root, "", Place{file});
-  scene.title = reader.string("title").value_or("");
-  read_units(reader, scene);
-  read_domain(reader, scene);
-  read_fluid(reader, scene);
-  read_contacts(reader, scene);
-  read_walls(reader, scene);
-  read_shapes(reader, scene);
-  read_bodies(reader, scene);
-  read_fills(reader, scene);
-  read_run(reader, scene);
-  read_output(reader, scene);
-  read_quantities(reader, scene);
-
+  read_sections({context, &root, "", Place{file}}, scene);
   context.report_unread(root, "");
   if (!context.errors.empty()) throw CaseError(std::move(context.errors));
   scene.places = std::move(context.places);
@@ -96,6 +107,16 @@ Case read_case_text(const std::string& text, const std::string& file,
   for (const std::string& file_read : scene.files) scene.text += fmt::format("\n# file {}", file_read);
   for (const std::string& argument : overrides) scene.text += fmt::format("\n# --set {}", argument);
   return scene;
+}
+
+std::map<std::string, std::vector<std::string>> keys_asked_for(const std::string& text) {
+  const Node root = parsed(text, "", {});
+  Case scene;
+  ReadContext context;
+  read_sections({context, &root, "", Place{}}, scene);
+  std::map<std::string, std::vector<std::string>> keys;
+  collect_known_keys(context, root, "", keys);
+  return keys;
 }
 
 Case read_case(const fs::path& directory, const std::vector<std::string>& overrides) {

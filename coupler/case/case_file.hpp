@@ -1,6 +1,7 @@
 #pragma once
 // Reads a case directory: case.toml, and nothing outside the directory.
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,14 @@ namespace silt::coupler {
 /// syntax, unknown keys, types, ranges. Whether the scene makes sense is for check_case.
 Case read_case(const std::filesystem::path& directory, const std::vector<std::string>& overrides = {});
 
-/// The same for text at hand; `file` labels the messages.
+/// Reads text at hand as read_case does a file; `file` labels the messages.
 Case read_case_text(const std::string& text, const std::string& file,
                     const std::vector<std::string>& overrides = {});
+
+/// Returns the keys that reading a text asks for, by the path of their table without indices ("" for the
+/// file, "fluid", "bodies", "output.fields") and in the order of asking: what a table of keys must name. Only
+/// tables that the text has are read; what is wrong with their values does not matter. CaseError for text
+/// that is not TOML.
+std::map<std::string, std::vector<std::string>> keys_asked_for(const std::string& text);
 
 }  // namespace silt::coupler

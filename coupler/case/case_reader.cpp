@@ -19,6 +19,18 @@ std::string found(const Node& node) {
   return written(node);
 }
 
+/// Keys by another name in earlier versions, by their paths.
+const std::map<std::string, std::string> renamed_keys = {
+    {"coupling.pressure_anchor", "coupling.mass_correction"},
+};
+
+std::string what_to_write(const std::string& path, const std::string& key,
+                          const std::vector<std::string>& known) {
+  const auto now = renamed_keys.find(path);
+  return now != renamed_keys.end() ? fmt::format("; it is called {} now", now->second)
+                                   : suggestion(key, known);
+}
+
 }  // namespace
 
 bool Range::holds(double x) const {
@@ -39,6 +51,11 @@ void ReadContext::fail(const Place& place, const std::string& text) {
   errors.push_back({Diagnostic::Severity::error, place, text});
 }
 
+std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
+  if (node.kind == Node::Kind::array) return path;
+  return path.empty() ? child.key : path + "." + child.key;
+}
+
 void ReadContext::report_unread(const Node& table, const std::string& path) {
   const auto asked = unjudged.count(&table) ? known_keys.end() : known_keys.find(&table);
   const auto is_known = [&](const std::string& key) {
@@ -46,11 +63,11 @@ void ReadContext::report_unread(const Node& table, const std::string& path) {
   };
   for (const Node& child : table.children) {
     const bool element = table.kind == Node::Kind::array;
-    const std::string child_path = element ? path : path.empty() ? child.key : path + "." + child.key;
+    const std::string child_path = path_of_child(table, path, child);
     if (!element && asked != known_keys.end() && !is_known(child.key)) {
       fail(child.key_place, fmt::format("unknown key '{}' {}{}", child.key,
                                         path.empty() ? "at the top of the file" : "in [" + path + "]",
-                                        suggestion(child.key, asked->second)));
+                                        what_to_write(child_path, child.key, asked->second)));
     } else if (!child.children.empty()) {
       report_unread(child, child_path);
     }

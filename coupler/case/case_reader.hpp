@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/name_table.hpp"
 #include "coupler/case/units.hpp"
 #include "rigid/math/types.hpp"
 
@@ -18,7 +19,7 @@ namespace silt::coupler {
 
 using adapters::Node;
 
-/// The numbers a key may have.
+/// An interval of the numbers that a key may have.
 struct Range {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
   bool low_allowed = true, high_allowed = true;
@@ -39,7 +40,11 @@ inline constexpr Range between(double low, double high) {
 }
 }  // namespace range
 
-/// What the readers of all sections share.
+/// Returns the path of a child of a node at `path`, without indices: entries of an array have the path of the
+/// array.
+std::string path_of_child(const Node& node, const std::string& path, const Node& child);
+
+/// Holds what the readers of all sections share.
 struct ReadContext {
   std::string file;
   Units units;
@@ -51,11 +56,11 @@ struct ReadContext {
   std::map<std::string, Place> places;  // of each key found, by its path
 
   void fail(const Place&, const std::string& text);
-  /// An error for every key below the table that no reader asked for.
+  /// Reports an error for every key below the table that no reader asked for.
   void report_unread(const Node& table, const std::string& path);
 };
 
-/// One table (or the absence of one: then every key is absent).
+/// Reads one table (or the absence of one: then every key is absent).
 class TableReader {
  public:
   TableReader(ReadContext&, const Node* table, std::string path, Place);
@@ -70,9 +75,9 @@ class TableReader {
   bool has(std::string_view key) { return find(key) != nullptr; }
   Place place(std::string_view key) const;  // of the key, or of the table if it is not there
 
-  /// Numbers as they stand; none if absent, of another type, not finite or out of range (reported).
+  /// Returns the number as it stands; none if absent, of another type, not finite or out of range (reported).
   std::optional<double> number(std::string_view key, const Range&);
-  /// In lattice units, from the units of the case; the range is that of the case units.
+  /// Returns the number in lattice units; it stands, as does its range, in the units of the case.
   std::optional<double> quantity(std::string_view key, Dimension, const Range&);
   std::optional<rigid::Vec3> vector(std::string_view key);
   std::optional<rigid::Vec3> vector(std::string_view key, Dimension);
@@ -80,22 +85,31 @@ class TableReader {
                                       std::int64_t high = std::numeric_limits<std::int64_t>::max());
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> string(std::string_view key);
-  /// A string out of a list; the nearest is named if it is another.
+  /// Returns a string out of a list; the nearest is named if it is another.
   std::optional<std::string> choice(std::string_view key, const std::vector<std::string>& allowed);
+  /// Returns the value of an enum by its name.
+  template <class Enum, std::size_t count>
+  std::optional<Enum> choice(std::string_view key, const NameTable<Enum, count>& table) {
+    const auto name = choice(key, table.list());
+    for (std::size_t i = 0; name && i < count; ++i)
+      if (table.names[i] == *name) return static_cast<Enum>(i);
+    return {};
+  }
 
   TableReader table(std::string_view key);
-  /// The tables of an array of tables.
+  /// Returns the tables of an array of tables.
   std::vector<TableReader> tables(std::string_view key);
 
-  /// What the other keys mean is open (an unknown type): none of them is to be called unknown.
+  /// Leaves open what the other keys mean (under an unknown type): none of them is called unknown.
   void judge_no_keys() { context_->unjudged.insert(table_); }
 
   /// Reports a key that must be there; `what` says what it stands for.
   void missing(std::string_view key, std::string_view what);
-  /// "fluid.density is -1; it must be above 0"
+  /// Reports "fluid.density is -1; it must be above 0".
   void refuse(std::string_view key, std::string_view must);
   void fail(std::string_view key, const std::string& text) { context_->fail(place(key), text); }
-  /// Exactly one (or, unless required, at most one) of the keys may be given; returns the one, or "".
+  /// Requires that exactly one (or, unless required, at most one) of the keys is given; returns the one, or
+  /// "".
   std::string one_of(std::initializer_list<const char*> keys, bool required, std::string_view what);
 
  private:
@@ -105,7 +119,7 @@ class TableReader {
   Place place_;
 };
 
-/// An array of three numbers; none (reported under the given name) otherwise.
+/// Returns an array of three numbers; none (reported under the given name) otherwise.
 std::optional<rigid::Vec3> read_vector(ReadContext&, const Node&, const std::string& path);
 
 }  // namespace silt::coupler

@@ -13,10 +13,10 @@ void read_fluid(TableReader& root, Case&);   // [fluid], [coupling], [gravity]
 
 // read_shapes.cpp
 void read_shapes(TableReader& root, Case&);  // [[shapes]]
-/// From one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
+/// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);
-/// Its radius or diameter.
+/// Reads a tube of the given radius or diameter.
 rigid::Tube read_tube(TableReader&);
 
 // read_walls.cpp
@@ -32,15 +32,15 @@ void read_run(TableReader& root, Case&);         // [run]
 void read_output(TableReader& root, Case&);      // [output]
 void read_quantities(TableReader& root, Case&);  // [[quantities]]
 
-/// Index into Case::material_names, 0 ("default") without the key.
+/// Returns the index into Case::material_names, 0 ("default") without the key.
 int read_material_name(TableReader&, const Case&);
 
-/// Index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if it is not
-/// there.
+/// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
+/// it is not there.
 int index_of(TableReader&, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what);
 
-/// The corners of `box`; the whole domain without it.
+/// Reads the corners of `box`; the whole domain without it.
 void read_box(TableReader&, const Case&, rigid::Vec3& lower, rigid::Vec3& upper);
 
 }  // namespace silt::coupler

@@ -42,24 +42,6 @@ std::string three(double a, double b, double c) {
   return fmt::format("{} x {} x {}", shown(a), shown(b), shown(c));
 }
 
-std::string boundary_name(const BoundarySpec& side) {
-  switch (side.kind) {
-    case BoundaryKind::periodic:
-      return "periodic";
-    case BoundaryKind::no_slip:
-      return "no-slip";
-    case BoundaryKind::moving:
-      return "moving";
-    case BoundaryKind::free_slip:
-      return "free-slip";
-    case BoundaryKind::velocity_inlet:
-      return "velocity-inlet";
-    case BoundaryKind::pressure_outlet:
-      return "pressure-outlet";
-  }
-  return "";
-}
-
 void add_domain(const Case& scene, Table& table) {
   const auto& n = scene.cells;
   const double cell = scene.units.cell_size;
@@ -73,7 +55,9 @@ void add_domain(const Case& scene, Table& table) {
   for (int d = 0; d < 3; ++d) {
     const auto &low = scene.boundary[2 * d], &high = scene.boundary[2 * d + 1];
     table.line(fmt::format("boundary {}", "xyz"[d]),
-               scene.periodic(d) ? "periodic" : boundary_name(low) + ", " + boundary_name(high));
+               scene.periodic(d)
+                   ? "periodic"
+                   : fmt::format("{}, {}", boundary_names[low.kind], boundary_names[high.kind]));
   }
   for (const CurvedWall& wall : scene.walls)
     table.quantity("tube '" + wall.name + "', radius", wall.tube.radius, dimension::length, "m", "cells");
@@ -105,8 +89,8 @@ void add_fluid(const Case& scene, Table& table) {
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
   const std::string magic = model.has_magic ? ", Lambda = " + shown(fluid.magic) : "";
   table.line("collision", std::string(model.name) + magic);
-  table.line("storage", fluid.precision == Precision::double_ ? "double" : "single");
-  double fastest = fluid.initial == "rest" ? 0 : fluid.initial_velocity.norm();
+  table.line("storage", std::string(precision_names[fluid.precision]));
+  double fastest = fluid.initial == InitialFlow::rest ? 0 : fluid.initial_velocity.norm();
   for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
   for (const BodySpec& body : scene.bodies) fastest = std::max(fastest, body.velocity.norm());
   if (fastest > 0) {

@@ -90,15 +90,17 @@ class Filler {
     const auto [lower, upper] = room(fill, index, frame.radius);
     Random random(fill.seed, index);
     BodySpec body;
-    body.shape = fill.shape, body.material = fill.material, body.kind = fill.kind,
+    body.shape = fill.shape;
+    body.material = fill.material;
+    body.kind = fill.kind;
     body.density = fill.density;
     for (int n = 0; n < fill.count; ++n) {
       const auto centre = free_place(random, lower, upper, frame.radius, fill.gap);
       if (!centre) refuse(fill, index, frame.radius, n);
       if (fill.random_orientation) body.pose.orientation = random.orientation();
       body.pose.position = *centre - body.pose.orientation * frame.centre_of_mass;
-      for (int d = 0; d < 3;
-           ++d)  // the shape's origin may lie across a periodic border: no fault, but not canonical
+      // The shape's origin may lie across a periodic border: no fault, but not canonical.
+      for (int d = 0; d < 3; ++d)
         if (extent_.periodic[d])
           body.pose.position[d] -= extent_.size[d] * std::floor(body.pose.position[d] / extent_.size[d]);
       insert(*centre, frame.radius);
@@ -108,7 +110,7 @@ class Filler {
   }
 
  private:
-  // Of the shapes that fills use.
+  // Returns the frames of the shapes that fills use.
   static std::vector<ShapeFrame> frames_of(const Case& scene) {
     std::vector<ShapeFrame> frames(scene.shapes.size());
     for (const FillSpec& fill : scene.fills)
@@ -133,7 +135,8 @@ class Filler {
       if (extent_.periodic[d] && 2 * radius + fill.gap > length)
         refuse_shape(index, d, radius, fmt::format("the periodic axis is {} cells long", shown(length)));
       if (extent_.periodic[d] && whole) {
-        lower[d] = 0, upper[d] = length;
+        lower[d] = 0;
+        upper[d] = length;
         continue;
       }
       lower[d] = extent_.periodic[d] ? lower[d] + radius : std::max(lower[d] + radius, radius + fill.gap);
@@ -222,7 +225,10 @@ class Filler {
 
 rigid::Extent extent_of(const Case& scene) {
   rigid::Extent extent;
-  for (int d = 0; d < 3; ++d) extent.size[d] = scene.cells[d], extent.periodic[d] = scene.periodic(d);
+  for (int d = 0; d < 3; ++d) {
+    extent.size[d] = scene.cells[d];
+    extent.periodic[d] = scene.periodic(d);
+  }
   return extent;
 }
 

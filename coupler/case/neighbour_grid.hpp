@@ -12,7 +12,7 @@ namespace silt::coupler {
 
 class NeighbourGrid {
  public:
-  /// Buckets at least `edge` wide, and no more of them than `most_buckets`.
+  /// Makes buckets at least `edge` wide, and no more of them than `most_buckets`.
   NeighbourGrid(const rigid::Extent& extent, double edge) : extent_(extent) {
     constexpr double most_buckets = 1 << 20;  // 24 MB
     const double volume = extent.size.prod();
@@ -73,7 +73,7 @@ class NeighbourGrid {
   std::vector<std::vector<int>> buckets_;
 };
 
-/// The shortest of the displacements between a point and the periodic images of another.
+/// Returns the shortest of the displacements between a point and the periodic images of another.
 inline rigid::Vec3 nearest_image(rigid::Vec3 d, const rigid::Extent& extent) {
   for (int axis = 0; axis < 3; ++axis)
     if (extent.periodic[axis]) d[axis] -= extent.size[axis] * std::round(d[axis] / extent.size[axis]);

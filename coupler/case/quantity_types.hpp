@@ -117,7 +117,7 @@ inline constexpr QuantityType types[] = {
 
 inline constexpr std::span<const QuantityType> quantity_types = quantity_rows::types;
 
-/// The row of a name; std::invalid_argument for one that the table does not have.
+/// Returns the row of a name; std::invalid_argument for one that the table does not have.
 inline const QuantityType& quantity_type(std::string_view name) {
   for (const QuantityType& type : quantity_types)
     if (type.name == name) return type;

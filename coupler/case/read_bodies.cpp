@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -12,6 +14,16 @@ namespace {
 using rigid::Vec3;
 
 constexpr auto unit_interval = range::between(0, 1);
+
+std::vector<std::string> as_strings(const std::vector<std::string_view>& names) {
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> resolver_names() {
+  std::vector<std::string> names;
+  for (const rigid::ResolverModel& model : rigid::resolver_models()) names.emplace_back(model.name);
+  return names;
+}
 
 void read_material_pairs(TableReader& root, Case& scene) {
   const int count = static_cast<int>(scene.material_names.size());
@@ -118,22 +130,24 @@ void read_contacts(TableReader& root, Case& scene) {
   TableReader table = root.table("contacts");
   if (table.present()) {
     ContactSpec& c = scene.contacts;
-    c.backend = table.choice("backend", {"auto", "analytic", "bullet", "fcl"}).value_or(c.backend);
-    c.broad_phase = table.choice("broad_phase", {"auto", "grid", "bullet", "fcl"}).value_or(c.broad_phase);
-    c.resolver = table.choice("resolver", {"sffd", "ffd"}).value_or(c.resolver);
+    c.backend = table.choice("backend", as_strings(adapters::backend_names())).value_or(c.backend);
+    c.broad_phase =
+        table.choice("broad_phase", as_strings(adapters::broad_phase_names())).value_or(c.broad_phase);
+    c.resolver = table.choice("resolver", resolver_names()).value_or(c.resolver);
+    const rigid::ResolverModel& resolver = rigid::resolver_model(c.resolver);
     standard.restitution = table.number("restitution", unit_interval).value_or(0);
     standard.friction = table.number("friction", range::at_least(0)).value_or(0);
     auto& settings = c.resolver_settings;
     settings.max_sweeps = static_cast<int>(table.integer("sweeps", 1, 100000).value_or(settings.max_sweeps));
     settings.impact_sweeps =
         static_cast<int>(table.integer("impact_sweeps", 0, 100000).value_or(settings.impact_sweeps));
-    if (settings.impact_sweeps > 0 && c.resolver != "sffd")
+    if (settings.impact_sweeps > 0 && !resolver.has_impact_phase)
       table.fail("impact_sweeps",
                  fmt::format("{} is {}, but contacts.resolver is '{}', which has no impact phase; "
                              "set contacts.resolver = \"sffd\", or remove the key",
                              table.path("impact_sweeps"), settings.impact_sweeps, c.resolver));
     settings.half_force = table.boolean("half_force").value_or(settings.half_force);
-    if (table.has("half_force") && c.resolver != "ffd")
+    if (table.has("half_force") && !resolver.has_half_force)
       table.fail(
           "half_force",
           fmt::format("{} is for the classic resolver, but contacts.resolver is '{}', where all of a "
@@ -155,12 +169,9 @@ void read_bodies(TableReader& root, Case& scene) {
     body.material = read_material_name(table, scene);
     body.kind = read_kind(table, body.shape, scene);
     body.density = read_density(table);
-    const auto motion = table.choice("motion", {"free", "fixed", "prescribed"}).value_or("free");
-    body.motion = motion == "free"    ? rigid::Motion::free
-                  : motion == "fixed" ? rigid::Motion::fixed
-                                      : rigid::Motion::prescribed;
+    body.motion = table.choice("motion", motion_names).value_or(body.motion);
     body.pose.orientation = read_orientation(table);
-    if (motion == "fixed") {
+    if (body.motion == rigid::Motion::fixed) {
       for (const char* key : {"velocity", "angular_velocity"})
         if (table.has(key))
           table.fail(key, fmt::format("{} is given for a fixed body; remove it, or set motion = "
@@ -179,7 +190,8 @@ void read_bodies(TableReader& root, Case& scene) {
 }
 
 void read_box(TableReader& table, const Case& scene, Vec3& lower, Vec3& upper) {
-  for (int d = 0; d < 3; ++d) lower[d] = 0, upper[d] = scene.cells[d];
+  lower = Vec3::Zero();
+  upper = Vec3(scene.cells[0], scene.cells[1], scene.cells[2]);
   const Node* box = table.find("box");
   if (!box) return;
   if (box->kind != Node::Kind::array || box->children.size() != 2) {
@@ -189,7 +201,8 @@ void read_box(TableReader& table, const Case& scene, Vec3& lower, Vec3& upper) {
   const auto low = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
   const auto high = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
   if (!low || !high) return;
-  lower = *low / scene.units.cell_size, upper = *high / scene.units.cell_size;
+  lower = *low / scene.units.cell_size;
+  upper = *high / scene.units.cell_size;
   if ((upper - lower).minCoeff() <= 0)
     table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
 }

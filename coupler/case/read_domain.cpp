@@ -58,17 +58,10 @@ void read_si_scales(TableReader& units, TableReader& fluid, Case& scene) {
 }
 
 std::optional<BoundaryKind> boundary_kind(const std::string& name) {
-  if (name == "periodic") return BoundaryKind::periodic;
-  if (name == "no-slip") return BoundaryKind::no_slip;
-  if (name == "moving") return BoundaryKind::moving;
-  if (name == "free-slip") return BoundaryKind::free_slip;
-  if (name == "velocity-inlet") return BoundaryKind::velocity_inlet;
-  if (name == "pressure-outlet") return BoundaryKind::pressure_outlet;
-  return {};
+  const auto& names = boundary_names.names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? std::nullopt : std::optional(BoundaryKind(found - names.begin()));
 }
-
-const std::vector<std::string> boundary_names = {"periodic",  "no-slip",        "moving",
-                                                 "free-slip", "velocity-inlet", "pressure-outlet"};
 
 // One side: a name, or a table with a type and what goes with it; none if it has errors.
 std::optional<BoundarySpec> read_side(ReadContext& context, const Node& node, const std::string& path) {
@@ -84,21 +77,21 @@ std::optional<BoundarySpec> read_side(ReadContext& context, const Node& node, co
             fmt::format("{} is \"{}\", which needs a velocity: {{ type = \"{}\", velocity = [x, y, z] }}",
                         path, node.string, node.string));
     } else {
-      const std::string nearest = nearest_name(node.string, boundary_names);
+      const std::string nearest = nearest_name(node.string, boundary_names.list());
       context.fail(place, fmt::format("{} is \"{}\"; it must be one of {}{}", path, node.string,
-                                      joined(boundary_names),
+                                      joined(boundary_names.list()),
                                       nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
     }
     return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
   }
   if (node.kind != Node::Kind::table) {
     context.fail(place, fmt::format("{} is {}; it must be one of {}, or a table with a type", path,
-                                    written(node), joined(boundary_names)));
+                                    written(node), joined(boundary_names.list())));
     return {};
   }
   TableReader table(context, &node, path, place);
-  if (!table.has("type")) table.missing("type", "one of " + joined(boundary_names));
-  if (const auto type = table.choice("type", boundary_names)) side.kind = *boundary_kind(*type);
+  if (!table.has("type")) table.missing("type", "one of " + joined(boundary_names.list()));
+  side.kind = table.choice("type", boundary_names).value_or(side.kind);
   if (side.kind == BoundaryKind::moving || side.kind == BoundaryKind::velocity_inlet) {
     if (!table.has("velocity")) table.missing("velocity", "of the wall or the incoming fluid, [x, y, z]");
     side.velocity = table.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
@@ -194,10 +187,9 @@ void read_blocks(TableReader& domain, Case& scene) {
 void read_initial(TableReader& fluid, FluidSpec& spec) {
   TableReader initial = fluid.table("initial");
   if (!initial.present()) return;
-  if (!initial.has("type")) initial.missing("type", "one of rest, uniform, taylor-green, taylor-green-3d");
-  spec.initial =
-      initial.choice("type", {"rest", "uniform", "taylor-green", "taylor-green-3d"}).value_or("rest");
-  if (spec.initial == "rest") return;
+  if (!initial.has("type")) initial.missing("type", "one of " + joined(initial_flow_names.list()));
+  spec.initial = initial.choice("type", initial_flow_names).value_or(spec.initial);
+  if (spec.initial == InitialFlow::rest) return;
   if (!initial.has("velocity")) initial.missing("velocity", "of the fluid at the start, [x, y, z]");
   spec.initial_velocity = initial.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
 }
@@ -208,16 +200,11 @@ void read_coupling(TableReader& root, Case& scene) {
   if (!scene.fluid)
     root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
   CouplingSpec& c = scene.coupling;
-  const auto& schemes = lbm::wall_scheme_names;
-  if (const auto name = table.choice("wall_scheme", {schemes.begin(), schemes.end()}))
-    c.wall_scheme = WallScheme(std::find(schemes.begin(), schemes.end(), *name) - schemes.begin());
-  if (const auto name = table.choice("time", {"explicit", "implicit"}))
-    c.time = *name == "implicit" ? TimeCoupling::implicit_ : TimeCoupling::explicit_;
-  if (const auto name = table.choice("refill", {"equilibrium", "grad"}))
-    c.refill = *name == "grad" ? Refill::grad : Refill::equilibrium;
-  if (const auto name = table.choice("force", {"galilean", "exact"}))
-    c.force = *name == "exact" ? ForceForm::exact : ForceForm::galilean;
-  c.pressure_anchor = table.boolean("pressure_anchor").value_or(c.pressure_anchor);
+  c.wall_scheme = table.choice("wall_scheme", wall_scheme_names).value_or(c.wall_scheme);
+  c.time = table.choice("time", time_coupling_names).value_or(c.time);
+  c.refill = table.choice("refill", refill_names).value_or(c.refill);
+  c.force = table.choice("force", force_form_names).value_or(c.force);
+  c.mass_correction = table.boolean("mass_correction").value_or(c.mass_correction);
   c.remap_tolerance = table.number("remap_tolerance", range::at_least(0)).value_or(c.remap_tolerance);
   c.lubrication = table.boolean("lubrication").value_or(c.lubrication);
   c.lubrication_min_gap =
@@ -265,10 +252,7 @@ void read_domain(TableReader& root, Case& scene) {
 
 namespace {
 void read_collision(TableReader& fluid, FluidSpec& spec) {
-  std::vector<std::string> names;
-  for (const lbm::CollisionModel& model : lbm::collision_models) names.emplace_back(model.name);
-  if (const auto name = fluid.choice("collision", names))
-    spec.collision = lbm::Collision(std::find(names.begin(), names.end(), *name) - names.begin());
+  spec.collision = fluid.choice("collision", collision_names).value_or(spec.collision);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
   if (fluid.has("magic") && !model.has_magic)
     fluid.fail("magic", fmt::format("fluid.magic is Lambda of trt; {} has none, remove it", model.name));
@@ -291,8 +275,7 @@ void read_fluid(TableReader& root, Case& scene) {
       spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
     }
     read_collision(fluid, spec);
-    if (fluid.choice("precision", {"single", "double"}).value_or("single") == "double")
-      spec.precision = Precision::double_;
+    spec.precision = fluid.choice("precision", precision_names).value_or(spec.precision);
     spec.body_force = fluid.vector("body_force", dimension::acceleration).value_or(spec.body_force);
     spec.body_force_on_bodies = fluid.boolean("body_force_on_bodies").value_or(spec.body_force_on_bodies);
     read_initial(fluid, spec);

@@ -18,11 +18,11 @@ void read_series(TableReader& series, SeriesSpec& spec) {
 }
 
 void read_field_names(TableReader& fields, OutputSpec& output) {
-  const std::vector<std::string> known = {"velocity", "density"};
+  const std::vector<std::string> known = field_names.list();
   const Node* list = fields.find("quantities");
   if (!fields.present()) return;
   if (!list) {
-    output.quantities = known;
+    output.quantities = {Field::velocity, Field::density};
     return;
   }
   const bool strings = list->kind == Node::Kind::array && !list->children.empty() &&
@@ -33,8 +33,8 @@ void read_field_names(TableReader& fields, OutputSpec& output) {
     return;
   }
   for (const Node& name : list->children)
-    if (index_of(fields, "quantities", name.string, known, "quantity") >= 0)
-      output.quantities.push_back(name.string);
+    if (const int i = index_of(fields, "quantities", name.string, known, "quantity"); i >= 0)
+      output.quantities.push_back(Field(i));
 }
 
 std::vector<std::string> type_names() {
@@ -50,7 +50,7 @@ double read_length(TableReader& table, const char* key, const char* what) {
 
 void read_profile(TableReader& table, QuantitySpec& quantity) {
   if (!table.has("profile")) table.missing("profile", "channel, duct or pipe");
-  quantity.profile = table.choice("profile", {"channel", "duct", "pipe"}).value_or("channel");
+  quantity.profile = table.choice("profile", profile_names).value_or(quantity.profile);
 }
 
 void read_time(TableReader& table, QuantitySpec& quantity) {
@@ -70,10 +70,8 @@ void read_centre(TableReader& table, QuantitySpec& quantity) {
 }
 
 void read_side(TableReader& table, QuantitySpec& quantity) {
-  const std::vector<std::string> sides = {"x-low", "x-high", "y-low", "y-high", "z-low", "z-high"};
   if (!table.has("side")) table.missing("side", "of the domain, \"z-low\" for one");
-  const auto name = table.choice("side", sides);
-  if (name) quantity.side = static_cast<int>(std::find(sides.begin(), sides.end(), *name) - sides.begin());
+  quantity.side = static_cast<int>(table.choice("side", side_names).value_or(Side::x_low));
 }
 
 void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {

@@ -5,7 +5,7 @@
 namespace silt::coupler {
 namespace {
 
-// In lattice units (the error by compressibility grows with u^2).
+// Limits in lattice units: the error by compressibility grows with u^2.
 constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
 
 std::string in_case_units(const Case& scene, double x, Dimension dimension, const char* si) {

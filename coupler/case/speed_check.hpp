@@ -4,7 +4,7 @@
 
 namespace silt::coupler {
 
-/// An error or a warning for a speed (cells a step) that the key gives and that is too high.
+/// Reports an error or a warning for a speed (cells a step) that the key gives and that is too high.
 void check_speed(const Case&, Findings&, const std::string& key, double speed);
 
 }  // namespace silt::coupler

@@ -19,7 +19,7 @@ struct Units {
   double cell_size = 1, time_step = 1, density = 1;  // in the units of the case
   bool si = false;
 
-  /// One lattice unit of a quantity, in the units of the case.
+  /// Returns one lattice unit of a quantity, in the units of the case.
   double scale(Dimension d) const {
     const double mass = density * cell_size * cell_size * cell_size;
     return std::pow(cell_size, d.length) * std::pow(time_step, d.time) * std::pow(mass, d.mass);

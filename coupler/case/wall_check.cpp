@@ -61,7 +61,7 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
 
 }  // namespace
 
-void check_walls(const Case& scene, Findings& findings) {
+void find_wall_faults(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const rigid::TubeSpec& tube = scene.walls[i].tube;
     check_borders(scene, findings, i);

@@ -5,10 +5,10 @@
 namespace silt::coupler {
 
 /// Refuses a tube that leaves no room for fluid or bodies, crosses a periodic border, or moves too fast.
-void check_walls(const Case&, Findings&);
+void find_wall_faults(const Case&, Findings&);
 
-/// A body at its start must not reach further than `allowed` (cells) into a curved wall; `key` is what to
-/// change. False if it does.
+/// Refuses a body that at its start reaches further than `allowed` (cells) into a curved wall; `key` is what
+/// to change. Returns false if it does.
 bool check_in_walls(const Case&, Findings&, const BodySpec&, const std::string& key, double allowed);
 
 }  // namespace silt::coupler

@@ -1,9 +1,14 @@
 #include "coupler/exchange/check_exchange.hpp"
 
+#include <algorithm>
 #include <bit>
-#include <cstring>
+#include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+
+#include "coupler/exchange/coupling_state.hpp"
 
 namespace silt::coupler {
 
@@ -32,28 +37,166 @@ class Hash {
 std::uint64_t hash_of(const std::vector<rigid::StoredImpulse>& impulses) {
   Hash h;
   for (const rigid::StoredImpulse& s : impulses) {
-    h.add(s.partner), h.add(s.feature);
-    h.add(std::int32_t{s.image.x}), h.add(std::int32_t{s.image.y}), h.add(std::int32_t{s.image.z});
+    h.add(s.partner);
+    h.add(s.feature);
+    for (const std::int8_t periods : {s.image.x, s.image.y, s.image.z}) h.add(std::int32_t{periods});
     for (int d = 0; d < 3; ++d) h.add(s.impulse[d]);
   }
   return h.value();
 }
 
-[[noreturn]] void fail(rigid::BodyId id, const char* what) {
-  throw std::logic_error("body " + std::to_string(id) + ' ' + what);
+/// What a copy shares with its owner's body: all but what the owner keeps to itself.
+void add_shared(Hash& h, const rigid::BodyRecord& r) {
+  h.add(r.id);
+  h.add(r.shape);
+  h.add(r.material);
+  h.add(r.kind);
+  h.add(static_cast<std::int32_t>(r.motion));
+  h.add(r.mass);
+  h.add(r.weight_in_fluid);
+  h.add(r.inertia_B);
+  h.add(r.position);
+  h.add(r.orientation);
+  h.add(r.image);
+  h.add(r.velocity);
+  h.add(r.angular_velocity);
+  h.add(r.angular_momentum);
+  const CouplingState& more = r.holder_state.as<CouplingState>();
+  h.add(more.mapping_position);
+  h.add(more.mapping_orientation);
+}
+
+std::uint64_t shared_hash(const rigid::BodyRecord& r) {
+  Hash h;
+  add_shared(h, r);
+  return h.value();
+}
+
+/// What is wrong with a body; the least id of all ranks is told.
+struct Finding {
+  static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
+  rigid::BodyId id = nobody;
+  std::string text;
+
+  void note(rigid::BodyId body, const std::string& what) {
+    if (body < id) *this = {body, "body " + std::to_string(body) + ' ' + what};
+  }
+};
+
+/// Throws the same on every rank, if any of them found something.
+void throw_first(MPI_Comm comm, Finding found, std::int64_t step) {
+  std::uint64_t least = 0;
+  MPI_Allreduce(&found.id, &least, 1, MPI_UINT64_T, MPI_MIN, comm);
+  if (least == Finding::nobody) return;
+  int rank = 0, speaker = 0;
+  MPI_Comm_rank(comm, &rank);
+  const int mine = found.id == least ? rank : std::numeric_limits<int>::max();
+  MPI_Allreduce(&mine, &speaker, 1, MPI_INT, MPI_MIN, comm);
+  int size = static_cast<int>(found.text.size());
+  MPI_Bcast(&size, 1, MPI_INT, speaker, comm);
+  found.text.resize(size);
+  MPI_Bcast(found.text.data(), size, MPI_CHAR, speaker, comm);
+  throw std::logic_error(
+      (step < 0 ? "" : "step " + std::to_string(step) + ": ") + found.text +
+      "; the exchange of bodies between ranks is at fault: please report this with its case");
+}
+
+/// The ids that all ranks own, in the order of ranks, and where those of each rank begin.
+struct AllIds {
+  std::vector<rigid::BodyId> ids;
+  std::vector<int> first;
+
+  AllIds(MPI_Comm comm, const rigid::BodySet& bodies) {
+    int ranks = 1;
+    MPI_Comm_size(comm, &ranks);
+    std::vector<int> counts(ranks);
+    const int mine = static_cast<int>(bodies.owned);
+    MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+    first.assign(ranks + 1, 0);
+    std::partial_sum(counts.begin(), counts.end(), first.begin() + 1);
+    ids.resize(first.back());
+    MPI_Allgatherv(bodies.id.data(), mine, MPI_UINT64_T, ids.data(), counts.data(), first.data(),
+                   MPI_UINT64_T, comm);
+  }
+  int owner(std::size_t place) const {
+    return static_cast<int>(std::upper_bound(first.begin(), first.end(), static_cast<int>(place)) -
+                            first.begin()) -
+           1;
+  }
+};
+
+/// Says which body has two owners or none. Of one that left no trace only a gap tells, where ids count up
+/// without one.
+Finding lost_or_doubled(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                        std::uint64_t expected) {
+  const AllIds all(exchange.comm(), bodies);
+  std::vector<std::size_t> order(all.ids.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](auto i, auto j) { return std::tie(all.ids[i], i) < std::tie(all.ids[j], j); });
+  const bool counting = !order.empty() && all.ids[order.back()] - all.ids[order.front()] < expected;
+  Finding found;
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const rigid::BodyId before = all.ids[order[k - 1]], id = all.ids[order[k]];
+    if (id == before)
+      found.note(id, "is owned by ranks " + std::to_string(all.owner(order[k - 1])) + " and " +
+                         std::to_string(all.owner(order[k])));
+    if (id > before + 1 && counting) found.note(before + 1, "is owned by no rank");
+  }
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row) {
+    const rigid::BodyId id = bodies.id[row];
+    const auto at = std::lower_bound(order.begin(), order.end(), id,
+                                     [&](auto i, auto wanted) { return all.ids[i] < wanted; });
+    if (at == order.end() || all.ids[*at] != id)
+      found.note(id, "is owned by no rank, but rank " + std::to_string(exchange.rank()) +
+                         " holds a copy and takes rank " + std::to_string(exchange.owner_of(bodies, row)) +
+                         " for its owner");
+  }
+  if (found.id == Finding::nobody)
+    found = {Finding::nobody - 1,
+             std::to_string(all.ids.size()) + " bodies have an owner, not " + std::to_string(expected)};
+  return found;
+}
+
+/// Order, look-up and place of the bodies of this rank.
+Finding misplaced(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies) {
+  const std::string here = " on rank " + std::to_string(exchange.rank());
+  Finding found;
+  for (std::size_t row = 0; row < bodies.size(); ++row) {
+    const rigid::BodyId id = bodies.id[row];
+    if (bodies.row_of(id) != row) found.note(id, "is twice" + here + ", or not where the look-up says");
+    if (row >= bodies.owned + bodies.copies) continue;
+    if (row > 0 && row != bodies.owned && bodies.id[row - 1] >= id) found.note(id, "is out of order" + here);
+    const int centre = exchange.rank_at(bodies.position[row]);
+    if ((centre == exchange.rank()) != (row < bodies.owned))
+      found.note(id, (row < bodies.owned ? "is owned" : "is a copy") + here + ", but rank " +
+                         std::to_string(centre) + " holds its centre");
+  }
+  return found;
+}
+
+Finding copies_that_differ(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies) {
+  std::vector<double> hashes(bodies.size());
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    hashes[row] = std::bit_cast<double>(shared_hash(bodies.record(row)));
+  exchange.share_with_copies(bodies, hashes, 1);
+  Finding found;
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
+    if (std::bit_cast<std::uint64_t>(hashes[row]) != shared_hash(bodies.record(row)))
+      found.note(bodies.id[row], "differs on rank " + std::to_string(exchange.rank()) +
+                                     ", which has a copy, from rank " +
+                                     std::to_string(exchange.owner_of(bodies, row)) + ", which owns it");
+  return found;
 }
 
 }  // namespace
 
 std::uint64_t hash_of(const rigid::BodyRecord& r) {
   Hash h;
-  h.add(r.id), h.add(r.shape), h.add(r.material), h.add(r.kind), h.add(static_cast<std::int32_t>(r.motion));
-  h.add(r.mass), h.add(r.weight_factor), h.add(r.inertia_B);
-  h.add(r.position), h.add(r.orientation), h.add(r.image);
-  h.add(r.velocity), h.add(r.angular_velocity), h.add(r.angular_momentum);
-  h.add(r.mapping_position), h.add(r.mapping_orientation);
-  for (const std::int64_t x : r.owed) h.add(static_cast<std::uint64_t>(x));
-  h.add(r.pending_blow);
+  add_shared(h, r);
+  const CouplingState& more = r.holder_state.as<CouplingState>();
+  for (const std::int64_t x : more.impulse_debt) h.add(static_cast<std::uint64_t>(x));
+  h.add(more.pending_impact);
   return h.value();
 }
 
@@ -68,7 +211,7 @@ OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
   return {all[0], all[1]};
 }
 
-std::uint64_t state_hash(MPI_Comm comm, const rigid::BodySet& bodies, bool stored_impulses) {
+std::uint64_t records_hash(MPI_Comm comm, const rigid::BodySet& bodies, bool stored_impulses) {
   std::uint64_t mine = 0, all = 0;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     mine += hash_of(bodies.record(row));
@@ -78,23 +221,12 @@ std::uint64_t state_hash(MPI_Comm comm, const rigid::BodySet& bodies, bool store
   return all;
 }
 
-void check_bodies(const BodyExchange& exchange, const rigid::BodySet& bodies) {
-  std::vector<double> hashes(bodies.size());
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const std::uint64_t h = hash_of(bodies.record(row));
-    std::memcpy(&hashes[row], &h, sizeof h);
-  }
-  exchange.share_with_copies(bodies, hashes, 1);
-  for (std::size_t row = 0; row < bodies.size(); ++row) {
-    const rigid::BodyId id = bodies.id[row];
-    if (bodies.row_of(id) != row) fail(id, "is here twice, or not where the look-up says");
-    if (row >= bodies.owned + bodies.copies) continue;
-    if (row > 0 && row != bodies.owned && bodies.id[row - 1] >= id) fail(id, "is out of order");
-    if ((exchange.rank_at(bodies.position[row]) == exchange.rank()) != (row < bodies.owned))
-      fail(id, "is owned by another rank than the one that holds its centre");
-    const std::uint64_t h = hash_of(bodies.record(row));
-    if (std::memcmp(&hashes[row], &h, sizeof h) != 0) fail(id, "has a copy that differs from its owner's");
-  }
+void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                    const std::optional<OwnedBodies>& expected, std::int64_t step) {
+  if (expected && count_owned(exchange.comm(), bodies) != *expected)
+    throw_first(exchange.comm(), lost_or_doubled(exchange, bodies, expected->count), step);
+  throw_first(exchange.comm(), misplaced(exchange, bodies), step);
+  throw_first(exchange.comm(), copies_that_differ(exchange, bodies), step);
 }
 
 }  // namespace silt::coupler

@@ -1,13 +1,15 @@
 #pragma once
-// The invariants of owner and remote bodies, as figures to compare: checked after every synchronisation in
-// builds with SILT_ASSERTS, and by the tests.
+// The invariants of owner and remote bodies. Simulation checks them at every look of the guard, builds with
+// SILT_ASSERTS after every synchronisation.
 #include <mpi.h>
 
-#include "coupler/exchange/body_exchange.hpp"
+#include <optional>
+
+#include "coupler/exchange/parallel_body_exchange.hpp"
 
 namespace silt::coupler {
 
-/// Hash of everything a record holds, bit by bit.
+/// Hashes everything a record holds, bit by bit.
 std::uint64_t hash_of(const rigid::BodyRecord&);
 
 /// What all ranks own: equal before and after a synchronisation if every body has exactly one owner.
@@ -17,12 +19,15 @@ struct OwnedBodies {
 };
 OwnedBodies count_owned(MPI_Comm, const rigid::BodySet&);  // collective
 
-/// Wrapping sum over all owned bodies of the hashes of their records (mapping pose included) and, where
-/// asked for, of their stored impulses: the same on any number of ranks. Collective.
-std::uint64_t state_hash(MPI_Comm, const rigid::BodySet&, bool stored_impulses = true);
+/// Returns the wrapping sum over all owned bodies of the hashes of their records (holder state included) and,
+/// where asked for, of their stored impulses: the same on any number of ranks. Collective.
+std::uint64_t records_hash(MPI_Comm, const rigid::BodySet&, bool stored_impulses = true);
 
-/// Throws std::logic_error with what is wrong on this rank: rows out of order, a body that is not where its
-/// owner is, a copy that differs from its owner's row. Collective.
-void check_bodies(const BodyExchange&, const rigid::BodySet&);
+/// Checks that every body has one owner, the rank that holds its centre; that there are as many as
+/// `expected`, where given; that sections of bodies are sorted and found by their ids; that copies equal
+/// their owners' bodies to the bit. Throws std::logic_error, the same on every rank, that names the step
+/// (where not negative), the body and the ranks. Collective. Call after a synchronisation.
+void check_exchange(const ParallelBodyExchange&, const rigid::BodySet&,
+                    const std::optional<OwnedBodies>& expected = {}, std::int64_t step = -1);
 
 }  // namespace silt::coupler

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "coupler/exchange/parallel_bodies.hpp"
+#include "coupler/exchange/distribution.hpp"
 
 namespace silt::coupler {
 
@@ -21,7 +21,7 @@ enum class Item : std::uint64_t { contact, partner };
 struct PackedContact {
   BodyId a, b;
   std::uint64_t feature;
-  double normal[3], gap, r_a[3], r_b[3], restitution, friction, film[3];
+  double normal[3], gap, r_a[3], r_b[3], restitution, friction, lubrication[3];
   std::int8_t image[8];
 };
 
@@ -35,9 +35,13 @@ PackedContact packed(const Contact& c) {
                   {},
                   c.restitution,
                   c.friction,
-                  {c.film.normal, c.film.sliding, c.film.rolling},
+                  {c.lubrication.normal, c.lubrication.sliding, c.lubrication.rolling},
                   {c.image.x, c.image.y, c.image.z}};
-  for (int d = 0; d < 3; ++d) p.normal[d] = c.normal[d], p.r_a[d] = c.r_a[d], p.r_b[d] = c.r_b[d];
+  for (int d = 0; d < 3; ++d) {
+    p.normal[d] = c.normal[d];
+    p.r_a[d] = c.r_a[d];
+    p.r_b[d] = c.r_b[d];
+  }
   return p;
 }
 
@@ -53,12 +57,12 @@ Contact unpacked(const PackedContact& p) {
           vec(p.r_b),
           p.restitution,
           p.friction,
-          {p.film[0], p.film[1], p.film[2]}};
+          {p.lubrication[0], p.lubrication[1], p.lubrication[2]}};
 }
 
 }  // namespace
 
-void BodyExchange::Parallel::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
+void ParallelBodyExchange::Distribution::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
   for (const Tie& t : ties)
     if (!t.taken.empty()) messages.to(t.rank);  // expects one, if only an empty one
   for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -73,10 +77,11 @@ void BodyExchange::Parallel::exchange_contacts(BodySet& bodies, std::vector<Cont
   // those of a pair come from one rank, in the order of their keys
   std::stable_sort(contacts.begin(), contacts.end(),
                    [](const auto& p, const auto& q) { return p.pair() < q.pair(); });
-  plan_sweeps(bodies, contacts);
+  plan_velocity_messages(bodies, contacts);
 }
 
-void BodyExchange::Parallel::send_contact(const BodySet& bodies, const Contact& c, bool new_pair) {
+void ParallelBodyExchange::Distribution::send_contact(const BodySet& bodies, const Contact& c,
+                                                      bool new_pair) {
   const BodyId ids[] = {c.a, c.b};
   int sent_to = rank;
   for (int end = 0; end < 2; ++end) {
@@ -92,7 +97,7 @@ void BodyExchange::Parallel::send_contact(const BodySet& bodies, const Contact& 
   }
 }
 
-void BodyExchange::Parallel::send_partner(const BodySet& bodies, BodyId partner, int to) {
+void ParallelBodyExchange::Distribution::send_partner(const BodySet& bodies, BodyId partner, int to) {
   const std::size_t row = bodies.row_of(partner);
   const bool own = row < bodies.owned;
   const int partners_owner = own ? rank : owner(partner);
@@ -108,7 +113,7 @@ void BodyExchange::Parallel::send_partner(const BodySet& bodies, BodyId partner,
 }
 
 /// Contacts are appended; partners that are not here yet become visitors, sorted by id.
-void BodyExchange::Parallel::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
+void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
   std::map<BodyId, BodyRecord> visitors;
   for (const Messages::Message& m : messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
@@ -131,12 +136,15 @@ void BodyExchange::Parallel::receive_contacts(BodySet& bodies, std::vector<Conta
 }
 
 /// From the contacts alone: the other owner has the same ones, hence the same lists.
-void BodyExchange::Parallel::plan_sweeps(const BodySet& bodies, const std::vector<Contact>& contacts) {
-  sweeps_.clear();
-  const auto with = [&](int other) -> Sweep& {
-    const auto at = std::lower_bound(sweeps_.begin(), sweeps_.end(), other,
-                                     [](const Sweep& s, int r) { return s.rank < r; });
-    return at != sweeps_.end() && at->rank == other ? *at : *sweeps_.insert(at, {other, {}, {}});
+void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& bodies,
+                                                                const std::vector<Contact>& contacts) {
+  velocity_messages_.clear();
+  const auto with = [&](int other) -> VelocityMessages& {
+    const auto at = std::lower_bound(velocity_messages_.begin(), velocity_messages_.end(), other,
+                                     [](const VelocityMessages& s, int r) { return s.rank < r; });
+    return at != velocity_messages_.end() && at->rank == other
+               ? *at
+               : *velocity_messages_.insert(at, {other, {}, {}});
   };
   for (const Contact& c : contacts) {
     if (rigid::is_wall(c.b)) continue;
@@ -146,29 +154,29 @@ void BodyExchange::Parallel::plan_sweeps(const BodySet& bodies, const std::vecto
                              ", which is not here");
     if (a < bodies.owned && b < bodies.owned) continue;
     const std::size_t own = std::min(a, b), other = std::max(a, b);  // owned rows come first
-    Sweep& sweep = with(owner(bodies.id[other]));
+    VelocityMessages& sweep = with(owner(bodies.id[other]));
     sweep.given.push_back(own);
     sweep.taken.push_back(other);
   }
-  for (Sweep& sweep : sweeps_)
+  for (VelocityMessages& sweep : velocity_messages_)
     for (auto* rows : {&sweep.given, &sweep.taken}) {
       std::sort(rows->begin(), rows->end(), [&](auto i, auto j) { return bodies.id[i] < bodies.id[j]; });
       rows->erase(std::unique(rows->begin(), rows->end()), rows->end());
     }
 }
 
-void BodyExchange::Parallel::share(std::span<double> rows, int width) {
+void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width) {
   ranks_.clear();
-  for (const Sweep& sweep : sweeps_) {
+  for (const VelocityMessages& sweep : velocity_messages_) {
     Bytes& message = messages.to(sweep.rank);
     for (const std::size_t row : sweep.given)
       put(message, std::span<const double>(rows.subspan(row * width, width)));
     ranks_.push_back(sweep.rank);
   }
   messages.with_partners(ranks_);
-  for (std::size_t k = 0; k < sweeps_.size(); ++k) {  // both sorted by rank
+  for (std::size_t k = 0; k < velocity_messages_.size(); ++k) {  // both sorted by rank
     ByteReader reader(messages.received()[k].bytes);
-    for (const std::size_t row : sweeps_[k].taken) reader.take(rows.subspan(row * width, width));
+    for (const std::size_t row : velocity_messages_[k].taken) reader.take(rows.subspan(row * width, width));
   }
 }
 

@@ -102,7 +102,10 @@ void Messages::unannounced() {
     }
     int taken = 0;
     MPI_Testall(static_cast<int>(requests_.size()), requests_.data(), &taken, MPI_STATUSES_IGNORE);
-    if (taken) MPI_Ibarrier(comm_, &barrier), in_barrier = true;
+    if (taken) {
+      MPI_Ibarrier(comm_, &barrier);
+      in_barrier = true;
+    }
   }
   end_round();
 }

@@ -80,7 +80,7 @@ class Messages {
   void with_partners(std::span<const int> sources);
   /// Collective. Sends what to() was called for, and receives whatever was sent here.
   void unannounced();
-  /// Of the last round, by source.
+  /// Returns the messages of the last round, by source.
   const std::vector<Message>& received() const { return received_; }
 
   std::uint64_t messages_sent() const { return messages_sent_; }

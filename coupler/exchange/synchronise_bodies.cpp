@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <string>
 
-#include "coupler/exchange/parallel_bodies.hpp"
+#include "coupler/exchange/distribution.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -33,7 +33,8 @@ struct State {
 
 State state_of(const BodyRecord& r, int owner) {
   State s{};
-  s.id = r.id, s.owner = owner;
+  s.id = r.id;
+  s.owner = owner;
   std::copy_n(r.position, 3, s.position);
   std::copy_n(r.orientation, 4, s.orientation);
   std::copy_n(r.velocity, 3, s.velocity);
@@ -108,7 +109,7 @@ std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count
 
 }  // namespace
 
-struct BodyExchange::Parallel::Arrivals {
+struct ParallelBodyExchange::Distribution::Arrivals {
   struct Push {
     BodyId id;
     rigid::FixedVec3 force, torque;
@@ -119,7 +120,8 @@ struct BodyExchange::Parallel::Arrivals {
 };
 
 /// The bounding sphere first: most bodies are well inside, whatever their shape.
-void BodyExchange::Parallel::find_holders(int shape, const rigid::Pose& pose, std::vector<int>& ranks) const {
+void ParallelBodyExchange::Distribution::find_holders(int shape, const rigid::Pose& pose,
+                                                      std::vector<int>& ranks) const {
   const rigid::Vec3 radius = rigid::Vec3::Constant(world.bounding_radii[shape]);
   holders.ranks_of({pose.position - radius, pose.position + radius}, ranks);
   const int owner = holders.rank_at(pose.position);
@@ -128,7 +130,7 @@ void BodyExchange::Parallel::find_holders(int shape, const rigid::Pose& pose, st
   include(ranks, owner);
 }
 
-void BodyExchange::Parallel::synchronise(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies) {
   bool rows_changed = drop_visitors(bodies);
   announce(bodies);
   messages.unannounced();
@@ -146,8 +148,8 @@ void BodyExchange::Parallel::synchronise(BodySet& bodies) {
   tie(bodies);
 }
 
-bool BodyExchange::Parallel::drop_visitors(BodySet& bodies) {
-  sweeps_.clear();
+bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
+  velocity_messages_.clear();
   if (bodies.visitors == 0) return false;
   for (; bodies.visitors > 0; --bodies.visitors) {
     const std::size_t last = bodies.first_wall() - 1;
@@ -157,13 +159,13 @@ bool BodyExchange::Parallel::drop_visitors(BodySet& bodies) {
   return true;
 }
 
-void BodyExchange::Parallel::announce(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::announce(BodySet& bodies) {
   departures_.clear();
   for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row);
   send_forces_of_copies(bodies);
 }
 
-void BodyExchange::Parallel::announce_body(const BodySet& bodies, std::size_t row) {
+void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row) {
   const BodyId id = bodies.id[row];
   const auto known = held_by.find(id);
   find_holders(bodies.shape[row], bodies.pose(row), ranks_);
@@ -199,7 +201,7 @@ void BodyExchange::Parallel::announce_body(const BodySet& bodies, std::size_t ro
   std::copy_if(ranks_.begin(), ranks_.end(), std::back_inserter(others), [&](int r) { return r != rank; });
 }
 
-void BodyExchange::Parallel::send_forces_of_copies(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) {
   for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row) {
     if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
     Bytes& message = messages.to(owner(bodies.id[row]));
@@ -211,7 +213,7 @@ void BodyExchange::Parallel::send_forces_of_copies(BodySet& bodies) {
   }
 }
 
-void BodyExchange::Parallel::read(BodySet& bodies, Arrivals& arrivals) {
+void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrivals) {
   for (const Messages::Message& m : messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
       const auto item = reader.take<Item>();
@@ -241,7 +243,7 @@ void BodyExchange::Parallel::read(BodySet& bodies, Arrivals& arrivals) {
 
 /// Rows take their new places, the last sections first so that the numbers of the others hold. True if any
 /// did.
-bool BodyExchange::Parallel::settle(BodySet& bodies, Arrivals& arrivals) {
+bool ParallelBodyExchange::Distribution::settle(BodySet& bodies, Arrivals& arrivals) {
   bool changed = !departures_.empty() || !arrivals.own.empty() || !arrivals.copies.empty();
   for (std::size_t k = arrivals.updated.size(); k-- > 0;) {
     if (arrivals.updated[k]) continue;
@@ -274,10 +276,10 @@ bool BodyExchange::Parallel::settle(BodySet& bodies, Arrivals& arrivals) {
 }
 
 /// Every rank has everything: each keeps its part.
-void BodyExchange::Parallel::distribute(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::distribute(BodySet& bodies) {
   held_by.clear();
   owner_of.clear();
-  sweeps_.clear();
+  velocity_messages_.clear();
   std::vector<std::size_t> own, copies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const int owner = holders.rank_at(bodies.position[row]);
@@ -295,7 +297,9 @@ void BodyExchange::Parallel::distribute(BodySet& bodies) {
   }
   BodySet kept;
   kept.resize(own.size() + copies.size() + bodies.walls);
-  kept.owned = own.size(), kept.copies = copies.size(), kept.walls = bodies.walls;
+  kept.owned = own.size();
+  kept.copies = copies.size();
+  kept.walls = bodies.walls;
   std::size_t to = 0;
   for (const auto* rows : {&own, &copies})
     for (const std::size_t row : *rows) {

@@ -39,7 +39,8 @@ CellSums cells_of(const lbm::CellBox& box, const BodyMask& mask) {
         const std::int64_t n = std::popcount(word);
         sums.count += n;
         sums.coordinates[0] += sum_of_positions(word) + n * (corner.x + f.low.x + x);
-        sums.coordinates[1] += n * (corner.y + y), sums.coordinates[2] += n * (corner.z + z);
+        sums.coordinates[1] += n * (corner.y + y);
+        sums.coordinates[2] += n * (corner.z + z);
       }
   return sums;
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/exchange/coupling_state.hpp"
+
 namespace silt::coupler {
 
 namespace {
@@ -17,14 +19,26 @@ double share_of_step(double displaced) {
 
 }  // namespace
 
-void give_pending_blows(rigid::BodySet& bodies) {
+void EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impact& impact) const {
+  const auto compliance = [&](std::size_t row) {  // with the entrained fluid
+    return bodies.inverse_mass(row) / (1 + entrained_ * (1 - bodies.weight_in_fluid[row]));
+  };
+  const std::size_t a = impact.row_a, b = impact.row_b;
+  const double reduced_mass = 1 / (bodies.inverse_mass(a) + bodies.inverse_mass(b));
+  const double share = 1 / (reduced_mass * (compliance(a) + compliance(b))) - 1;
+  const rigid::Vec3 impulse = share * impact.impulse * impact.normal;
+  if (a < bodies.owned && bodies.is_free(a)) pending_impact(bodies, a) -= impulse;
+  if (b < bodies.owned && bodies.is_free(b)) pending_impact(bodies, b) += impulse;
+}
+
+void give_pending_impacts(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    rigid::Vec3& pending = bodies.pending_blow[row];
+    Eigen::Map<rigid::Vec3> pending = pending_impact(bodies, row);
     if (pending == rigid::Vec3::Zero()) continue;
     const double mass = bodies.mass[row];
     const bool rest = pending.norm() < negligible * mass;
     const rigid::Vec3 due =
-        rest ? pending : rigid::Vec3(share_of_step(mass * (1 - bodies.weight_factor[row])) * pending);
+        rest ? rigid::Vec3(pending) : rigid::Vec3(share_of_step(bodies.displaced_mass(row)) * pending);
     bodies.add_force(row, due);
     pending -= due;
   }

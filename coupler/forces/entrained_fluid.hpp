@@ -1,14 +1,14 @@
 #pragma once
-// What a blow does to the fluid around a body.
+// What an impact does to the fluid around a body.
 //
 // A real collision is short, but long for sound: while it lasts it reverses also the fluid that moves with
 // the body, its added mass, and the surfaces part at e times the speed at which they met, however heavy the
 // fluid. Here a contact reverses the body in no time, and the fluid answers over the next R / c_s steps: it
 // would take back (1 + e) m_a / (m + m_a) of the speed, a fifth of the rebound of a steel ball in oil and
-// half of that of glass. So the resolver reckons the impulse that the contact gives to the fluid besides
-// (BodySet::pending_blow, equal and opposite for the two bodies), and the bodies pass it on as the fluid
-// answers.
-#include "rigid/bodies/body_set.hpp"
+// half of that of glass. So every impact that the resolver reports is taken as one of the bodies with the
+// fluid they entrain: the impulse that the contact would give to the fluid besides is kept with the bodies
+// (CouplingState::pending_impact, equal and opposite for the two), which pass it on as the fluid answers.
+#include "rigid/bodies/impact.hpp"
 
 namespace silt::coupler {
 
@@ -17,9 +17,20 @@ namespace silt::coupler {
 /// Hydrodynamics, articles 98, 99). Taken for every shape.
 inline constexpr double entrained_at_contact = 0.8030853;
 
-/// Adds to the forces of this step on owned bodies what is due of their pending blows. Call before any body
+/// Keeps with either body of an impact what the fluid that moves with it has to take of it.
+class EntrainedFluid final : public rigid::ImpactSink {
+ public:
+  /// `entrained`: mass of the fluid that moves with a body, over the mass it displaces.
+  explicit EntrainedFluid(double entrained = entrained_at_contact) : entrained_(entrained) {}
+  void operator()(rigid::BodySet&, const rigid::Impact&) const override;
+
+ private:
+  double entrained_;
+};
+
+/// Adds to the forces of this step on owned bodies what is due of their pending impacts. Call before any body
 /// is solved for. The pressure on a sphere set off at once falls as exp(-s) cos(s), s = c_s t / R (sound of
 /// an impulsive start); what is pending falls as exp(-s), R that of the sphere of the body's volume.
-void give_pending_blows(rigid::BodySet&);
+void give_pending_impacts(rigid::BodySet&);
 
 }  // namespace silt::coupler

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "coupler/forces/gap_kernels.hpp"
+#include "lbm/isa.hpp"
 
 namespace silt::coupler {
 
@@ -13,20 +14,21 @@ namespace {
 using rigid::Mat3;
 
 constexpr double widest = 1;    // cells: of a gap that its cells do not resolve
-constexpr double furthest = 8;  // cells from the middle, where a surface hardly bends
+constexpr double furthest = 8;  // cells from the middle, where a surface is hardly curved
 
 double sum_over(const GapOnLattice& gap) {
-  SILT_DISPATCH(sum_over_gap, gap)
+  return lbm::chosen(portable::sum_over_gap, avx2::sum_over_gap, avx512::sum_over_gap)(gap);
 }
 
 /// The principal curvatures of a surface.
 struct Principal {
   double least, most;
 
-  explicit Principal(const Mat3& bend) {
-    const double sum = bend.trace();
-    const double apart = std::sqrt(std::max(0.0, 2 * bend.squaredNorm() - sum * sum));
-    least = std::max(0.0, 0.5 * (sum - apart)), most = 0.5 * (sum + apart);
+  explicit Principal(const Mat3& curvature) {
+    const double sum = curvature.trace();
+    const double apart = std::sqrt(std::max(0.0, 2 * curvature.squaredNorm() - sum * sum));
+    least = std::max(0.0, 0.5 * (sum - apart));
+    most = 0.5 * (sum + apart);
   }
 };
 
@@ -52,26 +54,28 @@ void set_heights(GapOnLattice& g, const Mat3& a, const Mat3& b) {
   const auto extent = [&](double n) {
     return radius < furthest ? radius * std::sqrt(1 - n * n) + std::abs(n) * height : furthest + widest;
   };
-  g.extent_y = extent(g.normal[1]), g.extent_z = extent(g.normal[2]);
+  g.extent_y = extent(g.normal[1]);
+  g.extent_z = extent(g.normal[2]);
 }
 
 }  // namespace
 
-double cells_in_gap(const rigid::FilmGap& gap) {
+double cells_in_gap(const rigid::LubricatedGap& gap) {
   const double product = gap.curvature_product();
   if (gap.width >= widest || product <= 0) return 0;
   int x = 0;
   gap.normal.cwiseAbs().maxCoeff(&x);
   const int axes[3] = {x, (x + 1) % 3, (x + 2) % 3};
   const bool turned = gap.normal[x] < 0;
-  const Mat3 &a = turned ? gap.bend_b : gap.bend_a, &b = turned ? gap.bend_a : gap.bend_b;
+  const Mat3 &a = turned ? gap.curvature_b : gap.curvature_a, &b = turned ? gap.curvature_a : gap.curvature_b;
   GapOnLattice g;
   g.half_width = 0.5 * gap.width;
   for (int d = 0; d < 3; ++d) {
     g.normal[d] = turned ? -gap.normal[axes[d]] : gap.normal[axes[d]];
     g.offset[d] = gap.middle[axes[d]] - 0.5;
   }
-  g.a = fall_of(a, axes[0], axes[1], axes[2]), g.b = fall_of(b, axes[0], axes[1], axes[2]);
+  g.a = fall_of(a, axes[0], axes[1], axes[2]);
+  g.b = fall_of(b, axes[0], axes[1], axes[2]);
   set_heights(g, a, b);
   return sum_over(g) * std::sqrt(product) / (2 * std::numbers::pi);
 }

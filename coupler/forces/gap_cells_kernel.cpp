@@ -10,37 +10,37 @@ namespace silt::coupler::SILT_ISA {
 namespace {
 
 constexpr int lanes = 8;
-using Lanes = lbm::SILT_ISA::VectorOf<double, lanes>::type;
+using Real8 = lbm::SILT_ISA::VectorOf<double, lanes>::type;
 
 /// The least whole number that is not below x; of less than 2^51.
-Lanes whole_above(const Lanes& x) {
+Real8 whole_above(const Real8& x) {
   constexpr double round = 0x1.8p52;
-  const Lanes nearest = (x + round) - round;
+  const Real8 nearest = (x + round) - round;
   return nearest < x ? nearest + 1 : nearest;
 }
 
 /// A surface over columns (y, z): its distance from the plane through the gap's middle, at x.
 struct Surface {
-  Lanes here, slope;
-  double bend;
+  Real8 here, slope;
+  double curvature;
 
-  Surface(const Fall& f, double half_width, double y, const Lanes& z)
+  Surface(const Fall& f, double half_width, double y, const Real8& z)
       : here((half_width + f.yy * y * y) + z * (f.yz * y + f.zz * z)),
         slope(f.xy * y + f.zx * z),
-        bend(f.xx) {}
-  Lanes at(const Lanes& x) const { return here + x * (slope + x * bend); }
+        curvature(f.xx) {}
+  Real8 at(const Real8& x) const { return here + x * (slope + x * curvature); }
 };
 
 /// Sum of (1 - H)^2 of the columns' cells in the gap.
-Lanes columns(const GapOnLattice& g, double y, const Lanes& z) {
+Real8 columns(const GapOnLattice& g, double y, const Real8& z) {
   const Surface a(g.a, g.half_width, y, z), b(g.b, g.half_width, y, z);
-  const Lanes height = g.normal[1] * y + g.normal[2] * z;
-  Lanes x = whole_above((g.lowest - height) / g.normal[0] + g.offset[0]) - g.offset[0], sum{};
+  const Real8 height = g.normal[1] * y + g.normal[2] * z;
+  Real8 x = whole_above((g.lowest - height) / g.normal[0] + g.offset[0]) - g.offset[0], sum{};
   for (int k = 0; k < g.column; ++k, x += 1) {
-    const Lanes s = height + g.normal[0] * x, below = a.at(x), above = b.at(x);
-    const Lanes missing = 1 - (below + above);
+    const Real8 s = height + g.normal[0] * x, below = a.at(x), above = b.at(x);
+    const Real8 missing = 1 - (below + above);
     const auto in_gap = (s > -below) & (s < above) & (missing > 0);
-    sum += in_gap ? missing * missing : Lanes{};
+    sum += in_gap ? missing * missing : Real8{};
   }
   return sum;
 }
@@ -48,10 +48,10 @@ Lanes columns(const GapOnLattice& g, double y, const Lanes& z) {
 }  // namespace
 
 double sum_over_gap(const GapOnLattice& g) {
-  const Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Real8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
   const double first_y = std::ceil(g.offset[1] - g.extent_y) - g.offset[1];
   const double first_z = std::ceil(g.offset[2] - g.extent_z) - g.offset[2];
-  Lanes sums{};
+  Real8 sums{};
   for (double y = first_y; y <= g.extent_y; y += 1)
     for (double z = first_z; z <= g.extent_z; z += lanes) sums += columns(g, y, z + lane);
   double sum = 0;

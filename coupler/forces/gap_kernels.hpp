@@ -1,7 +1,5 @@
 #pragma once
 // The kernel of narrow gaps, built once an instruction set: which cells lie in one.
-#include "coupler/mapping/surface_kernels.hpp"
-
 namespace silt::coupler {
 
 /// The quadratic form r.K r / 2 of a surface's curvature K: how far it falls behind its tangent plane.
@@ -20,13 +18,16 @@ struct GapOnLattice {
   int column;                 // at most so many cells along x, one after the other, are in it
 };
 
+/// The sum of cells_in_gap(), as each build offers it.
+using SumOverGap = double(const GapOnLattice&);
+namespace portable {
+SumOverGap sum_over_gap;
+}
+namespace avx2 {
+SumOverGap sum_over_gap;
+}
+namespace avx512 {
+SumOverGap sum_over_gap;
+}
+
 }  // namespace silt::coupler
-
-#define SILT_GAP_KERNELS(isa)                                       \
-  namespace silt::coupler::isa {                                    \
-  double sum_over_gap(const GapOnLattice&); /* of cells_in_gap() */ \
-  }
-
-SILT_GAP_KERNELS(portable)
-SILT_GAP_KERNELS(avx2)
-SILT_GAP_KERNELS(avx512)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/case/case.hpp"
 #include "coupler/forces/gap_cells.hpp"
 
 namespace silt::coupler {
@@ -21,7 +22,7 @@ double squeeze_integral(double h, double least, double cutoff) {
 }
 
 /// Mean of 1 / h - 1 / cutoff over the way that the gap is about to go: a step may take it far.
-double mean_squeeze(const rigid::FilmGap& gap, double least, double cutoff) {
+double mean_squeeze(const rigid::LubricatedGap& gap, double least, double cutoff) {
   if (std::abs(gap.travel) <= negligible_travel * std::max(gap.width, least))
     return std::max(0.0, 1 / std::max(gap.width, least) - 1 / cutoff);
   const double end = std::max(gap.width + gap.travel, 0.0), begin = std::max(gap.width, 0.0);
@@ -60,7 +61,7 @@ Lubrication::Lubrication(double viscosity, const ResolvedFlows& resolved, double
       least_gap_(least_gap),
       reach_(std::max(reach_of(resolved.bodies), reach_of(resolved.side))) {}
 
-rigid::Film Lubrication::operator()(const rigid::FilmGap& gap) const {
+rigid::LubricationResistance Lubrication::operator()(const rigid::LubricatedGap& gap) const {
   const double radius = 1 / std::sqrt(gap.curvature_product());
   const double least = std::min(least_gap_ > 0 ? least_gap_ : relative_least_gap * radius, reach_);
   const double width = std::max(gap.width, least), drag = std::numbers::pi * viscosity_ * radius;
@@ -70,7 +71,7 @@ rigid::Film Lubrication::operator()(const rigid::FilmGap& gap) const {
           2 * drag * log_excess(width, of.slip_gap), 1.2 * drag * log_excess(width, of.rolling_gap)};
 }
 
-std::shared_ptr<const rigid::FilmLaw> make_lubrication(const Case& scene) {
+std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const Case& scene) {
   if (!scene.has_lubrication()) return nullptr;
   return std::make_shared<Lubrication>(scene.fluid->kinematic_viscosity,
                                        resolved_flows(scene.coupling.wall_scheme),

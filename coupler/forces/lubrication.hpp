@@ -5,7 +5,7 @@
 // p = 6 mu u / ((k1 + k2) h^2), which makes the normal force 12 pi mu u / ((k1 + k2) sqrt(k1 k2) h): for
 // spheres the 6 pi mu R^2 u / h of Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261, R the reduced radius.
 // Their tangential logarithms, for any two radii, are 2 pi mu R ln(1/h) against slip and 6/5 of pi mu R
-// ln(1/h) against rolling (rigid/bodies/film.hpp); here R becomes 1 / sqrt(k1 k2).
+// ln(1/h) against rolling (rigid/bodies/lubrication.hpp); here R becomes 1 / sqrt(k1 k2).
 //
 // Each law is given less what the lattice resolves by itself. Of the squeeze flow that is not the same
 // wherever the gap lies in the lattice: without a fluid cell in it the lattice knows nothing of the gap, with
@@ -17,10 +17,12 @@
 // reflects by itself.
 #include <memory>
 
-#include "coupler/case/case.hpp"
-#include "rigid/bodies/film.hpp"
+#include "coupler/case/coupling_spec.hpp"
+#include "rigid/bodies/lubrication.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// What a wall scheme resolves; cells.
 struct ResolvedFlow {
@@ -33,13 +35,13 @@ struct ResolvedFlows {
 };
 ResolvedFlows resolved_flows(WallScheme);
 
-class Lubrication final : public rigid::FilmLaw {
+class Lubrication final : public rigid::LubricationLaw {
  public:
   /// least_gap: below it the film resists no more, in cells; 0: relative_least_gap of the reduced radius.
   Lubrication(double viscosity, const ResolvedFlows&, double least_gap);
   /// Where the lattice resolves the squeeze flow even with no cell in the gap.
   double reach() const override { return reach_; }
-  rigid::Film operator()(const rigid::FilmGap&) const override;
+  rigid::LubricationResistance operator()(const rigid::LubricatedGap&) const override;
 
   static constexpr double relative_least_gap = 1e-3;  // roughness of smooth spheres
 
@@ -50,6 +52,6 @@ class Lubrication final : public rigid::FilmLaw {
 };
 
 /// Null where the case has none: no fluid, switched off, or a resolver that knows no films.
-std::shared_ptr<const rigid::FilmLaw> make_lubrication(const Case&);
+std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const Case&);
 
 }  // namespace silt::coupler

@@ -24,14 +24,15 @@ struct PlaneWords {
   std::uint32_t place[most];
   std::uint64_t rows[most] = {};
 
-  PlaneWords(const BitFrame& frame, int first, int planes, int y0, int y1) {
-    const int count = std::min(most, planes * frame.plane - first),
-              words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
+  PlaneWords(const BitFrame& frame, int first, const FrameRows& wanted) {
+    const int count = std::min(most, wanted.planes * frame.plane - first);
+    const int words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
     for (int w = 0; w < count; ++w) {
       const int z = (first + w) / frame.plane, in_plane = (first + w) % frame.plane;
       const int x = in_plane % words_a_row * 64, y = in_plane / words_a_row * rows_a_word;
       place[w] = lbm::link_place({x, y, z}, 0);
-      const int from = std::clamp(y0 - y, 0, rows_a_word), to = std::clamp(y1 - y, 0, rows_a_word);
+      const int from = std::clamp(wanted.y0 - y, 0, rows_a_word),
+                to = std::clamp(wanted.y1 - y, 0, rows_a_word);
       const int bits = 64 / rows_a_word;
       rows[w] = from < to ? ~std::uint64_t{0} >> (64 - (to - from) * bits) << (from * bits) : 0;
     }
@@ -151,9 +152,7 @@ inline void set_cells(const BitFrame& frame, std::size_t row, double first, doub
   }
 }
 
-}  // namespace
-
-/// Row by row, where the line of cell centres is inside, in closed form.
+/// Marks row by row where the line of cell centres is inside, in closed form.
 void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius, std::uint64_t* words) {
   constexpr int most = 64;  // rows at a time
   double first[most], last[most];
@@ -175,8 +174,6 @@ void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius,
     }
   }
 }
-
-namespace {
 
 /// The same for a part of any kind, a row a lane; round about a hollow, the cells outside of it.
 template <PartKind kind>
@@ -208,10 +205,8 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfaceP
   }
 }
 
-}  // namespace
-
-/// The cells inside any part. Bodies that are spheres, which need neither turning nor a division, have their
-/// own.
+/// Marks the cells inside any part. Bodies that are spheres, which need neither turning nor a division, have
+/// their own.
 void mark_parts(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
                 std::uint64_t* words) {
   for (int k = 0; k < surface.count; ++k)
@@ -219,14 +214,12 @@ void mark_parts(const BitFrame& frame, const PointInFrame& centre, const Surface
               [&](auto kind) { mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words); });
 }
 
-/// The links of rows [y0, y1) of some planes of the frame. Both lists need link_lanes of room more than they
-/// get.
-LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, const LinkBits& bits,
+LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const LinkBits& bits,
                       std::uint32_t* place, std::uint32_t* narrow) {
   LinkCounts n{};
-  for (int first = 0; first < planes * frame.plane; first += PlaneWords::most) {
-    const PlaneWords plane(frame, first, planes, y0, y1);
-    const std::size_t at = std::size_t(z) * frame.plane + first;
+  for (int first = 0; first < wanted.planes * frame.plane; first += PlaneWords::most) {
+    const PlaneWords plane(frame, first, wanted);
+    const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
     const Words open = words_at(bits.open + at) & words_at(plane.rows);
     for (int i = 1; i < lbm::directions; ++i) {
       const lbm::Int3 c = lbm::c[i];
@@ -241,6 +234,12 @@ LinkCounts list_links(const BitFrame& frame, int z, int planes, int y0, int y1, 
     }
   }
   return n;
+}
+
+}  // namespace
+
+BitKernels bit_kernels() {
+  return {mark_sphere, mark_parts, list_links};
 }
 
 }  // namespace silt::coupler::SILT_ISA

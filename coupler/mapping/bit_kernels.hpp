@@ -5,6 +5,7 @@
 
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/surface_kernels.hpp"
+#include "lbm/isa.hpp"
 
 namespace silt::coupler {
 
@@ -27,16 +28,34 @@ struct LinkCounts {
   std::uint32_t clear, narrow;
 };
 
+/// Rows [y0, y1) of the planes [z, z + planes) of a frame.
+struct FrameRows {
+  int z, planes, y0, y1;
+};
+
+/// What each build offers.
+struct BitKernels {
+  /// Sets the bits of the cells inside a ball, or inside any part of a surface.
+  void (*mark_sphere)(const BitFrame&, const PointInFrame&, double radius, std::uint64_t* words);
+  void (*mark_parts)(const BitFrame&, const PointInFrame&, const SurfaceView<double>&, std::uint64_t* words);
+  /// Lists the links of some rows. Both lists need link_lanes of room more than they get.
+  LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
+                           std::uint32_t* narrow);
+};
+namespace portable {
+BitKernels bit_kernels();
+}
+namespace avx2 {
+BitKernels bit_kernels();
+}
+namespace avx512 {
+BitKernels bit_kernels();
+}
+/// What the build that runs here offers.
+inline const BitKernels& bit_kernels() {
+  static const BitKernels kernels =
+      lbm::chosen(portable::bit_kernels, avx2::bit_kernels, avx512::bit_kernels)();
+  return kernels;
+}
+
 }  // namespace silt::coupler
-
-#define SILT_BIT_KERNELS(isa)                                                                              \
-  namespace silt::coupler::isa {                                                                           \
-  void mark_sphere(const BitFrame&, const PointInFrame&, double radius, std::uint64_t* words);             \
-  void mark_parts(const BitFrame&, const PointInFrame&, const SurfaceView<double>&, std::uint64_t* words); \
-  LinkCounts list_links(const BitFrame&, int z, int planes, int y0, int y1, const LinkBits&,               \
-                        std::uint32_t* place, std::uint32_t* narrow);                                      \
-  }
-
-SILT_BIT_KERNELS(portable)
-SILT_BIT_KERNELS(avx2)
-SILT_BIT_KERNELS(avx512)

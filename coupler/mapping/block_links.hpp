@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "coupler/mapping/narrow_gaps.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 
 namespace silt::coupler {
 
@@ -45,7 +45,7 @@ struct BlockLinks {
     return {&links, &links.groups[order[k + 1].number]};
   }
   /// Fills inner, first_inner, rim and count; call when links were built.
-  void order_groups(const lbm::Sweep& sweep) {
+  void order_groups(const lbm::PassOrder& sweep) {
     first_inner.assign(sweep.parts() + 2, 0), rim.clear(), count = 0;
     for (const auto& surface : surfaces)
       for (const lbm::LinkGroup& g : surface.links.groups) {

@@ -7,7 +7,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -22,14 +22,10 @@ struct Planes {
   int z, count;
 };
 
-LinkCounts list_of(const BitFrame& frame, Planes planes, int y0, int y1, const LinkBits& bits,
-                   std::uint32_t* place, std::uint32_t* narrow) {
-  SILT_DISPATCH(list_links, frame, planes.z, planes.count, y0, y1, bits, place, narrow)
-}
 template <class Real, class T>
-void distances_of(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, Int3 corner,
-                  const SurfaceView<Real>& surface, T* q) {
-  SILT_DISPATCH(surface_distances, place, padded, frame, corner, surface, q)
+SurfaceDistances<Real, T> distance_kernel() {
+  return lbm::chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
+                     avx512::surface_distances<Real, T>)();
 }
 
 /// Reads rows of 64 bits and writes them as the rows of a window.
@@ -63,7 +59,7 @@ bool touches_rim(const BitFrame& f, Int3 block) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, const lbm::Sweep& sweep, WallScheme scheme)
+  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme)
       : map_(map), sweep_(sweep), scheme_(scheme) {}
 
   /// The links' frame is set already.
@@ -143,8 +139,9 @@ class LinkWriter {
     make_room(lbm::directions * most);
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
-    const LinkCounts found = list_of(frame, planes, y0, y1, bits, place, narrow_.data());
-    const std::uint32_t n = found.clear + found.narrow, end = lbm::filled_up(n);
+    const LinkCounts found =
+        bit_kernels().list_links(frame, {planes.z, planes.count, y0, y1}, bits, place, narrow_.data());
+    const std::uint32_t n = found.clear + found.narrow, end = lbm::padded(n);
     if (n == 0) return;
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
@@ -187,7 +184,7 @@ class LinkWriter {
     make_room(n);
     std::copy(apart.place.begin(), apart.place.end(), place_.begin() + used_);
     std::copy(apart.q.begin(), apart.q.end(), q_.begin() + used_);
-    end_group(n, apart.corner, WallScheme::narrow, apart.ready);
+    end_group(n, apart.corner, WallScheme::single_cell_gap, apart.ready);
     apart.place.clear(), apart.q.clear(), apart.ready = -1;
   }
 
@@ -201,7 +198,7 @@ class LinkWriter {
     if (n == 0) return;
     std::uint32_t* const place = place_.data() + used_;
     T* const q = q_.data() + used_;
-    const std::uint32_t end = lbm::filled_up(n);
+    const std::uint32_t end = lbm::padded(n);
     std::fill(place + n, place + end, place[n - 1]), std::fill(q + n, q + end, q[n - 1]);
     links_->groups.push_back({used_, n, scheme, corner, ready});
     used_ += end;
@@ -229,17 +226,17 @@ class LinkWriter {
   }
 
   void set_distances(Int3 corner, const std::uint32_t* place, std::uint32_t n, T* q) {
-    const int padded = int(lbm::filled_up(n));
+    const int padded = int(lbm::padded(n));
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
     else if (is_tube_)
-      distances_of(place, padded, links_->frame, corner, tube_.view(), q);
+      distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), q);
     else
-      distances_of(place, padded, links_->frame, corner, surface_.view(), q);
+      distance_kernel<T, T>()(place, padded, links_->frame, corner, surface_.view(), q);
   }
 
   const BlockMap& map_;
-  const lbm::Sweep& sweep_;
+  const lbm::PassOrder& sweep_;
   WallScheme scheme_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
@@ -275,7 +272,7 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
 
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::Sweep& sweep,
+                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::PassOrder& sweep,
                  std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
@@ -295,9 +292,10 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<float>&, const lbm::Sweep&, std::vector<SurfaceLinks<float>>&);
+                          const lbm::WallFluid<float>&, const lbm::PassOrder&,
+                          std::vector<SurfaceLinks<float>>&);
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<double>&, const lbm::Sweep&,
+                          const lbm::WallFluid<double>&, const lbm::PassOrder&,
                           std::vector<SurfaceLinks<double>>&);
 
 }  // namespace silt::coupler

@@ -1,11 +1,11 @@
 #pragma once
 // From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
 // is.
-#include "coupler/case/case.hpp"
+#include "coupler/case/coupling_spec.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/mapping/surface_links.hpp"
 #include "lbm/cut_links.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 
@@ -17,6 +17,6 @@ namespace silt::coupler {
 /// `narrow`.
 template <class T>
 void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                 const lbm::WallFluid<T>&, const lbm::Sweep&, std::vector<SurfaceLinks<T>>&);
+                 const lbm::WallFluid<T>&, const lbm::PassOrder&, std::vector<SurfaceLinks<T>>&);
 
 }  // namespace silt::coupler

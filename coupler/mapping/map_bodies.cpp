@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -27,12 +28,6 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
 bool same(const rigid::Pose& a, const rigid::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
-
-void mark_ball(const BitFrame& frame, const PointInFrame& centre, double radius, std::uint64_t* words) {
-  SILT_DISPATCH(mark_sphere, frame, centre, radius, words)
-}
-void mark_others(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
-                 std::uint64_t* words){SILT_DISPATCH(mark_parts, frame, centre, surface, words)}
 
 /// The first n of some cells (all, if there are more).
 std::uint64_t first_cells(std::uint64_t cells, int n) {
@@ -74,19 +69,23 @@ MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
 void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, double tolerance) {
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     const rigid::Pose now = bodies.pose(row);
-    rigid::Pose& then = bodies.mapping_pose[row];
+    const rigid::Pose then = mapping_pose(bodies, row);
     if (same(now, then)) continue;
     // |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'
     const auto a = now.orientation.coeffs(), b = then.orientation.coeffs();
     const double angle = 2 * std::min((a - b).norm(), (a + b).norm());
     const double moved =
         (now.position - then.position).norm() + angle * world.bounding_radii[bodies.shape[row]];
-    if (moved > tolerance) then = now;
+    if (moved > tolerance) set_mapping_pose(bodies, row, now);
   }
 }
 
 void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
+}
+
+bool MapBodies::changed() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [](const BlockMap& b) { return b.changed; });
 }
 
 /// Every image of every body whose cells may lie in the block or its ghost layer, and every wall, by (id,
@@ -109,7 +108,7 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
 void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
   constexpr double rounding = 1e-6;  // cells: a centre that the box only touches may be inside
   const rigid::BoundingBox box =
-      rigid::bounding_box(world_.shapes[bodies.shape[row]], bodies.mapping_pose[row]);
+      rigid::bounding_box(world_.shapes[bodies.shape[row]], mapping_pose(bodies, row));
   Int3 low, high, first, last;  // cells the box may cover, then the images that reach the block
   for (int d = 0; d < 3; ++d) {
     low[d] = int(std::ceil(box.lower[d] - 0.5 - rounding));
@@ -141,9 +140,9 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
   const Vec3& x = mask.pose.position;
   const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
-    return mark_ball(frame, centre, ball->radius, mask.inside.words());
+    return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
   surface_.reset(shape, mask.pose.orientation);
-  mark_others(frame, centre, surface_.view(), mask.inside.words());
+  bit_kernels().mark_parts(frame, centre, surface_.view(), mask.inside.words());
 }
 
 bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bodies) const {
@@ -151,7 +150,7 @@ bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bod
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const BodyMask& mask = block.masks[k];
     if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
-        !same(bodies.mapping_pose[found_[k].row], mask.pose))
+        !same(mapping_pose(bodies, found_[k].row), mask.pose))
       return false;
   }
   return true;
@@ -175,7 +174,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     const Image& image = found_[k];
     BodyMask& mask = block.masks[k];
     mask.id = image.id, mask.row = image.row, mask.shift = image.shift;
-    mask.pose = bodies.mapping_pose[image.row];
+    mask.pose = mapping_pose(bodies, image.row);
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))

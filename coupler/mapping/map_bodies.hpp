@@ -24,7 +24,8 @@ class MapBodies {
   /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
   /// is false there and `before` equals `solid`.
   void operator()(const rigid::BodySet&);
-  std::vector<BlockMap>& blocks() { return blocks_; }
+  /// Whether the last mapping changed some block.
+  bool changed() const;
   const std::vector<BlockMap>& blocks() const { return blocks_; }
 
  private:

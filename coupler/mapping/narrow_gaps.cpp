@@ -33,9 +33,9 @@ double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& 
 template <class T>
 void fill_up(const lbm::CutLinks<T>& links, std::vector<T>& far) {
   for (const lbm::LinkGroup& g : links.groups)
-    if (g.scheme == lbm::WallScheme::narrow)
-      std::fill(far.begin() + g.far + g.count, far.begin() + g.far + lbm::filled_up(g.count),
-                far[g.far + g.count - 1]);
+    if (g.scheme == lbm::WallScheme::single_cell_gap)
+      std::fill(far.begin() + g.opposite + g.count, far.begin() + g.opposite + lbm::padded(g.count),
+                far[g.opposite + g.count - 1]);
 }
 
 }  // namespace
@@ -48,19 +48,19 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
     lbm::CutLinks<T>& links = surfaces[k].links;
     std::uint32_t room = 0;
     for (lbm::LinkGroup& g : links.groups) {
-      if (g.scheme != lbm::WallScheme::narrow) continue;
-      g.far = room, room += lbm::filled_up(g.count);
+      if (g.scheme != lbm::WallScheme::single_cell_gap) continue;
+      g.opposite = room, room += lbm::padded(g.count);
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const std::uint32_t p = links.place[g.begin + l];
         const Int3 cell = g.corner + lbm::place_cell(p);
         const int i = lbm::place_direction(p);
-        links_.push_back({key_of(cell, i), k, g.far + l, i, cell, links.q[g.begin + l]});
+        links_.push_back({key_of(cell, i), k, g.opposite + l, i, cell, links.q[g.begin + l]});
       }
     }
-    links.far_q.assign(room, T(0)), links.far_u.assign(room, T(0));
+    links.opposite_q.assign(room, T(0)), links.opposite_u.assign(room, T(0));
   }
   for_pairs([&](const Link& a, const Link& b) {
-    surfaces[a.surface].links.far_q[a.place] = b.q, surfaces[b.surface].links.far_q[b.place] = a.q;
+    surfaces[a.surface].links.opposite_q[a.place] = b.q, surfaces[b.surface].links.opposite_q[b.place] = a.q;
     fars_.push_back({a.surface, a.place, b.surface, a.direction, a.cell});
     fars_.push_back({b.surface, b.place, a.surface, b.direction, b.cell});
   });
@@ -68,11 +68,11 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
     const Int3 walls = domain.walls_met(box.lower + link.cell - lbm::c[link.direction]);
     if (walls == Int3{0, 0, 0}) continue;
     lbm::CutLinks<T>& links = surfaces[link.surface].links;
-    links.far_q[link.place] = T(0.5);
-    links.far_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
+    links.opposite_q[link.place] = T(0.5);
+    links.opposite_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
   }
   for (auto& surface : surfaces) {
-    fill_up(surface.links, surface.links.far_q), fill_up(surface.links, surface.links.far_u);
+    fill_up(surface.links, surface.links.opposite_q), fill_up(surface.links, surface.links.opposite_u);
   }
 }
 
@@ -98,10 +98,10 @@ void NarrowGaps<T>::for_pairs(F&& f) {
 template <class T>
 void NarrowGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
   for (const Far& f : fars_)
-    surfaces[f.surface].links.far_u[f.place] =
+    surfaces[f.surface].links.opposite_u[f.place] =
         T(velocity_along(surfaces[f.of].links.frame, surfaces[f.of].motion, f.cell, lbm::c[f.direction]));
   if (fars_.empty()) return;
-  for (auto& surface : surfaces) fill_up(surface.links, surface.links.far_u);
+  for (auto& surface : surfaces) fill_up(surface.links, surface.links.opposite_u);
 }
 
 template class NarrowGaps<float>;

@@ -13,15 +13,17 @@ namespace silt::coupler {
 template <class T>
 class NarrowGaps {
  public:
-  /// Fills far_q of all links, and far_u where that is a side's; call when the links of the box were built.
+  /// Fills opposite_q of all links, and opposite_u where that is a side's; call when the links of the box
+  /// were built.
   void pair(std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Fills the rest of far_u; call when the motions of a step are set, with the surfaces as they were paired.
+  /// Fills the rest of opposite_u; call when the motions of a step are set, with the surfaces as they were
+  /// paired.
   void set_velocities(std::vector<SurfaceLinks<T>>&) const;
 
  private:
   struct Link {
     std::uint64_t key;             // of the pair
-    std::uint32_t surface, place;  // of far_q
+    std::uint32_t surface, place;  // of opposite_q
     std::int32_t direction;
     lbm::Int3 cell;
     T q;

@@ -7,7 +7,7 @@
 // included.
 #include <mpi.h>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/coupling_spec.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/body_set.hpp"

@@ -2,9 +2,11 @@
 // Which cells of a block are solid, as bits: one word holds 64 cells of a row, ghost cells included. And the
 // bodies that make them so, each with the bits of its own.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "coupler/mapping/bit_window.hpp"
+#include "coupler/mapping/for_cells.hpp"
 #include "lbm/block.hpp"
 #include "lbm/prefetch.hpp"
 #include "rigid/math/types.hpp"
@@ -110,5 +112,14 @@ struct BlockMap {
     return false;
   }
 };
+
+/// Calls visit(block, local cell) for every fluid cell inside the blocks, x fastest.
+template <class Visit>
+void for_fluid_cells(std::span<const BlockMap> maps, Visit&& visit) {
+  for (int b = 0; b < int(maps.size()); ++b)
+    for_cells({}, maps[b].box.size, [&](lbm::Int3 x) {
+      if (!maps[b].solid.test(x)) visit(b, x);
+    });
+}
 
 }  // namespace silt::coupler

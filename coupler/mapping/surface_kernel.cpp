@@ -47,12 +47,10 @@ auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& s
   return nearest;
 }
 
-}  // namespace
-
-/// Of each link, in units of it: to the first part of the surface that it enters.
+/// Sets the distance of each link, in units of it, to the first part of the surface that it enters.
 template <class Real, class T>
-void surface_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame,
-                       lbm::Int3 corner, const SurfaceView<Real>& surface, T* q) {
+void set_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, lbm::Int3 corner,
+                   const SurfaceView<Real>& surface, T* q) {
   using L = lbm::SILT_ISA::Lanes<Real>;
   using Places = lbm::SILT_ISA::Places<Real>;
   using Stored = typename lbm::SILT_ISA::VectorOf<T, L::count>::type;
@@ -74,11 +72,14 @@ void surface_distances(const std::uint32_t* place, int padded, const lbm::Surfac
     set([&](const Places& at) { return distance_to_any(at, surface); });
 }
 
-template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,
-                                const SurfaceView<float>&, float*);
-template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,
-                                const SurfaceView<double>&, float*);
-template void surface_distances(const std::uint32_t*, int, const lbm::SurfaceFrame&, lbm::Int3,
-                                const SurfaceView<double>&, double*);
+}  // namespace
+
+template <class Real, class T>
+SurfaceDistances<Real, T> surface_distances() {
+  return set_distances<Real, T>;
+}
+template SurfaceDistances<float, float> surface_distances();
+template SurfaceDistances<double, float> surface_distances();
+template SurfaceDistances<double, double> surface_distances();
 
 }  // namespace silt::coupler::SILT_ISA

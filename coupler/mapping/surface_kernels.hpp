@@ -2,22 +2,24 @@
 // The kernel of wall distances, built once an instruction set.
 #include "coupler/mapping/surface_primitives.hpp"
 #include "lbm/cut_links.hpp"
-#include "lbm/isa.hpp"
 
 namespace silt::coupler {
 
-using lbm::chosen_isa;
-using lbm::Isa;
+/// Sets the wall distances of links, whole vectors of them.
+template <class Real, class T>
+using SurfaceDistances = void (*)(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&,
+                                  lbm::Int3 corner, const SurfaceView<Real>&, T* q);
+namespace portable {
+template <class Real, class T>
+SurfaceDistances<Real, T> surface_distances();
+}
+namespace avx2 {
+template <class Real, class T>
+SurfaceDistances<Real, T> surface_distances();
+}
+namespace avx512 {
+template <class Real, class T>
+SurfaceDistances<Real, T> surface_distances();
+}
 
 }  // namespace silt::coupler
-
-#define SILT_SURFACE_KERNELS(isa)                                                                            \
-  namespace silt::coupler::isa {                                                                             \
-  template <class Real, class T>                                                                             \
-  void surface_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&, lbm::Int3 corner, \
-                         const SurfaceView<Real>&, T* q);                                                    \
-  }
-
-SILT_SURFACE_KERNELS(portable)
-SILT_SURFACE_KERNELS(avx2)
-SILT_SURFACE_KERNELS(avx512)

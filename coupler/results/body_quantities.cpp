@@ -95,7 +95,7 @@ Totals totals_of(const Case& scene, MPI_Comm comm, const BodySet& bodies, const 
     if (!bodies.is_free(row)) return std::array<double, 8>{};
     const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
     const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
-    const double potential = -bodies.mass[row] * bodies.weight_factor[row] * g.dot(x - lowest);
+    const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
     return std::array<double, 8>{
         p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
   });
@@ -150,7 +150,8 @@ std::uint64_t points_inside(const SampledBox& box, const rigid::Shape& shape, co
   for (int d = 0; d < 3; ++d) {
     if (bounds.upper[d] < box.lower[d] || bounds.lower[d] > box.lower[d] + box.count[d] * box.spacing[d])
       return 0;
-    from[d] = box.cell(d, bounds.lower[d]), to[d] = box.cell(d, bounds.upper[d]);
+    from[d] = box.cell(d, bounds.lower[d]);
+    to[d] = box.cell(d, bounds.upper[d]);
   }
   std::uint64_t inside = 0;
   for (std::int64_t k = from[2]; k <= to[2]; ++k)
@@ -331,7 +332,8 @@ void observe_bed(const Simulation& simulation, const QuantitySpec& q, QuantityHi
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
   const double angle = std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
   if (sum[0] == not_yet) sum = {0, 0};
-  sum[0] += angle, sum[1] += 1;
+  sum[0] += angle;
+  sum[1] += 1;
 }
 
 }  // namespace silt::coupler

@@ -7,7 +7,7 @@
 
 namespace silt::coupler {
 
-/// Mean over the bodies a quantity is about of value(row), asked for each owned one.
+/// Returns the mean over the bodies a quantity is about of value(row), which is asked for each owned one.
 double mean_over_bodies(const Simulation&, const QuantitySpec&,
                         const std::function<double(std::size_t)>& value);
 
@@ -49,7 +49,7 @@ double packing_fraction(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"packing-fraction"> = at_end<packing_fraction>;
 
-/// The run's counters know it.
+/// Returns what the run's counters hold.
 double max_penetration(const Simulation&);
 template <>
 inline constexpr Computation computation<"max-penetration"> = at_end<max_penetration>;

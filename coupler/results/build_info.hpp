@@ -12,10 +12,7 @@ struct BuildInfo {
 };
 const BuildInfo& build_info();
 
-/// The instruction set that the hot kernels use here: "portable", "avx2" or "avx512".
-std::string instruction_set();
-
-/// Where the files of a run that starts now come from.
+/// Returns where the files of a run that starts now come from.
 adapters::Provenance provenance_of(const Case&, int ranks, const std::string& backend);
 
 }  // namespace silt::coupler

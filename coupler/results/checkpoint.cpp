@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "coupler/case/case_file.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/output.hpp"
 
 namespace silt::coupler {
@@ -94,22 +94,20 @@ void read_populations(const CheckpointReader& reader, Flow& flow) {
   });
 }
 
+using adapters::HolderColumn;
+constexpr HolderColumn coupling_columns[] = {
+    {"mapping_position", offsetof(CouplingState, mapping_position), HolderColumn::float64, 3},
+    {"mapping_orientation", offsetof(CouplingState, mapping_orientation), HolderColumn::float64, 4},
+    {"impulse_debt", offsetof(CouplingState, impulse_debt), HolderColumn::int64, 6},
+    {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3}};
+
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
   std::vector<rigid::BodyRecord> records;
   for (std::size_t row = 0; row < bodies.owned; ++row) records.push_back(bodies.record(row));
-  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned));
+  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned), coupling_columns);
 }
 
-// ---- the text of the case ----
-
-/// case.toml as it was read: a case's text without the comments that name the --set arguments.
-std::string file_text(std::string text, const std::vector<std::string>& overrides) {
-  for (auto o = overrides.rbegin(); o != overrides.rend(); ++o) {
-    const std::string comment = fmt::format("\n# --set {}", *o);
-    if (text.ends_with(comment)) text.resize(text.size() - comment.size());
-  }
-  return text;
-}
+// ---- the case ----
 
 std::string joined_lines(const std::vector<std::string>& lines) {
   std::string text;
@@ -122,66 +120,6 @@ std::vector<std::string> split_lines(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
-}
-
-/// Sections that a run may change when it goes on: they do not act on the state.
-bool may_change(std::string_view key) {
-  return key == "run" || key == "output" || key == "quantities" || key.starts_with("run.") ||
-         key.starts_with("output.") || key.starts_with("quantities");
-}
-
-struct Line {
-  int number;
-  std::string text;
-};
-
-/// The lines that matter for the state: none of the sections that may change, no blank lines, no whole-line
-/// comments.
-std::vector<Line> lines_that_matter(const std::string& text) {
-  std::vector<Line> lines;
-  bool skip = false;
-  int number = 0;
-  for (std::string line : split_lines(text)) {
-    ++number;
-    const auto first = line.find_first_not_of(" \t\r");
-    if (first == line.npos || line[first] == '#') continue;
-    line = line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
-    if (line[0] == '[') {
-      const auto name = line.find_first_not_of("[ \t");
-      skip = name != line.npos && may_change(line.substr(name, line.find_first_of("] \t", name) - name));
-    }
-    if (!skip) lines.push_back({number, line});
-  }
-  return lines;
-}
-
-void require_same_text(const CheckpointReader& reader, const Case& now) {
-  const auto before = lines_that_matter(file_text(reader.case_text(), split_lines(reader.text("overrides"))));
-  const auto after = lines_that_matter(file_text(now.text, now.overrides));
-  std::size_t i = 0;
-  while (i < before.size() && i < after.size() && before[i].text == after[i].text) ++i;
-  if (i == before.size() && i == after.size()) return;
-  Place place = now.place("");
-  place.line = i < after.size() ? after[i].number : after.empty() ? 1 : after.back().number;
-  place.column = 1;
-  throw CaseError(
-      place, fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only "
-                         "[run], [output] and [[quantities]] may differ when a run goes on; restore it, or "
-                         "start a new run",
-                         i < before.size() ? before[i].text : ""));
-}
-
-/// The files that the case names, too, must be those of the run.
-void require_same_files(const CheckpointReader& reader, const Case& now) {
-  const auto before = reader.has("files") ? split_lines(reader.text("files")) : std::vector<std::string>{};
-  for (std::size_t i = 0; i < now.files.size(); ++i) {
-    if (i < before.size() && before[i] == now.files[i]) continue;
-    throw CaseError(
-        now.place("shapes"),
-        fmt::format("a file has changed since the checkpoint was written: it was {}; it is {}; restore "
-                    "it, or start a new run",
-                    i < before.size() ? before[i] : "not there", now.files[i]));
-  }
 }
 
 }  // namespace
@@ -208,9 +146,10 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
     for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
   if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
-    writer.set("anchor_mass", flow->anchor().mass);
-    writer.set("anchor_fluid_cells", flow->anchor().fluid_cells);
-    writer.set("anchor_gain", flow->anchor().gain);
+    const MassCorrectionState& correction = flow->mass_correction();
+    writer.set("mass_correction.surplus", correction.surplus);
+    writer.set("mass_correction.fluid_cells", correction.fluid_cells);
+    writer.set("mass_correction.link_gain", correction.link_gain);
     if (scene.fluid->precision == Precision::double_)
       write_populations<double>(writer, scene, *flow);
     else
@@ -221,22 +160,9 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   return path;
 }
 
-Case case_to_resume(const CheckpointReader& reader, const std::filesystem::path& directory,
-                    const std::vector<std::string>& overrides) {
-  auto all = split_lines(reader.text("overrides"));
-  for (const std::string& o : overrides) {
-    const std::string key = o.substr(0, o.find('='));
-    if (!may_change(key))
-      throw CaseError(Place{"--set " + o},
-                      fmt::format("{} cannot change when a run goes on; only keys of run, output and "
-                                  "quantities can",
-                                  key));
-    all.push_back(o);
-  }
-  Case scene = read_case(directory, all);
-  require_same_text(reader, scene);
-  require_same_files(reader, scene);
-  return scene;
+CaseOrigin read_origin(const CheckpointReader& reader) {
+  const std::string files = reader.has("files") ? reader.text("files") : "";
+  return {reader.case_text(), split_lines(reader.text("overrides")), split_lines(files)};
 }
 
 SavedState read_state(const CheckpointReader& reader, const Case& scene) {
@@ -245,11 +171,12 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
   state.fluid_speed = reader.number("fluid_speed");
-  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; });
+  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; }, coupling_columns);
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
-  state.anchor = {reader.integer("anchor_mass"), reader.integer("anchor_fluid_cells"),
-                  reader.integer("anchor_gain")};
+  state.mass_correction = {reader.integer("mass_correction.surplus"),
+                           reader.integer("mass_correction.fluid_cells"),
+                           reader.integer("mass_correction.link_gain")};
   const bool is_double = scene.fluid->precision == Precision::double_;
   state.set_populations = [&reader, is_double](Flow& flow) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
+#include "coupler/case/resume_rules.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/steady_watch.hpp"
 #include "coupler/simulation.hpp"
@@ -16,19 +17,18 @@ std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
                                        const std::filesystem::path& folder, const adapters::Provenance&,
                                        const std::optional<SteadyWatch>& = {});
 
-/// The case a checkpoint's run goes on with: what `directory` holds now, with the --set of the run that wrote
-/// the checkpoint and then those given. Only [run], [output] and [[quantities]] may differ from what it began
-/// with: else CaseError, saying where.
-Case case_to_resume(const adapters::CheckpointReader&, const std::filesystem::path& directory,
-                    const std::vector<std::string>& overrides);
+/// Returns what the checkpoint remembers of its case, for case_to_resume.
+CaseOrigin read_origin(const adapters::CheckpointReader&);
 
-/// Collective. set_populations reads from the reader, which must still be there when the simulation is made.
+/// Collective. Returns the state to go on from; its set_populations reads from the reader, which must still
+/// be there when the simulation is made.
 SavedState read_state(const adapters::CheckpointReader&, const Case&);
 
-/// What Quantities had gathered; give it to set_history.
+/// Returns what Quantities had gathered, for its set_history.
 std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
 
-/// The watch a case asks for, as it was; fresh where the run watched something else. None without run.steady.
+/// Returns the watch a case asks for, as it was; fresh where the run watched something else; none without
+/// run.steady.
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 
 }  // namespace silt::coupler

@@ -45,8 +45,10 @@ VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
     const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
     double terms[4] = {};
     for (int d = 0; d < 3; ++d) {
-      terms[0] += (u[d] - now[d]) * (u[d] - now[d]), terms[1] += now[d] * now[d];
-      terms[2] += u[d] * begin[d], terms[3] += begin[d] * begin[d];
+      terms[0] += (u[d] - now[d]) * (u[d] - now[d]);
+      terms[1] += now[d] * now[d];
+      terms[2] += u[d] * begin[d];
+      terms[3] += begin[d] * begin[d];
     }
     for (int k = 0; k < 4; ++k) sums[k] += to_fixed(terms[k]);
   });
@@ -89,7 +91,8 @@ double mean_over_fluid(const Simulation& simulation, Of&& of) {
   FixedSum sums[2] = {};  // of the values, of cells
   for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
     if (!flow.is_fluid(b, cell)) return;
-    sums[0] += to_fixed(of(b, cell, flow.moments(b, cell))), sums[1] += to_fixed(1);
+    sums[0] += to_fixed(of(b, cell, flow.moments(b, cell)));
+    sums[1] += to_fixed(1);
   });
   sum_over_ranks(simulation.scene().comm, sums);
   return sums[1] > 0 ? from_fixed(sums[0]) / from_fixed(sums[1]) : no_value;
@@ -106,8 +109,7 @@ double strain_rate_squared(const Flow& flow, int b, lbm::Int3 cell, const lbm::M
   for (int i = 1; i < lbm::directions; ++i) {
     const lbm::Int3 c = lbm::c[i];
     const double g = flow.arriving(b, cell, i);
-    flux[0] += g * c.x * c.x, flux[1] += g * c.y * c.y, flux[2] += g * c.z * c.z;
-    flux[3] += g * c.x * c.y, flux[4] += g * c.x * c.z, flux[5] += g * c.y * c.z;
+    for (int k = 0; k < 6; ++k) flux[k] += g * c[pairs[k][0]] * c[pairs[k][1]];
   }
   double squares = 0;
   for (int k = 0; k < 6; ++k) {

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "adapters/hdf5/field_file.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/results/tessellation.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -36,7 +38,7 @@ class SolidVelocities {
         (periods.z && !extent_.periodic[2]))
       return;
     const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
-    rigid::Pose pose = bodies_.mapping_pose[row];
+    rigid::Pose pose = mapping_pose(bodies_, row);
     pose.position += extent_.shift(periods);
     const rigid::BoundingBox reach = rigid::bounding_box(shape, pose);
     const lbm::CellBox& box = flow.block(b);
@@ -164,8 +166,8 @@ void write_flow_fields(const Simulation& simulation, const std::filesystem::path
   grid.spacing = {cell, cell, cell};
   if (scene.units.si) grid.length_unit = std::string("m"), grid.time_unit = std::string("s");
   std::vector<adapters::FieldQuantity> quantities;
-  for (const std::string& name : scene.output.quantities)
-    quantities.push_back(name == "density" ? density_field(simulation) : velocity_field(simulation));
+  for (const Field field : scene.output.quantities)
+    quantities.push_back(field == Field::density ? density_field(simulation) : velocity_field(simulation));
   const std::int64_t step = simulation.steps_done();
   adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, step), grid,
                          boxes_of(simulation.scene().flow.get()), quantities,

@@ -9,15 +9,15 @@
 
 namespace silt::coupler {
 
-/// Boxes of this rank's blocks; empty without a flow.
+/// Returns the boxes of this rank's blocks; empty without a flow.
 std::vector<adapters::CellBox> boxes_of(const Flow*);
 
-/// Velocity and density of every cell, in the units of the case (velocity, density as output.fields names
-/// them). A solid cell has the velocity of its body and the reference density. Collective; std::runtime_error
-/// on every rank.
+/// Writes velocity and density of every cell, in the units of the case (velocity, density as output.fields
+/// names them). A solid cell has the velocity of its body and the reference density. Collective;
+/// std::runtime_error on every rank.
 void write_flow_fields(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&);
 
-/// The series of the bodies of a run, in the units of the case.
+/// Writes the series of the bodies of a run, in the units of the case.
 class BodyOutput {
  public:
   /// Collective. resumed: goes on with the series in the folder (or starts one, if there is none) at the

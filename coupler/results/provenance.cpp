@@ -5,20 +5,8 @@
 #include <fmt/chrono.h>
 
 #include "coupler/results/build_info.hpp"
-#include "lbm/isa.hpp"
 
 namespace silt::coupler {
-
-std::string instruction_set() {
-  switch (lbm::chosen_isa()) {
-    case lbm::Isa::avx512:
-      return "avx512";
-    case lbm::Isa::avx2:
-      return "avx2";
-    default:
-      return "portable";
-  }
-}
 
 adapters::Provenance provenance_of(const Case& scene, int ranks, const std::string& backend) {
   adapters::Provenance p;

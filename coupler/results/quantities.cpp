@@ -13,7 +13,8 @@ namespace silt::coupler {
 
 namespace {
 
-/// By row of quantity_types. The families included above give them; a row without one does not compile.
+/// The computation of each row of quantity_types, from the families included above; a row without one does
+/// not compile.
 constexpr auto computations = []<std::size_t... row>(std::index_sequence<row...>) {
   return std::array{computation<TypeName(quantity_types[row].name)>...};
 }

@@ -5,8 +5,10 @@
 
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
+#include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/isa.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -25,50 +27,12 @@ Json spread(const Simulation& simulation, double mine) {
   return Json::object({{"min", -most[1]}, {"avg", sum / simulation.scene().ranks}, {"max", most[0]}});
 }
 
-bool has_stage(const Scene& scene, Stage stage) {
-  switch (stage) {
-    case Stage::object_mapping:
-    case Stage::force_evaluation:
-      return scene.flow && scene.has_surfaces();
-    case Stage::lbm_communication:
-    case Stage::stream_collide:
-      return scene.flow != nullptr;
-    default:
-      return scene.rigid_step != nullptr;
-  }
-}
-
 Json stage_seconds(const Simulation& simulation) {
   Json stages = Json::object();
   for (int s = 0; s < int(Stage::count); ++s)
     if (has_stage(simulation.scene(), Stage(s)))
       stages[stage_names[s]] = spread(simulation, simulation.stage_seconds()[s]);
   return stages;
-}
-
-Json skipped_passes(const Scene& scene) {
-  Json skipped = Json::array();
-  for (int s = 0; s < int(Stage::count); ++s)
-    if (!has_stage(scene, Stage(s))) skipped.push_back(stage_names[s]);
-  const Case& setup = scene.setup;
-  const auto skip = [&](bool absent, const char* name) {
-    if (absent) skipped.push_back(name);
-  };
-  skip(scene.ranks == 1, "messages between ranks");
-  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
-  skip(scene.rigid_step && setup.gravity.isZero(0), "gravity");
-  skip(scene.flow && setup.fluid->body_force.isZero(0), "body force");
-  const auto none = [&](double rigid::Material::*coefficient) {
-    return std::all_of(setup.pair_materials.begin(), setup.pair_materials.end(),
-                       [&](const rigid::Material& m) { return m.*coefficient == 0; });
-  };
-  skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
-  skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
-  skip(scene.flow && scene.rigid_step && !scene.world.films, "lubrication");
-  skip(setup.output.fields.every == 0, "field output");
-  skip(setup.output.bodies.every == 0, "body output");
-  skip(setup.output.checkpoint.every == 0, "checkpoints");
-  return skipped;
 }
 
 /// Momentum is a constant only where nothing outside the box acts.
@@ -94,9 +58,9 @@ Json unlubricated_shapes(const Case& scene) {
 }
 
 Json lubrication_of(const Scene& scene) {
-  if (!scene.world.films) return Json();
-  return Json::object(
-      {{"reach_cells", scene.world.films->reach()}, {"shapes_without", unlubricated_shapes(scene.setup)}});
+  if (!scene.world.lubrication) return Json();
+  return Json::object({{"reach_cells", scene.world.lubrication->reach()},
+                       {"shapes_without", unlubricated_shapes(scene.setup)}});
 }
 
 void add_scene(const Simulation& simulation, Json& report) {
@@ -106,18 +70,18 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["ranks"] = scene.ranks;
   report["blocks"] = scene.domain.blocks().size();
   report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
-  report["bodies"] = scene.body_count;
+  report["bodies"] = simulation.body_count();
   report["backend"] = scene.backend_name();
   report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
   if (c.fluid) {
-    report["collision"] = std::string(lbm::model_of(c.fluid->collision).name);
+    report["collision"] = std::string(collision_names[c.fluid->collision]);
     report["relaxation_time"] = c.fluid->relaxation_time;
-    report["precision"] = c.fluid->precision == Precision::double_ ? "double" : "single";
-    report["wall_scheme"] = std::string(lbm::wall_scheme_names[int(c.coupling.wall_scheme)]);
-    report["time_coupling"] = c.coupling.time == TimeCoupling::implicit_ ? "implicit" : "explicit";
-    report["refill"] = c.coupling.refill == Refill::grad ? "grad" : "equilibrium";
+    report["precision"] = std::string(precision_names[c.fluid->precision]);
+    report["wall_scheme"] = std::string(wall_scheme_names[c.coupling.wall_scheme]);
+    report["time_coupling"] = std::string(time_coupling_names[c.coupling.time]);
+    report["refill"] = std::string(refill_names[c.coupling.refill]);
     report["lubrication"] = lubrication_of(scene);
-    report["force"] = c.coupling.force == ForceForm::exact ? "exact" : "galilean";
+    report["force"] = std::string(force_form_names[c.coupling.force]);
   }
 }
 
@@ -127,10 +91,11 @@ void add_balance(Simulation& simulation, Json& report) {
   // of the whole mass of the fluid at the start
   report["mass_drift"] =
       before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
-  // what of it the pressure anchor knows of and takes out in the next step
-  report["mass_surplus"] = before.fluid_cells > 0 ? double(simulation.scene().flow->anchor().mass) *
-                                                        lbm::mass_quantum / before.fluid_cells
-                                                  : unknown;
+  // what of it the mass correction knows of and takes out in the next step
+  report["mass_surplus"] = before.fluid_cells > 0
+                               ? double(simulation.scene().flow->mass_correction().surplus) *
+                                     lbm::mass_quantum / before.fluid_cells
+                               : unknown;
   // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
   // acts from outside
   const double scale = std::max(before.momentum_scale, now.momentum_scale);
@@ -202,7 +167,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["version"] = build_info().version;
   report["commit"] = build_info().commit;
   report["compiler"] = build_info().compiler;
-  report["instruction_set"] = instruction_set();
+  report["instruction_set"] = std::string(lbm::instruction_set());
   return report;
 }
 

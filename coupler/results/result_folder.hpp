@@ -5,7 +5,7 @@
 
 namespace silt::coupler {
 
-/// Is this a file that a run, or the pictures made of it, leaves?
+/// Whether this is a file that a run, or the pictures made of it, leaves.
 bool is_result(const std::filesystem::path&);
 
 /// Makes `folder` ready for a new run. Results of an earlier run are never overwritten silently: the folder

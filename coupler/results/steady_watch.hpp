@@ -23,12 +23,12 @@ class SteadyWatch {
     std::int64_t within = 0;            // looks in a row that found it steady
   };
 
-  /// `change`: how much of the value may be left.
+  /// Watches until at most the share `change` of the value is left.
   explicit SteadyWatch(double change) : change_(change) {}
 
   void look(double value);
   bool steady() const { return state_.within >= 2; }
-  /// Estimated distance to the end of the approach after a look; as `value`.
+  /// Returns the estimated distance to the end of the approach after a look; as `value`.
   static double remaining(double before, double change);
 
   const State& state() const { return state_; }

@@ -21,11 +21,12 @@ void add(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& s
   const double now = static_cast<double>(simulation.steps_done());
   if (now < q.time || now == 0) return;
   if (sum[0] == not_yet) sum = {0, 0};
-  sum[0] += value(), sum[1] += 1;
+  sum[0] += value();
+  sum[1] += 1;
 }
 
-/// Of the bodies that touched a wall in the last step; arm(row, stored impulse): where, from what the torque
-/// is about.
+/// Returns the load of the bodies that touched a wall in the last step; arm(row, stored impulse) is the
+/// vector from the point of reference of the torque to the contact.
 template <class Arm>
 Load contact_load(const Simulation& simulation, rigid::BodyId wall, Arm&& arm) {
   const BodySet& bodies = simulation.bodies();
@@ -34,19 +35,23 @@ Load contact_load(const Simulation& simulation, rigid::BodyId wall, Arm&& arm) {
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
       if (s.partner != wall) continue;
       const Vec3 torque = arm(row, s).cross(s.impulse);
-      for (int d = 0; d < 3; ++d)
-        sums[d] += rigid::to_fixed(s.impulse[d]), sums[3 + d] += rigid::to_fixed(torque[d]);
+      for (int d = 0; d < 3; ++d) {
+        sums[d] += rigid::to_fixed(s.impulse[d]);
+        sums[3 + d] += rigid::to_fixed(torque[d]);
+      }
     }
   sum_over_ranks(simulation.scene().comm, sums);
   Load load;
   const double steps = simulation.setup().contacts.substeps;
-  for (int d = 0; d < 3; ++d)
-    load.force[d] = steps * rigid::from_fixed(sums[d]),
+  for (int d = 0; d < 3; ++d) {
+    load.force[d] = steps * rigid::from_fixed(sums[d]);
     load.torque[d] = steps * rigid::from_fixed(sums[3 + d]);
+  }
   return load;
 }
 
-/// From a point of the tube's axis to where a body touches it; zero where it no longer has that feature.
+/// Returns the vector from the point of the tube's axis to where a body touches the tube; zero where the body
+/// no longer has that feature.
 Vec3 arm_in_tube(const Simulation& simulation, const rigid::TubeSpec& tube, std::size_t row,
                  const rigid::StoredImpulse& s) {
   const BodySet& bodies = simulation.bodies();
@@ -72,7 +77,8 @@ Vec3 side_stress(const Simulation& simulation, int side) {
   return (fluid + contacts.force) / area;
 }
 
-/// On one of [[walls]], whose rows come after those of the sides; torque about its point.
+/// Returns the load on one of [[walls]], whose rows come after those of the sides; its torque is about its
+/// point.
 Load load_on(const Simulation& simulation, int wall) {
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
   const rigid::TubeSpec& tube = simulation.setup().walls[wall].tube;
@@ -81,7 +87,8 @@ Load load_on(const Simulation& simulation, int wall) {
       [&](std::size_t row, const rigid::StoredImpulse& s) { return arm_in_tube(simulation, tube, row, s); });
   if (!simulation.scene().flow) return load;
   const Load fluid = simulation.scene().flow->wall_load(sides + wall);
-  load.force += fluid.force, load.torque += fluid.torque;
+  load.force += fluid.force;
+  load.torque += fluid.torque;
   return load;
 }
 

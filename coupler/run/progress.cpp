@@ -73,7 +73,10 @@ void Progress::step(std::int64_t step) {
   if (!loud_) return;
   const auto now = Clock::now();
   if (seconds(now - shown_) >= (terminal_ ? terminal_interval : log_interval)) show(step);
-  if (seconds(now - logged_) >= log_interval) log(line(step)), logged_ = now;
+  if (seconds(now - logged_) >= log_interval) {
+    log(line(step));
+    logged_ = now;
+  }
 }
 
 void Progress::show(std::int64_t step) {

@@ -19,13 +19,13 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
 
-  /// A line for the user and for the log.
+  /// Shows a line to the user and writes it to the log.
   void say(const std::string&);
-  /// For the log only.
+  /// Writes a line to the log only.
   void log(const std::string&);
-  /// After a step; prints now and then.
+  /// Is called after a step; prints now and then.
   void step(std::int64_t step);
-  /// The last state of the line.
+  /// Prints the last state of the line.
   void finish(std::int64_t step);
 
  private:

@@ -1,18 +1,12 @@
 #include "coupler/run/run.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <memory>
 #include <optional>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
-#include "adapters/automatic/collision_factory.hpp"
 #include "adapters/hdf5/together.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/build_info.hpp"
@@ -20,8 +14,11 @@
 #include "coupler/results/output.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
+#include "coupler/run/abort_alone.hpp"
+#include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
 #include "coupler/run/stop_request.hpp"
+#include "lbm/isa.hpp"
 
 namespace silt::coupler {
 
@@ -29,18 +26,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What a run needs before its first step; made together, so that an error on any rank is one on all.
-struct Prepared {
-  std::unique_ptr<Simulation> simulation;
-  std::unique_ptr<Quantities> quantities;
-  std::optional<SteadyWatch> steady;  // where the case asks for it
-  std::vector<Diagnostic> warnings;
-  std::string folder_note;
-};
-
 class Run {
  public:
-  Run(Prepared prepared, fs::path folder, const RunOptions& options, bool resumed);
+  Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed);
   Exit go();
 
  private:
@@ -56,10 +44,10 @@ class Run {
   void checkpoint();
   void write_report(const std::string& reason, const std::string& text, bool sound);
   Exit end(Exit, const std::string& reason, const std::string& text);
-  [[noreturn]] void abort_alone(Exit, const std::string& reason, const std::string& text);
+  [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
   std::string last_checkpoint_text() const;
 
-  Prepared prepared_;
+  PreparedRun prepared_;
   Simulation& simulation_;
   Quantities& quantities_;
   const MPI_Comm comm_;
@@ -75,7 +63,7 @@ class Run {
   std::string last_checkpoint_;
 };
 
-Run::Run(Prepared prepared, fs::path folder, const RunOptions& options, bool resumed)
+Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed)
     : prepared_(std::move(prepared)),
       simulation_(*prepared_.simulation),
       quantities_(*prepared_.quantities),
@@ -123,15 +111,15 @@ void Run::advance() {
     quantities_.observe(simulation_);
   } catch (const GuardStop& stop) {
     if (simulation_.scene().ranks == 1) throw;
-    abort_alone(Exit::guard, "guard", stop.what());
+    fail_alone(Exit::guard, "guard", stop.what());
   } catch (const std::overflow_error& error) {
     const std::string text = overflow_text(setup(), error.what(), simulation_.steps_done() + 1, rank);
     if (simulation_.scene().ranks == 1) throw GuardStop(text);
-    abort_alone(Exit::guard, "guard", text);
+    fail_alone(Exit::guard, "guard", text);
   } catch (const std::exception& error) {
     if (simulation_.scene().ranks == 1) throw;
-    abort_alone(Exit::failed, "error",
-                fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
+    fail_alone(Exit::failed, "error",
+               fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
   }
   progress_->step(simulation_.steps_done());
 }
@@ -194,7 +182,7 @@ void Run::greet() {
   if (!prepared_.folder_note.empty()) progress_->say(prepared_.folder_note);
   progress_->log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
                              provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
-                             scene.domain.blocks().size(), instruction_set(), provenance_.created,
+                             scene.domain.blocks().size(), lbm::instruction_set(), provenance_.created,
                              derived_table(setup())));
   for (const Diagnostic& warning : prepared_.warnings) progress_->say(warning.line());
   const auto& n = setup().cells;
@@ -229,93 +217,16 @@ Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   return code;
 }
 
-/// This rank alone knows of an error; the others wait for it somewhere. One of them that fail alone at the
-/// same time speaks and leaves a short report: the one that can create its file.
-void Run::abort_alone(Exit code, const std::string& reason, const std::string& what) {
-  const std::string text = what + last_checkpoint_text();
-  const fs::path part = folder_ / "report.json.part";
-  const int file = open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644);
-  if (file >= 0 || errno != EEXIST) {
-    fmt::print(stderr, "\nsilt: {}\n", text);
-    std::fflush(stderr);
-    adapters::Json report = adapters::Json::object();
-    report["exit_reason"] = reason;
-    report["exit_text"] = text;
-    report["steps"] = simulation_.steps_done();
-    report["ranks"] = simulation_.scene().ranks;
-    const std::string content = report.text() + "\n";
-    if (file >= 0 && write(file, content.data(), content.size()) == ssize_t(content.size()) &&
-        fsync(file) == 0)
-      fs::rename(part, folder_ / "report.json");
-    if (std::FILE* log = std::fopen((folder_ / "run.log").c_str(), "a")) {
-      fmt::print(log, "{}\n", text);
-      std::fclose(log);
-    }
-  } else {
-    sleep(1);  // whoever speaks comes to its end first
-  }
-  MPI_Abort(comm_, int(code));
-  std::abort();
-}
-
-fs::path folder_of(const RunOptions& options) {
-  if (options.out) return *options.out;
-  const bool is_file = options.directory.extension() == ".toml";
-  return (is_file ? options.directory.parent_path() : options.directory) / "out";
-}
-
-/// What the scene would throw on building, while all ranks still hear of it.
-void require_buildable(const Case& scene, MPI_Comm comm) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  make_domain(scene, ranks);
-  adapters::make_backend(scene.contacts.backend);
-  adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
-}
-
-Prepared prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
-  Prepared prepared;
-  std::unique_ptr<Case> scene;
-  adapters::together(comm, [&] {
-    scene = std::make_unique<Case>(read_case(options.directory, options.overrides));
-    prepared.warnings = require_runnable(*scene);
-    prepared.quantities = std::make_unique<Quantities>(*scene);
-    if (scene->steady) prepared.steady.emplace(scene->steady->change);
-    require_buildable(*scene, comm);
-  });
-  adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
-  prepared.simulation = std::make_unique<Simulation>(*scene, comm);
-  return prepared;
-}
-
-Prepared prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
-  const auto there = adapters::list_checkpoints(folder);
-  if (there.empty() && !options.checkpoint)
-    throw std::runtime_error(
-        fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
-                    folder.string(), options.directory.string()));
-  const adapters::CheckpointReader reader(
-      comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
-  Prepared prepared;
-  std::unique_ptr<Case> scene;
-  adapters::together(comm, [&] {
-    scene = std::make_unique<Case>(case_to_resume(reader, options.directory, options.overrides));
-    prepared.warnings = require_runnable(*scene);
-    prepared.quantities = std::make_unique<Quantities>(*scene);
-    prepared.quantities->set_history(read_history(reader, *scene));
-    prepared.steady = read_steady_watch(reader, *scene);
-    require_buildable(*scene, comm);
-  });
-  prepared.simulation = std::make_unique<Simulation>(*scene, comm, read_state(reader, *scene));
-  return prepared;
+void Run::fail_alone(Exit code, const std::string& reason, const std::string& what) {
+  abort_alone(simulation_, folder_, code, reason, what + last_checkpoint_text());
 }
 
 template <class Prepare>
 Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& prepare) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  const fs::path folder = folder_of(options);
-  Prepared prepared;
+  const fs::path folder = result_folder(options);
+  PreparedRun prepared;
   try {
     prepared = prepare(options, comm, folder);
   } catch (const std::exception& error) {

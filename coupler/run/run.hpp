@@ -30,7 +30,7 @@ struct RunOptions {
 /// Collective. Prints on rank 0: what goes on to stdout, what went wrong to stderr. The return value is the
 /// same on every rank. If a rank fails alone, it says so and ends the whole program with MPI_Abort.
 Exit run_case(const RunOptions&, MPI_Comm);
-/// The same, going on from a checkpoint.
+/// Collective. Goes on from a checkpoint, else as run_case.
 Exit resume_case(const RunOptions&, MPI_Comm);
 
 }  // namespace silt::coupler

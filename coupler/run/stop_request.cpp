@@ -34,7 +34,8 @@ std::string StopRequest::why(std::int64_t step) {
   double asked[3] = {double(caught), late ? 1.0 : 0.0,
                      last_step_ < 0 ? 1.0 : seconds(now - last_) / double(steps)};
   MPI_Allreduce(MPI_IN_PLACE, asked, 3, MPI_DOUBLE, MPI_MAX, comm_);
-  last_ = now, last_step_ = step;
+  last_ = now;
+  last_step_ = step;
   next_ = step + std::clamp<std::int64_t>(std::int64_t(agreement_seconds / std::max(asked[2], 1e-9)), 1,
                                           most_steps_between);
   if (asked[0] > 0) return int(asked[0]) == SIGINT ? "interrupted (SIGINT)" : "told to stop (SIGTERM)";

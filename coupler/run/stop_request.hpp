@@ -8,13 +8,13 @@
 
 namespace silt::coupler {
 
-/// From now on SIGTERM and SIGINT only leave a note. Process-wide.
+/// Makes SIGTERM and SIGINT only leave a note from now on, process-wide.
 void catch_signals();
 
 /// Asks all ranks, every few steps, whether any of them has been told to stop.
 class StopRequest {
  public:
-  /// limit_seconds of wall-clock time from now; 0: none.
+  /// Begins a limit of limit_seconds of wall-clock time from now; 0: none.
   StopRequest(MPI_Comm, double limit_seconds);
   /// Collective, after every step; talks to the others only every agreement_seconds or so. Returns why all
   /// ranks stop now, or "".

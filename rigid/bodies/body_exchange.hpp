@@ -1,7 +1,7 @@
 #pragma once
 // What Algorithm 1 of the paper needs from the other ranks, at its lines 1, 6, 13 and 23. On one rank, and in
 // this class itself, it is nothing but wrapping positions into a periodic domain. The parallel form is
-// coupler/body_exchange.
+// coupler/exchange/parallel_body_exchange.hpp.
 #include <span>
 #include <vector>
 

@@ -10,10 +10,24 @@ namespace {
 /// Calls f with every array of the set: the one place that lists them.
 template <class F>
 void for_each_array(BodySet& b, F f) {
-  f(b.id), f(b.shape), f(b.material), f(b.kind), f(b.motion);
-  f(b.position), f(b.image), f(b.orientation), f(b.velocity), f(b.angular_velocity), f(b.angular_momentum);
-  f(b.mass), f(b.weight_factor), f(b.inertia_B);
-  f(b.force), f(b.torque), f(b.mapping_pose), f(b.owed), f(b.pending_blow), f(b.stored_impulses);
+  f(b.id);
+  f(b.shape);
+  f(b.material);
+  f(b.kind);
+  f(b.motion);
+  f(b.position);
+  f(b.image);
+  f(b.orientation);
+  f(b.velocity);
+  f(b.angular_velocity);
+  f(b.angular_momentum);
+  f(b.mass);
+  f(b.weight_in_fluid);
+  f(b.inertia_B);
+  f(b.force);
+  f(b.torque);
+  f(b.holder_state);
+  f(b.stored_impulses);
 }
 
 /// A value to start from; Eigen's own default is uninitialised memory.
@@ -34,7 +48,7 @@ Vec3 vec(const double* from) {
   return Eigen::Map<const Vec3>{from};
 }
 void store(const Quat& q, double* to) {
-  to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+  Eigen::Map<Eigen::Vector4d>{to} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
 }
 Quat quat(const double* from) {
   return {from[0], from[1], from[2], from[3]};
@@ -57,9 +71,12 @@ void sort_section(BodySet& b, std::size_t first, std::size_t last) {
 BodyRecord BodySet::record(std::size_t row) const {
   BodyRecord r;
   r.id = id[row];
-  r.shape = shape[row], r.material = material[row], r.kind = kind[row];
+  r.shape = shape[row];
+  r.material = material[row];
+  r.kind = kind[row];
   r.motion = motion[row];
-  r.mass = mass[row], r.weight_factor = weight_factor[row];
+  r.mass = mass[row];
+  r.weight_in_fluid = weight_in_fluid[row];
   Eigen::Map<Mat3>{r.inertia_B} = inertia_B[row];
   store(position[row], r.position);
   store(orientation[row], r.orientation);
@@ -67,18 +84,18 @@ BodyRecord BodySet::record(std::size_t row) const {
   store(velocity[row], r.velocity);
   store(angular_velocity[row], r.angular_velocity);
   store(angular_momentum[row], r.angular_momentum);
-  store(mapping_pose[row].position, r.mapping_position);
-  store(mapping_pose[row].orientation, r.mapping_orientation);
-  std::copy(owed[row].begin(), owed[row].end(), r.owed);
-  store(pending_blow[row], r.pending_blow);
+  r.holder_state = holder_state[row];
   return r;
 }
 
 void BodySet::assign(std::size_t row, const BodyRecord& r) {
   id[row] = r.id;
-  shape[row] = r.shape, material[row] = r.material, kind[row] = r.kind;
+  shape[row] = r.shape;
+  material[row] = r.material;
+  kind[row] = r.kind;
   motion[row] = r.motion;
-  mass[row] = r.mass, weight_factor[row] = r.weight_factor;
+  mass[row] = r.mass;
+  weight_in_fluid[row] = r.weight_in_fluid;
   inertia_B[row] = Eigen::Map<const Mat3>{r.inertia_B};
   position[row] = vec(r.position);
   orientation[row] = quat(r.orientation);
@@ -86,9 +103,7 @@ void BodySet::assign(std::size_t row, const BodyRecord& r) {
   velocity[row] = vec(r.velocity);
   angular_velocity[row] = vec(r.angular_velocity);
   angular_momentum[row] = vec(r.angular_momentum);
-  mapping_pose[row] = {vec(r.mapping_position), quat(r.mapping_orientation)};
-  std::copy(r.owed, r.owed + 6, owed[row].begin());
-  pending_blow[row] = vec(r.pending_blow);
+  holder_state[row] = r.holder_state;
 }
 
 void BodySet::insert(std::size_t row, const BodyRecord& r) {

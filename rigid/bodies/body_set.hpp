@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/holder_state.hpp"
 #include "rigid/math/fixed_point.hpp"
 
 namespace silt::rigid {
@@ -29,20 +30,18 @@ struct StoredImpulse {
   Vec3 impulse;
 };
 
-/// Everything there is to know about one body but its stored impulses: what a message, a checkpoint and a
-/// program that adds a body carry. Trivially copyable; meaning and units as in BodySet.
+/// A record has everything there is to know about one body but its stored impulses: what a message, a
+/// checkpoint and a program that adds a body carry. Trivially copyable; meaning and units as in BodySet.
 struct BodyRecord {
   BodyId id = 0;
   std::int32_t shape = 0, material = 0, kind = 0;
   Motion motion = Motion::free;
-  double mass = 1, weight_factor = 1;
+  double mass = 1, weight_in_fluid = 1;
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
   std::int32_t image[3] = {};
   double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
-  double mapping_position[3] = {}, mapping_orientation[4] = {1, 0, 0, 0};
-  std::int64_t owed[6] = {};
-  double pending_blow[3] = {};
+  HolderState holder_state = {};
 };
 
 struct BodySet {
@@ -63,18 +62,14 @@ struct BodySet {
   std::vector<Vec3> angular_momentum;  // W, about the centre of mass
   // how heavy
   std::vector<double> mass;
-  std::vector<double> weight_factor;  // 1 - displaced mass / mass: what gravity acts on
+  // weight in the fluid over that in vacuum, 1 - displaced mass / mass (README.md, M7). Stored as this ratio,
+  // so that bodies of one density fall alike to the bit
+  std::vector<double> weight_in_fluid;
   std::vector<Mat3> inertia_B;
   // what acts on it this step, besides gravity; any holder may add
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
-  // the pose the fluid last saw (the coupler's; travels with the body)
-  std::vector<Pose> mapping_pose;
-  // impulse and angular impulse about the centre of mass, W, that the fluid has still to give the body (the
-  // coupler's, in its quanta; travels with the body)
-  std::vector<std::array<std::int64_t, 6>> owed;
-  // impulse, W, that blows give to what is around the body and moves with it, still to be passed on by the
-  // body (by the coupler; travels with the body)
-  std::vector<Vec3> pending_blow;
+  // the coupler's; travels with the body
+  std::vector<HolderState> holder_state;
   // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
   std::vector<std::vector<StoredImpulse>> stored_impulses;
 
@@ -98,6 +93,8 @@ struct BodySet {
 
   Mat3 inverse_inertia_W(std::size_t row) const;  // zero unless free
   bool is_isotropic(std::size_t row) const;       // the same moment of inertia about every axis
+  /// Mass of the fluid that the body displaces.
+  double displaced_mass(std::size_t row) const { return mass[row] * (1 - weight_in_fluid[row]); }
   double inverse_mass(std::size_t row) const { return is_free(row) ? 1.0 / mass[row] : 0.0; }
   Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
   Vec3 velocity_at(std::size_t row, const Vec3& r_W) const {

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "rigid/bodies/film.hpp"
+#include "rigid/bodies/lubrication.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::rigid {
@@ -24,15 +24,15 @@ struct Image {
   auto operator<=>(const Image&) const = default;
 };
 
-/// Set in the feature of a contact with a film.
-inline constexpr std::uint64_t film_feature = std::uint64_t{1} << 63;
+/// Set in the feature of a contact with a lubrication film.
+inline constexpr std::uint64_t lubrication_feature = std::uint64_t{1} << 63;
 
-/// Of a contact between two bodies: which of their parts, and the feature of those.
+/// Packs which parts of two bodies a contact is between, and the feature of those.
 inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std::uint32_t feature) {
   return std::uint64_t{part_a} << 48 | std::uint64_t{part_b} << 32 | feature;
 }
 inline std::size_t part_a_of(std::uint64_t packed) {
-  return (packed & ~film_feature) >> 48;
+  return (packed & ~lubrication_feature) >> 48;
 }
 inline std::uint32_t feature_of(std::uint64_t packed) {
   return static_cast<std::uint32_t>(packed);
@@ -41,13 +41,13 @@ inline std::uint32_t feature_of(std::uint64_t packed) {
 struct Contact {
   BodyId a, b;            // a < b
   Image image;            // of b, relative to the canonical position of a
-  std::uint64_t feature;  // film_feature; part of a, part of b, feature of the parts
+  std::uint64_t feature;  // lubrication_feature; part of a, part of b, feature of the parts
   Vec3 normal;            // unit, from a to b
   double gap;
   Vec3 r_a, r_b;  // the common contact point (midway between the surfaces; at a wall: the
                   // point on a) from each centre of mass; of a tube from its axis abreast of a
   double restitution, friction;
-  Film film = {};  // of a narrow gap
+  LubricationResistance lubrication = {};  // of the film in a narrow gap
 
   auto pair() const { return std::tuple(a, b, image); }
   /// The order in which contacts are resolved and summed, on any number of ranks.

@@ -47,9 +47,8 @@ void add_tube(BodySet& bodies, World& world, const TubeSpec& spec) {
   const bool moves = spec.angular_velocity != 0 || spec.velocity != 0;
   wall.motion = moves ? Motion::prescribed : Motion::fixed;
   const Quat q = pose_of(spec).orientation;
-  Eigen::Map<Vec3>{wall.position} = Eigen::Map<Vec3>{wall.mapping_position} = spec.point;
-  for (double* to : {wall.orientation, wall.mapping_orientation})
-    to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+  Eigen::Map<Vec3>{wall.position} = spec.point;
+  Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
   Eigen::Map<Vec3>{wall.velocity} = spec.velocity * spec.axis;
   Eigen::Map<Vec3>{wall.angular_velocity} = spec.angular_velocity * spec.axis;
   bodies.insert(bodies.size(), wall);

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "rigid/bodies/film.hpp"
+#include "rigid/bodies/lubrication.hpp"
 #include "rigid/shapes/shape_list.hpp"
 
 namespace silt::rigid {
@@ -19,8 +19,8 @@ struct World {
   std::vector<Material> materials;     // of pairs: materials.size() == material_count^2
   int material_count = 0;
   Vec3 gravity = Vec3::Zero();
-  double contact_margin = 1.0;           // largest gap a speculative contact may have, lattice units
-  std::shared_ptr<const FilmLaw> films;  // between smooth surfaces; null: none
+  double contact_margin = 1.0;  // largest gap a speculative contact may have, lattice units
+  std::shared_ptr<const LubricationLaw> lubrication;  // between smooth surfaces; null: none
 
   const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
 };

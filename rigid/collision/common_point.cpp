@@ -47,7 +47,10 @@ Place nearest(const ContactOutline& o, const Vec3& x, const Vec3& n, double slac
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < o.size(); ++k) {
     const Place p = nearest_on_edge(o, k, x, n, slack);
-    if (const double d = across(p.x - x, n); d < least) least = d, best = p;
+    if (const double d = across(p.x - x, n); d < least) {
+      least = d;
+      best = p;
+    }
   }
   return best;
 }
@@ -106,7 +109,10 @@ CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const
       take(crossing(a.corners[i].x, a.next(i).x, b.corners[j].x, b.next(j).x, n));
   for (const ContactOutline* o : {&a, &b}) {
     for (const auto& c : o->corners) take(c.x);
-    if (o->disc_radius > 0) take(o->centre), take(nearest(o == &a ? b : a, o->centre, n, slack).x);
+    if (o->disc_radius > 0) {
+      take(o->centre);
+      take(nearest(o == &a ? b : a, o->centre, n, slack).x);
+    }
   }
   return best;
 }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "rigid/collision/reduce_manifold.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -21,15 +23,6 @@ constexpr double same_side_cosine = 0.9;
 
 std::uint32_t pair_code(std::uint32_t of_a, std::uint32_t of_b) {
   return of_a << 16 | of_b;
-}
-
-void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
-  for (ContactPoint& q : points)
-    if (q.feature == p.feature) {
-      if (p.gap < q.gap) q = p;
-      return;
-    }
-  points.push_back(p);
 }
 
 /// A contact as seen from the first of the two, or with the two exchanged.

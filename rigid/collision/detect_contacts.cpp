@@ -15,8 +15,8 @@ namespace {
 constexpr double margin_safety = 1.5;
 /// Keeps resting contacts in sight, relative to the bounding radius.
 constexpr double least_margin = 1e-6;
-/// Of a gap's lesser curvature to the greater: below, it is a line contact, which the film's laws do not
-/// know.
+/// Least ratio of a gap's lesser curvature to the greater: below, it is a line contact, which the laws of
+/// lubrication do not know.
 constexpr double least_roundness = 0.02;
 
 /// Canonical and inside the domain also where a contact point lies behind a wall.
@@ -63,9 +63,10 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     if (!shapes_[bodies.shape[row]].sphere)
       boxes_[row] = bounding_box(world.shapes[bodies.shape[row]], {Vec3::Zero(), bodies.orientation[row]});
     const double travel =
-        dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_factor[row]);
+        dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_in_fluid[row]);
     double margin = std::min(margin_safety * travel + least_margin * radius, world.contact_margin);
-    if (world.films && shapes_[bodies.shape[row]].smooth) margin = std::max(margin, world.films->reach());
+    if (world.lubrication && shapes_[bodies.shape[row]].smooth)
+      margin = std::max(margin, world.lubrication->reach());
     reach_[row] = {radius, margin};
   }
   walls_.clear();
@@ -86,12 +87,12 @@ double DetectContacts::pair_margin(const World& world, const BodySet& bodies, co
   const double turn = turn_[p.row_a] + (wall ? 0.0 : turn_[p.row_b]);
   const double fall =
       dt * dt * world.gravity.norm() *
-      (std::abs(bodies.weight_factor[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_factor[p.row_b])));
+      (std::abs(bodies.weight_in_fluid[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_in_fluid[p.row_b])));
   const double least = least_margin * (reach_[p.row_a].radius + (wall ? 0.0 : reach_[p.row_b].radius));
   const double margin = std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin);
   const auto smooth = [&](std::size_t row) { return shapes_[bodies.shape[row]].smooth; };
-  if (!world.films || !smooth(p.row_a) || !smooth(p.row_b)) return margin;
-  return std::max(margin, world.films->reach());
+  if (!world.lubrication || !smooth(p.row_a) || !smooth(p.row_b)) return margin;
+  return std::max(margin, world.lubrication->reach());
 }
 
 bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b,
@@ -120,26 +121,27 @@ bool DetectContacts::bodies_apart(const BodySet& bodies, const CandidatePair& p,
          ((a.lower - b.upper - from_a_to_b).array() > margin).any();
 }
 
-/// Where both surfaces are smooth and bend away from each other.
-void DetectContacts::put_film(const FilmLaw& law, const BodySet& bodies, const CandidatePair& p,
-                              const PosedPart& a, const PosedPart& b, const ContactPoint& point, double dt,
-                              Contact& c) const {
+/// Where both surfaces are smooth and curve away from each other.
+void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, const PosedPart& a,
+                                     const PosedPart& b, const ContactPoint& point, Contact& c) const {
+  const BodySet& bodies = call.bodies;
   const Vec3& n = point.normal;
-  const auto bend = [](const PosedPart& part, const Vec3& x, const Vec3& outward) -> std::optional<Mat3> {
+  const auto curvature_W = [](const PosedPart& part, const Vec3& x,
+                              const Vec3& outward) -> std::optional<Mat3> {
     const Mat3 r = part.pose.orientation.toRotationMatrix();
     const auto k = curvature(part.shape, part.pose.to_body(x), r.transpose() * outward);
     if (!k) return std::nullopt;
     return r * *k * r.transpose();
   };
-  const auto of_a = bend(a, point.on_a, n), of_b = bend(b, point.on_b, -n);
+  const auto of_a = curvature_W(a, point.on_a, n), of_b = curvature_W(b, point.on_b, -n);
   if (!of_a || !of_b) return;
   const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
   const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
-  const FilmGap gap{
-      point.gap, dt * opening, *of_a, *of_b, middle, n, shapes_[bodies.shape[p.row_b]].half_space};
+  const LubricatedGap gap{
+      point.gap, call.dt * opening, *of_a, *of_b, middle, n, shapes_[bodies.shape[p.row_b]].half_space};
   const double sum = gap.curvature_sum();
-  if (gap.curvature_product() >= least_roundness * sum * sum) c.film = law(gap);
-  if (c.film) c.feature |= film_feature;
+  if (gap.curvature_product() >= least_roundness * sum * sum) c.lubrication = (*call.world.lubrication)(gap);
+  if (c.lubrication) c.feature |= lubrication_feature;
 }
 
 /// Fills points_ with those of a part of one body and a part or the tube of the other.
@@ -153,16 +155,17 @@ void DetectContacts::collide_parts(const PosedPart& a, const ShapeParts& b, std:
   reduce_manifold(points_);
 }
 
-void DetectContacts::collide_pair(const World& world, const BodySet& bodies, const BodyExchange& exchange,
-                                  CollisionBackend& backend, const CandidatePair& p, const Vec3& from_a_to_b,
-                                  double margin, double dt, std::vector<Contact>& contacts) {
+void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, const Vec3& from_a_to_b,
+                                  double margin, std::vector<Contact>& contacts) {
+  const World& world = call.world;
+  const BodySet& bodies = call.bodies;
   const ShapeParts &a = shapes_[bodies.shape[p.row_a]], &b = shapes_[bodies.shape[p.row_b]];
   const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
       pose_b{from_a_to_b, bodies.orientation[p.row_b]};
   const std::size_t parts_b = b.tube ? 1 : b.parts.size();
   const bool single = a.parts.size() == 1 && parts_b == 1;
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
-  const FilmLaw* const films = a.smooth && b.smooth ? world.films.get() : nullptr;
+  const LubricationLaw* const lubrication = a.smooth && b.smooth ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   std::size_t deepest = first;
   for (std::size_t i = 0; i < a.parts.size(); ++i)
@@ -170,53 +173,55 @@ void DetectContacts::collide_pair(const World& world, const BodySet& bodies, con
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
       const Pose part_a = a.plain ? pose_a : pose_a * a.parts[i].pose;
       const Pose part_b = b.tube || b.plain ? pose_b : pose_b * b.parts[j].pose;
-      collide_parts({a.parts[i].shape, part_a}, b, j, part_b, margin, backend);
+      collide_parts({a.parts[i].shape, part_a}, b, j, part_b, margin, call.backend);
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
         const Vec3 common = b.half_space || b.tube ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
         contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image,
                             packed_feature(i, j, point.feature), point.normal, point.gap, common,
                             common - from_a_to_b, material.restitution, material.friction});
-        if (films && points_.size() == 1 && point.gap < films->reach())
-          put_film(*films, bodies, p, {a.parts[i].shape, part_a}, {b.parts[j].shape, part_b}, point, dt,
-                   contacts.back());
+        if (lubrication && points_.size() == 1 && point.gap < lubrication->reach())
+          put_lubrication(call, p, {a.parts[i].shape, part_a}, {b.parts[j].shape, part_b}, point,
+                          contacts.back());
         if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }
     }
   if (contacts.size() == first) return;
-  const Vec3 reference = into_domain(exchange.extent(), bodies.position[p.row_a] + contacts[deepest].r_a);
-  if (!exchange.owns_contact_at(reference)) contacts.resize(first);
-  if (world.films) count_films(*world.films, std::span(contacts).subspan(first));
+  const Vec3 reference =
+      into_domain(call.exchange.extent(), bodies.position[p.row_a] + contacts[deepest].r_a);
+  if (!call.exchange.owns_contact_at(reference)) contacts.resize(first);
+  if (world.lubrication) count_lubrication(*world.lubrication, std::span(contacts).subspan(first));
 }
 
-void DetectContacts::count_films(const FilmLaw& law, std::span<const Contact> contacts) {
+void DetectContacts::count_lubrication(const LubricationLaw& law, std::span<const Contact> contacts) {
   for (const Contact& c : contacts)
-    if (c.gap < law.reach()) ++(c.film ? film_counts_.with : film_counts_.without);
+    if (c.gap < law.reach()) ++(c.lubrication ? lubrication_counts_.with : lubrication_counts_.without);
 }
 
 /// From a to b: small numbers, and the same ones on every rank. A tube is alike all along its axis: it is
 /// taken where a is abreast of it.
-Vec3 DetectContacts::way_to(const World& world, const BodySet& bodies, const Extent& extent,
-                            const CandidatePair& p) const {
-  const Vec3 way = bodies.position[p.row_b] + extent.shift(p.image) - bodies.position[p.row_a];
-  if (!std::holds_alternative<Tube>(world.shapes[bodies.shape[p.row_b]])) return way;
+Vec3 DetectContacts::displacement_to(const World& world, const BodySet& bodies, const Extent& extent,
+                                     const CandidatePair& p) const {
+  const Vec3 displacement = bodies.position[p.row_b] + extent.shift(p.image) - bodies.position[p.row_a];
+  if (!std::holds_alternative<Tube>(world.shapes[bodies.shape[p.row_b]])) return displacement;
   const Vec3 axis = bodies.orientation[p.row_b] * Vec3::UnitZ();
-  return way - axis.dot(way) * axis;
+  return displacement - axis.dot(displacement) * axis;
 }
 
 std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies,
                                        const BodyExchange& exchange, CollisionBackend& backend, double dt,
                                        std::vector<Contact>& contacts) {
   contacts.clear();
-  film_counts_ = {};
+  lubrication_counts_ = {};
   learn_shapes(world);
   set_reach(world, bodies, dt);
+  const Call call{world, bodies, exchange, backend, dt};
   (*broad_phase_)(bodies, exchange.extent(), reach_, walls_, pairs_);
   for (const CandidatePair& p : pairs_) {
     const double margin = pair_margin(world, bodies, p, dt);
-    const Vec3 from_a_to_b = way_to(world, bodies, exchange.extent(), p);
+    const Vec3 from_a_to_b = displacement_to(world, bodies, exchange.extent(), p);
     if (!is_wall(bodies.id[p.row_b]) && bodies_apart(bodies, p, from_a_to_b, margin)) continue;
-    collide_pair(world, bodies, exchange, backend, p, from_a_to_b, margin, dt, contacts);
+    collide_pair(call, p, from_a_to_b, margin, contacts);
   }
   return pairs_.size();
 }

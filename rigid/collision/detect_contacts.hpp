@@ -13,8 +13,8 @@
 
 namespace silt::rigid {
 
-/// Contacts narrow enough for a viscous film.
-struct FilmCounts {
+/// Contacts narrow enough for a lubrication film.
+struct LubricationCounts {
   std::uint64_t with = 0, without = 0;
 };
 
@@ -25,12 +25,13 @@ class DetectContacts {
   explicit DetectContacts(std::unique_ptr<BroadPhase> = std::make_unique<UniformGrid>());
   /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
   /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
-  /// in dt, at most world.contact_margin; between smooth surfaces at least as far as world.films reach.
+  /// in dt, at most world.contact_margin; between smooth surfaces at least as far as world.lubrication reach.
   /// Returns the number of candidate pairs.
   std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
                          std::vector<Contact>& contacts);
-  /// Contacts of the last call within reach of a film, with and without one. Each contact is found once.
-  FilmCounts films() const { return film_counts_; }
+  /// Contacts of the last call within reach of a lubrication film, with and without one. Each contact is
+  /// found once.
+  LubricationCounts lubrication() const { return lubrication_counts_; }
 
  private:
   struct ShapeParts {
@@ -39,7 +40,14 @@ class DetectContacts {
     bool sphere, half_space;
     std::optional<Tube> tube;  // then there are no parts
     bool plain;                // one part, whose pose is the body's
-    bool smooth;               // some part of it: films may form there
+    bool smooth;               // some part of it: lubrication films may form there
+  };
+  struct Call {  // what a call of operator() works on
+    const World& world;
+    const BodySet& bodies;
+    const BodyExchange& exchange;
+    CollisionBackend& backend;
+    double dt;
   };
   struct PosedPart {
     const ConvexShape& shape;
@@ -49,15 +57,14 @@ class DetectContacts {
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
   bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
-  Vec3 way_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
+  Vec3 displacement_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
   void collide_parts(const PosedPart& a, const ShapeParts& b, std::size_t j, const Pose& pose_b,
                      double margin, CollisionBackend&);
-  void collide_pair(const World&, const BodySet&, const BodyExchange&, CollisionBackend&,
-                    const CandidatePair&, const Vec3& from_a_to_b, double margin, double dt,
+  void collide_pair(const Call&, const CandidatePair&, const Vec3& from_a_to_b, double margin,
                     std::vector<Contact>& contacts);
-  void put_film(const FilmLaw&, const BodySet&, const CandidatePair&, const PosedPart& a, const PosedPart& b,
-                const ContactPoint&, double dt, Contact&) const;
-  void count_films(const FilmLaw&, std::span<const Contact>);
+  void put_lubrication(const Call&, const CandidatePair&, const PosedPart& a, const PosedPart& b,
+                       const ContactPoint&, Contact&) const;
+  void count_lubrication(const LubricationLaw&, std::span<const Contact>);
   bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
                    const Pose& pose_b, double margin) const;
 
@@ -69,7 +76,7 @@ class DetectContacts {
   std::vector<WallSurface> walls_;
   std::vector<CandidatePair> pairs_;
   std::vector<ContactPoint> points_;
-  FilmCounts film_counts_;
+  LubricationCounts lubrication_counts_;
 };
 
 }  // namespace silt::rigid

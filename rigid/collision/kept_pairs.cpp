@@ -36,13 +36,13 @@ bool KeptPairs::same_surroundings(const Surroundings& around, std::span<const Wa
 }
 
 /// Through periodic sides, too.
-Vec3 KeptPairs::way_of(const Surroundings& around, std::size_t row) const {
+Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t row) const {
   const Seen& then = seen_[row];
   const auto& image = around.bodies.image[row];
-  Vec3 way = around.bodies.position[row] - then.position;
+  Vec3 displacement = around.bodies.position[row] - then.position;
   if (differ(image, then.image))
-    for (int d = 0; d < 3; ++d) way[d] += (image[d] - then.image[d]) * around.extent.size[d];
-  return way;
+    for (int d = 0; d < 3; ++d) displacement[d] += (image[d] - then.image[d]) * around.extent.size[d];
+  return displacement;
 }
 
 /// Two bodies have at most one image of each other in reach. Else another one may come to meet, where one of
@@ -63,7 +63,7 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   for (std::size_t row = 0; row < seen_.size(); ++row) {
     const double before = seen_[row].reach;
     const double spare = (1 - rounding) * slack_ * before + (before - around.reach[row].sum());
-    if (spare < 0 || way_of(around, row).squaredNorm() > spare * spare) return false;
+    if (spare < 0 || displacement_of(around, row).squaredNorm() > spare * spare) return false;
     wrapped_ |= differ(around.bodies.image[row], seen_[row].image);
   }
   return !wrapped_ || few_images_;
@@ -74,7 +74,7 @@ double KeptPairs::slack_of(const Surroundings& around) const {
   double most = 0;
   for (std::size_t row = 0; row < seen_.size(); ++row) {
     const double before = seen_[row].reach, grown = std::max(0.0, around.reach[row].sum() - before);
-    if (before > 0) most = std::max(most, (way_of(around, row).norm() + grown) / before);
+    if (before > 0) most = std::max(most, (displacement_of(around, row).norm() + grown) / before);
   }
   const double wanted = calls_wanted / calls_ * most;
   return wanted <= most_slack ? std::max(wanted, least_slack) : 0;
@@ -89,7 +89,9 @@ std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::sp
                   around.reach[row].sum()};
   walls_.assign(walls.begin(), walls.end());
   extent_ = around.extent;
-  slack_ = slack, calls_ = 0, wrapped_ = false;
+  slack_ = slack;
+  calls_ = 0;
+  wrapped_ = false;
   few_images_ = images_are_few();
   return pairs_;
 }

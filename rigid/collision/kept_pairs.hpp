@@ -32,7 +32,7 @@ class KeptPairs {
   };
   bool same_surroundings(const Surroundings&, std::span<const WallSurface>) const;
   bool images_are_few() const;
-  Vec3 way_of(const Surroundings&, std::size_t row) const;
+  Vec3 displacement_of(const Surroundings&, std::size_t row) const;
   bool image_now(const BodySet&, CandidatePair&) const;
 
   std::vector<Seen> seen_;

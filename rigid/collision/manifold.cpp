@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "rigid/collision/outline.hpp"
+#include "rigid/collision/reduce_manifold.hpp"
 
 namespace silt::rigid {
 
@@ -61,15 +62,6 @@ std::optional<double> to_surface(const RoundedBox& capsule, const OnSegment& at,
   const double across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
   if (std::abs(at.t * across + capsule.radius * tilt) > capsule.half.z() * across) return {};
   return capsule.radius / across;
-}
-
-void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
-  for (ContactPoint& q : points)
-    if (q.feature == p.feature) {
-      if (p.gap < q.gap) q = p;
-      return;
-    }
-  points.push_back(p);
 }
 
 /// Both are spheres, or one is and the other is anything.

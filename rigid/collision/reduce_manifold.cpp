@@ -5,6 +5,15 @@
 
 namespace silt::rigid {
 
+void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
+  for (ContactPoint& q : points)
+    if (q.feature == p.feature) {
+      if (p.gap < q.gap) q = p;
+      return;
+    }
+  points.push_back(p);
+}
+
 void reduce_manifold(std::vector<ContactPoint>& points) {
   if (points.size() <= most_contact_points) return;
   std::vector<double> apart(points.size(),

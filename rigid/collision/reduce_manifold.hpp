@@ -1,5 +1,6 @@
 #pragma once
-// Thins out the contact points of one pair of convex shapes: more than a few only repeat each other.
+// Keeps the contact points of one pair of convex shapes few: one a feature, and no more than say something
+// new.
 #include <cstddef>
 #include <vector>
 
@@ -9,6 +10,9 @@ namespace silt::rigid {
 
 inline constexpr std::size_t most_contact_points =
     8;  // of two convex shapes: a face of two boxes turned by 45 degrees
+
+/// Appends a point; of two of the same feature the deeper stays.
+void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p);
 
 /// Leaves at most most_contact_points: the deepest, and those furthest from each other. Keeps the order.
 void reduce_manifold(std::vector<ContactPoint>& points);

@@ -17,7 +17,7 @@ namespace silt::rigid {
 void append_tube_contacts(const ConvexShape& body, const Pose& pose, const Tube& tube,
                           const Pose& pose_of_tube, double tolerance, std::vector<ContactPoint>& out);
 
-/// The same distance alone: least of all parts of a shape; negative where it reaches into the wall.
+/// Returns the least gap of all parts of a shape; negative where it reaches into the wall.
 double gap_in_tube(const Shape&, const Pose&, const Tube&, const Pose& pose_of_tube);
 
 }  // namespace silt::rigid

@@ -16,32 +16,34 @@ constexpr double worth_another = 0;      // ... relative to what the pair change
 struct Rounds {
   PairMotion motion;
   Mask active;
-  Lanes change{}, scale{};           // squared, largest of the round
-  Lanes moved{};                     // at most: a contact's impulse, in all rounds
-  Mask cut_short{};                  // by the number of rounds
-  const BlockFilm* films = nullptr;  // of the group's contacts, or null
+  Real8 change{}, scale{};                        // squared, largest of the round
+  Real8 moved{};                                  // at most: a contact's impulse, in all rounds
+  Mask cut_short{};                               // by the number of rounds
+  const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
 
-  /// What a contact's impulses become, from those that would stop it: FFD.md 5.2, and in a film.
-  static Lanes normal(const BlockContact& c, const BlockFilm* film, Lanes stop, Lanes u_n) {
-    const Lanes hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
-    return larger(film ? film->normal_damped * stop : Lanes{}, hard);
+  /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of rigid/README.md, (L2)
+  /// in a lubrication film.
+  static Real8 normal(const BlockContact& c, const BlockLubrication* lubrication, Real8 stop, Real8 u_n) {
+    const Real8 hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
+    return larger(lubrication ? lubrication->normal_damped * stop : Real8{}, hard);
   }
-  static Vector tangential(const BlockContact& c, const BlockFilm* film, const Vector& stop, Lanes stop_n,
-                           Lanes p_n) {
-    if (!film) return into_cone(stop, c.friction * p_n);
-    const Lanes pressing = film->normal_stiffness * (p_n - film->normal_damped * stop_n);
+  static Vector tangential(const BlockContact& c, const BlockLubrication* lubrication, const Vector& stop,
+                           Real8 stop_n, Real8 p_n) {
+    if (!lubrication) return into_cone(stop, c.friction * p_n);
+    const Real8 pressing = lubrication->normal_stiffness * (p_n - lubrication->normal_damped * stop_n);
     const Vector rubbed = into_cone(stop, c.friction * pressing);
-    return rubbed + (stop - rubbed) * film->tangential_damped;
+    return rubbed + (stop - rubbed) * lubrication->tangential_damped;
   }
 
-  /// FFD.md 5.3: first the normal impulse, then the tangential one.
-  void solve(const BlockGroup& g, BlockContact& c, const BlockFilm* film) {
+  /// (C4), then (C5): first the normal impulse, then the tangential one.
+  void solve(const BlockGroup& g, BlockContact& c, const BlockLubrication* lubrication) {
     const Vector r = load(c.r), n = load(c.normal), u = motion.at(r), old_t = load(c.tangential_impulse);
-    const Lanes old_n = c.normal_impulse;
-    const Lanes u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n, p_n = normal(c, film, stop_n, u_n);
-    const Lanes d_n = active ? p_n - old_n : Lanes{};
+    const Real8 old_n = c.normal_impulse;
+    const Real8 u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n,
+                p_n = normal(c, lubrication, stop_n, u_n);
+    const Real8 d_n = active ? p_n - old_n : Real8{};
     const Vector s = u + load(c.k_normal) * d_n, stop_t = old_t - (s - n * dot(s, n)) * c.inverse_k_t;
-    const Vector p_t = tangential(c, film, stop_t, stop_n, p_n);
+    const Vector p_t = tangential(c, lubrication, stop_t, stop_n, p_n);
     const Vector d_t = choose(active, p_t - old_t, Vector{});
     c.normal_impulse = active ? p_n : old_n;
     store(c.tangential_impulse, choose(active, p_t, old_t));
@@ -51,7 +53,7 @@ struct Rounds {
   }
 
   /// Squared, of the whole pair in this sweep.
-  Lanes total(const BlockGroup& g) const {
+  Real8 total(const BlockGroup& g) const {
     return dot(motion.impulse, motion.impulse) +
            g.inverse_arm * g.inverse_arm * dot(motion.angular, motion.angular);
   }
@@ -61,11 +63,12 @@ struct Rounds {
     Mask final;
     for (int l = 0; l < lane_count; ++l) final[l] = g.bodies.again[l] ? 0 : -1;
     for (int round = 0; round < most_rounds && any(active); ++round) {
-      change = Lanes{};
-      scale = active ? Lanes{} : scale;
-      for (std::uint32_t c = 0; c < g.count; ++c) solve(g, contacts[c], films ? films + c : nullptr);
+      change = Real8{};
+      scale = active ? Real8{} : scale;
+      for (std::uint32_t c = 0; c < g.count; ++c)
+        solve(g, contacts[c], lubrication ? lubrication + c : nullptr);
       moved += square_root(change);
-      const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
+      const Real8 enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
       if (round + 1 < rounds) continue;
       if (round + 1 < most_rounds) {
@@ -89,19 +92,19 @@ class CarryOn {
   }
   void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask on) const {
     if (!used_) return;
-    Lanes led_wrong{};
+    Real8 led_wrong{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse);
       led_wrong += (old_n_[k] - c.normal_impulse) * (c.normal_impulse - c.last_normal) +
                    dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
     }
-    const Lanes beta = momentum(g.age, led_wrong, on & goes_on(g.bodies));
+    const Real8 beta = momentum(g.age, led_wrong, on & goes_on(g.bodies));
     g.carried = on ? beta : g.carried;
     for (std::uint32_t k = 0; k < g.count; ++k) {
       BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse), last_t = load(c.last_tangential);
-      const Lanes found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
+      const Real8 found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
       const Vector on_t = (found_t - last_t) * beta;
       c.last_normal = on ? found_n : c.last_normal;
       store(c.last_tangential, choose(on, found_t, last_t));
@@ -114,7 +117,7 @@ class CarryOn {
  private:
   static constexpr std::uint32_t most = 16;  // contacts of a pair; more are not carried on
   bool used_;
-  Lanes old_n_[most];
+  Real8 old_n_[most];
   Vector old_t_[most];
 };
 
@@ -122,12 +125,12 @@ class CarryOn {
 void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
-  const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
-  const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
-  const Lanes moved = change > 0 ? square_root(change / scale) : Lanes{};
+  const Real8 change = larger(rounds.total(g), rounds.moved * rounds.moved);
+  const Real8 scale = larger(rounds.scale, g.least_scale * g.least_scale);
+  const Real8 moved = change > 0 ? square_root(change / scale) : Real8{};
   for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l] != 0;
-  const Lanes relative = rounds.cut_short ? larger(moved, Lanes{} + 2 * tolerance) : moved;
-  g.relative_change = solved ? relative : Lanes{} - 1;
+  const Real8 relative = rounds.cut_short ? larger(moved, Real8{} + 2 * tolerance) : moved;
+  g.relative_change = solved ? relative : Real8{} - 1;
 }
 
 }  // namespace
@@ -137,26 +140,29 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
 }
 
 double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
-                    const BlockFilm* all_films, const BodyState* state, const Sweep& sweep) {
+                    const BlockLubrication* all_lubrication, const BodyState* state,
+                    const ContactSweep& sweep) {
   double residual = 0;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
     const Mask solved = to_solve(g.bodies, g.carried, state, sweep);
-    g.relative_change = Lanes{} - 1;
+    g.relative_change = Real8{} - 1;
     if (!any(solved)) continue;
     const CarryOn carry_on(g, contacts);
     Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
-    rounds.films = g.films != no_films && !sweep.push ? all_films + g.films : nullptr;
-    if (rounds.films)
-      ;  // films creep: nothing sticks
+    rounds.lubrication = g.first_lubrication != no_lubrication && !sweep.push
+                             ? all_lubrication + g.first_lubrication
+                             : nullptr;
+    if (rounds.lubrication)
+      ;  // lubricated surfaces creep: nothing sticks
     else if (sweep.push)
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     rounds.run(g, contacts, sweep.push ? converged_push : converged,
                sweep.number <= few_sweeps ? few_rounds : most_rounds);
-    g.carried = solved ? Lanes{} : g.carried;
+    g.carried = solved ? Real8{} : g.carried;
     if (!sweep.plain) carry_on(g, contacts, rounds.motion, solved);
     finish(g, rounds, solved, sweep.tolerance);
     for (int l = 0; l < lane_count; ++l)

@@ -6,46 +6,50 @@ namespace {
 
 struct CentralChange {
   Vector impulse, torque;  // torque per unit of arm: normal x impulse
-  Lanes relative;
+  Real8 relative;
 };
 
-/// FFD.md 5.2 and 5.3 for eight contacts, and 5.4's acceleration. `rubs` false: none of the eight has
-/// friction; their tangential impulses are zero and stay so, and the bits are those of `rubs`.
+/// (C4) and (C5) of rigid/README.md for eight contacts, carried on along their last change. `rubs` false:
+/// none of the eight has friction; their tangential impulses are zero and stay so, and the bits are those of
+/// `rubs`.
 template <bool rubs>
 CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, Mask on, bool plain) {
   const Vector n = load(g.normal), u = b.v - a.v;
-  const Lanes old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
-  const Lanes found_n = larger(Lanes{}, old_n + (g.target - u_n) * g.inverse_k_n);
-  const Lanes on_n = found_n - last_n;
-  Lanes led_wrong = (old_n - found_n) * on_n;
+  const Real8 old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
+  const Real8 found_n = larger(Real8{}, old_n + (g.target - u_n) * g.inverse_k_n);
+  const Real8 on_n = found_n - last_n;
+  Real8 led_wrong = (old_n - found_n) * on_n;
   Vector old_t, last_t, found_t, on_t;
   if constexpr (rubs) {
-    old_t = load(g.tangential_impulse), last_t = load(g.last_tangential);
+    old_t = load(g.tangential_impulse);
+    last_t = load(g.last_tangential);
     const Vector slip = u + cross(b.w * g.arm_b - a.w * g.arm_a, n) - n * u_n;
     found_t = into_cone(old_t - slip * g.inverse_k_t, g.friction * found_n);
     on_t = found_t - last_t;
     led_wrong += dot(old_t - found_t, on_t);
   }
-  const Lanes beta = plain ? Lanes{} : momentum(g.age, led_wrong, on & goes_on(g.bodies));
+  const Real8 beta = plain ? Real8{} : momentum(g.age, led_wrong, on & goes_on(g.bodies));
   g.carried = on ? beta : g.carried;
-  const Lanes p_n = found_n + beta * on_n, d_n = on ? p_n - old_n : Lanes{}, step_n = found_n - old_n;
+  const Real8 p_n = found_n + beta * on_n, d_n = on ? p_n - old_n : Real8{}, step_n = found_n - old_n;
   g.normal_impulse = on ? p_n : old_n;
   g.last_normal = on ? found_n : last_n;
-  Lanes moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
+  Real8 moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
   CentralChange change{n * d_n, {}, {}};
   if constexpr (rubs) {
     const Vector p_t = found_t + on_t * beta, step_t = found_t - old_t;
     const Vector d_t = choose(on, p_t - old_t, Vector{});
     store(g.tangential_impulse, choose(on, p_t, old_t));
     store(g.last_tangential, choose(on, found_t, last_t));
-    moved += dot(d_t, d_t), stepped += dot(step_t, step_t);
-    before += dot(old_t, old_t), after += dot(p_t, p_t);
+    moved += dot(d_t, d_t);
+    stepped += dot(step_t, step_t);
+    before += dot(old_t, old_t);
+    after += dot(p_t, p_t);
     change.impulse += d_t;
     change.torque = cross(n, d_t);
   }
-  const Lanes most = larger(moved, stepped);
-  const Lanes scale = larger(larger(before, after), g.least_scale * g.least_scale);
-  change.relative = most > 0 ? square_root(most / scale) : Lanes{};
+  const Real8 most = larger(moved, stepped);
+  const Real8 scale = larger(larger(before, after), g.least_scale * g.least_scale);
+  change.relative = most > 0 ? square_root(most / scale) : Real8{};
   return change;
 }
 
@@ -58,18 +62,27 @@ void add_to_bodies(const CentralGroup& g, const CentralChange& change, Mask on, 
   for (int l = 0; l < lane_count; ++l) {
     if (!on[l]) continue;
     BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
-    a.impulse[0] -= p.x[l], a.impulse[1] -= p.y[l], a.impulse[2] -= p.z[l];
-    b.impulse[0] += p.x[l], b.impulse[1] += p.y[l], b.impulse[2] += p.z[l];
+    a.impulse[0] -= p.x[l];
+    a.impulse[1] -= p.y[l];
+    a.impulse[2] -= p.z[l];
+    b.impulse[0] += p.x[l];
+    b.impulse[1] += p.y[l];
+    b.impulse[2] += p.z[l];
     if constexpr (rubs) {
-      a.angular[0] -= t_a.x[l], a.angular[1] -= t_a.y[l], a.angular[2] -= t_a.z[l];
-      b.angular[0] += t_b.x[l], b.angular[1] += t_b.y[l], b.angular[2] += t_b.z[l];
+      a.angular[0] -= t_a.x[l];
+      a.angular[1] -= t_a.y[l];
+      a.angular[2] -= t_a.z[l];
+      b.angular[0] += t_b.x[l];
+      b.angular[1] += t_b.y[l];
+      b.angular[2] += t_b.z[l];
     }
     if (change.relative[l] > tolerance) a.changed = b.changed = 1;
   }
 }
 
 template <bool rubs>
-Lanes sweep_group(CentralGroup& g, Mask on, const BodyState* state, BodySum* sums, const Sweep& sweep) {
+Real8 sweep_group(CentralGroup& g, Mask on, const BodyState* state, BodySum* sums,
+                  const ContactSweep& sweep) {
   const CentralChange change =
       solve<rubs>(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), on, sweep.plain);
   add_to_bodies<rubs>(g, change, on, sweep.tolerance, sums);
@@ -79,13 +92,13 @@ Lanes sweep_group(CentralGroup& g, Mask on, const BodyState* state, BodySum* sum
 }  // namespace
 
 double sweep_central(CentralGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
-                     const Sweep& sweep) {
-  Lanes residual{};
+                     const ContactSweep& sweep) {
+  Real8 residual{};
   for (std::size_t k = 0; k < count; ++k) {
     CentralGroup& g = groups[k];
     const Mask on = to_solve(g.bodies, g.carried, state, sweep);
     if (!any(on)) continue;
-    const Lanes relative = any(g.friction > 0) ? sweep_group<true>(g, on, state, sums, sweep)
+    const Real8 relative = any(g.friction > 0) ? sweep_group<true>(g, on, state, sums, sweep)
                                                : sweep_group<false>(g, on, state, sums, sweep);
     residual = goes_on(g.bodies) & (relative > residual) ? relative : residual;
   }

@@ -12,7 +12,7 @@ namespace silt::rigid {
 
 inline constexpr int lane_count = 8;
 /// One number of each of eight pairs. A vector type, whatever the width of the machine's own.
-using Lanes = double __attribute__((vector_size(lane_count * sizeof(double))));
+using Real8 = double __attribute__((vector_size(lane_count * sizeof(double))));
 
 /// A body as the sweeps see it: one cache line.
 struct alignas(64) BodyState {
@@ -37,87 +37,99 @@ struct LaneBodies {
 /// Pairs that touch in one point on the line of centres of bodies that turn alike about every axis (or do not
 /// turn): normal, friction and rotation do not mix, so one pass over the contact is exact. Spheres, mostly.
 struct alignas(64) CentralGroup {
-  Lanes normal[3];
-  Lanes normal_impulse, tangential_impulse[3];
-  Lanes last_normal, last_tangential[3];  // what the last sweep found, before it was carried on
-  Lanes age;                              // sweeps since the impulses were last carried too far
-  Lanes carried;                          // by what part of their last change they were carried on
-  Lanes target;                           // least normal velocity after the step
-  Lanes friction;                         // coefficient
-  Lanes inverse_k_n, inverse_k_t;
-  Lanes arm_a, arm_b;  // the contact lies at arm * normal from each centre
-  Lanes least_scale;   // impulses below are rounding
+  Real8 normal[3];
+  Real8 normal_impulse, tangential_impulse[3];
+  Real8 last_normal, last_tangential[3];  // what the last sweep found, before it was carried on
+  Real8 age;                              // sweeps since the impulses were last carried too far
+  Real8 carried;                          // by what part of their last change they were carried on
+  Real8 target;                           // least normal velocity after the step
+  Real8 friction;                         // coefficient
+  Real8 inverse_k_n, inverse_k_t;
+  Real8 arm_a, arm_b;  // the contact lies at arm * normal from each centre
+  Real8 least_scale;   // impulses below are rounding
   LaneBodies bodies;
 };
 
-/// The same with a viscous film in the gap (film.hpp). Of a resistance z, as an impulse per velocity, against
-/// the compliance k of its motion: damped is z k / (1 + z k), the part of the velocity it takes away.
-struct alignas(64) FilmGroup : CentralGroup {
-  Lanes normal_stiffness;  // 1 + z k
-  Lanes normal_damped, tangential_damped;
-  Lanes skew;                   // alpha of film.hpp
-  Lanes reach_a, reach_b;       // A and B there
-  Lanes roll_gain, roll_keeps;  // z / (1 + z k), z k / (1 + z k)
-  Lanes roll_to_slip;           // slip by a unit impulse against rolling, and the reverse
-  Lanes rolling_impulse[3], last_rolling[3];
+/// The same with a lubrication film in the gap (lubrication.hpp). Of a resistance z, as an impulse per
+/// velocity, against the compliance k of its motion: damped is z k / (1 + z k), the part of the velocity it
+/// takes away.
+struct alignas(64) LubricatedGroup : CentralGroup {
+  Real8 normal_stiffness;  // 1 + z k
+  Real8 normal_damped, tangential_damped;
+  Real8 skew;                   // alpha of lubrication.hpp
+  Real8 reach_a, reach_b;       // A and B there
+  Real8 roll_gain, roll_keeps;  // z / (1 + z k), z k / (1 + z k)
+  Real8 roll_to_slip;           // slip by a unit impulse against rolling, and the reverse
+  Real8 rolling_impulse[3], last_rolling[3];
 };
 
 /// Any other pairs, as many contacts in each lane of a group. Moments are taken about a's centre.
 struct alignas(64) BlockGroup {
-  Lanes offset[3];                                   // from b's centre to a's
-  Lanes inverse_mass;                                // of both together
-  Lanes inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
-  Lanes inverse_arm;                                 // of the furthest contact from a's centre
-  Lanes least_scale;
-  Lanes
+  Real8 offset[3];                                   // from b's centre to a's
+  Real8 inverse_mass;                                // of both together
+  Real8 inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
+  Real8 inverse_arm;                                 // of the furthest contact from a's centre
+  Real8 least_scale;
+  Real8
       inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
-  Lanes softness;            // of the trial in which all stick
-  Lanes impulse[3], angular[3];  // of the last sweep, on b about a's centre
-  Lanes age, carried;            // as in CentralGroup
-  Lanes relative_change;         // of the last sweep; negative: not solved
+  Real8 softness;            // of the trial in which all stick
+  Real8 impulse[3], angular[3];  // of the last sweep, on b about a's centre
+  Real8 age, carried;            // as in CentralGroup
+  Real8 relative_change;         // of the last sweep; negative: not solved
   LaneBodies bodies;
-  std::uint32_t first, count;  // of its contacts
-  std::uint32_t films;         // where its contacts' films begin; none: no_films
+  std::uint32_t first, count;       // of its contacts
+  std::uint32_t first_lubrication;  // where its contacts' lubrication begins; none: no_lubrication
 };
 
-inline constexpr std::uint32_t no_films = ~std::uint32_t{0};
+inline constexpr std::uint32_t no_lubrication = ~std::uint32_t{0};
 
 struct alignas(64) BlockContact {
-  Lanes r[3];  // from a's centre
-  Lanes normal[3];
-  Lanes k_normal[3];  // velocity there by a unit normal impulse
-  Lanes normal_impulse, tangential_impulse[3];
-  Lanes last_normal, last_tangential[3];
-  Lanes target, friction, inverse_k_n, inverse_k_t;
+  Real8 r[3];  // from a's centre
+  Real8 normal[3];
+  Real8 k_normal[3];  // velocity there by a unit normal impulse
+  Real8 normal_impulse, tangential_impulse[3];
+  Real8 last_normal, last_tangential[3];
+  Real8 target, friction, inverse_k_n, inverse_k_t;
 };
 
-/// Of one BlockContact; as in FilmGroup. Rolling is left out.
-struct alignas(64) BlockFilm {
-  Lanes normal_stiffness, normal_damped, tangential_damped;
+/// Lubrication of one BlockContact; as in LubricatedGroup. Rolling is left out.
+struct alignas(64) BlockLubrication {
+  Real8 normal_stiffness, normal_damped, tangential_damped;
 };
-
-// prepare_blocks: once a step, after the groups are filled.
 
 /// One sweep over the groups.
-struct Sweep {
+struct ContactSweep {
   int number;        // from 1; the first solves every pair, later ones those of which a body changed
   bool plain;        // not accelerated: impulses stay as found
   bool push;         // position correction: solved less exactly
   double tolerance;  // a relative change above it marks both bodies as changed
 };
 
-// The sweeps return the largest relative change of a pair that is not final.
-#define SILT_CONTACT_KERNELS(isa)                                                                         \
-  namespace silt::rigid::isa {                                                                            \
-  double sweep_central(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);      \
-  double sweep_films(FilmGroup*, std::size_t groups, const BodyState*, BodySum*, const Sweep&);           \
-  void prepare_blocks(BlockGroup*, std::size_t groups);                                                   \
-  double sweep_blocks(BlockGroup*, std::size_t groups, BlockContact*, const BlockFilm*, const BodyState*, \
-                      const Sweep&);                                                                      \
-  }
+// The kernels. A sweep goes once over its groups and returns the largest relative change of a pair that is
+// not final; blocks are prepared once a step, after the groups are filled.
+using SweepCentral = double(CentralGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&);
+using SweepLubricated = double(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*, const ContactSweep&);
+using SweepBlocks = double(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*, const BodyState*,
+                           const ContactSweep&);
+using PrepareBlocks = void(BlockGroup*, std::size_t groups);
+
+namespace portable {
+SweepCentral sweep_central;
+SweepLubricated sweep_lubricated;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace portable
+namespace avx2 {
+SweepCentral sweep_central;
+SweepLubricated sweep_lubricated;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace avx2
+namespace avx512 {
+SweepCentral sweep_central;
+SweepLubricated sweep_lubricated;
+SweepBlocks sweep_blocks;
+PrepareBlocks prepare_blocks;
+}  // namespace avx512
 
 }  // namespace silt::rigid
-
-SILT_CONTACT_KERNELS(portable)
-SILT_CONTACT_KERNELS(avx2)
-SILT_CONTACT_KERNELS(avx512)

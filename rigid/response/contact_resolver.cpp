@@ -9,14 +9,39 @@
 
 namespace silt::rigid {
 
-std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings& settings) {
-  if (name == "sffd") {
-    auto sffd = std::make_unique<SffdResolver>(settings);
-    if (settings.impact_sweeps == 0) return sffd;
-    return std::make_unique<ImpactThenContact>(settings.impact_sweeps, std::move(sffd));
+namespace {
+
+using Made = std::unique_ptr<ContactResolver>;
+
+Made make_sffd(const ResolverSettings& settings) {
+  auto sffd = std::make_unique<SffdResolver>(settings);
+  if (settings.impact_sweeps == 0) return sffd;
+  return std::make_unique<ImpactThenContact>(settings.impact_sweeps, std::move(sffd));
+}
+
+constexpr ResolverModel models[] = {
+    {"sffd", true, true, false, make_sffd},
+    {"ffd", false, false, true,
+     [](const ResolverSettings& settings) -> Made { return std::make_unique<FfdResolver>(settings); }},
+};
+
+}  // namespace
+
+std::span<const ResolverModel> resolver_models() {
+  return models;
+}
+
+const ResolverModel& resolver_model(std::string_view name) {
+  std::string known;
+  for (const ResolverModel& model : models) {
+    if (model.name == name) return model;
+    known += (known.empty() ? "" : ", ") + std::string(model.name);
   }
-  if (name == "ffd") return std::make_unique<FfdResolver>(settings);
-  throw std::invalid_argument("no resolver \"" + std::string(name) + "\"; known: sffd, ffd");
+  throw std::invalid_argument("no resolver \"" + std::string(name) + "\"; known: " + known);
+}
+
+std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings& settings) {
+  return resolver_model(name).make(settings);
 }
 
 }  // namespace silt::rigid

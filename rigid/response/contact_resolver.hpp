@@ -1,13 +1,16 @@
 #pragma once
 // A contact resolver turns the contacts of one step into post-contact velocities (lines 14 to 20 of the
 // paper's Algorithm 1).
+#include <algorithm>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/impact.hpp"
 
 namespace silt::rigid {
 
@@ -17,9 +20,9 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
-  int impact_sweeps = 0;   // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
-  double entrained = 0;    // sffd: mass around a body that moves with it, over the mass it displaces; takes
-                           // part in every blow (BodySet::pending_blow), but not in those of the impact phase
+  int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  std::shared_ptr<const ImpactSink>
+      impacts;             // sffd: told of every impact but those of the impact phase; null: nobody
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
 
@@ -31,6 +34,19 @@ struct ResolverStatistics {
   double penetration = 0;        // deepest overlap met, lattice units
   double cone_excess = 0;        // largest |p_t| - mu p_n, relative to p_n
   std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found
+
+  /// Adds a later sub-step: sums of what is done, extremes of what is met; contacts are those of the last
+  /// one.
+  ResolverStatistics& operator+=(const ResolverStatistics& later) {
+    contacts = later.contacts;
+    sweeps += later.sweeps;
+    impact_sweeps += later.impact_sweeps;
+    residual = std::max(residual, later.residual);
+    penetration = std::max(penetration, later.penetration);
+    cone_excess = std::max(cone_excess, later.cone_excess);
+    infeasible += later.infeasible;
+    return *this;
+  }
 };
 
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
@@ -54,7 +70,18 @@ class ContactResolver {
                                      BodyExchange&) = 0;
 };
 
-/// "sffd" (default) or "ffd"; std::invalid_argument names the known ones.
+/// A resolver by its name, and which settings and phases of a step it knows. A new one is a row in
+/// contact_resolver.cpp.
+struct ResolverModel {
+  std::string_view name;
+  bool lubricates, has_impact_phase, has_half_force;
+  std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
+};
+
+/// Returns every resolver, the default first.
+std::span<const ResolverModel> resolver_models();
+/// Returns the row of a name; std::invalid_argument names the known ones.
+const ResolverModel& resolver_model(std::string_view name);
 std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings&);
 
 }  // namespace silt::rigid

@@ -71,8 +71,10 @@ ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints) {
       const HalfSpace6& c = constraints[k];
       const double size = c.normal.norm();
       const double missing = (c.offset - c.normal.dot(set.y)) / size;
-      if (missing > most && missing > violation * (set.y.norm() + std::abs(c.offset) / size))
-        most = missing, worst = k;
+      if (missing > most && missing > violation * (set.y.norm() + std::abs(c.offset) / size)) {
+        most = missing;
+        worst = k;
+      }
     }
     if (worst == constraints.size()) return {true, set.y};
     if (!set.enforce(worst)) return {false, set.y};

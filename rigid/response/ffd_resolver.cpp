@@ -37,7 +37,7 @@ double mobility(const BodySet& b, std::size_t row, const Vec3& r, const Vec3& n)
   return b.inverse_mass(row) + x.dot(b.inverse_inertia_W(row) * x);
 }
 
-/// The tangents friction may act along: the first against the contact point's own velocity (2.4).
+/// The tangents friction may act along: the first against the contact point's own velocity (F3).
 std::array<Vec3, friction_samples> tangents(const Vec3& n, const Vec3& velocity) {
   Vec3 t = velocity.dot(n) * n - velocity;
   if (t.norm() <= 1e-12 * velocity.norm() || t.norm() == 0) {
@@ -62,7 +62,7 @@ Vec6 full_stop(const std::vector<HalfSpace6>& directions, const Vec6& phi) {
 
 }  // namespace
 
-/// 2.2: the common normal speed d of an inelastic collision of these two alone is all either body learns of
+/// (F1): the common normal speed d of an inelastic collision of these two alone is all either body learns of
 /// the other.
 void FfdResolver::add_constraints(const BodySet& bodies, const Contact& c, double dt) {
   const std::size_t rows[2] = {bodies.row_of(c.a), bodies.row_of(c.b)};
@@ -95,17 +95,17 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
   Vec3 &v = velocities.v[row], &w = velocities.w[row];
   const Vec6 plain = (Vec6() << w, v).finished(), phi = frame.velocity(w, v);
 
-  // 2.3: the closest velocity that violates nothing
-  std::vector<HalfSpace6> rows;
+  // (F2): the closest velocity that violates nothing
+  std::vector<HalfSpace6> half_spaces;
   double bounce = 0, compression = 0, reach = 0;
   for (const Constraint& c : constraints) {
     const double missing = c.offset - c.covector.dot(plain);
-    rows.push_back({frame.covector(c.covector), missing + c.correction});
+    half_spaces.push_back({frame.covector(c.covector), missing + c.correction});
     bounce += c.restitution * missing;
     compression += missing;
     reach = std::max(reach, std::abs(missing + c.correction) / c.covector.norm());
   }
-  const ClosestPoint feasible = closest_to_origin(rows);
+  const ClosestPoint feasible = closest_to_origin(half_spaces);
   if (!feasible.feasible) {
     v.setZero();
     w.setZero();
@@ -116,13 +116,13 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
   const double size = (Vec6() << frame.w(r), frame.v(r)).finished().norm();
   if (size > 1.2 * reach) r *= 1.2 * reach / size;
 
-  // 2.4: the friction that leaves the least kinetic energy
+  // (F3): the friction that leaves the least kinetic energy
   std::vector<HalfSpace6> friction;
   const Vec3 w_feasible = w + frame.w(r), v_feasible = v + frame.v(r);
   for (std::size_t k = 0; k < constraints.size(); ++k) {
     const Constraint& c = constraints[k];
     if (c.friction <= 0) continue;
-    const double bound = c.friction * std::max(0.0, rows[k].normal.dot(r));
+    const double bound = c.friction * std::max(0.0, half_spaces[k].normal.dot(r));
     for (const Vec3& t : tangents(c.normal, v_feasible + w_feasible.cross(c.r)))
       friction.push_back({frame.covector(covector_of(c.r, t)), bound});
   }
@@ -137,7 +137,7 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
     if (bounded.feasible) delta = stop + bounded.y;
   }
 
-  // 2.5
+  // (F4)
   const double e = compression > 0 ? bounce / compression : 0;
   const Vec6 after = phi + delta + (1 + e) * r;
   v = frame.v(after);

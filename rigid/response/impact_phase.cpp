@@ -50,7 +50,7 @@ std::size_t ImpactPhase::involve(const BodySet& bodies, std::size_t row) {
 void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& contacts) {
   bodies_.clear();
   pairs_.clear();
-  rows_.clear();
+  contacts_.clear();
   index_.assign(bodies.size(), -1);
   for (std::size_t first = 0, last; first < contacts.size(); first = last) {
     const Contact& c = contacts[first];
@@ -60,14 +60,14 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
     if (!bodies_[a].moves && !bodies_[b].moves) continue;  // its owners' business
     // of a wall only its turning matters, and few turn
     const bool b_turns = !is_wall(c.b) || bodies.angular_velocity[bodies_[b].row] != Vec3::Zero();
-    const std::size_t from = rows_.size();
+    const std::size_t from = contacts_.size();
     for (std::size_t k = first; k < last; ++k)
-      rows_.push_back({.direction = contact_directions(contacts[k].normal),
-                       .r_a = contacts[k].r_a,
-                       .r_b = b_turns ? contacts[k].r_b : Vec3(Vec3::Zero()),
-                       .gap = contacts[k].gap,
-                       .friction = contacts[k].friction});
-    pairs_.push_back({.first = from, .last = rows_.size(), .a = a, .b = b, .restitution = c.restitution});
+      contacts_.push_back({.direction = contact_directions(contacts[k].normal),
+                           .r_a = contacts[k].r_a,
+                           .r_b = b_turns ? contacts[k].r_b : Vec3(Vec3::Zero()),
+                           .gap = contacts[k].gap,
+                           .friction = contacts[k].friction});
+    pairs_.push_back({.first = from, .last = contacts_.size(), .a = a, .b = b, .restitution = c.restitution});
   }
 }
 
@@ -80,7 +80,10 @@ Twist read(const std::vector<double>& state, std::size_t row) {
 
 void write(std::vector<double>& state, std::size_t row, const Twist& t) {
   double* s = state.data() + row * width;
-  for (int d = 0; d < 3; ++d) s[d] = t.v[d], s[3 + d] = t.w[d];
+  for (int d = 0; d < 3; ++d) {
+    s[d] = t.v[d];
+    s[3 + d] = t.w[d];
+  }
 }
 
 }  // namespace
@@ -92,11 +95,11 @@ double ImpactPhase::largest_approaching_restitution(double dt) {
     const Twist a = read(state_, bodies_[p.a].row), b = read(state_, bodies_[p.b].row);
     p.collides = false;
     for (std::size_t k = p.first; k < p.last; ++k) {
-      Row& row = rows_[k];
-      const double speed = row.direction[0].dot(b.at(row.r_b) - a.at(row.r_a));
-      const double least = negligible * (row.r_a.norm() + row.r_b.norm()) / dt;
-      row.approaching = speed < -least && (row.gap <= 0 || row.gap + dt * speed < 0);
-      p.collides = p.collides || row.approaching;
+      ImpactContact& c = contacts_[k];
+      const double speed = c.direction[0].dot(b.at(c.r_b) - a.at(c.r_a));
+      const double least = negligible * (c.r_a.norm() + c.r_b.norm()) / dt;
+      c.approaching = speed < -least && (c.gap <= 0 || c.gap + dt * speed < 0);
+      p.collides = p.collides || c.approaching;
     }
     if (p.collides) largest = std::max(largest, p.restitution);
   }
@@ -105,10 +108,15 @@ double ImpactPhase::largest_approaching_restitution(double dt) {
 
 /// Picks the round's pairs, counts them at their bodies and splits the masses accordingly.
 void ImpactPhase::begin_round(BodySet& bodies, BodyExchange& exchange, double restitution) {
-  for (Body& b : bodies_) b.pairs = 0, b.start = read(state_, b.row);
+  for (Body& b : bodies_) {
+    b.pairs = 0;
+    b.start = read(state_, b.row);
+  }
   for (Pair& p : pairs_) {
     p.collides = p.collides && p.restitution == restitution;
-    if (p.collides) ++bodies_[p.a].pairs, ++bodies_[p.b].pairs;
+    if (!p.collides) continue;
+    ++bodies_[p.a].pairs;
+    ++bodies_[p.b].pairs;
   }
   for (const Body& b : bodies_) state_[b.row * width + 6] = b.pairs;
   exchange.share(bodies, state_, width);
@@ -121,16 +129,16 @@ void ImpactPhase::split_masses(Pair& p) {
   const double n_a = state_[a.row * width + 6], n_b = state_[b.row * width + 6];
   p.alone = (n_a == 1 || a.inverse_mass == 0) && (n_b == 1 || b.inverse_mass == 0);
   for (std::size_t k = p.first; k < p.last; ++k) {
-    Row& row = rows_[k];
-    const auto& d = row.direction;
+    ImpactContact& c = contacts_[k];
+    const auto& d = c.direction;
     const auto both = [&](int i, int j) {
-      return n_a * response(a.inverse_mass, a.inverse_inertia, row.r_a, d[i], d[j]) +
-             n_b * response(b.inverse_mass, b.inverse_inertia, row.r_b, d[i], d[j]);
+      return n_a * response(a.inverse_mass, a.inverse_inertia, c.r_a, d[i], d[j]) +
+             n_b * response(b.inverse_mass, b.inverse_inertia, c.r_b, d[i], d[j]);
     };
     const double k11 = both(1, 1), k22 = both(2, 2), k12 = both(1, 2);
-    row.k_n = both(0, 0);
-    row.k_t = 0.5 * (k11 + k22) + std::hypot(0.5 * (k11 - k22), k12);
-    row.impulse = {};
+    c.k_n = both(0, 0);
+    c.k_t = 0.5 * (k11 + k22) + std::hypot(0.5 * (k11 - k22), k12);
+    c.impulse = {};
   }
 }
 
@@ -142,25 +150,26 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
   Sides sides{read(state_, body_a.row),  read(state_, body_b.row),     n_a * body_a.inverse_mass,
               n_b * body_b.inverse_mass, n_a * body_a.inverse_inertia, n_b * body_b.inverse_inertia};
   old_.clear();
-  for (std::size_t k = p.first; k < p.last; ++k) old_.push_back(rows_[k].impulse);
+  for (std::size_t k = p.first; k < p.last; ++k) old_.push_back(contacts_[k].impulse);
   for (int i = 0; i < most_rounds_of_a_pair; ++i) {
     double change = 0, scale = 0;
     for (std::size_t k = p.first; k < p.last; ++k) {
-      Row& row = rows_[k];
-      if (!row.approaching) continue;
-      const Vec3 u = sides.b.at(row.r_b) - sides.a.at(row.r_a);
-      auto& impulse = row.impulse;
+      ImpactContact& c = contacts_[k];
+      if (!c.approaching) continue;
+      const Vec3 u = sides.b.at(c.r_b) - sides.a.at(c.r_a);
+      auto& impulse = c.impulse;
       const std::array<double, 3> before = impulse;
       if (stage == Stage::normal) {
-        impulse[0] = std::max(0.0, impulse[0] - row.direction[0].dot(u) / row.k_n);
+        impulse[0] = std::max(0.0, impulse[0] - c.direction[0].dot(u) / c.k_n);
       } else {
-        for (int d = 1; d < 3; ++d) impulse[d] -= row.direction[d].dot(u) / row.k_t;
-        const double size = std::hypot(impulse[1], impulse[2]), limit = row.friction * impulse[0];
-        if (size > limit) impulse[1] *= limit / size, impulse[2] *= limit / size;
+        for (int d = 1; d < 3; ++d) impulse[d] -= c.direction[d].dot(u) / c.k_t;
+        const double size = std::hypot(impulse[1], impulse[2]), limit = c.friction * impulse[0];
+        if (size > limit)
+          for (int d = 1; d < 3; ++d) impulse[d] *= limit / size;
       }
       Vec3 difference = Vec3::Zero();
-      for (int d = 0; d < 3; ++d) difference += (impulse[d] - before[d]) * row.direction[d];
-      sides.push(difference, row.r_a, row.r_b);
+      for (int d = 0; d < 3; ++d) difference += (impulse[d] - before[d]) * c.direction[d];
+      sides.push(difference, c.r_a, c.r_b);
       change = std::max(change, difference.norm());
       scale = std::max({scale, std::abs(impulse[0]), std::abs(impulse[1]), std::abs(impulse[2])});
     }
@@ -170,8 +179,8 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
   double change = 0, scale = 0;
   for (std::size_t k = p.first; k < p.last; ++k)
     for (int d = 0; d < 3; ++d) {
-      change = std::max(change, std::abs(rows_[k].impulse[d] - old_[k - p.first][d]));
-      scale = std::max(scale, std::abs(rows_[k].impulse[d]));
+      change = std::max(change, std::abs(contacts_[k].impulse[d] - old_[k - p.first][d]));
+      scale = std::max(scale, std::abs(contacts_[k].impulse[d]));
     }
   return change > 0 ? change / scale : 0;
 }
@@ -180,14 +189,14 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
 void ImpactPhase::take_impulses(const Pair& p, const std::vector<std::array<double, 3>>& old) {
   Body &a = bodies_[p.a], &b = bodies_[p.b];
   for (std::size_t k = p.first; k < p.last; ++k) {
-    const Row& row = rows_[k];
+    const ImpactContact& c = contacts_[k];
     Vec3 impulse = Vec3::Zero();
     for (int d = 0; d < 3; ++d)
-      impulse += (row.impulse[d] - (old.empty() ? 0.0 : old[k - p.first][d])) * row.direction[d];
+      impulse += (c.impulse[d] - (old.empty() ? 0.0 : old[k - p.first][d])) * c.direction[d];
     a.impulse -= impulse;
-    a.angular_impulse -= row.r_a.cross(impulse);
+    a.angular_impulse -= c.r_a.cross(impulse);
     b.impulse += impulse;
-    b.angular_impulse += row.r_b.cross(impulse);
+    b.angular_impulse += c.r_b.cross(impulse);
   }
 }
 
@@ -232,7 +241,7 @@ void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange, double factor
     if (b.moves) write(state_, b.row, b.start);
   for (const Pair& p : pairs_) {
     if (!p.collides) continue;
-    for (std::size_t k = p.first; k < p.last; ++k) rows_[k].impulse[0] *= factor;
+    for (std::size_t k = p.first; k < p.last; ++k) contacts_[k].impulse[0] *= factor;
     take_impulses(p, {});
   }
   apply();
@@ -241,7 +250,7 @@ void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange, double factor
 
 bool ImpactPhase::rubs() const {
   return std::any_of(pairs_.begin(), pairs_.end(),
-                     [&](const Pair& p) { return p.collides && rows_[p.first].friction > 0; });
+                     [&](const Pair& p) { return p.collides && contacts_[p.first].friction > 0; });
 }
 
 int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
@@ -266,7 +275,8 @@ int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contact
     Vec3 &v = velocities.before_v[b.row], &w = velocities.before_w[b.row];
     if (b.moves && now.v != v) velocities.v[b.row] += now.v - v;
     if (b.moves && now.w != w) velocities.w[b.row] += now.w - w;
-    v = now.v, w = now.w;
+    v = now.v;
+    w = now.w;
   }
   return sweeps;
 }

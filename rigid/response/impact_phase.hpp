@@ -1,6 +1,6 @@
 #pragma once
-// Impacts before the contacts of a step (FFD.md 5.6): how a blow runs through bodies that touch, which the
-// simultaneous law of sFFD does not give (Newton's cradle).
+// Impacts before the contacts of a step (rigid/README.md, C8): how one runs through bodies that touch, which
+// the simultaneous law of sFFD does not give (Newton's cradle).
 //
 // In rounds: of the pairs with e > 0 that approach now, those with the largest e collide, all at once. Their
 // normal impulses are those of a plastic collision (the least kinetic energy without approach) times 1 + e;
@@ -41,7 +41,7 @@ class ImpactPhase {
     Twist start;    // of the round
     Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();
   };
-  struct Row {  // a contact
+  struct ImpactContact {  // a contact
     std::array<Vec3, 3> direction;
     Vec3 r_a, r_b;
     double gap, friction;
@@ -50,7 +50,7 @@ class ImpactPhase {
     std::array<double, 3> impulse{};
   };
   struct Pair {
-    std::size_t first, last;  // its rows
+    std::size_t first, last;  // its contacts
     std::size_t a, b;         // in bodies_
     double restitution;
     bool collides = false;  // in this round
@@ -74,7 +74,7 @@ class ImpactPhase {
   int most_sweeps_;
   std::vector<Body> bodies_;
   std::vector<Pair> pairs_;
-  std::vector<Row> rows_;
+  std::vector<ImpactContact> contacts_;
   std::vector<std::array<double, 3>> old_;  // impulses before a pair is solved
   std::vector<std::int32_t> index_;         // of a row of the BodySet in bodies_, -1: takes no part
   std::vector<double> state_;               // a row of the BodySet: v, w, number of pairs of the round

@@ -8,13 +8,13 @@
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-using Mask = decltype(Lanes{} < Lanes{});  // all bits of a lane set: true
+using Mask = decltype(Real8{} < Real8{});  // all bits of a lane set: true
 
-inline Lanes larger(Lanes a, Lanes b) {
+inline Real8 larger(Real8 a, Real8 b) {
   return a > b ? a : b;
 }
-inline Lanes square_root(Lanes x) {
-  Lanes root;
+inline Real8 square_root(Real8 x) {
+  Real8 root;
   for (int l = 0; l < lane_count; ++l) root[l] = std::sqrt(x[l]);
   return root;
 }
@@ -24,22 +24,22 @@ inline bool any(Mask m) {
   return bits != 0;
 }
 /// The largest of the lanes.
-inline double largest(Lanes x) {
+inline double largest(Real8 x) {
   double most = x[0];
   for (int l = 1; l < lane_count; ++l) most = x[l] > most ? x[l] : most;
   return most;
 }
 
 struct Vector {
-  Lanes x, y, z;
+  Real8 x, y, z;
 
   Vector operator+(const Vector& o) const { return {x + o.x, y + o.y, z + o.z}; }
   Vector operator-(const Vector& o) const { return {x - o.x, y - o.y, z - o.z}; }
-  Vector operator*(Lanes s) const { return {s * x, s * y, s * z}; }
+  Vector operator*(Real8 s) const { return {s * x, s * y, s * z}; }
   Vector& operator+=(const Vector& o) { return *this = *this + o; }
   Vector& operator-=(const Vector& o) { return *this = *this - o; }
 };
-inline Lanes dot(const Vector& a, const Vector& b) {
+inline Real8 dot(const Vector& a, const Vector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 inline Vector cross(const Vector& a, const Vector& b) {
@@ -48,21 +48,24 @@ inline Vector cross(const Vector& a, const Vector& b) {
 inline Vector choose(Mask m, const Vector& a, const Vector& b) {
   return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z};
 }
-inline Vector load(const Lanes* v) {
+inline Vector load(const Real8* v) {
   return {v[0], v[1], v[2]};
 }
-inline void store(Lanes* v, const Vector& a) {
-  v[0] = a.x, v[1] = a.y, v[2] = a.z;
+inline void store(Real8* v, const Vector& a) {
+  v[0] = a.x;
+  v[1] = a.y;
+  v[2] = a.z;
 }
 /// A symmetric matrix (xx, yy, zz, xy, xz, yz) times a vector.
-inline Vector times(const Lanes* m, const Vector& a) {
+inline Vector times(const Real8* m, const Vector& a) {
   return {m[0] * a.x + m[3] * a.y + m[4] * a.z, m[3] * a.x + m[1] * a.y + m[5] * a.z,
           m[4] * a.x + m[5] * a.y + m[2] * a.z};
 }
 
-/// Lanes to be solved: all in the first sweep, then those of which a body changed, or that a plain sweep has
+/// Real8 to be solved: all in the first sweep, then those of which a body changed, or that a plain sweep has
 /// to bring back.
-inline Mask to_solve(const LaneBodies& bodies, Lanes carried, const BodyState* state, const Sweep& sweep) {
+inline Mask to_solve(const LaneBodies& bodies, Real8 carried, const BodyState* state,
+                     const ContactSweep& sweep) {
   Mask on;
   const bool first = sweep.number == 1;
   for (int l = 0; l < lane_count; ++l) {
@@ -80,8 +83,12 @@ struct Twist {
   Twist(const std::int32_t* rows, const BodyState* state) {
     for (int l = 0; l < lane_count; ++l) {
       const BodyState& s = state[rows[l]];
-      v.x[l] = s.v[0], v.y[l] = s.v[1], v.z[l] = s.v[2];
-      w.x[l] = s.w[0], w.y[l] = s.w[1], w.z[l] = s.w[2];
+      v.x[l] = s.v[0];
+      v.y[l] = s.v[1];
+      v.z[l] = s.v[2];
+      w.x[l] = s.w[0];
+      w.y[l] = s.w[1];
+      w.z[l] = s.w[2];
     }
   }
 };
@@ -89,11 +96,11 @@ struct Twist {
 /// How far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since the
 /// last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts anew (O'Donoghue, Candes, Found.
 /// Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
-inline Lanes momentum(Lanes& age, Lanes led_wrong, Mask on) {
+inline Real8 momentum(Real8& age, Real8 led_wrong, Mask on) {
   const Mask restart = led_wrong > 0;
-  const Lanes one = age * 0 + 1, k = restart ? one : age;
+  const Real8 one = age * 0 + 1, k = restart ? one : age;
   age = on ? k + 1 : age;
-  return on ? (k - 1) / (k + 2) : Lanes{};
+  return on ? (k - 1) / (k + 2) : Real8{};
 }
 inline Mask goes_on(const LaneBodies& bodies) {
   Mask on;
@@ -102,8 +109,8 @@ inline Mask goes_on(const LaneBodies& bodies) {
 }
 
 /// Tangential impulses brought back into the cone.
-inline Vector into_cone(const Vector& q, Lanes limit) {
-  const Lanes square = dot(q, q);
+inline Vector into_cone(const Vector& q, Real8 limit) {
+  const Real8 square = dot(q, q);
   const Mask outside = square > limit * limit;
   if (!any(outside)) return q;  // roots and quotients are what a round waits for
   return choose(outside, q * (limit / square_root(square)), q);

@@ -8,6 +8,25 @@ namespace silt::rigid {
 
 namespace {
 
+/// One build of the kernels.
+struct LaneKernels {
+  SweepCentral* sweep_central;
+  SweepLubricated* sweep_lubricated;
+  SweepBlocks* sweep_blocks;
+  PrepareBlocks* prepare_blocks;
+};
+constexpr LaneKernels portable_kernels = {portable::sweep_central, portable::sweep_lubricated,
+                                          portable::sweep_blocks, portable::prepare_blocks};
+constexpr LaneKernels avx2_kernels = {avx2::sweep_central, avx2::sweep_lubricated, avx2::sweep_blocks,
+                                      avx2::prepare_blocks};
+constexpr LaneKernels avx512_kernels = {avx512::sweep_central, avx512::sweep_lubricated, avx512::sweep_blocks,
+                                        avx512::prepare_blocks};
+
+/// The build that runs here.
+LaneKernels kernels() {
+  return chosen(portable_kernels, avx2_kernels, avx512_kernels);
+}
+
 constexpr double on_axis = 1e-12;  // sine between a contact's arm and its normal: none
 
 bool is_central(const PairToSolve& p) {
@@ -19,13 +38,17 @@ bool is_central(const PairToSolve& p) {
   return along(c.r_a, p.a) && along(c.r_b, p.b);
 }
 
-void set(Lanes* lanes, int l, const Vec3& x) {
+void set(Real8* lanes, int l, const Vec3& x) {
   for (int d = 0; d < 3; ++d) lanes[d][l] = x[d];
 }
 
-void set_symmetric(Lanes* lanes, int l, const Mat3& m) {
-  lanes[0][l] = m(0, 0), lanes[1][l] = m(1, 1), lanes[2][l] = m(2, 2);
-  lanes[3][l] = m(0, 1), lanes[4][l] = m(0, 2), lanes[5][l] = m(1, 2);
+void set_symmetric(Real8* lanes, int l, const Mat3& m) {
+  lanes[0][l] = m(0, 0);
+  lanes[1][l] = m(1, 1);
+  lanes[2][l] = m(2, 2);
+  lanes[3][l] = m(0, 1);
+  lanes[4][l] = m(0, 2);
+  lanes[5][l] = m(1, 2);
 }
 
 Mat3 cross_matrix(const Vec3& a) {
@@ -48,8 +71,9 @@ double tangential_eigenvalue(const Mat3& k, const Vec3& n, const Vec3& k_n) {
   return 0.5 * (sum + std::sqrt(std::max(0.0, 2 * squares - sum * sum)));
 }
 
-bool has_film(const PairToSolve& p) {
-  return std::any_of(p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return bool(c.film); });
+bool has_lubrication(const PairToSolve& p) {
+  return std::any_of(p.contacts.begin(), p.contacts.end(),
+                     [](const Contact& c) { return bool(c.lubrication); });
 }
 
 /// The next free lane of the last group; a new group, all of whose lanes are unused, where there is none.
@@ -80,9 +104,12 @@ std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) 
   set(g.last_tangential, l, p.impulses[0].tangential);
   g.age[l] = 1;
   g.carried[l] = 0;
-  g.target[l] = p.targets[0], g.friction[l] = c.friction;
-  g.inverse_k_n[l] = 1 / k_n, g.inverse_k_t[l] = 1 / k_t;
-  g.arm_a[l] = arm_a, g.arm_b[l] = arm_b;
+  g.target[l] = p.targets[0];
+  g.friction[l] = c.friction;
+  g.inverse_k_n[l] = 1 / k_n;
+  g.inverse_k_t[l] = 1 / k_t;
+  g.arm_a[l] = arm_a;
+  g.arm_b[l] = arm_b;
   g.least_scale[l] = p.least_scale;
   g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
   g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
@@ -95,39 +122,40 @@ double damped(double z, double k) {
   return z * k / (1 + z * k);
 }
 
-/// No film resists a position correction.
-void dry(FilmGroup& g, int l) {
+/// No lubrication film resists a position correction.
+void dry(LubricatedGroup& g, int l) {
   g.normal_stiffness[l] = 1;
   g.normal_damped[l] = g.roll_keeps[l] = g.tangential_damped[l] = g.roll_gain[l] = g.roll_to_slip[l] = 0;
   set(g.rolling_impulse, l, Vec3::Zero());
   set(g.last_rolling, l, Vec3::Zero());
 }
 
-void set_film(BlockFilm& lanes, int l, const PairToSolve& p, std::size_t k, const BlockContact& contact) {
-  const Film& film = p.contacts[k].film;
+void set_lubrication(BlockLubrication& lanes, int l, const PairToSolve& p, std::size_t k,
+                     const BlockContact& contact) {
+  const LubricationResistance& resistance = p.contacts[k].lubrication;
   const double k_n = 1 / contact.inverse_k_n[l], k_t = 1 / contact.inverse_k_t[l];
-  lanes.normal_stiffness[l] = 1 + p.dt * film.normal * k_n;
-  lanes.normal_damped[l] = damped(p.dt * film.normal, k_n);
-  lanes.tangential_damped[l] = damped(p.dt * film.sliding, k_t);
+  lanes.normal_stiffness[l] = 1 + p.dt * resistance.normal * k_n;
+  lanes.normal_damped[l] = damped(p.dt * resistance.normal, k_n);
+  lanes.tangential_damped[l] = damped(p.dt * resistance.sliding, k_t);
 }
 
 }  // namespace
 
 void PairLanes::clear(std::size_t rows) {
   rows_ = rows;
-  central_lane_ = film_lane_ = lane_count;
+  central_lane_ = lubricated_lane_ = lane_count;
   central_.clear();
-  films_.clear();
+  lubricated_.clear();
   blocks_.clear();
   block_contacts_.clear();
-  block_films_.clear();
+  block_lubrication_.clear();
   open_.clear();
   block_order_.clear();
 }
 
 PairLanes::Place PairLanes::add(const PairToSolve& p) {
   if (!is_central(p)) return add_block(p);
-  return p.contacts[0].film ? add_film(p) : add_central(p);
+  return p.contacts[0].lubrication ? add_lubricated(p) : add_central(p);
 }
 
 PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
@@ -136,13 +164,14 @@ PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
   return {static_cast<std::uint32_t>(central_.size() - 1), static_cast<std::uint8_t>(l), true};
 }
 
-PairLanes::Place PairLanes::add_film(const PairToSolve& p) {
-  const int l = next_lane(films_, film_lane_, rows_);
-  FilmGroup& g = films_.back();
+PairLanes::Place PairLanes::add_lubricated(const PairToSolve& p) {
+  const int l = next_lane(lubricated_, lubricated_lane_, rows_);
+  LubricatedGroup& g = lubricated_.back();
   const auto [k_n, k_t] = set_central(g, l, p);
   const Contact& c = p.contacts[0];
-  const double z_n = p.dt * c.film.normal, z_t = p.dt * c.film.sliding, z_r = p.dt * c.film.rolling;
-  const double a = g.arm_a[l], b = -g.arm_b[l];  // A and B of film.hpp
+  const double z_n = p.dt * c.lubrication.normal, z_t = p.dt * c.lubrication.sliding,
+               z_r = p.dt * c.lubrication.rolling;
+  const double a = g.arm_a[l], b = -g.arm_b[l];  // A and B of lubrication.hpp
   const double skew = is_wall(c.b) ? -1 : (a - b) / (a + b);
   const double turn_a = a * a * p.share_a * p.a.inverse_inertia(0, 0);
   const double turn_b = is_wall(c.b) ? 0 : b * b * p.share_b * p.b.inverse_inertia(0, 0);
@@ -155,19 +184,21 @@ PairLanes::Place PairLanes::add_film(const PairToSolve& p) {
   g.inverse_k_t[l] = 1 / k_slip;
   g.tangential_damped[l] = damped(z_t, k_slip);
   g.skew[l] = skew;
-  g.reach_a[l] = a, g.reach_b[l] = is_wall(c.b) ? 0 : b;
-  g.roll_gain[l] = gain, g.roll_keeps[l] = gain * k_r;
+  g.reach_a[l] = a;
+  g.reach_b[l] = is_wall(c.b) ? 0 : b;
+  g.roll_gain[l] = gain;
+  g.roll_keeps[l] = gain * k_r;
   g.roll_to_slip[l] = across;
   set(g.rolling_impulse, l, Vec3::Zero());
   set(g.last_rolling, l, Vec3::Zero());
-  return {static_cast<std::uint32_t>(films_.size() - 1), static_cast<std::uint8_t>(l), true, true};
+  return {static_cast<std::uint32_t>(lubricated_.size() - 1), static_cast<std::uint8_t>(l), true, true};
 }
 
 PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   const std::size_t count = p.contacts.size();
-  const bool film = has_film(p);
+  const bool lubricated = has_lubrication(p);
   if (open_.size() <= 2 * count + 1) open_.resize(2 * count + 2);
-  Open& open = open_[2 * count + film];
+  Open& open = open_[2 * count + lubricated];
   if (open.lane == lane_count) {
     open = {static_cast<std::uint32_t>(blocks_.size()), 0};
     blocks_.emplace_back();
@@ -180,8 +211,8 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     g.first = static_cast<std::uint32_t>(block_contacts_.size());
     g.count = static_cast<std::uint32_t>(count);
     block_contacts_.resize(block_contacts_.size() + count);
-    g.films = film ? static_cast<std::uint32_t>(block_films_.size()) : no_films;
-    if (film) block_films_.resize(block_films_.size() + count);
+    g.first_lubrication = lubricated ? static_cast<std::uint32_t>(block_lubrication_.size()) : no_lubrication;
+    if (lubricated) block_lubrication_.resize(block_lubrication_.size() + count);
   }
   BlockGroup& g = blocks_[open.group];
   const int l = open.lane++;
@@ -199,7 +230,8 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   for (std::size_t k = 0; k < count; ++k) {
     furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
     add_block_contact(block_contacts_[g.first + k], l, p, k);
-    if (film) set_film(block_films_[g.films + k], l, p, k, block_contacts_[g.first + k]);
+    if (lubricated)
+      set_lubrication(block_lubrication_[g.first_lubrication + k], l, p, k, block_contacts_[g.first + k]);
   }
   g.age[l] = 1;
   g.carried[l] = 0;
@@ -219,42 +251,24 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
   lanes.normal_impulse[l] = lanes.last_normal[l] = p.impulses[k].normal;
   set(lanes.tangential_impulse, l, p.impulses[k].tangential);
   set(lanes.last_tangential, l, p.impulses[k].tangential);
-  lanes.target[l] = p.targets[k], lanes.friction[l] = c.friction;
+  lanes.target[l] = p.targets[k];
+  lanes.friction[l] = c.friction;
   lanes.inverse_k_n[l] = 1 / c.normal.dot(k_normal);
   lanes.inverse_k_t[l] = 1 / tangential_eigenvalue(response, c.normal, k_normal);
 }
 
 void PairLanes::prepare() {
-  switch (chosen_isa()) {
-    case Isa::avx512:
-      return avx512::prepare_blocks(blocks_.data(), blocks_.size());
-    case Isa::avx2:
-      return avx2::prepare_blocks(blocks_.data(), blocks_.size());
-    default:
-      return portable::prepare_blocks(blocks_.data(), blocks_.size());
-  }
+  kernels().prepare_blocks(blocks_.data(), blocks_.size());
 }
 
-double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const Sweep& sweep) {
-  const auto run = [&](auto central, auto films, auto blocks) {
-    double residual = central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
-    residual = std::max(residual, films(films_.data(), films_.size(), state.data(), sums.data(), sweep));
-    return std::max(residual, blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
-                                     block_films_.data(), state.data(), sweep));
-  };
-  double residual = 0;
-  switch (chosen_isa()) {
-    case Isa::avx512:
-      residual = run(avx512::sweep_central, avx512::sweep_films, avx512::sweep_blocks);
-      break;
-    case Isa::avx2:
-      residual = run(avx2::sweep_central, avx2::sweep_films, avx2::sweep_blocks);
-      break;
-    default:
-      residual = run(portable::sweep_central, portable::sweep_films, portable::sweep_blocks);
-  }
+double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums, const ContactSweep& sweep) {
+  const LaneKernels k = kernels();
+  const double central = k.sweep_central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
+  const double lubricated = k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep);
+  const double blocks = k.sweep_blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
+                                       block_lubrication_.data(), state.data(), sweep);
   sum_blocks(sums, sweep.tolerance);
-  return residual;
+  return std::max({central, lubricated, blocks});
 }
 
 void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
@@ -267,8 +281,10 @@ void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
     const Vec3 angular_b = angular + Vec3(g.offset[0][l], g.offset[1][l], g.offset[2][l]).cross(impulse);
     BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
     for (int d = 0; d < 3; ++d) {
-      a.impulse[d] -= impulse[d], a.angular[d] -= angular[d];
-      b.impulse[d] += impulse[d], b.angular[d] += angular_b[d];
+      a.impulse[d] -= impulse[d];
+      a.angular[d] -= angular[d];
+      b.impulse[d] += impulse[d];
+      b.angular[d] += angular_b[d];
     }
     if (g.relative_change[l] > tolerance) a.changed = b.changed = 1;
   }
@@ -279,7 +295,7 @@ void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) co
     p.normal = lanes.normal_impulse[at.lane];
     for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane] + 0.0;  // no -0
   };
-  if (at.film) return read(films_[at.group], out[0]);
+  if (at.lubricated) return read(lubricated_[at.group], out[0]);
   if (at.central) return read(central_[at.group], out[0]);
   for (std::size_t k = 0; k < out.size(); ++k) read(block_contacts_[blocks_[at.group].first + k], out[k]);
 }
@@ -295,10 +311,10 @@ void PairLanes::aim(const Place& at, std::span<const double> targets, double lea
     group.age[at.lane] = 1;
     group.carried[at.lane] = 0;
   };
-  if (at.film) {
-    dry(films_[at.group], at.lane);
-    start_over(films_[at.group]);
-    return set_target(films_[at.group], targets[0]);
+  if (at.lubricated) {
+    dry(lubricated_[at.group], at.lane);
+    start_over(lubricated_[at.group]);
+    return set_target(lubricated_[at.group], targets[0]);
   }
   if (at.central) {
     start_over(central_[at.group]);

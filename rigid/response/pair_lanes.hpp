@@ -37,7 +37,7 @@ class PairLanes {
   struct Place {
     std::uint32_t group;
     std::uint8_t lane;
-    bool central, film = false;
+    bool central, lubricated = false;
   };
 
   /// Forgets all pairs. rows: of the BodySet; state and sums have one more, at rest, for unused lanes.
@@ -49,7 +49,7 @@ class PairLanes {
   /// One sweep of all pairs from the same velocities. Adds to the bodies' sums in an order
   /// that only the keys decide, and marks a body as changed where a relative change exceeds the tolerance.
   /// Returns the largest relative change of a pair that is not final.
-  double sweep(std::span<const BodyState>, std::span<BodySum>, const Sweep&);
+  double sweep(std::span<const BodyState>, std::span<BodySum>, const ContactSweep&);
 
   void read_impulses(const Place&, std::span<ContactImpulse>) const;
   /// Starts over for the position correction: zero impulses, no friction, the target of each contact of the
@@ -58,23 +58,23 @@ class PairLanes {
 
  private:
   Place add_central(const PairToSolve&);
-  Place add_film(const PairToSolve&);
+  Place add_lubricated(const PairToSolve&);
   Place add_block(const PairToSolve&);
   void add_block_contact(BlockContact&, int lane, const PairToSolve&, std::size_t k);
   void sum_blocks(std::span<BodySum>, double tolerance) const;
 
   std::size_t rows_ = 0;
-  int central_lane_ = lane_count, film_lane_ = lane_count;  // the next free one of the last group
+  int central_lane_ = lane_count, lubricated_lane_ = lane_count;  // the next free one of the last group
   std::vector<CentralGroup> central_;
-  std::vector<FilmGroup> films_;
+  std::vector<LubricatedGroup> lubricated_;
   std::vector<BlockGroup> blocks_;
   std::vector<BlockContact> block_contacts_;
-  std::vector<BlockFilm> block_films_;
+  std::vector<BlockLubrication> block_lubrication_;
   struct Open {
     std::uint32_t group;
     int lane = lane_count;
   };
-  std::vector<Open> open_;  // the group being filled, by number of contacts and whether there are films
+  std::vector<Open> open_;          // the group being filled, by number of contacts and whether lubricated
   std::vector<Place> block_order_;  // as added
 };
 

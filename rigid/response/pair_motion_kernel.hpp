@@ -29,8 +29,10 @@ struct PairMotion {
 
 inline PairMotion choose(Mask m, const PairMotion& a, const PairMotion& b) {
   PairMotion c = b;
-  c.u = choose(m, a.u, b.u), c.omega = choose(m, a.omega, b.omega);
-  c.impulse = choose(m, a.impulse, b.impulse), c.angular = choose(m, a.angular, b.angular);
+  c.u = choose(m, a.u, b.u);
+  c.omega = choose(m, a.omega, b.omega);
+  c.impulse = choose(m, a.impulse, b.impulse);
+  c.angular = choose(m, a.angular, b.angular);
   return c;
 }
 

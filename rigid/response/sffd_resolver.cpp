@@ -26,7 +26,8 @@ Vec3 velocity_at(const BodyState& s, const Vec3& r) {
 }
 
 void store(BodyState& s, const Vec3& v, const Vec3& w, double number) {
-  for (int d = 0; d < 3; ++d) s.v[d] = v[d], s.w[d] = w[d];
+  Eigen::Map<Vec3>{s.v} = v;
+  Eigen::Map<Vec3>{s.w} = w;
   s.number = number;
   s.unused = 0;
 }
@@ -35,16 +36,16 @@ std::span<double> as_doubles(std::vector<BodyState>& state) {
   return {&state.data()->v[0], (state.size() - 1) * width};  // not the one at rest
 }
 
-/// Least normal velocity after the step (FFD.md 5.2): what closes the gap, or what Newton's restitution asks
+/// Least normal velocity after the step (C1): what closes the gap, or what Newton's restitution asks
 /// of a contact that would be reached, from the velocities before the kick (so that a body at rest does not
-/// bounce) and what a film leaves of them.
+/// bounce) and what a lubrication film leaves of them.
 struct Target {
   double velocity;
-  double blow = 0;  // change of the velocity, where the contact is hit
+  double impact_change = 0;  // of the velocity, where the contact is hit
 };
 Target target_of(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
   const double closing = c.gap > 0 ? -c.gap / dt : 0.0;
-  const double speed = c.normal.dot(before) / (1 + dt * c.film.normal / reduced_mass);
+  const double speed = c.normal.dot(before) / (1 + dt * c.lubrication.normal / reduced_mass);
   const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
   if (!hits) return {closing};
   const double target = std::max(closing, -c.restitution * speed);
@@ -55,16 +56,20 @@ double lever_arms(const Contact& c) {
   return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
 }
 
-/// Of a contact that pressed in the last step: one that has come apart by a hair is held, not let fall. Else
-/// the weight shifts to the contacts that are left and back again, and stacks rock and creep.
-/// A film holds by itself, and its impulse does not mean that the surfaces touched.
+/// The target of a contact that pressed in the last step: one that has opened by a hair is held, not let
+/// fall. Else the load shifts to the contacts that are left and back again, and stacks rock and creep. A
+/// lubrication film holds by itself, and its impulse does not mean that the surfaces touched.
 double target_of_pressed(const Contact& c, double dt, double target) {
-  return c.gap > 0 && !c.film ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt) : target;
+  return c.gap > 0 && !c.lubrication ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt)
+                                     : target;
 }
 
 void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
   const Vec3 angular = r.cross(impulse);
-  for (int d = 0; d < 3; ++d) sum.impulse[d] += impulse[d], sum.angular[d] += angular[d];
+  for (int d = 0; d < 3; ++d) {
+    sum.impulse[d] += impulse[d];
+    sum.angular[d] += angular[d];
+  }
 }
 
 }  // namespace
@@ -117,7 +122,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
   };
   impulses_.resize(contacts.size());
   targets_.resize(contacts.size());
-  blows_.resize(contacts.size());
+  impact_changes_.resize(contacts.size());
   state_.resize(bodies.size() + 1);
   sums_.resize(bodies.size() + 1);
   state_.back() = {};
@@ -131,7 +136,8 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
     for (std::size_t k = p.first; k < p.last; ++k) {
       const Contact& c = contacts[k];
       const Target t = target_of(c, dt, p.reduced_mass, before(p.row_b, c.r_b) - before(p.row_a, c.r_a));
-      targets_[k] = t.velocity, blows_[k] = t.blow;
+      targets_[k] = t.velocity;
+      impact_changes_[k] = t.impact_change;
       impulses_[k] = {};
     }
     if (settings_.warm_start) warm_start(p, of_pair, dt, recall);
@@ -194,7 +200,8 @@ void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const 
         angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), number);
 }
 
-/// The same number of sweeps, shares and maxima on every rank. Returns the number of sweeps.
+/// Sweeps until the impulses are at rest, with the same number of sweeps, shares and maxima on every rank.
+/// Returns that number.
 int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
                                 double tolerance, bool push, double& residual) {
   bool settled = false;
@@ -209,7 +216,7 @@ int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::ve
   }
 }
 
-/// FFD.md 5.5: b_n >= share of the overlap that the velocity does not take back by itself; an open contact
+/// (C7): b_n >= share of the overlap that the velocity does not take back by itself; an open contact
 /// may use up the gap that is left.
 void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
   for (const Pair& p : pairs_) {
@@ -225,16 +232,11 @@ void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
   }
 }
 
-/// What is around a struck body turns round with it, by its share of the blow: equal and opposite for both.
-void SffdResolver::keep_blow(BodySet& bodies, const Pair& p, std::size_t contact, const Vec3& normal) const {
-  const auto compliance = [&](std::size_t row) {
-    return bodies.inverse_mass(row) / (1 + settings_.entrained * (1 - bodies.weight_factor[row]));
-  };
-  const double share = 1 / (p.reduced_mass * (compliance(p.row_a) + compliance(p.row_b))) - 1;
-  const double blow = std::min(impulses_[contact].normal, p.reduced_mass * blows_[contact]);
-  const Vec3 impulse = share * blow * normal;
-  if (bodies_[p.row_a].moves) bodies.pending_blow[p.row_a] -= impulse;
-  if (bodies_[p.row_b].moves) bodies.pending_blow[p.row_b] += impulse;
+/// The part of a contact's impulse that reverses the approach of its bodies; what it holds besides is load.
+void SffdResolver::report_impact(BodySet& bodies, const Pair& p, std::size_t contact,
+                                 const Vec3& normal) const {
+  const double impulse = std::min(impulses_[contact].normal, p.reduced_mass * impact_changes_[contact]);
+  (*settings_.impacts)(bodies, {p.row_a, p.row_b, normal, impulse});
 }
 
 /// Reads the impulses, for the next step and for the statistics. Returns the deepest overlap that a
@@ -251,12 +253,13 @@ double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contact
       const Contact& c = of_pair[k];
       const ContactImpulse& i = impulses[k];
       statistics.penetration = std::max(statistics.penetration, -c.gap);
-      if (i.normal > 0 && !c.film)
+      if (i.normal > 0 && !c.lubrication)
         statistics.cone_excess =
             std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
-      if (settings_.entrained > 0 && blows_[p.first + k] > 0) keep_blow(bodies, p, p.first + k, c.normal);
-      if (c.film && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
-        impulses[k] = {};  // mostly a blow, which does not last
+      if (settings_.impacts && impact_changes_[p.first + k] > 0)
+        report_impact(bodies, p, p.first + k, c.normal);
+      if (c.lubrication && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
+        impulses[k] = {};  // mostly an impact, which does not last
       if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
         correctable = std::max(correctable, -c.gap);
     }

@@ -1,8 +1,8 @@
 #pragma once
 // sFFD: the default contact resolver. Keeps the structure of Kaufman's Fast Frictional Dynamics and of its
 // parallel form (SC10 section III), one exchange of neighbours a sweep, but solves pairs symmetrically, so
-// that momentum is exact and the law is Coulomb's. Own derivation; the laws and figures are in the design
-// notes (FFD.md section 5).
+// that momentum is exact and the law is Coulomb's. Own derivation: rigid/README.md, equations
+// (C1) to (C7).
 //
 // In a sweep every pair is solved alone, from the same velocities, with the masses of its bodies divided by
 // their numbers of pairs; then each body takes the sum of its impulse changes with its true mass (Jacobi with
@@ -42,7 +42,7 @@ class SffdResolver : public ContactResolver {
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
   void take_sum(BodyState&, std::size_t row, double number) const;
   void lay_out(const std::vector<Contact>&, double dt);
-  void keep_blow(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
+  void report_impact(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
   double least_scale(const Pair&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
                     double& residual);
@@ -61,7 +61,7 @@ class SffdResolver : public ContactResolver {
   // one a contact
   std::vector<ContactImpulse> impulses_;
   std::vector<double> targets_;
-  std::vector<double> blows_;  // change of the normal velocity by a blow; 0: none
+  std::vector<double> impact_changes_;  // change of the normal velocity by an impact; 0: none
 };
 
 }  // namespace silt::rigid

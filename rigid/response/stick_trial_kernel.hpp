@@ -3,9 +3,9 @@
 // follow from one linear system for the pair's relative motion, however many contacts share the load, where
 // Gauss-Seidel needs many rounds (contacts close to one another, long levers). Only for *_kernel.cpp.
 //
-// With J_k the map from relative motion (u, omega at a's centre) to the velocity at contact k, G the mobility
-// and e_k the velocity to be taken away: (J G J^T + s) dp = -e. The softness s shares the load evenly where
-// the contacts are more than needed; by Woodbury it takes a 6 x 6 system,
+// (C6) of rigid/README.md. With J_k the map from relative motion (u, omega at a's centre) to the velocity at
+// contact k, G the mobility and e_k the velocity to be taken away: (J G J^T + s) dp = -e. The softness s
+// shares the load evenly where the contacts are more than needed; by Woodbury it takes a 6 x 6 system,
 //   (s G^-1 + J^T J) x = -J^T e,   dp = -(e + J x) / s.
 #include "rigid/response/pair_motion_kernel.hpp"
 
@@ -22,7 +22,7 @@ constexpr int packed(int i, int j) {
 }
 
 /// In place: the lower factor, with the inverse of its diagonal on the diagonal.
-inline void cholesky(Lanes* m) {
+inline void cholesky(Real8* m) {
   for (int j = 0; j < 6; ++j) {
     for (int k = 0; k < j; ++k)
       for (int i = j; i < 6; ++i) m[packed(i, j)] -= m[packed(i, k)] * m[packed(j, k)];
@@ -32,7 +32,7 @@ inline void cholesky(Lanes* m) {
 }
 
 /// x becomes the solution.
-inline void solve_cholesky(const Lanes* m, Lanes* x) {
+inline void solve_cholesky(const Real8* m, Real8* x) {
   for (int i = 0; i < 6; ++i) {
     for (int k = 0; k < i; ++k) x[i] -= m[packed(i, k)] * x[k];
     x[i] *= m[packed(i, i)];
@@ -46,22 +46,22 @@ inline void solve_cholesky(const Lanes* m, Lanes* x) {
 /// softness x the inverse of the mobility of b seen from a, at a's centre: its columns are what unit impulses
 /// and unit moments do.
 inline void set_inverse_mobility(BlockGroup& g) {
-  Lanes m[21], zero{}, one = zero + 1;
+  Real8 m[21], zero{}, one = zero + 1;
   const Vector d = load(g.offset);
   const Vector unit[3] = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}};
   for (int j = 0; j < 3; ++j) {
     Vector turn = times(g.inverse_inertia_b, cross(d, unit[j]));
     const Vector shift = cross(turn, d) + unit[j] * g.inverse_mass;
     const Vector both = times(g.inverse_inertia_b, unit[j]) + times(g.inverse_inertia_a, unit[j]);
-    const Lanes by_force[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
-    const Lanes by_moment[3] = {both.x, both.y, both.z};
+    const Real8 by_force[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
+    const Real8 by_moment[3] = {both.x, both.y, both.z};
     for (int i = j; i < 6; ++i) m[packed(i, j)] = by_force[i];
     for (int i = j; i < 3; ++i) m[packed(3 + i, 3 + j)] = by_moment[i];
     // i >= 3 of by_force covers all nine of the lower left block
   }
   cholesky(m);
   for (int column = 0; column < 6; ++column) {
-    Lanes x[6] = {};
+    Real8 x[6] = {};
     x[column] = g.softness;
     solve_cholesky(m, x);
     for (int i = column; i < 6; ++i) g.inverse_mobility[packed(i, column)] = x[i];
@@ -70,23 +70,28 @@ inline void set_inverse_mobility(BlockGroup& g) {
 
 /// Adds one contact's part of J^T J. Without friction J has one row, the normal's.
 template <bool frictionless>
-void add_stiffness(const BlockContact& c, Mask on, Lanes* m) {
+void add_stiffness(const BlockContact& c, Mask on, Real8* m) {
   const Vector r = choose(on, load(c.r), Vector{});
   if constexpr (frictionless) {
     const Vector n = choose(on, load(c.normal), Vector{}), turn = cross(r, n);
-    const Lanes j[6] = {n.x, n.y, n.z, turn.x, turn.y, turn.z};
+    const Real8 j[6] = {n.x, n.y, n.z, turn.x, turn.y, turn.z};
     for (int i = 0; i < 6; ++i)
       for (int k = 0; k <= i; ++k) m[packed(i, k)] += j[i] * j[k];
   } else {
-    const Lanes one = on ? Lanes{} + 1 : Lanes{};
+    const Real8 one = on ? Real8{} + 1 : Real8{};
     for (int i = 0; i < 3; ++i) m[packed(i, i)] += one;
-    m[packed(3, 1)] -= r.z, m[packed(3, 2)] += r.y;
-    m[packed(4, 0)] += r.z, m[packed(4, 2)] -= r.x;
-    m[packed(5, 0)] -= r.y, m[packed(5, 1)] += r.x;
+    m[packed(3, 1)] -= r.z;
+    m[packed(3, 2)] += r.y;
+    m[packed(4, 0)] += r.z;
+    m[packed(4, 2)] -= r.x;
+    m[packed(5, 0)] -= r.y;
+    m[packed(5, 1)] += r.x;
     m[packed(3, 3)] += r.y * r.y + r.z * r.z;
     m[packed(4, 4)] += r.x * r.x + r.z * r.z;
     m[packed(5, 5)] += r.x * r.x + r.y * r.y;
-    m[packed(4, 3)] -= r.x * r.y, m[packed(5, 3)] -= r.x * r.z, m[packed(5, 4)] -= r.y * r.z;
+    m[packed(4, 3)] -= r.x * r.y;
+    m[packed(5, 3)] -= r.x * r.z;
+    m[packed(5, 4)] -= r.y * r.z;
   }
 }
 
@@ -97,9 +102,9 @@ struct StickTrial {
   PairMotion motion;
   // of the contacts; set by start
   Mask on[most_stick_contacts];
-  Lanes normal[most_stick_contacts];
+  Real8 normal[most_stick_contacts];
   Vector tangential[most_stick_contacts];
-  Lanes factor[21];
+  Real8 factor[21];
 
   StickTrial(const BlockGroup& group, BlockContact* of_group, const PairMotion& now)
       : g(group), contacts(of_group), motion(now) {}
@@ -110,8 +115,8 @@ struct StickTrial {
     const Vector n = load(c.normal), w = m.at(load(c.r));
     return choose(on[k], frictionless ? n * (dot(w, n) - c.target) : w - n * c.target, Vector{});
   }
-  Lanes largest_excess() const {
-    Lanes most{};
+  Real8 largest_excess() const {
+    Real8 most{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector e = excess(k, motion);
       most = larger(most, dot(e, e));
@@ -133,11 +138,15 @@ struct StickTrial {
   }
 
   void pass() {
-    Lanes x[6] = {};
+    Real8 x[6] = {};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector e = excess(k, motion), turn = cross(load(contacts[k].r), e);
-      x[0] -= e.x, x[1] -= e.y, x[2] -= e.z;
-      x[3] -= turn.x, x[4] -= turn.y, x[5] -= turn.z;
+      x[0] -= e.x;
+      x[1] -= e.y;
+      x[2] -= e.z;
+      x[3] -= turn.x;
+      x[4] -= turn.y;
+      x[5] -= turn.z;
     }
     solve_cholesky(factor, x);
     const PairMotion before = motion;
@@ -145,7 +154,7 @@ struct StickTrial {
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector r = load(contacts[k].r), n = load(contacts[k].normal);
       const Vector taken = choose(on[k], excess(k, before) + shift + cross(turn, r), Vector{});
-      const Lanes scale = -1 / g.softness, along = scale * dot(taken, n);
+      const Real8 scale = -1 / g.softness, along = scale * dot(taken, n);
       const Vector across = frictionless ? Vector{} : taken * scale - n * along;
       normal[k] += along;
       tangential[k] += across;
@@ -153,12 +162,12 @@ struct StickTrial {
     }
   }
 
-  /// Lanes where no contact pulls, slides, or is passed through. scale: largest squared impulse.
-  Mask is_right(Lanes& scale) const {
+  /// Real8 where no contact pulls, slides, or is passed through. scale: largest squared impulse.
+  Mask is_right(Real8& scale) const {
     Mask right = scale == scale;
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
-      const Lanes square = dot(tangential[k], tangential[k]), limit = c.friction * normal[k];
+      const Real8 square = dot(tangential[k], tangential[k]), limit = c.friction * normal[k];
       const Mask presses = (normal[k] >= 0) & (square <= limit * limit);
       const Mask stays_open = dot(motion.at(load(c.r)), load(c.normal)) >= c.target;
       right = right & (on[k] ? presses : stays_open);
@@ -172,14 +181,14 @@ struct StickTrial {
 /// final after this sweep: that is solved exactly.
 template <bool frictionless>
 void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask& active,
-                  Lanes& scale) {
+                  Real8& scale) {
   if (g.count > most_stick_contacts) return;
   StickTrial<frictionless> trial(g, contacts, motion);
   trial.start();
-  const Lanes before = trial.largest_excess();
+  const Real8 before = trial.largest_excess();
   for (int i = 0; i < stick_passes; ++i) trial.pass();
-  const Lanes after = trial.largest_excess();
-  Lanes largest{};
+  const Real8 after = trial.largest_excess();
+  Real8 largest{};
   Mask right = active & trial.is_right(largest) & (after <= stick_residual * stick_residual * before);
   for (int l = 0; l < lane_count; ++l) right[l] = g.bodies.again[l] ? right[l] : 0;
   for (std::uint32_t k = 0; k < g.count; ++k) {

@@ -27,11 +27,11 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
     const Contact& c = contacts[k];
     const StoredImpulse* s = find({first, last}, c);
     const double normal = s ? c.normal.dot(s->impulse) : 0;
-    if (!s || (normal <= 0 && !c.film)) continue;
+    if (!s || (normal <= 0 && !c.lubrication)) continue;
     ContactImpulse& p = impulses[k];
     p.normal = normal;
     p.tangential = s->impulse - normal * c.normal;
-    if (c.film) continue;  // pulls as well, and drags without pressing
+    if (c.lubrication) continue;  // pulls as well, and drags without pressing
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;
   }
@@ -42,7 +42,10 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
 
 void Recall::of_lower(std::size_t row_a, std::span<const Contact> contacts,
                       std::span<ContactImpulse> impulses) {
-  if (row_a != row_) row_ = row_a, behind_ = 0;
+  if (row_a != row_) {
+    row_ = row_a;
+    behind_ = 0;
+  }
   behind_ +=
       recall(std::span(bodies_.stored_impulses[row_a]).subspan(behind_), contacts[0].b, contacts, impulses);
 }
@@ -52,10 +55,10 @@ void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
   recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
-Vec3 impulse_of_films(const BodySet& bodies, std::size_t row) {
+Vec3 impulse_of_lubrication(const BodySet& bodies, std::size_t row) {
   Vec3 sum = Vec3::Zero();
   for (const StoredImpulse& s : bodies.stored_impulses[row])
-    if (s.feature & film_feature) sum += bodies.id[row] < s.partner ? Vec3(-s.impulse) : s.impulse;
+    if (s.feature & lubrication_feature) sum += bodies.id[row] < s.partner ? Vec3(-s.impulse) : s.impulse;
   return sum;
 }
 
@@ -63,7 +66,7 @@ Vec3 impulse_of_films(const BodySet& bodies, std::size_t row) {
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
                        BodyId partner, std::vector<StoredImpulse>& stored) {
   for (std::size_t k = 0; k < contacts.size(); ++k)
-    if (impulses[k].normal > 0 || contacts[k].film)
+    if (impulses[k].normal > 0 || contacts[k].lubrication)
       stored.push_back({partner, contacts[k].image, contacts[k].feature,
                         impulses[k].along(contacts[k].normal) + Vec3::Zero()});
 }

@@ -16,12 +16,12 @@ struct ContactImpulse {
 };
 
 /// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the
-/// new normal and (without a film) inside the cone. A contact not found keeps its impulse. Where the pair's
-/// image changed (a body crossed a periodic side) the same feature of another image will do.
+/// new normal and (without a lubrication film) inside the cone. A contact not found keeps its impulse. Where
+/// the pair's image changed (a body crossed a periodic side) the same feature of another image will do.
 class Recall {
  public:
   explicit Recall(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
-  /// From the pair's lower body. Call in the order of the keys.
+  /// Starts from what the pair's lower body remembers. Call in the order of the keys.
   void of_lower(std::size_t row_a, std::span<const Contact>, std::span<ContactImpulse>);
   void of_higher(std::size_t row_b, std::span<const Contact>, std::span<ContactImpulse>) const;
 
@@ -30,8 +30,8 @@ class Recall {
   std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
 };
 
-/// What the films around a body gave it in the step before; W.
-Vec3 impulse_of_films(const BodySet&, std::size_t row);
+/// Returns the impulse that lubrication gave a body in the step before; W.
+Vec3 impulse_of_lubrication(const BodySet&, std::size_t row);
 
 /// Appends the pair's impulses to what one of its bodies remembers.
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,

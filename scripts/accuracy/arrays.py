@@ -45,7 +45,7 @@ def key_of(fraction, D, method, position):
 def run_of(fraction, D, method, position):
     walls, collision, precision = method
     text = array.fixed_case(fraction, D, POSITIONS[position], RELAXATION_TIME[collision], change=2e-5,
-                            fluid=f'collision = "{collision}"\nprecision = "{precision}"', coupling=f'wall_scheme = "{walls}"')
+                            fluid=dict(collision=collision, precision=precision), coupling=dict(wall_scheme=walls))
     settings = dict(fraction=fraction, D=D, walls=walls, collision=collision, precision=precision, position=position)
     return Run(key_of(fraction, D, method, position), text, settings)
 

@@ -10,6 +10,7 @@ import pathlib
 
 import numpy as np
 
+from case_text import case_text
 from problem import Curve, Found, Goal, Run
 
 REFERENCE = pathlib.Path(__file__).parent / "reference"
@@ -21,31 +22,18 @@ DEPTH = {"square": 4}    # cells of the slab
 GOALS = [Goal("accuracy.cavity.cube.n97.single.error", 1), Goal("accuracy.cavity.square.n65.single.error", 1)]
 SHORT_GOALS = [Goal("accuracy.cavity.square.n33.single.error", 2)]
 
-CASE = """title = "Lid-driven {shape}, Re = {reynolds}, {N} cells a side"
-[units]
-system = "lattice"
-[domain]
-size = [{N}, {N}, {depth}]
-boundary = {{ x = [{{ type = "moving", velocity = [0, {lid}, 0] }}, "no-slip"], y = "no-slip", z = "{ends}" }}
-[fluid]
-kinematic_viscosity = {viscosity!r}
-precision = "{precision}"
-[run]
-steps = {steps}
-steady = {{ quantity = "energy", change = 2e-4, every = {every} }}
-[output]
-fields = {{ every = {steps}, quantities = ["velocity"] }}
-[[quantities]]
-name = "energy"
-type = "kinetic-energy"
-"""
-
 
 def run_of(shape, N, precision):
     turn = round(N / LID)  # steps in which the lid goes one side
-    text = CASE.format(shape=shape, N=N, depth=DEPTH.get(shape, N), ends="periodic" if shape == "square" else "no-slip", lid=LID,
-                       reynolds=REYNOLDS[shape], viscosity=LID * N / REYNOLDS[shape], precision=precision, steps=200 * turn,
-                       every=turn)
+    ends = "periodic" if shape == "square" else "no-slip"
+    text = case_text(
+        f"Lid-driven {shape}, Re = {REYNOLDS[shape]}, {N} cells a side",
+        domain=dict(size=[N, N, DEPTH.get(shape, N)],
+                    boundary=dict(x=[dict(type="moving", velocity=[0, LID, 0]), "no-slip"], y="no-slip", z=ends)),
+        fluid=dict(kinematic_viscosity=LID * N / REYNOLDS[shape], precision=precision),
+        run=dict(steps=200 * turn, steady=dict(quantity="energy", change=2e-4, every=turn)),
+        output=dict(fields=dict(every=200 * turn, quantities=["velocity"])),
+        quantities=[dict(name="energy", type="kinetic-energy")])
     return Run(f"{shape}.n{N}.{precision}", text, dict(shape=shape, N=N, precision=precision))
 
 

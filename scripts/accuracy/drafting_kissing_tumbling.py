@@ -7,6 +7,7 @@ start. After the first contact the motion is chaotic, so only what comes before 
 finer run: the start differs from paper to paper.
 """
 import numpy as np
+from case_text import case_text, si, sphere
 from problem import Found, Goal, Run
 
 DIAMETER = 1 / 600                     # m
@@ -20,44 +21,18 @@ TOUCHING = 0.05                        # diameters between the surfaces: kissing
 
 GOALS = [Goal("accuracy.dkt.kissing", 5.0), Goal("accuracy.dkt.order", 1, low=1)]
 
-CASE = """\
-title = "drafting, kissing, tumbling, {cells} cells across"
-[units]
-system = "si"
-cell_size = {cell!r}
-time_step = {time_step!r}
-[domain]
-size = {box}
-boundary = "no-slip"
-[fluid]
-density = 1000
-kinematic_viscosity = 1e-6
-[gravity]
-acceleration = [0, 0, -9.81]
-[contacts]
-restitution = 0.9
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter!r}
-[[bodies]]
-shape = "sphere"
-density = 1140
-positions = {positions}
-[run]
-time = {time}
-[output]
-bodies = {{ every = {every} }}
-"""
-
 
 def run_of(cells):
     cell = DIAMETER / cells
     time_step = 0.08 * cell / FASTEST
     middle = BOX[0] / 2 + 0.13 * cell
-    text = CASE.format(cells=cells, cell=cell, time_step=time_step, box=list(BOX), diameter=DIAMETER, time=TIME,
-                       positions=[[middle + OFFSET * DIAMETER, middle, HEIGHTS[0]], [middle, middle, HEIGHTS[1]]],
-                       every=round(1e-3 / time_step))
+    text = case_text(
+        f"drafting, kissing, tumbling, {cells} cells across", si(cell, time_step), domain=dict(size=BOX, boundary="no-slip"),
+        fluid=dict(density=1000, kinematic_viscosity=1e-6), gravity=dict(acceleration=[0, 0, -9.81]),
+        contacts=dict(restitution=0.9), shapes=[sphere(DIAMETER)],
+        bodies=[dict(shape="sphere", density=1140,
+                     positions=[[middle + OFFSET * DIAMETER, middle, HEIGHTS[0]], [middle, middle, HEIGHTS[1]]])],
+        run=dict(time=TIME), output=dict(bodies=dict(every=round(1e-3 / time_step))))
     return Run(f"d{cells}", text, dict(D=cells))
 
 

@@ -27,8 +27,8 @@ GOALS = [Goal("frontier.one_percent.speedup", 1e9, low=20),
 # The same scheme in another code: 0.28; what keeps our cli from turning momentum round for ever takes 0.01 off.
 SHORT_GOALS = [Goal("frontier.peers.d8.magic0.1875.error", -0.28, low=-0.30)]
 
-PAPER_FLUID = 'collision = "bgk"\nprecision = "double"'
-PAPER_COUPLING = 'wall_scheme = "bounce-back"\nrefill = "equilibrium"\ntime = "explicit"'
+PAPER_FLUID = dict(collision="bgk", precision="double")
+PAPER_COUPLING = dict(wall_scheme="bounce-back", refill="equilibrium", time="explicit")
 
 
 def default_run(D, position):
@@ -43,7 +43,7 @@ def paper_run(D, tau, position):
 
 def peers_run(D, magic=""):
     text = array.fixed_case(PEERS_FRACTION, D, None, DEFAULT_TIME, position=[float(D)] * 3, change=PEERS_CHANGE,
-                            fluid=f"magic = {magic}" if magic else "", coupling='wall_scheme = "cli"' if magic else "")
+                            fluid=dict(magic=float(magic)) if magic else {}, coupling=dict(wall_scheme="cli") if magic else {})
     suffix = f".magic{magic}" if magic else ""
     return Run(f"peers.d{D}{suffix}", text, dict(method=f"peers' scene{suffix}", D=D, tau=DEFAULT_TIME, fraction=PEERS_FRACTION))
 

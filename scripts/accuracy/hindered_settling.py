@@ -10,6 +10,7 @@ w0 is after Schiller and Naumann; it does not act on n.
 import math
 
 import numpy as np
+from case_text import case_text, cube, sphere
 from problem import Found, Goal, Run
 
 DIAMETER, BOX, RATIO, RELAXATION_TIME, REYNOLDS = 8, 40, 2.0, 1.0, 1.0
@@ -23,36 +24,6 @@ VELOCITY = REYNOLDS * VISCOSITY / DIAMETER  # of one alone
 
 GOALS = [Goal("accuracy.hindered_settling.exponent.outside", 0.3)]
 
-CASE = """\
-title = "{count} spheres settling, {phi:.3f} solid"
-[units]
-system = "lattice"
-[domain]
-size = [{box}, {box}, {box}]
-boundary = "periodic"
-[fluid]
-relaxation_time = {relaxation_time}
-body_force = [0, 0, {lift!r}]
-[gravity]
-acceleration = [0, 0, {gravity!r}]
-[contacts]
-restitution = 0.9
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter}
-[[fill]]
-shape = "sphere"
-density = {ratio}
-count = {count}
-gap = {gap}
-[run]
-steps = {steps}
-[output]
-bodies = {{ every = {every} }}
-fields = {{ every = {steps}, quantities = ["velocity"] }}
-"""
-
 
 def solid_fraction(count):
     return count * VOLUME / BOX**3
@@ -63,9 +34,15 @@ def run_of(count):
     drag = 3 * math.pi * VISCOSITY * DIAMETER * VELOCITY * (1 + 0.15 * REYNOLDS**0.687)  # with the mean pressure's share
     pull = drag * (1 - phi)
     every = round(DIAMETER / VELOCITY / 4)
-    text = CASE.format(count=count, phi=phi, box=BOX, relaxation_time=RELAXATION_TIME, diameter=DIAMETER, ratio=RATIO,
-                       lift=count * pull / (BOX**3 - count * VOLUME), gravity=-pull / ((RATIO - 1) * VOLUME),
-                       gap=0.5 if phi < 0.25 else 0.05, steps=4 * (UNSTEADY + SETTLED) * every, every=every)
+    steps = 4 * (UNSTEADY + SETTLED) * every
+    text = case_text(
+        f"{count} spheres settling, {phi:.3f} solid", domain=cube(BOX),
+        fluid=dict(relaxation_time=RELAXATION_TIME, body_force=[0, 0, count * pull / (BOX**3 - count * VOLUME)]),
+        gravity=dict(acceleration=[0, 0, -pull / ((RATIO - 1) * VOLUME)]), contacts=dict(restitution=0.9),
+        shapes=[sphere(DIAMETER)],
+        fill=[dict(shape="sphere", density=RATIO, count=count, gap=0.5 if phi < 0.25 else 0.05)],
+        run=dict(steps=steps),
+        output=dict(bodies=dict(every=every), fields=dict(every=steps, quantities=["velocity"])))
     return Run(f"n{count}", text, dict(count=count, phi=phi, steps_before=4 * UNSTEADY * every))
 
 

@@ -8,6 +8,7 @@ numbers G a^2 / nu (a: the longer half axis), and drawn out to none.
 import math
 
 import numpy as np
+from case_text import case_text
 from problem import Found, Goal, Run
 
 MINOR, COARSE = 8, 4                        # cells, the shorter axis; in the short run
@@ -20,33 +21,6 @@ SAMPLES = 400
 GOALS = [Goal(f"accuracy.jeffery.{shape}.error", 1.5) for shape in SHAPES]
 # found -1.66 with 4 cells at Reynolds number 0.2, and 0.00 with 8
 SHORT_GOALS = [Goal(f"accuracy.jeffery.prolate.d{COARSE}.re{REYNOLDS[1]:g}.error", 2.5)]
-
-CASE = """\
-title = "Jeffery's orbit, aspect ratio {ratio}, Reynolds number {reynolds}"
-[units]
-system = "lattice"
-[domain]
-size = {box}
-[domain.boundary]
-x = "periodic"
-y = [{{ type = "moving", velocity = [{low}, 0, 0] }}, {{ type = "moving", velocity = [{high}, 0, 0] }}]
-z = "periodic"
-[fluid]
-relaxation_time = {relaxation_time}
-[[shapes]]
-name = "spheroid"
-type = "ellipsoid"
-diameters = {diameters}
-[[bodies]]
-shape = "spheroid"
-density = 1
-position = {position}
-axis = [{axis[0]}, {axis[1]}, 0]
-[run]
-steps = {steps}
-[output]
-bodies = {{ every = {every} }}
-"""
 
 
 def shear_rate(reynolds, minor):
@@ -66,10 +40,16 @@ def run_of(shape, reynolds, minor):
     every = max(1, steps // SAMPLES)
     wall = rate * box[1] / 2
     long = 2 * minor
-    text = CASE.format(ratio=ratio, reynolds=reynolds, box=box, low=-wall, high=wall,
-                       position=[box[0] / 2 + 0.17, box[1] / 2, box[2] / 2 + 0.29],
-                       relaxation_time=RELAXATION_TIME, axis=(math.sin(0.3), math.cos(0.3)), steps=steps, every=every,
-                       diameters=[minor, minor, long] if ratio > 1 else [long, long, minor])
+    text = case_text(
+        f"Jeffery's orbit, aspect ratio {ratio}, Reynolds number {reynolds}",
+        domain=dict(size=box, boundary=dict(x="periodic", z="periodic", y=[dict(type="moving", velocity=[-wall, 0, 0]),
+                                                                         dict(type="moving", velocity=[wall, 0, 0])])),
+        fluid=dict(relaxation_time=RELAXATION_TIME),
+        shapes=[dict(name="spheroid", type="ellipsoid",
+                     diameters=[minor, minor, long] if ratio > 1 else [long, long, minor])],
+        bodies=[dict(shape="spheroid", density=1, position=[box[0] / 2 + 0.17, box[1] / 2, box[2] / 2 + 0.29],
+                     axis=[math.sin(0.3), math.cos(0.3), 0])],
+        run=dict(steps=steps), output=dict(bodies=dict(every=every)))
     return Run(f"{shape}.d{minor}.re{reynolds:g}", text, dict(shape=shape, D=minor, Re=reynolds, start=start))
 
 

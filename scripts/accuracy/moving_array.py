@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 import periodic_array as array
+from case_text import case_text, cube, sphere
 from problem import Curve, Found, Goal, Run
 
 FRACTION = 0.064
@@ -21,9 +22,9 @@ BOOST = 0.05
 TRAVEL = 4               # cells
 POSITION = (0.13, 0.31, 0.87)
 DIRECTIONS = {"axis": (1, 0, 0), "oblique": (1, 0.6, 0.35)}
-METHODS = {"default": "", "bounce-back": 'wall_scheme = "bounce-back"', "equilibrium": 'refill = "equilibrium"',
-           "exact": 'force = "exact"', "double": ""}
-FLUID = {"double": 'precision = "double"\n'}
+METHODS = {"default": {}, "bounce-back": dict(wall_scheme="bounce-back"), "equilibrium": dict(refill="equilibrium"),
+           "exact": dict(force="exact"), "double": {}}
+FLUID = {"double": dict(precision="double")}
 SIZES = (6, 8, 12)
 
 GOALS = [Goal("accuracy.moving_array.d8.oblique.error", 1.2), Goal("accuracy.moving_array.d12.oblique.error", 0.3),
@@ -31,40 +32,6 @@ GOALS = [Goal("accuracy.moving_array.d8.oblique.error", 1.2), Goal("accuracy.mov
          Goal("accuracy.moving_array.single_share", 10),  # of the discretisation error
          Goal("accuracy.moving_array.d8.boost_shift", 0.4), Goal("accuracy.moving_array.d12.boost_shift", 0.4)]
 SHORT_GOALS = [Goal("accuracy.moving_array.d6.oblique.error", 2.2), Goal("accuracy.moving_array.d6.oblique.noise", 1.5)]
-
-CASE = """title = "A moving simple cubic array, {diameter:.3f} cells across"
-[units]
-system = "lattice"
-[domain]
-size = [{edge}, {edge}, {edge}]
-boundary = "periodic"
-[fluid]
-relaxation_time = {relaxation_time}
-body_force = {force}
-{fluid}
-[coupling]
-{coupling}
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter!r}
-[[bodies]]
-shape = "sphere"
-density = 1
-motion = "prescribed"
-velocity = {velocity}
-position = {position}
-[run]
-steps = {steps}
-[output]
-bodies = {{ every = 1 }}
-"""
-INITIAL = 'initial = {{ type = "uniform", velocity = {velocity} }}'
-MEAN_FLOW = """[[quantities]]
-name = "flow_{axis}"
-type = "superficial-velocity"
-axis = "{axis}"
-"""
 
 
 def unit(direction):
@@ -86,11 +53,15 @@ def run_of(D, direction, method="default", boosted=False):
     edge, diameter = array.cube_of(FRACTION, D)
     way = unit(direction)
     boost = BOOST * way if boosted else 0 * way
-    text = CASE.format(edge=edge, diameter=diameter, relaxation_time=RELAXATION_TIME, coupling=METHODS[method],
-                       force=(-drive(edge, diameter) * way).tolist(), velocity=(VELOCITY * way + boost).tolist(),
-                       position=[edge // 2 + o for o in POSITION], steps=sum(durations(edge)),
-                       fluid=FLUID.get(method, "") + (INITIAL.format(velocity=boost.tolist()) if boosted else ""))
-    text += "".join(MEAN_FLOW.format(axis=axis) for axis in "xyz")
+    text = case_text(
+        f"A moving simple cubic array, {diameter:.3f} cells across", domain=cube(edge),
+        fluid=dict(relaxation_time=RELAXATION_TIME, body_force=-drive(edge, diameter) * way, **FLUID.get(method, {}),
+                   **(dict(initial=dict(type="uniform", velocity=boost)) if boosted else {})),
+        coupling=METHODS[method], shapes=[sphere(diameter)],
+        bodies=[dict(shape="sphere", density=1, motion="prescribed", velocity=VELOCITY * way + boost,
+                     position=[edge // 2 + o for o in POSITION])],
+        run=dict(steps=sum(durations(edge))), output=dict(bodies=dict(every=1)),
+        quantities=[dict(name=f"flow_{axis}", type="superficial-velocity", axis=axis) for axis in "xyz"])
     key = f"d{D}.{direction}.{method}" + (".boosted" if boosted else "")
     return Run(key, text, dict(D=D, direction=direction, method=method, boosted=boosted))
 

@@ -11,6 +11,8 @@ import pathlib
 import random
 import tomllib
 
+from case_text import case_text, cube, sphere
+
 REFERENCE = pathlib.Path(__file__).parent / "reference"
 REYNOLDS = 0.01  # U D / nu: inertia adds less than 1e-5 to K (it grows with the square)
 
@@ -48,38 +50,7 @@ def drive(fraction, edge, diameter, viscosity, speed):
     return 3 * math.pi * viscosity * diameter * speed * exact_drag(fraction) / edge**3
 
 
-FIXED = """title = "Simple cubic array, solid fraction {fraction:g}, {diameter:.3f} cells across"
-[units]
-system = "lattice"
-[domain]
-size = [{edge}, {edge}, {edge}]
-boundary = "periodic"
-[fluid]
-relaxation_time = {relaxation_time}
-{fluid}
-body_force = [{force!r}, 0, 0]
-[coupling]
-{coupling}
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter!r}
-[[bodies]]
-shape = "sphere"
-density = 1
-motion = "fixed"
-position = [{position[0]!r}, {position[1]!r}, {position[2]!r}]
-[run]
-steps = {steps}
-steady = {{ quantity = "K", change = {change}, every = {every} }}
-[[quantities]]
-name = "K"
-type = "drag-coefficient"
-axis = "x"
-"""
-
-
-def fixed_case(fraction, cells_across, offset, relaxation_time, fluid="", coupling="", change=1e-4, position=None):
+def fixed_case(fraction, cells_across, offset, relaxation_time, fluid=None, coupling=None, change=1e-4, position=None):
     """The text of the case. It ends when K has less than `change` still before it, looked at 30 times in L^2 / nu (some 40 e-foldings of the slowest mode),
     after even numbers of steps: in a box of an even number of cells (in no other) the lattice keeps a staggered mode, and
     with it the drag alternates from step to step by some 5e-5 of it; with cli walls at solid fraction 0.45 in 6 cells by
@@ -87,10 +58,15 @@ def fixed_case(fraction, cells_across, offset, relaxation_time, fluid="", coupli
     edge, diameter = cube_of(fraction, cells_across)
     viscosity = (relaxation_time - 0.5) / 3
     middle = edge // 2
-    return FIXED.format(fraction=fraction, edge=edge, diameter=diameter, relaxation_time=relaxation_time, fluid=fluid,
-                        coupling=coupling, force=drive(fraction, edge, diameter, viscosity, REYNOLDS * viscosity / diameter),
-                        position=position or [middle + o for o in offset], change=change,
-                        every=max(4, 2 * round(edge**2 / viscosity / 60)), steps=20 * max(500, round(edge**2 / viscosity)))
+    force = drive(fraction, edge, diameter, viscosity, REYNOLDS * viscosity / diameter)
+    return case_text(
+        f"Simple cubic array, solid fraction {fraction:g}, {diameter:.3f} cells across", domain=cube(edge),
+        fluid=dict(relaxation_time=relaxation_time, **(fluid or {}), body_force=[force, 0, 0]), coupling=coupling,
+        shapes=[sphere(diameter)],
+        bodies=[dict(shape="sphere", density=1, motion="fixed", position=position or [middle + o for o in offset])],
+        run=dict(steps=20 * max(500, round(edge**2 / viscosity)),
+                 steady=dict(quantity="K", change=change, every=max(4, 2 * round(edge**2 / viscosity / 60)))),
+        quantities=[dict(name="K", type="drag-coefficient", axis="x")])
 
 
 def drag_error(fraction, outcome):

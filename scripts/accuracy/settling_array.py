@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import periodic_array as array
+from case_text import case_text, cube, sphere
 from problem import Found, Goal, Run
 
 DIAMETER, BOX = 8, 16                                      # cells
@@ -25,33 +26,6 @@ PHI = VOLUME / BOX**3
 
 GOALS = [Goal(f"accuracy.settling_array.rho{r:g}.tau{t:g}.error", 1.2) for r in RATIOS for t in RELAXATION_TIMES]
 
-CASE = """\
-title = "density ratio {ratio}, relaxation time {relaxation_time}"
-[units]
-system = "lattice"
-[domain]
-size = [{box}, {box}, {box}]
-boundary = "periodic"
-[fluid]
-relaxation_time = {relaxation_time}
-body_force = {body_force}
-[gravity]
-acceleration = {gravity}
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter}
-[[bodies]]
-shape = "sphere"
-density = {ratio}
-position = [8.13, 8.31, 8.47]
-[run]
-steps = {steps}
-[output]
-bodies = {{ every = {every} }}
-fields = {{ every = {steps}, quantities = ["velocity"] }}
-"""
-
 
 def run_of(ratio, relaxation_time):
     viscosity = (relaxation_time - 0.5) / 3
@@ -61,9 +35,13 @@ def run_of(ratio, relaxation_time):
     response = max((ratio + 0.5) * VOLUME / resistance, BOX**2 / (4 * math.pi**2 * viscosity))
     every = math.ceil(max(WAY / velocity, 400) / SAMPLES)
     start = math.ceil((8 * response + 200) / every) * every
-    text = CASE.format(ratio=ratio, relaxation_time=relaxation_time, box=BOX, diameter=DIAMETER,
-                       body_force=list(-pull / (BOX**3 - VOLUME) * DIRECTION),
-                       gravity=list(pull / ((ratio - 1) * VOLUME) * DIRECTION), steps=start + SAMPLES * every, every=every)
+    steps = start + SAMPLES * every
+    text = case_text(
+        f"density ratio {ratio}, relaxation time {relaxation_time}", domain=cube(BOX),
+        fluid=dict(relaxation_time=relaxation_time, body_force=-pull / (BOX**3 - VOLUME) * DIRECTION),
+        gravity=dict(acceleration=pull / ((ratio - 1) * VOLUME) * DIRECTION), shapes=[sphere(DIAMETER)],
+        bodies=[dict(shape="sphere", density=ratio, position=[8.13, 8.31, 8.47])], run=dict(steps=steps),
+        output=dict(bodies=dict(every=every), fields=dict(every=steps, quantities=["velocity"])))
     return Run(f"rho{ratio:g}.tau{relaxation_time:g}", text,
                dict(density_ratio=ratio, tau=relaxation_time, velocity=velocity, start=start))
 

@@ -5,6 +5,7 @@ Reynolds number 185, density ratio 1.5 (reference/03_single_sphere_drag.toml). T
 fluid comes in below and leaves above, sideways the box is periodic, and the sphere is free. The box is short and narrow;
 `width` tells what a narrower one does.
 """
+from case_text import case_text, sphere
 from problem import Found, Goal, Run
 
 DIAMETER = 20                                # cells; with 8 the relaxation time would be 0.51: unstable
@@ -16,43 +17,20 @@ TIMES = 30                                   # diameters the sphere settles
 
 GOALS = [Goal("accuracy.settling_sphere.error", 3.0)]
 
-CASE = """\
-title = "a sphere settling at Galileo number {galileo}, {diameter} cells across, box {width} cells wide"
-[units]
-system = "lattice"
-[domain]
-size = [{width}, {width}, {height}]
-[domain.boundary]
-x = "periodic"
-y = "periodic"
-z = [{{ type = "velocity-inlet", velocity = [0, 0, {velocity}] }}, "pressure-outlet"]
-[fluid]
-kinematic_viscosity = {viscosity!r}
-initial = {{ type = "uniform", velocity = [0, 0, {velocity}] }}
-[gravity]
-acceleration = [0, 0, {gravity!r}]
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter}
-[[bodies]]
-shape = "sphere"
-density = {ratio}
-position = [{middle}, {middle}, {below}]
-[run]
-steps = {steps}
-[output]
-bodies = {{ every = {every} }}
-"""
-
 
 def run_of(diameter, width):
     scale = VELOCITY / REFERENCE  # sqrt((rho - 1) g d)
     every = int(0.5 * diameter / VELOCITY)
-    text = CASE.format(galileo=GALILEO, diameter=diameter, width=width * diameter, height=(BELOW + ABOVE) * diameter,
-                       velocity=VELOCITY, viscosity=scale * diameter / GALILEO, gravity=-scale**2 / ((RATIO - 1) * diameter),
-                       ratio=RATIO, middle=width * diameter / 2 + 0.27, below=BELOW * diameter, every=every,
-                       steps=2 * TIMES * every)
+    inflow, middle = [0, 0, VELOCITY], width * diameter / 2 + 0.27
+    text = case_text(
+        f"a sphere settling at Galileo number {GALILEO}, {diameter} cells across, box {width * diameter} cells wide",
+        domain=dict(size=[width * diameter, width * diameter, (BELOW + ABOVE) * diameter],
+                    boundary=dict(x="periodic", y="periodic",
+                                  z=[dict(type="velocity-inlet", velocity=inflow), "pressure-outlet"])),
+        fluid=dict(kinematic_viscosity=scale * diameter / GALILEO, initial=dict(type="uniform", velocity=inflow)),
+        gravity=dict(acceleration=[0, 0, -scale**2 / ((RATIO - 1) * diameter)]), shapes=[sphere(diameter)],
+        bodies=[dict(shape="sphere", density=RATIO, position=[middle, middle, BELOW * diameter])],
+        run=dict(steps=2 * TIMES * every), output=dict(bodies=dict(every=every)))
     return Run(f"d{diameter}.w{width}", text, dict(D=diameter, width=width))
 
 

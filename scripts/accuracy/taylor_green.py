@@ -11,6 +11,7 @@ import csv
 import math
 import pathlib
 
+from case_text import case_text, cube
 from problem import Curve, Found, Goal, Run
 
 REFERENCE = pathlib.Path(__file__).parent / "reference" / "10_tgv_Re100.csv"
@@ -25,26 +26,7 @@ GOALS = [Goal(f"accuracy.taylor_green.n64.{precision}.{name}", 0.5)
 # of order 2.4 from 32 to 64 cells: what is 0.65 % and 1 % there
 SHORT_GOALS = [Goal("accuracy.taylor_green.n32.single.energy", 3.6), Goal("accuracy.taylor_green.n32.single.dissipation", 5)]
 
-CASE = """title = "Taylor-Green vortex, Re = 100, {N} cells a side"
-[units]
-system = "lattice"
-[domain]
-size = [{N}, {N}, {N}]
-boundary = "periodic"
-[fluid]
-kinematic_viscosity = {viscosity!r}
-precision = "{precision}"
-{magic}
-initial = {{ type = "taylor-green-3d", velocity = [{speed!r}, 0, 0] }}
-[run]
-steps = {steps}
-"""
-QUANTITY = """[[quantities]]
-name = "{name}_{index}"
-type = "{type}"
-time = {step}
-"""
-MAGIC = {"default": "", "advection": f"magic = {1 / 12!r}"}
+MAGIC = {"default": {}, "advection": dict(magic=1 / 12)}
 LOOKS = {"before": ("kinetic-energy", -HALF), "energy": ("kinetic-energy", 0), "after": ("kinetic-energy", HALF),
          "stress": ("dissipation", 0)}  # name: type, when
 
@@ -67,10 +49,13 @@ def step_of(N, t):
 
 def run_of(N, precision, magic="default"):
     length, time = scales(N)
-    text = CASE.format(N=N, precision=precision, magic=MAGIC[magic], viscosity=SPEED * length / REYNOLDS, speed=SPEED,
-                       steps=step_of(N, TIMES[-1] + HALF))
-    text += "".join(QUANTITY.format(name=name, type=type_, index=i, step=step_of(N, t + shift))
-                    for i, t in enumerate(TIMES) for name, (type_, shift) in LOOKS.items())
+    text = case_text(
+        f"Taylor-Green vortex, Re = 100, {N} cells a side", domain=cube(N),
+        fluid=dict(kinematic_viscosity=SPEED * length / REYNOLDS, precision=precision, **MAGIC[magic],
+                   initial=dict(type="taylor-green-3d", velocity=[SPEED, 0, 0])),
+        run=dict(steps=step_of(N, TIMES[-1] + HALF)),
+        quantities=[dict(name=f"{name}_{i}", type=type_, time=step_of(N, t + shift))
+                    for i, t in enumerate(TIMES) for name, (type_, shift) in LOOKS.items()])
     suffix = "" if magic == "default" else f".{magic}"
     return Run(f"n{N}.{precision}{suffix}", text, dict(N=N, precision=precision, magic=magic))
 

@@ -7,6 +7,7 @@ symmetry of the lattice helps; an error is the worst over the offsets, and .on_c
 that falls along the centres of cells. E1 is also compared with our own finest run: what
 is left there when the lattice is resolved is between model and experiment (tencate.md).
 """
+from case_text import case_text, si, sphere
 from problem import Found, Goal, Run
 
 SPHERE = 0.015                # m
@@ -33,48 +34,18 @@ GOALS += [Goal(f"accuracy.tencate.e1.d{d}.to_finest", 0.5) for d in (6, 9, 12)]
 GOALS += [Goal("accuracy.tencate.single_share", 10)]  # of the discretisation error
 SHORT_GOALS = [Goal("accuracy.tencate.e4.d6.error", 1.0)]
 
-CASE = """\
-title = "ten Cate {experiment}, {cells} cells across the sphere"
-[units]
-system = "si"
-cell_size = {cell!r}
-time_step = {time_step!r}
-[domain]
-size = [{size}]
-boundary = "no-slip"
-[fluid]
-density = {density!r}
-kinematic_viscosity = {kinematic_viscosity!r}
-precision = "{precision}"
-[gravity]
-acceleration = [0, 0, {gravity!r}]
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = {diameter!r}
-[[bodies]]
-shape = "sphere"
-density = {sphere_density!r}
-position = [{position}]
-[run]
-time = {time!r}
-[[quantities]]
-name = "largest_velocity"
-type = "max-speed"
-"""
-
-
-def numbers(values):
-    return ", ".join(repr(float(v)) for v in values)
-
 
 def run_of(experiment, cells, offset, precision="single"):
     e = EXPERIMENTS[experiment]
     cell = SPHERE / cells
-    text = CASE.format(experiment=experiment.upper(), cells=cells, cell=cell, size=numbers(TANK), density=e["density"],
-                       precision=precision, time_step=e["lattice_velocity"] * cell / e["velocity"], time=e["time"], diameter=SPHERE,
-                       kinematic_viscosity=e["viscosity"] / e["density"], gravity=-GRAVITY, sphere_density=DENSITY,
-                       position=numbers((START[0] + offset[0] * cell, START[1] + offset[1] * cell, START[2])))
+    text = case_text(
+        f"ten Cate {experiment.upper()}, {cells} cells across the sphere",
+        si(cell, e["lattice_velocity"] * cell / e["velocity"]), domain=dict(size=TANK, boundary="no-slip"),
+        fluid=dict(density=e["density"], kinematic_viscosity=e["viscosity"] / e["density"], precision=precision),
+        gravity=dict(acceleration=[0, 0, -GRAVITY]), shapes=[sphere(SPHERE)],
+        bodies=[dict(shape="sphere", density=DENSITY,
+                     position=[START[0] + offset[0] * cell, START[1] + offset[1] * cell, START[2]])],
+        run=dict(time=e["time"]), quantities=[dict(name="largest_velocity", type="max-speed")])
     name = "on_cells" if offset == ON_CELLS else OFFSETS.index(offset)
     suffix = "" if precision == "single" else f".{precision}"
     return Run(f"{experiment}.d{cells}.{name}{suffix}", text,

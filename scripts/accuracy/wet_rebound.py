@@ -11,6 +11,7 @@ Mech. 163 (1986) 479: 0.2 micrometres at 2 mm and 0.5 m/s in the thickest oil). 
 import math
 
 import numpy as np
+from case_text import case_text, si, sphere
 from problem import Curve, Found, Goal, Run
 
 GRAVITY, DRY = 9.81, 0.97
@@ -28,40 +29,6 @@ SCATTER = 10
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
 SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d10.difference", SCATTER)]
 
-CASE = """\
-title = "A ball of {diameter_mm:g} mm and {ball:g} kg/m3 falls on a plate under oil"
-[units]
-system = "si"
-cell_size = {cell!r}
-time_step = {time_step!r}
-[domain]
-size = {size}
-boundary = {{ x = "periodic", y = "periodic", z = "no-slip" }}
-[fluid]
-density = {density!r}
-kinematic_viscosity = {viscosity!r}
-[gravity]
-acceleration = [0, 0, -9.81]
-[coupling]
-lubrication_min_gap = {least_gap!r}
-[contacts]
-restitution = 0.97
-substeps = 10
-[[shapes]]
-name = "ball"
-type = "sphere"
-diameter = {diameter!r}
-[[bodies]]
-shape = "ball"
-density = {ball!r}
-position = {position}
-velocity = [0, 0, {velocity!r}]
-[run]
-steps = {steps}
-[output]
-bodies = {{ every = 1 }}
-"""
-
 
 def terminal_velocity(ball, diameter, density, mu):
     """Drag after Schiller and Naumann."""
@@ -77,10 +44,15 @@ def run_of(name, D):
     fall, cell = terminal_velocity(ball, diameter, density, mu), diameter / D
     step = LATTICE_VELOCITY * cell / fall
     size = [n * diameter for n in BOX]
-    text = CASE.format(cell=cell, time_step=step, size=size, density=float(density), viscosity=mu / density,
-                       least_gap=1e-4 * diameter / 2, diameter=diameter, ball=ball, diameter_mm=1000 * diameter,
-                       position=[size[0] / 2 + 0.31 * cell, size[1] / 2 + 0.17 * cell, (START + 0.5) * diameter],
-                       velocity=-0.9 * fall, steps=round(1.35 * START * D / LATTICE_VELOCITY))
+    text = case_text(
+        f"A ball of {1000 * diameter:g} mm and {ball:g} kg/m3 falls on a plate under oil", si(cell, step),
+        domain=dict(size=size, boundary=dict(x="periodic", y="periodic", z="no-slip")),
+        fluid=dict(density=density, kinematic_viscosity=mu / density), gravity=dict(acceleration=[0, 0, -9.81]),
+        coupling=dict(lubrication_min_gap=1e-4 * diameter / 2), contacts=dict(restitution=0.97, substeps=10),
+        shapes=[sphere(diameter, "ball")],
+        bodies=[dict(shape="ball", density=ball, velocity=[0, 0, -0.9 * fall],
+                     position=[size[0] / 2 + 0.31 * cell, size[1] / 2 + 0.17 * cell, (START + 0.5) * diameter])],
+        run=dict(steps=round(1.35 * START * D / LATTICE_VELOCITY)), output=dict(bodies=dict(every=1)))
     return Run(f"{name}.d{D}", text, dict(ball=name, D=D))
 
 

@@ -138,19 +138,29 @@ Tally tally(rigid::CollisionBackend& backend, bool closed_form) {
   return t;
 }
 
-/// Without this "bullet" could be "analytic" under another name. Bodies that overlap by more than a third of
-/// their size are counted apart: both engines' tests of two boxes prefer a face to crossed edges that are 5 %
-/// less deep, and are found out; Bullet's EPA and FCL's MPR often arrive at another than the least depth of
-/// curved shapes.
+/// Without this "bullet" could be "analytic" under another name. Counted are queries in which an answer of
+/// the engine failed its check and another method's was given instead, so that the caller never sees the
+/// difference. Near contact that may happen in 0.5 % (closed forms) and 5 % (others) of the pairs.
 TEST_P(Conformance, TheEngineAnswersByItselfNearlyAlways) {
   const Tally boxes = tally(*backend, true), others = tally(*backend, false);
   EXPECT_EQ(backend->counters().queries, random_scenes().size());
   EXPECT_LE(boxes.shallow_fallbacks, boxes.shallow / 200);
-  EXPECT_LE(boxes.deep_fallbacks, boxes.deep / 5);
   EXPECT_LE(others.shallow_fallbacks, others.shallow / 20);
-  EXPECT_LE(others.deep_fallbacks, others.deep / 2);
   RecordProperty("fallbacks_shallow", int(boxes.shallow_fallbacks + others.shallow_fallbacks));
+}
+
+/// A weak bound, and meant so: of bodies that overlap by more than a third of their size an engine may fail
+/// for every fifth pair with a closed form (both engines' tests of two boxes prefer a face to crossed edges
+/// that are 5 % less deep) and for every second pair with a curved shape or a polyhedron (Bullet's EPA and
+/// FCL's MPR often arrive at another than the least depth). Such pairs cost more; their answers are right.
+TEST_P(Conformance, OfDeepOverlapsTheEngineAnswersHalfByItself) {
+  const Tally boxes = tally(*backend, true), others = tally(*backend, false);
+  EXPECT_LE(boxes.deep_fallbacks, boxes.deep / 5);
+  EXPECT_LE(others.deep_fallbacks, others.deep / 2);
   RecordProperty("fallbacks_deep", int(boxes.deep_fallbacks + others.deep_fallbacks));
+}
+
+TEST_P(Conformance, AnEngineIsNotTheClosedFormsUnderAnotherName) {
   if (GetParam() != "bullet" && GetParam() != "fcl") return;
   // another way to the answer shows in its last bits
   auto closed_forms = make_backend("analytic");

@@ -27,7 +27,8 @@ class Bound {
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       together();
       const double t = seconds([&] {
-        for (int p = 0; p < passes; ++p) update_in_place(data_.get(), stride_, cells_, shapes[k]);
+        for (int p = 0; p < passes; ++p)
+          bound_kernels<T>().update_in_place(data_.get(), stride_, cells_, shapes[k]);
       });
       mlups_[k].add(passes * double(cells_) / t * 1e-6);
     }
@@ -55,7 +56,7 @@ double peak_gflops() {
   T sink;
   for (int r = 0; r < 5; ++r) {
     double flops = 0;
-    const double t = seconds([&] { flops = add_and_multiply(&sink, 2'000'000); });
+    const double t = seconds([&] { flops = bound_kernels<T>().add_and_multiply(&sink, 2'000'000); });
     rate.add(flops / t * 1e-9);
   }
   return rate.highest();

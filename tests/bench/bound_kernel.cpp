@@ -7,7 +7,10 @@
 namespace silt::bench::SILT_ISA {
 
 using lbm::SILT_ISA::vector_bytes, lbm::SILT_ISA::VectorOf;
-inline constexpr int line_bytes = 64;
+
+namespace {
+
+constexpr int line_bytes = 64;
 
 template <class T>
 void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape shape) {
@@ -29,8 +32,6 @@ void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, Acces
         }
       }
 }
-template void update_in_place(float*, std::ptrdiff_t, std::ptrdiff_t, AccessShape);
-template void update_in_place(double*, std::ptrdiff_t, std::ptrdiff_t, AccessShape);
 
 template <class T>
 double add_and_multiply(T* result, int rounds) {
@@ -52,7 +53,14 @@ double add_and_multiply(T* result, int rounds) {
   *result = sum[0];
   return 2.0 * rounds * chains * (vector_bytes / sizeof(T));
 }
-template double add_and_multiply(float*, int);
-template double add_and_multiply(double*, int);
+
+}  // namespace
+
+template <class T>
+BoundKernels<T> bound_kernels() {
+  return {update_in_place<T>, add_and_multiply<T>};
+}
+template BoundKernels<float> bound_kernels();
+template BoundKernels<double> bound_kernels();
 
 }  // namespace silt::bench::SILT_ISA

@@ -121,9 +121,9 @@ Vec3 middle_of(const std::string& kind, const Approach& s, int box) {
 /// Of the gap, from the sphere to what it approaches.
 double cells(const std::string& kind, const Approach& s, double radius, int box) {
   const Vec3 n = s.direction.normalized();
-  const rigid::Mat3 bend = (rigid::Mat3::Identity() - n * n.transpose()) / radius;
-  const rigid::Mat3 other = kind == "pair" ? bend : rigid::Mat3(rigid::Mat3::Zero());
-  return coupler::cells_in_gap({s.gap, 0, bend, other, middle_of(kind, s, box), n});
+  const rigid::Mat3 curvature = (rigid::Mat3::Identity() - n * n.transpose()) / radius;
+  const rigid::Mat3 other = kind == "pair" ? curvature : rigid::Mat3(rigid::Mat3::Zero());
+  return coupler::cells_in_gap({s.gap, 0, curvature, other, middle_of(kind, s, box), n});
 }
 
 Vec3 along(const Vec3& n) {

@@ -19,9 +19,11 @@
 
 #include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
+#include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
 
 namespace silt::bench {
@@ -112,17 +114,15 @@ class Machine {
  public:
   explicit Machine(lbm::Int3 n)
       : cells_(count_of(n)),
-        fluid_(lbm::Domain(n, {}, std::nullopt, 1), {1.2, 1. / 6, lbm::Collision::trt, {}}, MPI_COMM_SELF),
+        fluid_(periodic_box<float>(n, {1.2, 1. / 6, lbm::Collision::trt, {}})),
         bound_(std::ptrdiff_t(cells_)) {
     take_turn();
-    alone_ = {}, bound_.forget();
+    alone_ = {};
+    bound_.forget();
   }
   void take_turn() {
     const int steps = steps_a_turn(cells_);
-    alone_.add(seconds([&] {
-                 for (int t = 0; t < steps; ++t) fluid_.stream_collide(), fluid_.exchange();
-               }) /
-               steps);
+    alone_.add(seconds([&] { step(fluid_, steps); }) / steps);
     bound_.sample(std::max(1, steps / 8), [] {});
   }
   double cells() const { return cells_; }

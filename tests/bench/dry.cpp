@@ -36,7 +36,7 @@ struct Record {
   std::vector<double> ms;  // a step, by window
   double contacts = 0;     // a step, mean
   Overlap overlap;         // the deepest, and the mean over windows
-  rigid::StageClock stages;
+  rigid::RigidSeconds stages;
 
   void add_overlap(const Overlap& o, int windows) {
     overlap.deepest = std::max(overlap.deepest, o.deepest);
@@ -145,7 +145,7 @@ void against_bullet(const char* name, const Bed& bed, const Plan& plan, int swee
   };
   row("silt", ours, sweeps);
   row("bullet", theirs, 10);
-  const rigid::StageClock& s = ours.stages;
+  const rigid::RigidSeconds& s = ours.stages;
   printf(
       "%-8s silt/bullet %.2f (%.2f to %.2f); silt's ms: integrate %.2f, collision detection %.2f, contact "
       "response %.2f, synchronisation %.2f\n",

@@ -15,9 +15,9 @@
 #include <string>
 #include <thread>
 
-#include "lbm/fluid.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"
+#include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
 
 namespace silt::bench {
@@ -45,7 +45,7 @@ class Textbook {
   /// Without the ghost layer.
   void collide() {
     arrays_.from = populations_[now_].data(), arrays_.to = populations_[1 - now_].data();
-    pull_and_relax(arrays_, variant_.layout, variant_.effort);
+    pull_and_relax<T>()(arrays_, variant_.layout, variant_.effort);
     now_ = 1 - now_;
   }
   void fill_ghosts() {
@@ -71,24 +71,15 @@ class Textbook {
   int now_ = 0;
 };
 
-template <class T>
-lbm::Fluid<T> periodic_box(lbm::Int3 cells, lbm::Collision model, int ranks, MPI_Comm comm) {
-  const std::array<lbm::SideCondition, 6> periodic{};
-  return lbm::Fluid<T>(lbm::Domain(cells, periodic, std::nullopt, ranks), {0.8, 3. / 16, model, {}}, comm);
-}
-
-template <class T>
-void step(lbm::Fluid<T>& fluid) {
-  fluid.stream_collide();
-  fluid.exchange();
-}
+constexpr lbm::CollisionSpec trt{0.8, 3. / 16, lbm::Collision::trt, {}};
+constexpr lbm::CollisionSpec bgk{0.8, 3. / 16, lbm::Collision::bgk, {}};
 
 /// The textbook kernels and production have to compute the same flow before their times mean anything.
 template <class T>
 void require_same_flow(const Variant& variant) {
   constexpr int n = 12, steps = 5;
-  auto fluid = periodic_box<T>({n, n, n}, lbm::Collision::bgk, 1, MPI_COMM_SELF);
-  Textbook<T> book(n, variant, 0.8);
+  auto fluid = periodic_box<T>({n, n, n}, bgk);
+  Textbook<T> book(n, variant, bgk.relaxation_time);
   const auto for_cells = [&](auto&& f) {
     for (int z = 0; z < n; ++z)
       for (int y = 0; y < n; ++y)
@@ -106,7 +97,11 @@ void require_same_flow(const Variant& variant) {
       book.leaving(from.x, from.y, from.z, i) = fluid.arriving(0, x, i);
     }
   });
-  for (int t = 0; t < steps; ++t) step(fluid), book.fill_ghosts(), book.collide();
+  for (int t = 0; t < steps; ++t) {
+    step(fluid);
+    book.fill_ghosts();
+    book.collide();
+  }
   double worst = 0;
   for_cells([&](lbm::Int3 x) {
     for (int i = 0; i < lbm::directions; ++i) {
@@ -165,19 +160,20 @@ int steps_of(int n, double millions) {
 template <class T>
 void one_core(int n, const Plan& plan, double peak, Figures& out) {
   const double cells = double(n) * n * n;
-  auto fluid = periodic_box<T>({n, n, n}, lbm::Collision::trt, 1, MPI_COMM_SELF);
+  auto fluid = periodic_box<T>({n, n, n}, trt);
   Bound<T> bound(fluid.blocks()[0].box().cells());
   std::vector<Textbook<T>> books;
-  for (const Variant& v : variants) books.emplace_back(n, v, 0.8);
+  for (const Variant& v : variants) books.emplace_back(n, v, bgk.relaxation_time);
   Spread production;
   std::vector<Spread> textbook(std::size(variants));
   const int fast = steps_of(n, plan.updates), slow = std::max(1, fast / 8);
   for (int r = 0; r <= plan.repetitions; ++r) {  // the first one warms up
-    if (r == 1) production = {}, bound.forget();
+    if (r == 1) {
+      production = {};
+      bound.forget();
+    }
     bound.sample(fast, [] {});
-    production.add(fast * cells * 1e-6 / seconds([&] {
-                     for (int t = 0; t < fast; ++t) step(fluid);
-                   }));
+    production.add(fast * cells * 1e-6 / seconds([&] { step(fluid, fast); }));
     for (std::size_t k = 0; k < books.size() && r % 2 == 1; ++k)  // they are slow: in fewer repetitions
       textbook[k].add(slow * cells * 1e-6 / seconds([&] {
                         for (int t = 0; t < slow; ++t) books[k].collide();
@@ -189,8 +185,10 @@ void one_core(int n, const Plan& plan, double peak, Figures& out) {
   report<T>(out, bound_name, n, 1, bound.best(), bound.best(), peak);
   const std::string key = std::string("fluid.") + precision<T>;
   const double share = ratio(production, bound.best()).middle();
-  if (n == plan.sizes[0])
-    out.figures[key + ".share"] = share, out.figures[key + ".mlups"] = production.middle();
+  if (n == plan.sizes[0]) {
+    out.figures[key + ".share"] = share;
+    out.figures[key + ".mlups"] = production.middle();
+  }
   if (n == plan.sizes[1]) out.figures[key + ".share_80"] = share;
 }
 
@@ -210,18 +208,21 @@ class Side {
       : cells_(double(n) * n * n * ranks),
         ranks_(ranks),
         comm_(comm),
-        fluid_(periodic_box<T>({n, n, n * ranks}, lbm::Collision::trt, ranks, comm)),
+        fluid_(periodic_box<T>({n, n, n * ranks}, trt, ranks, comm)),
         bound_(std::ptrdiff_t(n) * n * n) {}
   void sample(int steps) {
     const auto together = [&] { MPI_Barrier(comm_); };
     bound_.sample(steps, together);
     together();
     mlups_.add(steps * cells_ * 1e-6 / seconds([&] {
-                 for (int t = 0; t < steps; ++t) step(fluid_);
+                 step(fluid_, steps);
                  together();
                }));
   }
-  void forget() { mlups_ = {}, bound_.forget(); }
+  void forget() {
+    mlups_ = {};
+    bound_.forget();
+  }
   int ranks() const { return ranks_; }
   const Spread& mlups() const { return mlups_; }
   /// Of all ranks together. Collective.
@@ -285,7 +286,7 @@ void run(const Options& o) {
   if (loud) {
     for (const Variant& v : variants) require_same_flow<float>(v), require_same_flow<double>(v);
     peak[0] = peak_gflops<float>(), peak[1] = peak_gflops<double>();
-    printf("%s, peak %.0f GFlop/s single, %.0f double\n", lbm::instruction_set(), peak[0], peak[1]);
+    printf("%s, peak %.0f GFlop/s single, %.0f double\n", lbm::instruction_set().data(), peak[0], peak[1]);
     for (const int n : plan.sizes)
       one_core<float>(n, plan, peak[0], out), one_core<double>(n, plan, peak[1], out);
   }

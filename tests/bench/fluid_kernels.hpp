@@ -3,6 +3,7 @@
 // hot kernels themselves (lbm/isa.hpp).
 #include <cstddef>
 
+#include "lbm/isa.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::bench {
@@ -31,31 +32,46 @@ struct TwoArrays {
   }
 };
 
-// What the chosen build does (lbm/isa.hpp). T is float or double.
-
-/// p = 0.999 p for 19 arrays of `cells` values, whole cache lines, `stride` apart: each read once and written
-/// once.
+/// What each build offers for populations of the type T, float or double.
 template <class T>
-void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape);
-/// Additions and multiplications that wait for nothing. Returns how many there were.
-template <class T>
-double add_and_multiply(T* result, int rounds);
+struct BoundKernels {
+  /// p = 0.999 p for 19 arrays of `cells` values, whole cache lines, `stride` apart: each read once and
+  /// written once.
+  void (*update_in_place)(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape);
+  /// Additions and multiplications that wait for nothing. Returns how many there were.
+  double (*add_and_multiply)(T* result, int rounds);
+};
 /// Pulls into every cell what arrives there, and relaxes it with one time: bgk on deviations.
 template <class T>
-void pull_and_relax(const TwoArrays<T>&, Layout, Effort);
+using PullAndRelax = void (*)(const TwoArrays<T>&, Layout, Effort);
+
+namespace portable {
+template <class T>
+BoundKernels<T> bound_kernels();
+template <class T>
+PullAndRelax<T> pull_and_relax();
+}  // namespace portable
+namespace avx2 {
+template <class T>
+BoundKernels<T> bound_kernels();
+template <class T>
+PullAndRelax<T> pull_and_relax();
+}  // namespace avx2
+namespace avx512 {
+template <class T>
+BoundKernels<T> bound_kernels();
+template <class T>
+PullAndRelax<T> pull_and_relax();
+}  // namespace avx512
+
+/// What the build that runs here offers.
+template <class T>
+BoundKernels<T> bound_kernels() {
+  return lbm::chosen(portable::bound_kernels<T>, avx2::bound_kernels<T>, avx512::bound_kernels<T>)();
+}
+template <class T>
+PullAndRelax<T> pull_and_relax() {
+  return lbm::chosen(portable::pull_and_relax<T>, avx2::pull_and_relax<T>, avx512::pull_and_relax<T>)();
+}
 
 }  // namespace silt::bench
-
-#define SILT_BENCH_KERNELS(isa)                                                            \
-  namespace silt::bench::isa {                                                             \
-  template <class T>                                                                       \
-  void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, AccessShape); \
-  template <class T>                                                                       \
-  double add_and_multiply(T* result, int rounds);                                          \
-  template <class T>                                                                       \
-  void pull_and_relax(const TwoArrays<T>&, Layout, Effort);                                \
-  }
-
-SILT_BENCH_KERNELS(portable)
-SILT_BENCH_KERNELS(avx2)
-SILT_BENCH_KERNELS(avx512)

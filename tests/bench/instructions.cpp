@@ -6,10 +6,12 @@
 
 #include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
+#include "tests/bench/periodic_box.hpp"
 
 namespace silt::bench {
 namespace {
@@ -19,12 +21,8 @@ const double cells = double(box.x) * box.y * box.z;
 
 template <class T>
 void count_kernel(const std::string& name, const std::array<double, 3>& force) {
-  const std::array<lbm::SideCondition, 6> periodic{};
-  lbm::Fluid<T> fluid(lbm::Domain(box, periodic, std::nullopt, 1), {0.8, 1. / 6, lbm::Collision::trt, force},
-                      MPI_COMM_SELF);
-  count_piece(name, [&] {
-    for (int t = 0; t < 2; ++t) fluid.stream_collide(), fluid.exchange();
-  });
+  auto fluid = periodic_box<T>(box, {0.8, 1. / 6, lbm::Collision::trt, force});
+  count_piece(name, [&] { step(fluid, 2); });
 }
 
 void count_step(const std::string& name, coupler::Simulation& s) {

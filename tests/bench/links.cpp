@@ -52,8 +52,8 @@ class Links {
     coupler::CouplingSpec coupling;
     coupling.wall_scheme = coupler::read_case_text(layers.text(), "bench").coupling.wall_scheme;
     coupler::build_links(map.blocks()[0], scene_.scene().world, scene_.bodies(), coupling,
-                         lbm::WallFluid<float>(fluid_.spec()), fluid_.sweep_of(0), links_.surfaces);
-    links_.order_groups(fluid_.sweep_of(0));
+                         lbm::WallFluid<float>(fluid_.spec()), fluid_.pass_order(0), links_.surfaces);
+    links_.order_groups(fluid_.pass_order(0));
     links_.gaps.pair(links_.surfaces, fluid_.domain(), box);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);
     const std::uint32_t middle = links_.inner[links_.inner.size() / 2].surface;
@@ -71,13 +71,13 @@ class Links {
 
   void apply(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::apply_cut_links(fluid_.blocks()[0], links_.slots, links, group, {}, lbm::ForceForm::galilean,
-                           sums_, after);
+      lbm::apply_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after}, {},
+                                  lbm::ForceForm::galilean, sums_);
     });
   }
   void correct(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::correct_cut_links(fluid_.blocks()[0], links_.slots, links, group, {}, sums_, after);
+      lbm::correct_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after}, {}, sums_);
     });
   }
   void sum_stiffness() {

@@ -13,8 +13,10 @@
 #include "coupler/guard.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
+#include "tests/bench/periodic_box.hpp"
 
 namespace silt::bench {
 namespace {
@@ -53,10 +55,10 @@ struct Passes {
   /// With what is on the lattice: looks whether it moved, and begins its sums.
   void flow() {
     if (scene.bodies.size()) scene.flow->map_bodies(scene.bodies);
-    scene.flow->stream_collide(scene.setup.gravity);
+    scene.flow->stream_collide(clock);
     scene.flow->communicate();
   }
-  void forces() { scene.flow->evaluate_forces(scene.bodies, scene.setup.gravity); }
+  void forces() { scene.flow->evaluate_forces(scene.bodies); }
   void clear_forces() {
     std::fill(scene.bodies.force.begin(), scene.bodies.force.end(), rigid::FixedVec3{});
     std::fill(scene.bodies.torque.begin(), scene.bodies.torque.end(), rigid::FixedVec3{});
@@ -66,8 +68,9 @@ struct Passes {
     guard();
   }
   /// Every scene whose bodies move asks whether they do so within bounds.
-  void guard() { coupler::check_bodies(scene.setup, scene.bodies, 1, 0); }
+  void guard() { coupler::check_motion(scene.setup, scene.bodies, 1, 0); }
   coupler::Scene scene;
+  coupler::StepClock clock;
 };
 
 Steps repeated(std::function<void()> step) {
@@ -82,14 +85,10 @@ Row row(const std::string& key, const std::string& without, const SceneText& tex
 }
 
 Row no_bodies() {
-  const std::array<lbm::SideCondition, 6> periodic{};
-  auto fluid = std::make_shared<lbm::Fluid<float>>(lbm::Domain({48, 48, 48}, periodic, std::nullopt, 1),
-                                                   lbm::CollisionSpec{0.8, 1. / 6, lbm::Collision::trt, {}},
-                                                   MPI_COMM_SELF);
-  return row("bodies", "bodies: kernel and ghost layer alone", {}, [fluid] {
-    fluid->stream_collide();
-    fluid->exchange();
-  });
+  const lbm::CollisionSpec collision{0.8, 1. / 6, lbm::Collision::trt, {}};
+  const std::shared_ptr<lbm::Fluid<float>> fluid(
+      new lbm::Fluid<float>(periodic_box<float>({48, 48, 48}, collision)));
+  return row("bodies", "bodies: kernel and ghost layer alone", {}, [fluid] { step(*fluid); });
 }
 
 Row no_fluid() {
@@ -188,7 +187,7 @@ Row no_contacts() {
   return row("contacts", "contacts: free motion and the search for pairs", text,
              free_motion(text, [](coupler::Scene& s) {
                for (std::size_t row = 0; row < s.bodies.owned; ++row)
-                 s.bodies.velocity[row] += s.bodies.weight_factor[row] * s.setup.gravity;
+                 s.bodies.velocity[row] += s.bodies.weight_in_fluid[row] * s.setup.gravity;
              }));
 }
 

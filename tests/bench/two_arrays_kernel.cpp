@@ -75,14 +75,19 @@ void in_layout(const TwoArrays<T>& a, Effort effort) {
     for (int y = 0; y < a.n; ++y) optimised_row<layout>(a, y, z);
 }
 
-}  // namespace
-
 template <class T>
-void pull_and_relax(const TwoArrays<T>& a, Layout layout, Effort effort) {
+void in_any_layout(const TwoArrays<T>& a, Layout layout, Effort effort) {
   layout == Layout::array_of_structures ? in_layout<Layout::array_of_structures>(a, effort)
                                         : in_layout<Layout::structure_of_arrays>(a, effort);
 }
-template void pull_and_relax(const TwoArrays<float>&, Layout, Effort);
-template void pull_and_relax(const TwoArrays<double>&, Layout, Effort);
+
+}  // namespace
+
+template <class T>
+PullAndRelax<T> pull_and_relax() {
+  return in_any_layout<T>;
+}
+template PullAndRelax<float> pull_and_relax();
+template PullAndRelax<double> pull_and_relax();
 
 }  // namespace silt::bench::SILT_ISA

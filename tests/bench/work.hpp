@@ -4,12 +4,12 @@
 // a wall scheme are counted by running them (Counted). Bytes are those that the pass must read and write even
 // if all else stays in cache: the least, not what the machine moves.
 #include "lbm/lattice.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/wall_formula.hpp"
 
 namespace silt::bench {
 
 /// Of a cell of the dense pass, two relaxation times, without a force and with one (a body force or the
-/// pressure anchor). The compiled loop of the 256-bit build has as many.
+/// mass correction). The compiled loop of the 256-bit build has as many.
 inline constexpr double flops_per_cell = 141, flops_per_cell_with_force = 158;
 template <class T>
 inline constexpr double bytes_per_cell = 2 * lbm::directions * sizeof(T);

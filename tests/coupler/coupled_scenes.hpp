@@ -77,7 +77,7 @@ relaxation_time = 0.8
 precision = "double"
 [coupling]
 force = "exact"
-pressure_anchor = false
+mass_correction = false
 [contacts]
 restitution = 1.0
 friction = 0.0

@@ -36,8 +36,8 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
   }
 }
 
-/// A closed box full of spheres that a turning rod stirs: the mass of the fluid but for what the pressure
-/// anchor takes out in the next step, as a share.
+/// A closed box full of spheres that a turning rod stirs: the mass of the fluid but for what the mass
+/// correction takes out in the next step, as a share.
 double unseen_mass(const std::string& precision, int steps) {
   const Case scene = read_case_text(R"(
 title = "stirred"
@@ -81,14 +81,14 @@ steps = 1
   s.run(steps);
   EXPECT_GT(tests::sum_over_ranks(double(s.counters().uncovered)), 100);
   const FlowTotals now = s.look_at_flow();
-  const double known = double(s.scene().flow->anchor().mass) * 0x1p-40;
+  const double known = double(s.scene().flow->mass_correction().surplus) * 0x1p-40;
   return (now.mass_deviation - before.mass_deviation - known) / double(now.fluid_cells);
 }
 
-TEST(CoupledStep, AnchorKnowsTheMassOfTheFluid) {
+TEST(CoupledStep, MassCorrectionKnowsTheMassOfTheFluid) {
   const double in_double = unseen_mass("double", 500), in_single = unseen_mass("single", 500);
   if (tests::rank() == 0)
-    printf("mass the anchor does not know: %.2g in double, %.2g in single\n", in_double, in_single);
+    printf("mass that the correction does not know: %.2g in double, %.2g in single\n", in_double, in_single);
   EXPECT_LT(std::fabs(in_double), 1e-11);
   EXPECT_LT(std::fabs(in_single), 1e-9);
 }
@@ -107,7 +107,7 @@ relaxation_time = 0.8
 precision = "double"
 initial = { type = "uniform", velocity = [0.05, 0.03, -0.02] }
 [coupling]
-pressure_anchor = false
+mass_correction = false
 [[shapes]]
 name = "star"
 type = "compound"

@@ -37,7 +37,7 @@ Case alone(const Body& body, const std::vector<std::string>& overrides = {}) {
   c.domain = "[domain]\nsize = [24, 22, 26]\nboundary = \"periodic\"\n";
   c.fluid =
       "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n[coupling]\nforce = "
-      "\"exact\"\npressure_anchor = "
+      "\"exact\"\nmass_correction = "
       "false\n";
   c.shapes = std::string("[[shapes]]\nname = \"ball\"\ntype = \"") + body.type + "\"\n" + body.sizes;
   c.bodies =
@@ -121,12 +121,12 @@ TEST(Shapes, ARunGoesOnOnlyWithTheFilesItBeganWith) {
   const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
                                      provenance_of(scene, tests::ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  EXPECT_EQ(case_to_resume(reader, directory, {}).files, scene.files);
+  EXPECT_EQ(case_to_resume(read_origin(reader), directory, {}).files, scene.files);
   std::string changed = tetrahedron_stl;
   changed.replace(changed.find("0 0 8"), 5, "0 0 7");
   while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
   write(changed);
-  const std::string error = error_of([&] { case_to_resume(reader, directory, {}); });
+  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
   EXPECT_NE(error.find("a file has changed since the checkpoint was written: it was " + scene.files[0] +
                        "; it is "),
             std::string::npos)

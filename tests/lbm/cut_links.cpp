@@ -34,7 +34,7 @@ class Walled {
       links_[surface].fluid = WallFluid<double>(collision);
       links_[surface].frame = {{0, 0, 0}, {0, 0, 0}, 1, false};
       for (int z = 0; z < scene.cells.z; ++z)
-        for (const bool narrow : {false, true}) add_group(scheme, surface, z, narrow);
+        for (const bool in_gap : {false, true}) add_group(scheme, surface, z, in_gap);
     }
   }
 
@@ -45,7 +45,8 @@ class Walled {
     const LinkSlots slots = link_slots(fluid_.blocks()[0], fluid_.parity());
     for (int k = 0; k < 2; ++k)
       for (const LinkGroup& g : links_[k].groups)
-        apply_cut_links(fluid_.blocks()[0], slots, links_[k], g, motions[k], ForceForm::galilean, sums_[k]);
+        apply_cut_links<double>({fluid_.blocks()[0], slots, links_[k], g}, motions[k], ForceForm::galilean,
+                                sums_[k]);
   }
   template <class F>
   void for_fluid(F&& f) {
@@ -57,12 +58,12 @@ class Walled {
   std::array<double, 3> velocity(Int3 x) { return fluid_.velocity(fluid_.moments(0, x)); }
   double force(int surface, int axis) const { return double(sums_[surface].force[axis]) * link_quantum; }
   Fluid<double>& fluid() { return fluid_; }
-  std::size_t narrow_links() const { return narrow_links_; }
+  std::size_t gap_links() const { return gap_links_; }
 
   std::array<SurfaceMotion, 2> motions{};
 
  private:
-  void add_group(WallScheme scheme, int surface, int z, bool narrow) {
+  void add_group(WallScheme scheme, int surface, int z, bool in_gap) {
     CutLinks<double>& links = links_[surface];
     const std::uint32_t begin = std::uint32_t(links.place.size());
     const auto push = [&](std::uint32_t place, double q) {
@@ -73,21 +74,21 @@ class Walled {
         const Hit h = scene_.hit(x.x + 0.5, x.y + 0.5, c[i]);
         if (h.q >= 1 || h.surface != surface) continue;
         const bool blocked = scene_.hit(x.x + 0.5, x.y + 0.5, c[opposite(i)]).q < 1;
-        if (narrow == (blocked && reads_behind(scheme, h.q))) push(link_place({x.x, x.y, 0}, i), h.q);
+        if (in_gap == (blocked && reads_behind(scheme, h.q))) push(link_place({x.x, x.y, 0}, i), h.q);
       }
     });
     const std::uint32_t count = std::uint32_t(links.place.size()) - begin;
     if (count == 0) return;
     while (links.place.size() % link_lanes != 0) push(links.place.back(), links.q.back());
-    links.groups.push_back({begin, count, narrow ? WallScheme::narrow : scheme, {0, 0, z}, -1});
-    if (narrow) narrow_links_ += count;
+    links.groups.push_back({begin, count, in_gap ? WallScheme::single_cell_gap : scheme, {0, 0, z}, -1});
+    if (in_gap) gap_links_ += count;
   }
 
   Scene scene_;
   Fluid<double> fluid_;
   std::array<CutLinks<double>, 2> links_;
   std::array<LinkSums, 2> sums_{};
-  std::size_t narrow_links_ = 0;
+  std::size_t gap_links_ = 0;
 };
 
 // ---- shear between planes x + 2y = const ----
@@ -141,7 +142,7 @@ TEST(CutLinks, ShearObliqueToTheLatticeIsExact) {
   EXPECT_GT(oblique_shear(WallScheme::bounce_back).velocity, 1e-3);  // its wall is elsewhere
 }
 
-// ---- a gap of one cell between planes y = const: every link across it is narrow ----
+// ---- a gap of one cell between planes y = const: every link across it is of single_cell_gap ----
 
 Scene one_cell(double below, double above) {
   return {{4, 4, 4},
@@ -159,7 +160,7 @@ TEST(CutLinks, ShearInAGapOfOneCellIsExact) {
       for (const double above : {0.51, 0.8}) {
         const double tau = 0.7, nu = (tau - 0.5) / 3;
         Walled flow(one_cell(below, above), scheme, {tau, 1.0 / 6, Collision::trt, {}});
-        EXPECT_EQ(flow.narrow_links() > 0, scheme == WallScheme::cli);
+        EXPECT_EQ(flow.gap_links() > 0, scheme == WallScheme::cli);
         flow.motions[1].v[0] = speed;
         for (int t = 0; t < 2000; ++t) flow.step();
         EXPECT_NEAR(flow.velocity({1, 0, 2})[0], speed * below / (below + above), 1e-9 * speed);
@@ -200,7 +201,7 @@ Scene pipe(double radius, double x0, double y0) {
           }};
 }
 
-/// L2 error of the velocity over the largest, mean of six positions of the axis.
+/// The L2 error of the velocity over the largest, mean of six positions of the axis.
 double pipe_error(WallScheme scheme, double radius) {
   constexpr double speed = 1e-3, tau = 1.0, nu = (tau - 0.5) / 3;
   double mean = 0;
@@ -249,8 +250,8 @@ TEST(CutLinks, FluidAtRestStaysAtRest) {
   }
 }
 
-// a + b + c = 1; exact where the velocity is linear: 2 q (1 - c) = 1 - b, k = 6 w (1 - c); what turns round
-// in every step is not returned magnified; no jump where branches meet.
+// a + b + c = 1; exact where the velocity is linear: 2 q (1 - c) = 1 - b, k = 6 w (1 - c); what reverses
+// in every step is not returned magnified; no jump where branches meet (lbm/README.md, equations 10 and 12).
 TEST(CutLinks, CoefficientsAreConsistent) {
   const auto check = [](auto scheme, const WallFluid<double>& fluid) {
     constexpr WallScheme s = decltype(scheme)::value;

@@ -24,8 +24,7 @@ CutLinks<T> wall_links(WallScheme scheme) {
         links.q.push_back(T(0.05 + 0.9 * ((x * 7 + y * 13 + i) % 31) / 31.0));
       }
   const auto count = std::uint32_t(links.place.size());
-  links.place.resize(filled_up(count), links.place.back()),
-      links.q.resize(links.place.size(), links.q.back());
+  links.place.resize(padded(count), links.place.back()), links.q.resize(links.place.size(), links.q.back());
   links.groups.push_back({0, count, scheme, {0, 0, 3}, 0});
   return links;
 }
@@ -37,8 +36,8 @@ template <class T>
 std::array<double, 6> force_of(const CutLinks<T>& links, const SurfaceMotion& motion) {
   Block<T> block({{0, 0, 0}, {edge, edge, 8}});
   LinkSums sums;
-  apply_cut_links(block, link_slots(block, Parity::settled), links, links.groups[0], motion, ForceForm::exact,
-                  sums);
+  const LinkSlots slots = link_slots(block, Parity::settled);
+  apply_cut_links<T>({block, slots, links, links.groups[0]}, motion, ForceForm::exact, sums);
   EXPECT_FALSE(sums.invalid);
   std::array<double, 6> force;
   for (int d = 0; d < 3; ++d)

@@ -39,7 +39,7 @@ void for_cells(Fluid<T>& fluid, F&& f) {
   }
 }
 
-/// Order-free: every population's bits mixed with where it is.
+/// A hash without order: every population's bits are mixed with where it is.
 template <class T>
 std::uint64_t fingerprint(Fluid<T>& fluid) {
   std::uint64_t sum = 0, all = 0;
@@ -248,7 +248,7 @@ TEST(Fluid, SameBitsForRowsOfAnyLength) {
     }
 }
 
-// Rows at faces across y and z collide first, and what they owe other ranks leaves at once; at a face across
+// Rows at faces across y and z collide first, and what they send other ranks leaves at once; at a face across
 // x every row has a part.
 TEST(Fluid, MessagesSetOutBeforeThePassIsDone) {
   const std::array<SideCondition, 6> periodic_sides{};
@@ -283,8 +283,8 @@ TEST(Fluid, CouetteAcrossRowsIsLinear) {
 
 constexpr Int3 closed{6, 7, 5};  // cells of a box between walls
 
-/// Largest deviation, after one step from rest in a closed box with such sides, of what arrives along i from
-/// the cell `from` (outside: from a wall) from 6 w_i expected(from, i).
+/// The largest deviation, after one step from rest in a closed box with such sides, of what arrives along i
+/// from the cell `from` (outside: from a wall) from 6 w_i expected(from, i).
 template <class Expected>
 double wrong_at_first(const std::array<SideCondition, 6>& s, Expected&& expected) {
   Fluid<double> fluid(Domain(closed, s, std::nullopt, ranks()), {0.9, 3. / 16, Collision::trt, {}},

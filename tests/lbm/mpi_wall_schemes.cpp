@@ -1,5 +1,5 @@
-// What each wall scheme holds at a flat wall, against the closure that wall_scheme.hpp states: flow driven by
-// a force between two planes anywhere in the grid. Every rank does the same.
+// What each wall scheme holds at a flat wall, against the closure of lbm/README.md, equation 12: flow driven
+// by a force between two planes anywhere in the grid. Every rank does the same.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,10 +42,10 @@ CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, cons
 /// Lets the links know of a wall that moves along x, on their other side.
 void set_far_wall(CutLinks<double>& links, double q, double speed) {
   for (const std::uint32_t place : links.place)
-    links.far_q.push_back(q), links.far_u.push_back(c[place_direction(place)].x * speed);
+    links.opposite_q.push_back(q), links.opposite_u.push_back(c[place_direction(place)].x * speed);
 }
 
-/// Velocity along x of every layer, steady.
+/// The steady velocity along x of every layer.
 std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   const SideCondition periodic{SideKind::periodic, {}, 0};
   const Int3 n{width, width, channel.layers + 2};
@@ -67,15 +67,15 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     LinkSums sums;
     const LinkSlots slots = link_slots(fluid.blocks()[0], fluid.parity());
     for (int k = 0; k < 2; ++k)
-      apply_cut_links(fluid.blocks()[0], slots, links[k], links[k].groups[0], motions[k], ForceForm::exact,
-                      sums);
+      apply_cut_links<double>({fluid.blocks()[0], slots, links[k], links[k].groups[0]}, motions[k],
+                              ForceForm::exact, sums);
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
   return u;
 }
 
-/// T of the closure, and the distance at which it sees the wall.
+/// The T of the closure, and the distance at which it sees the wall.
 struct Closure {
   double t, distance;
 };
@@ -83,8 +83,8 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   const double rate = channel.tau - 0.5;
   const double least = channel.magic + least_excess * (0.5 + q);
   if (scheme == WallScheme::bounce_back) return {channel.magic, 0.5};
-  if (scheme == WallScheme::narrow) {
-    const double h = std::max(q, least_narrow);
+  if (scheme == WallScheme::single_cell_gap) {
+    const double h = std::max(q, least_gap_distance);
     return {2 * h * channel.magic, h};
   }
   if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
@@ -97,16 +97,17 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
 double difference(const Channel& channel, WallScheme scheme) {
   const Closure low = closure_of(scheme, channel.below, channel),
                 high = closure_of(scheme, channel.above, channel);
-  const double bend = -3 * channel.force / (channel.tau - 0.5), last = channel.layers - 1;
-  // u = a + b z + bend z^2 / 2, z from the first layer
-  const double at_low = -2 / 3. * low.t * bend;
-  const double at_high = channel.speed - 2 / 3. * high.t * bend - bend * last * (last / 2 + high.distance);
+  const double curvature = -3 * channel.force / (channel.tau - 0.5), last = channel.layers - 1;
+  // u = a + b z + curvature z^2 / 2, z from the first layer
+  const double at_low = -2 / 3. * low.t * curvature;
+  const double at_high =
+      channel.speed - 2 / 3. * high.t * curvature - curvature * last * (last / 2 + high.distance);
   const double b = (at_high - at_low) / (last + high.distance + low.distance), a = at_low + b * low.distance;
   const std::vector<double> u = velocities(channel, scheme);
   double largest = 0, off = 0;
   for (int k = 0; k < channel.layers; ++k) {
     largest = std::max(largest, std::fabs(u[k]));
-    off = std::max(off, std::fabs(u[k] - (a + b * k + bend * k * k / 2)));
+    off = std::max(off, std::fabs(u[k] - (a + b * k + curvature * k * k / 2)));
   }
   return off / largest;
 }
@@ -159,7 +160,7 @@ TEST(WallSchemes, ParabolicDependsLeastOnWhereTheWallIs) {
 TEST(WallSchemes, OneLayerOfCellsBetweenTwoWalls) {
   for (const auto& q : {std::array{0.6, 0.6}, std::array{0.9, 0.55}, std::array{0.2, 0.7}})
     for (const auto& r : rates)
-      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::narrow), 1e-10)
+      EXPECT_LT(difference({r[0], r[1], q[0], q[1], 1}, WallScheme::single_cell_gap), 1e-10)
           << "tau " << r[0] << " q " << q[0] << " " << q[1];
 }
 
@@ -170,7 +171,7 @@ TEST(WallSchemes, OneLayerOfCellsKnowsTheParabolaThroughBothWalls) {
       const Channel channel{r[0], r[1], q[0], q[1], 1, 1e-6, 1e-5, true};
       const double exact =
           channel.speed * q[0] / (q[0] + q[1]) + channel.force * q[0] * q[1] / 2 / ((channel.tau - 0.5) / 3);
-      EXPECT_NEAR(velocities(channel, WallScheme::narrow)[0] / exact, 1, 1e-9)
+      EXPECT_NEAR(velocities(channel, WallScheme::single_cell_gap)[0] / exact, 1, 1e-9)
           << "tau " << r[0] << " q " << q[0] << " " << q[1];
     }
 }

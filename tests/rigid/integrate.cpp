@@ -147,7 +147,7 @@ TEST(Integrate, FreeFlightIsExactForAConstantForce) {
   testing::Scene s(0, 0);
   s.add(s.shape(Box{{0.1, 0.2, 0.3}}), {50, 50, 50}, {1, 2, 3});
   s.world.gravity = {0, 0, -9.81};
-  s.bodies.weight_factor[0] = 0.25;
+  s.bodies.weight_in_fluid[0] = 0.25;
   s.start();
   for (int i = 0; i < 1000; ++i) {
     s.bodies.add_force(0, {2, 0, 0});

@@ -193,7 +193,8 @@ TEST(Overlap, IsNeverOverstatedAndDeepOnesAreFound) {
         const double depth = overlap_depth(std::visit(whole, a), pose_a, std::visit(whole, b), pose_b);
         const double gap = widest_gap(a, pose_a, b, pose_b);
         EXPECT_LE(depth, -gap + 1e-9) << a.index() << " and " << b.index();
-        apart += gap > 0, deep += gap < -1.5;
+        apart += gap > 0;
+        deep += gap < -1.5;
         if (gap < -1.5) {
           EXPECT_GT(depth, 0) << a.index() << " and " << b.index();
         }

@@ -1,10 +1,14 @@
 // Bad input: every file of bad_cases/ is refused with exactly the messages its "# expect: " lines give, each
-// the rest of a line after the file's name. Adding a file adds a test.
+// the rest of a line after the file's name. Adding a file adds a test. A list of names that grows is written
+// {backends}, {broad phases}, {collision models}, {quantity types}, {shape types} or {keys of SECTION}.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 
+#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/quantity_types.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -24,6 +28,40 @@ std::vector<std::string> bad_cases() {
   return names;
 }
 
+std::string joined_views(const std::vector<std::string_view>& names) {
+  return joined(std::vector<std::string>(names.begin(), names.end()));
+}
+
+std::string quantity_type_names() {
+  std::vector<std::string> names;
+  for (const QuantityType& type : quantity_types) names.emplace_back(type.name);
+  return joined(names);
+}
+
+/// What a key may be, by the message of the reader.
+std::string choices(const std::string& text) {
+  const std::string mark = "must be one of ", message = error_of([&] { read_case_text(text, "case.toml"); });
+  const auto begin = message.find(mark) + mark.size();
+  return message.substr(begin, message.find('\n', begin) - begin);
+}
+
+/// The lists of names that the placeholders in a text stand for.
+std::string filled_in(std::string text, const std::string& case_text) {
+  const std::string shape = "[[shapes]]\nname = \"a\"\ntype = \"?\"\n";
+  std::map<std::string, std::string> lists = {{"{backends}", joined_views(adapters::backend_names())},
+                                              {"{broad phases}", joined_views(adapters::broad_phase_names())},
+                                              {"{quantity types}", quantity_type_names()},
+                                              {"{collision models}", joined(collision_names.list())},
+                                              {"{shape types}", choices(shape)}};
+  if (text.find("{keys of ") != text.npos)
+    for (const auto& [section, keys] : keys_asked_for(case_text))
+      lists["{keys of " + (section.empty() ? "the file" : section) + "}"] = joined(keys);
+  for (const auto& [placeholder, names] : lists)
+    for (auto at = text.find(placeholder); at != text.npos; at = text.find(placeholder))
+      text.replace(at, placeholder.size(), names);
+  return text;
+}
+
 std::string expected(const std::string& text) {
   const std::string mark = "# expect: ";
   std::istringstream lines(text);
@@ -32,7 +70,7 @@ std::string expected(const std::string& text) {
     if (!all.empty()) all += '\n';
     all.append("case.toml:").append(line, mark.size());
   }
-  return all;
+  return filled_in(all, text);
 }
 
 class BadCase : public ::testing::TestWithParam<std::string> {};
@@ -78,9 +116,8 @@ TEST(CaseErrors, OverridesAreNamedInMessages) {
             "--set fluid.relaxation_time=0.4: fluid.relaxation_time is 0.4; it must be above 0.5, where the "
             "viscosity is 0");
   EXPECT_EQ(error_of([&] { c.read({"contacts.backend=bulet"}); }),
-            "--set contacts.backend=bulet: contacts.backend is the string \"bulet\"; it must be one of auto, "
-            "analytic, "
-            "bullet, fcl; did you mean 'bullet'?");
+            "--set contacts.backend=bulet: contacts.backend is the string \"bulet\"; it must be one of " +
+                joined_views(adapters::backend_names()) + "; did you mean 'bullet'?");
   EXPECT_EQ(error_of([&] { c.read({"fluid.density"}); }),
             "--set fluid.density: must have the form key.path=value, as in fluid.density=960");
   EXPECT_EQ(error_of([&] { c.read({"fluid.relaxation_time="}); }),

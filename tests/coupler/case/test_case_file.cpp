@@ -32,7 +32,9 @@ TEST(CaseFile, ConvertsSiToLatticeUnits) {
 
 TEST(CaseFile, UnitsThereAndBack) {
   Units units;
-  units.cell_size = 2.5e-4, units.time_step = 5e-4, units.density = 960;
+  units.cell_size = 2.5e-4;
+  units.time_step = 5e-4;
+  units.density = 960;
   for (const Dimension d :
        {dimension::length, dimension::time, dimension::velocity, dimension::acceleration,
         dimension::viscosity, dimension::density, dimension::mass, dimension::force, dimension::torque,
@@ -178,7 +180,7 @@ wall_scheme = "bounce-back"
 time = "explicit"
 refill = "equilibrium"
 force = "exact"
-pressure_anchor = false
+mass_correction = false
 [contacts]
 backend = "fcl"
 broad_phase = "bullet"
@@ -213,7 +215,7 @@ axis = "x"
   EXPECT_EQ(scene.coupling.time, TimeCoupling::explicit_);
   EXPECT_EQ(scene.coupling.refill, Refill::equilibrium);
   EXPECT_EQ(scene.coupling.force, ForceForm::exact);
-  EXPECT_FALSE(scene.coupling.pressure_anchor);
+  EXPECT_FALSE(scene.coupling.mass_correction);
   EXPECT_EQ(scene.contacts.backend, "fcl");
   EXPECT_EQ(scene.contacts.broad_phase, "bullet");
   EXPECT_EQ(scene.contacts.resolver, "ffd");
@@ -228,7 +230,7 @@ axis = "x"
   EXPECT_EQ(scene.pair_materials[0].friction, 0.3);
   EXPECT_EQ(scene.bodies[0].material, 2);
   EXPECT_EQ(scene.output.fields.every, 10);
-  EXPECT_EQ(scene.output.quantities, std::vector<std::string>{"velocity"});
+  EXPECT_EQ(scene.output.quantities, std::vector{Field::velocity});
   EXPECT_EQ(scene.output.keep_checkpoints, 3);
   ASSERT_EQ(scene.quantities.size(), 1u);
   EXPECT_EQ(scene.quantities[0].axis, 0);

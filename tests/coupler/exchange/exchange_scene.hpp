@@ -8,8 +8,9 @@
 #include <random>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/exchange/body_exchange.hpp"
 #include "coupler/exchange/check_exchange.hpp"
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -53,11 +54,13 @@ struct Scene {
            const rigid::Quat& q = rigid::Quat::Identity(), rigid::Motion motion = rigid::Motion::free) {
     const rigid::MassProperties p = rigid::mass_properties(world.shapes[shape]);
     rigid::BodyRecord r;
-    r.id = id, r.shape = shape, r.motion = motion;
+    r.id = id;
+    r.shape = shape;
+    r.motion = motion;
     r.mass = p.volume;
     Eigen::Map<rigid::Mat3>{r.inertia_B} = p.inertia;
     Eigen::Map<Vec3>{r.position} = x;
-    Eigen::Map<Vec3>{r.mapping_position} =
+    Eigen::Map<Vec3>{r.holder_state.as<CouplingState>().mapping_position} =
         x + Vec3(0.01, 0.02, 0.03);  // something that only a record carries
     r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
     bodies.add(r);
@@ -84,15 +87,15 @@ using Blocks = std::optional<lbm::Int3>;
 constexpr double contact_rim = 0.25;
 
 /// Keeps account of the contacts that owners are given: each one once at the owner of either body, in order.
-class Witness : public BodyExchange {
+class Witness : public ParallelBodyExchange {
  public:
-  using BodyExchange::BodyExchange;
+  using ParallelBodyExchange::ParallelBodyExchange;
   std::uint64_t at_first = 0, at_second = 0;  // wrapping sums of hashes
   bool in_order = true;
   std::size_t visitors = 0;
 
   void exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) override {
-    BodyExchange::exchange_contacts(bodies, contacts);
+    ParallelBodyExchange::exchange_contacts(bodies, contacts);
     visitors += bodies.visitors;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const rigid::Contact& c = contacts[k];
@@ -105,36 +108,42 @@ class Witness : public BodyExchange {
  private:
   static std::uint64_t hash_of_contact(const rigid::Contact& c) {
     rigid::BodyRecord r;  // borrowed: hashes all bits of what is put into it
-    r.id = c.a, r.mapping_position[0] = std::bit_cast<double>(c.b);
-    r.mapping_position[1] = std::bit_cast<double>(c.feature);
+    r.id = c.a;
+    CouplingState& more = r.holder_state.as<CouplingState>();
+    more.mapping_position[0] = std::bit_cast<double>(c.b);
+    more.mapping_position[1] = std::bit_cast<double>(c.feature);
     r.image[0] = c.image.x, r.image[1] = c.image.y, r.image[2] = c.image.z;
     for (int d = 0; d < 3; ++d)
       r.position[d] = c.normal[d], r.velocity[d] = c.r_a[d], r.angular_velocity[d] = c.r_b[d];
-    r.mass = c.gap, r.weight_factor = c.restitution, r.mapping_orientation[0] = c.friction;
+    r.mass = c.gap;
+    r.weight_in_fluid = c.restitution;
+    more.mapping_orientation[0] = c.friction;
     return hash_of(r);
   }
 };
 
-/// A scene on a communicator, its bodies spread over the ranks. Exchange: BodyExchange or one derived from
-/// it.
-template <class Exchange = BodyExchange>
+/// A scene on a communicator, its bodies spread over the ranks. Exchange: ParallelBodyExchange or one derived
+/// from it.
+template <class Exchange = ParallelBodyExchange>
 struct SceneRun {
   Scene scene;
   MPI_Comm comm;
   lbm::Domain domain;
   Exchange exchange;
-  std::unique_ptr<rigid::CollisionBackend> backend = adapters::make_backend("auto");
+  std::unique_ptr<rigid::CollisionBackend> backend;
   std::unique_ptr<rigid::ContactResolver> resolver;
   rigid::RigidStep step;
   rigid::RigidStepReport report;
   std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0;
 
   SceneRun(MPI_Comm comm, const Scene& from, std::string_view law = "sffd", Blocks blocks = {},
-           double rim = contact_rim)
+           double rim = contact_rim,
+           std::unique_ptr<rigid::CollisionBackend> collision = adapters::make_backend("auto"))
       : scene(from),
         comm(comm),
         domain(scene.cells, scene.sides(), blocks, ranks_of(comm)),
         exchange(comm, domain, scene.world, rim),
+        backend(std::move(collision)),
         resolver(rigid::make_resolver(law, scene.settings)),
         step(scene.world, *backend, *resolver, exchange) {
     exchange.distribute(scene.bodies);
@@ -146,7 +155,7 @@ struct SceneRun {
     mixed_contacts += report.mixed_owner_contacts;
     sweeps += report.resolver.sweeps;
   }
-  std::uint64_t hash() { return state_hash(comm, scene.bodies); }
+  std::uint64_t hash() { return records_hash(comm, scene.bodies); }
 };
 
 /// Spheres of three sizes and boxes on a lattice of places, all of them moving: a gas that never rests.

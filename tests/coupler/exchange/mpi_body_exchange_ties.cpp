@@ -15,14 +15,14 @@ using rigid::FixedVec3;
 using tests::rank;
 using tests::ranks;
 
-class Recording : public BodyExchange {
+class Recording : public ParallelBodyExchange {
  public:
-  using BodyExchange::BodyExchange;
+  using ParallelBodyExchange::ParallelBodyExchange;
   std::vector<rigid::Contact> found, known;  // by this rank; of its bodies
   std::size_t visitors = 0;
   void exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) override {
     found = contacts;
-    BodyExchange::exchange_contacts(bodies, contacts);
+    ParallelBodyExchange::exchange_contacts(bodies, contacts);
     known = contacts;
     visitors = bodies.visitors;
   }
@@ -79,7 +79,7 @@ TEST(BodyExchangeTies, OwnerAndCopiesAreEqual) {
   SceneRun<> run(MPI_COMM_WORLD, figure_2(), "sffd", columns());
   for (int i = 0; i < 5; ++i) {
     run.advance();
-    EXPECT_NO_THROW(check_bodies(run.exchange, run.bodies()));
+    EXPECT_NO_THROW(check_exchange(run.exchange, run.bodies()));
     std::uint64_t held[2] = {};
     for (const BodyId id : {3, 8}) {
       const std::size_t row = run.bodies().row_of(id);
@@ -105,7 +105,7 @@ TEST(BodyExchangeTies, HoldersAreThoseWhoseGrownBlocksTheBoxMeets) {
       scene.periodic = periodic;
       const double rim = 1.25;
       const lbm::Domain domain(scene.cells, scene.sides(), blocks, ranks());
-      const BodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, rim);
+      const ParallelBodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, rim);
       for (int trial = 0; trial < 400; ++trial) {
         const int shape = shapes[trial % 5];
         const rigid::Pose pose{Vec3(12, 12, 12) + 11.9 * Vec3(u(random), u(random), u(random)),
@@ -136,7 +136,7 @@ TEST(BodyExchangeTies, OwnerOfPointsOutsideAndOnBorders) {
   Scene scene(0, 0);
   scene.periodic = {true, false, true};
   const lbm::Domain domain(scene.cells, scene.sides(), Blocks{{6, 6, 6}}, ranks());
-  const BodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, 1);
+  const ParallelBodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, 1);
   EXPECT_EQ(exchange.rank_at({24, 3, 3}), domain.rank_at({0, 3, 3}));
   EXPECT_EQ(exchange.rank_at({-1e-18, 3, 3}), domain.rank_at({0, 3, 3}));  // rounds to the period, which is 0
   EXPECT_EQ(exchange.rank_at({-0.5, 3, 49}), domain.rank_at({23, 3, 1}));
@@ -192,7 +192,7 @@ TEST(BodyExchangeTies, ForcesOnCopiesAddUpToTheSameBits) {
 /// Between steps: bodies set down anywhere, forces on copies that are dropped before the forces are summed.
 TEST(BodyExchangeTies, PosesAndVelocitiesSetBetweenSteps) {
   SceneRun<> run(MPI_COMM_WORLD, gas(1), "sffd", Blocks{{6, 6, 12}}), serial(MPI_COMM_SELF, gas(1));
-  const auto meddle = [](rigid::BodySet& bodies, const BodyExchange& exchange, int step) {
+  const auto meddle = [](rigid::BodySet& bodies, const ParallelBodyExchange& exchange, int step) {
     std::mt19937 random(step);
     std::uniform_real_distribution<> u(-1, 1);
     const auto some = [&] { return bodies.row_of(1000 - 7 * (random() % 64)); };
@@ -216,7 +216,7 @@ TEST(BodyExchangeTies, PosesAndVelocitiesSetBetweenSteps) {
     meddle(run.bodies(), run.exchange, step);
     meddle(serial.bodies(), serial.exchange, step);
     for (auto* r : {&run, &serial}) r->exchange.synchronise(r->bodies());
-    ASSERT_NO_THROW(check_bodies(run.exchange, run.bodies()));
+    ASSERT_NO_THROW(check_exchange(run.exchange, run.bodies()));
     ASSERT_EQ(run.hash(), serial.hash()) << "step " << step;
     run.advance();
     serial.advance();
@@ -252,7 +252,7 @@ TEST(BodyExchangeTies, HandoverCarriesEverything) {
     ASSERT_EQ(sum_of(MPI_COMM_WORLD, bodies.owned), 1u);
     const int owner = run.exchange.rank_at({x, 5, 5});
     ASSERT_EQ(bodies.owned, rank() == owner ? 1u : 0u);
-    ASSERT_NO_THROW(check_bodies(run.exchange, bodies));
+    ASSERT_NO_THROW(check_exchange(run.exchange, bodies));
     if (rank() != owner) continue;
     record.position[0] = x;
     EXPECT_EQ(hash_of(bodies.record(0)), hash_of(record));

@@ -9,6 +9,7 @@
 #include "coupler/forces/gap_cells.hpp"
 #include "coupler/forces/gap_kernels.hpp"
 #include "coupler/forces/lubrication.hpp"
+#include "lbm/isa.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -17,12 +18,12 @@ constexpr double mu = 0.1, pi = std::numbers::pi;
 constexpr ResolvedFlow everywhere = {1.5, 0, 0, 0.5, 0.5};  // in the lattice
 constexpr ResolvedFlows resolved = {everywhere, everywhere};
 
-rigid::FilmGap spheres(double width, double a, double b) {
+rigid::LubricatedGap spheres(double width, double a, double b) {
   rigid::Mat3 across = rigid::Mat3::Identity();
   across(2, 2) = 0;
   return {width, 0, across / a, across / b, rigid::Vec3::Zero(), rigid::Vec3::UnitZ()};
 }
-rigid::FilmGap wall(double width, double a) {
+rigid::LubricatedGap wall(double width, double a) {
   return spheres(width, a, std::numeric_limits<double>::infinity());
 }
 
@@ -39,7 +40,7 @@ TEST(Lubrication, SlipAndRollingMakeGoldmansLogarithmsAtAWall) {
   // eps (8 pi mu a^2 U) of translation; (2/15) (6 pi mu a^2 omega) and (2/5) (8 pi mu a^3 omega) of rotation
   const Lubrication law(mu, resolved, 1e-9);
   const double a = 6, log = std::log(0.5 / 0.01);
-  const rigid::Film f = law(wall(0.01, a));
+  const rigid::LubricationResistance f = law(wall(0.01, a));
   // slip U - a omega, rolling U + a omega
   EXPECT_NEAR(f.sliding + f.rolling, 8. / 15 * log * 6 * pi * mu * a, 1e-9);
   EXPECT_NEAR(a * (f.sliding - f.rolling), 0.1 * log * 8 * pi * mu * a * a, 1e-9);
@@ -53,7 +54,7 @@ TEST(Lubrication, SlipAndRollingMakeJeffreyAndOnishisLogarithmsOfUnequalSpheres)
   const double a = 4, log = std::log(0.5 / 0.01);
   for (const double kappa : {0.3, 1.0, 2.5}) {
     const double b = kappa * a, alpha = (a - b) / (a + b), k1 = 1 + kappa;
-    const rigid::Film f = law(spheres(0.01, a, b));
+    const rigid::LubricationResistance f = law(spheres(0.01, a, b));
     EXPECT_NEAR(f.sliding + alpha * alpha * f.rolling,
                 6 * pi * mu * a * 4 * kappa * (2 + kappa + 2 * kappa * kappa) / (15 * k1 * k1 * k1) * log,
                 1e-9);
@@ -65,26 +66,26 @@ TEST(Lubrication, SlipAndRollingMakeJeffreyAndOnishisLogarithmsOfUnequalSpheres)
 
 TEST(Lubrication, AWayThroughTheGapIsTheMeanOverIt) {
   const Lubrication law(mu, resolved, 1e-3);
-  rigid::FilmGap gap = wall(0.5, 6);
+  rigid::LubricatedGap gap = wall(0.5, 6);
   gap.travel = -0.45;
   double sum = 0;
   constexpr int parts = 20000;
   for (int k = 0; k < parts; ++k) sum += law(wall(0.05 + 0.45 * (k + 0.5) / parts, 6)).normal;
   EXPECT_NEAR(law(gap).normal / (sum / parts), 1, 1e-6);
-  rigid::FilmGap back = wall(0.05, 6);
+  rigid::LubricatedGap back = wall(0.05, 6);
   back.travel = 0.45;
   EXPECT_NEAR(law(back).normal / law(gap).normal, 1, 1e-12);
 }
 
 /// The sum over cells, tried one by one.
-double counted(const rigid::FilmGap& gap, double radius) {
+double counted(const rigid::LubricatedGap& gap, double radius) {
   double sum = 0;
   for (int x = -30; x < 30; ++x)
     for (int y = -30; y < 30; ++y)
       for (int z = -30; z < 30; ++z) {
         const rigid::Vec3 r = rigid::Vec3(x + 0.5, y + 0.5, z + 0.5) - gap.middle;
-        const double below = gap.width / 2 + 0.5 * r.dot(gap.bend_a * r);
-        const double above = gap.width / 2 + 0.5 * r.dot(gap.bend_b * r), s = r.dot(gap.normal);
+        const double below = gap.width / 2 + 0.5 * r.dot(gap.curvature_a * r);
+        const double above = gap.width / 2 + 0.5 * r.dot(gap.curvature_b * r), s = r.dot(gap.normal);
         if (s > -below && s < above && below + above < 1) sum += (1 - below - above) * (1 - below - above);
       }
   return sum / (2 * pi * radius);
@@ -97,7 +98,7 @@ TEST(Lubrication, CountsTheCellsOfTheGap) {
       const rigid::Vec3 n = d.normalized();
       const rigid::Mat3 across = rigid::Mat3::Identity() - n * n.transpose();
       for (const double b : {3.0, 1e9}) {
-        const rigid::FilmGap gap{h, 0, across / 6, across / b, {0.3, -0.4, 0.15 + h}, n};
+        const rigid::LubricatedGap gap{h, 0, across / 6, across / b, {0.3, -0.4, 0.15 + h}, n};
         EXPECT_NEAR(cells_in_gap(gap), counted(gap, 1 / (1 / 6. + 1 / b)), 1e-12)
             << d.transpose() << " " << h;
       }
@@ -119,7 +120,7 @@ TEST(Lubrication, CountsTheCellsBetweenSurfacesThatBendUnevenly) {
     const auto surface = [&] {
       return bent(n, 0.2 + 0.15 * one(random), 0.2 + 0.19 * one(random), 2 * one(random));
     };
-    const rigid::FilmGap gap{
+    const rigid::LubricatedGap gap{
         0.4 + 0.6 * one(random), 0, surface(), surface(), {one(random), one(random), one(random)}, n};
     EXPECT_NEAR(cells_in_gap(gap), counted(gap, 1 / std::sqrt(gap.curvature_product())), 1e-12) << i;
   }
@@ -138,17 +139,17 @@ TEST(Lubrication, EveryBuildCountsTheSameBits) {
                          3};
   const double sum = portable::sum_over_gap(gap);
   EXPECT_GT(sum, 1);
-  if (chosen_isa() != Isa::portable) {
+  if (lbm::chosen_isa() != lbm::Isa::portable) {
     EXPECT_EQ(avx2::sum_over_gap(gap), sum);
   }
-  if (chosen_isa() == Isa::avx512) {
+  if (lbm::chosen_isa() == lbm::Isa::avx512) {
     EXPECT_EQ(avx512::sum_over_gap(gap), sum);
   }
 }
 
 TEST(Lubrication, ALayerOfCellsInTheGapIsResolvedBetterThanNone) {
   const Lubrication law(mu, {{0.8, 0.7, 2.4, 0.5, 0.5}, {}}, 1e-9);
-  rigid::FilmGap gap = spheres(0.2, 6, 6);
+  rigid::LubricatedGap gap = spheres(0.2, 6, 6);
   gap.middle = {0.5, 0.5, 0.5};
   const double on_cells = law(gap).normal;
   gap.middle[2] = 0;

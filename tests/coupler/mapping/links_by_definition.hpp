@@ -7,10 +7,11 @@
 #include <map>
 #include <tuple>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
-#include "lbm/sweep.hpp"
+#include "lbm/pass_order.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler::testing {
@@ -26,7 +27,7 @@ class Geometry {
 
   /// A cell's centre from the nearest image of a body.
   Vec3 arm(std::size_t row, Int3 cell) const {
-    Vec3 r = Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - bodies_.mapping_pose[row].position;
+    Vec3 r = Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - mapping_pose(bodies_, row).position;
     for (int d = 0; d < 3; ++d)
       if (domain_.periodic(d)) r[d] -= domain_.cells()[d] * std::round(r[d] / domain_.cells()[d]);
     return r;
@@ -36,7 +37,7 @@ class Geometry {
     if (!domain_.inside(domain_.wrapped(cell))) return -2;
     int found = -1;
     for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
-      const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+      const rigid::Quat q = mapping_pose(bodies_, row).orientation;
       if (rigid::contains(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell)) &&
           (found < 0 || bodies_.id[row] < bodies_.id[found]))
         found = int(row);
@@ -44,7 +45,7 @@ class Geometry {
     return found;
   }
   double distance(std::size_t row, Int3 cell, int i) const {
-    const rigid::Quat& q = bodies_.mapping_pose[row].orientation;
+    const rigid::Quat q = mapping_pose(bodies_, row).orientation;
     const Vec3 c(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z);
     return rigid::ray_distance(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell),
                                q.conjugate() * c, 1.0);
@@ -65,7 +66,7 @@ struct Link {
 using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
 
 /// After a part of the dense pass, a cell and all around it have collided.
-inline void expect_all_done(const lbm::Sweep& sweep, Int3 x, int part) {
+inline void expect_all_done(const lbm::PassOrder& sweep, Int3 x, int part) {
   for (int z = x.z - 1; z <= x.z + 1; ++z)
     for (int y = x.y - 1; y <= x.y + 1; ++y) EXPECT_LE(sweep.part_of(y, z), part);
 }
@@ -73,7 +74,7 @@ inline void expect_all_done(const lbm::Sweep& sweep, Int3 x, int part) {
 template <class T>
 void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>& links, WallScheme scheme,
                Links& found) {
-  const lbm::Sweep sweep(map.box.size, sizeof(T));
+  const lbm::PassOrder sweep(map.box.size, sizeof(T));
   for (const lbm::LinkGroup& g : links.groups) {
     const lbm::SurfaceFrame& frame = links.frame;
     EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
@@ -102,7 +103,8 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
   const Geometry geometry(s);
   CouplingSpec coupling;
   coupling.wall_scheme = scheme;
-  build_links(map, s.scene().world, s.bodies(), coupling, {}, lbm::Sweep(map.box.size, sizeof(T)), surfaces);
+  build_links(map, s.scene().world, s.bodies(), coupling, {}, lbm::PassOrder(map.box.size, sizeof(T)),
+              surfaces);
   Links left;
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     add_links(map, map.masks[k], surfaces[k].links, scheme, left);

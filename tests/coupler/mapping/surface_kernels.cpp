@@ -7,6 +7,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
+#include "lbm/isa.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::coupler {
@@ -65,7 +66,7 @@ BitWindow cells(const rigid::Shape& shape, const Kernel& kernel) {
 TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
   for (const rigid::Shape& shape : one_of_each_kind()) {
     SCOPED_TRACE(std::string(rigid::shape_name(shape)));
-    const BitWindow inside = cells(shape, portable::mark_parts);
+    const BitWindow inside = cells(shape, portable::bit_kernels().mark_parts);
     for (int z = -10; z < 11; ++z)
       for (int y = -10; y < 11; ++y)
         for (int x = -10; x < 11; ++x) {
@@ -73,7 +74,7 @@ TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
           EXPECT_EQ(inside.test({x, y, z}), rigid::contains(shape, oblique.conjugate() * r));
         }
     const auto places = random_links();
-    const auto q = distances<double>(shape, [](auto... a) { portable::surface_distances(a...); });
+    const auto q = distances<double>(shape, portable::surface_distances<double, double>());
     for (std::size_t l = 0; l < places.size(); ++l) {
       const Int3 cell = lbm::place_cell(places[l]) - frame.cell, i = lbm::c[lbm::place_direction(places[l])];
       const Vec3 r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)),
@@ -87,13 +88,13 @@ TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
 
 template <class T>
 void expect_same_distances(const rigid::Shape& shape) {
-  const auto plain = distances<T>(shape, [](auto... a) { portable::surface_distances(a...); });
+  const auto plain = distances<T>(shape, portable::surface_distances<T, T>());
   EXPECT_GT(std::count_if(plain.begin(), plain.end(), [](T q) { return q > 0 && q < 1; }), 50);
-  if (chosen_isa() != Isa::portable) {
-    EXPECT_EQ(plain, distances<T>(shape, [](auto... a) { avx2::surface_distances(a...); }));
+  if (lbm::chosen_isa() != lbm::Isa::portable) {
+    EXPECT_EQ(plain, distances<T>(shape, avx2::surface_distances<T, T>()));
   }
-  if (chosen_isa() == Isa::avx512) {
-    EXPECT_EQ(plain, distances<T>(shape, [](auto... a) { avx512::surface_distances(a...); }));
+  if (lbm::chosen_isa() == lbm::Isa::avx512) {
+    EXPECT_EQ(plain, distances<T>(shape, avx512::surface_distances<T, T>()));
   }
 }
 
@@ -102,13 +103,13 @@ TEST(SurfaceKernels, SameBitsOnEveryInstructionSet) {
     SCOPED_TRACE(std::string(rigid::shape_name(shape)));
     expect_same_distances<float>(shape);
     expect_same_distances<double>(shape);
-    const BitWindow plain = cells(shape, portable::mark_parts);
+    const BitWindow plain = cells(shape, portable::bit_kernels().mark_parts);
     EXPECT_EQ(plain.test({0, 0, 0}), !std::holds_alternative<rigid::Tube>(shape));
-    if (chosen_isa() != Isa::portable) {
-      EXPECT_EQ(plain, cells(shape, avx2::mark_parts));
+    if (lbm::chosen_isa() != lbm::Isa::portable) {
+      EXPECT_EQ(plain, cells(shape, avx2::bit_kernels().mark_parts));
     }
-    if (chosen_isa() == Isa::avx512) {
-      EXPECT_EQ(plain, cells(shape, avx512::mark_parts));
+    if (lbm::chosen_isa() == lbm::Isa::avx512) {
+      EXPECT_EQ(plain, cells(shape, avx512::bit_kernels().mark_parts));
     }
   }
 }

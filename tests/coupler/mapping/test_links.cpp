@@ -10,6 +10,11 @@ using lbm::Int3;
 using rigid::Vec3;
 using testing::expect_all_links;
 
+/// Shows the body to the fluid somewhere else.
+void move(rigid::BodySet& bodies, std::size_t row, const Vec3& to) {
+  set_mapping_pose(bodies, row, {to, mapping_pose(bodies, row).orientation});
+}
+
 /// The crowd after some steps, in blocks of several sizes, and then again with some of the bodies moved.
 template <class T>
 void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
@@ -32,7 +37,8 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
       for (const BodyMask& mask : block.masks)
         (mask.kept ? kept : spoilt) += block.changed && round > 0 && mask.id % 4 != round;
     for (std::size_t row = 0; row < s.bodies().first_wall(); ++row)
-      if (s.bodies().id[row] % 4 == round + 1) s.bodies().mapping_pose[row].position += Vec3(0.3, -0.4, 0.2);
+      if (s.bodies().id[row] % 4 == round + 1)
+        move(s.bodies(), row, mapping_pose(s.bodies(), row).position + Vec3(0.3, -0.4, 0.2));
   }
   EXPECT_EQ(narrow > 0, scheme != WallScheme::bounce_back);
   EXPECT_GT(kept, 0);
@@ -87,11 +93,11 @@ TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
   MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {18, 18, 18}}});
   std::vector<SurfaceLinks<double>> surfaces;
   int narrow = 0, kept = 0, renewed = 0;
-  const Vec3 centre = s.bodies().mapping_pose[1].position;
+  const Vec3 centre = mapping_pose(s.bodies(), 1).position;
   for (int i = 1; i < lbm::directions; ++i)
     for (double distance = 1.05; distance < 9; distance += 0.55) {
       const Vec3 along = Vec3(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z).normalized();
-      s.bodies().mapping_pose[0].position = centre + distance * along;
+      move(s.bodies(), 0, centre + distance * along);
       map(s.bodies());
       expect_all_links<double>(s, map.blocks()[0], WallScheme::cli, 1e-9, surfaces, narrow);
       ++(map.blocks()[0].masks.back().kept ? kept : renewed);

@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
@@ -31,11 +32,12 @@ std::map<std::array<int, 4>, NarrowLink<T>> narrow_links(const std::vector<Surfa
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const auto& links = surfaces[k].links;
     for (const lbm::LinkGroup& g : links.groups)
-      for (std::uint32_t l = 0; g.scheme == WallScheme::narrow && (l < g.count || l % lbm::link_lanes); ++l) {
+      for (std::uint32_t l = 0;
+           g.scheme == WallScheme::single_cell_gap && (l < g.count || l % lbm::link_lanes); ++l) {
         const std::uint32_t p = links.place[g.begin + l];
         const Int3 x = g.corner + lbm::place_cell(p);
         auto& link = found[{x.x, x.y, x.z, lbm::place_direction(p)}];
-        link.surface = k, link.q = links.q[g.begin + l], link.far.push_back(g.far + l);
+        link.surface = k, link.q = links.q[g.begin + l], link.far.push_back(g.opposite + l);
       }
   }
   return found;
@@ -53,7 +55,7 @@ void put_boxes_at_sides(Simulation& s) {
   const Vec3 places[] = {{12, gap + 3, gap + 2}, {5, 10, 28 - gap - 2}};
   for (std::size_t row = 0, found = 0; row < s.bodies().first_wall() && found < 2; ++row)
     if (std::holds_alternative<rigid::Box>(s.scene().world.shapes[s.bodies().shape[row]]))
-      s.bodies().mapping_pose[row] = {places[found++], rigid::Quat::Identity()};
+      set_mapping_pose(s.bodies(), row, {places[found++], rigid::Quat::Identity()});
 }
 
 /// The wall that a link along c has behind its cell, beyond the sides of n cells.
@@ -81,7 +83,7 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
   CouplingSpec coupling;
   coupling.wall_scheme = WallScheme::parabolic;
   build_links(map.blocks()[0], s.scene().world, s.bodies(), coupling, {},
-              lbm::Sweep(map.blocks()[0].box.size, sizeof(double)), surfaces);
+              lbm::PassOrder(map.blocks()[0].box.size, sizeof(double)), surfaces);
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
   block.gaps.pair(surfaces, s.scene().flow->domain(), {{}, n});
@@ -97,8 +99,8 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
       EXPECT_FALSE(s.scene().flow->domain().inside(behind)) << "a gap whose other wall is not known";
       const Side side = side_behind(behind, n, c);
       for (const std::uint32_t far : link.far) {
-        EXPECT_EQ(links.far_q[far], side.q);
-        EXPECT_NEAR(links.far_u[far], side.u, 1e-15);
+        EXPECT_EQ(links.opposite_q[far], side.q);
+        EXPECT_NEAR(links.opposite_u[far], side.u, 1e-15);
       }
       ++(side.edge ? edges : side.q > 0 ? sides : slipping);
       continue;
@@ -109,8 +111,8 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
     Vec3 arm, v(motion.v[0], motion.v[1], motion.v[2]), w(motion.omega[0], motion.omega[1], motion.omega[2]);
     for (int d = 0; d < 3; ++d) arm[d] = at[d] - frame.cell[d] + frame.offset[d];
     for (const std::uint32_t far : link.far) {
-      EXPECT_EQ(links.far_q[far], other->second.q);
-      EXPECT_NEAR(links.far_u[far], Vec3(c.x, c.y, c.z).dot(v + w.cross(arm)), 1e-12);
+      EXPECT_EQ(links.opposite_q[far], other->second.q);
+      EXPECT_NEAR(links.opposite_u[far], Vec3(c.x, c.y, c.z).dot(v + w.cross(arm)), 1e-12);
     }
   }
   EXPECT_GT(between, 0);

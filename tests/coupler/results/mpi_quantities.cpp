@@ -40,7 +40,10 @@ std::vector<double> values_of(const Case& scene, MPI_Comm comm) {
   Simulation simulation(scene, comm);
   Quantities quantities(scene);
   quantities.observe(simulation);
-  while (simulation.steps_done() < scene.steps) simulation.step(), quantities.observe(simulation);
+  while (simulation.steps_done() < scene.steps) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
   return numbers(quantities.evaluate(simulation));
 }
 
@@ -257,7 +260,10 @@ TEST(Quantities, GoOnFromACheckpoint) {
   Simulation simulation(scene, MPI_COMM_WORLD);
   Quantities quantities(scene);
   quantities.observe(simulation);
-  for (int i = 0; i < 90; ++i) simulation.step(), quantities.observe(simulation);
+  for (int i = 0; i < 90; ++i) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
   const auto path = write_checkpoint(simulation, quantities, scratch.path(),
                                      provenance_of(scene, tests::ranks(), simulation.scene().backend_name()));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
@@ -265,7 +271,10 @@ TEST(Quantities, GoOnFromACheckpoint) {
   Quantities again(scene);
   again.set_history(read_history(reader, scene));
   const auto finish = [&](Simulation& s, Quantities& q) {
-    while (s.steps_done() < scene.steps) s.step(), q.observe(s);
+    while (s.steps_done() < scene.steps) {
+      s.step();
+      q.observe(s);
+    }
     return numbers(q.evaluate(s));
   };
   expect_same_bits(finish(resumed, again), finish(simulation, quantities));

@@ -58,7 +58,8 @@ CaseText pure_fluid() {
   c.fluid =
       "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-5, 0, 2e-5]\n"
       "initial = { type = \"uniform\", velocity = [0.01, 0.02, 0] }\n";
-  c.shapes.clear(), c.bodies.clear();
+  c.shapes.clear();
+  c.bodies.clear();
   return c;
 }
 
@@ -119,7 +120,10 @@ void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t
   const Case scene = text.read({finely_cut}), uncut = text.read();
   Simulation simulation(scene, MPI_COMM_WORLD);
   Quantities quantities(scene);
-  for (int i = 0; i < odd; ++i) simulation.step(), quantities.observe(simulation);
+  for (int i = 0; i < odd; ++i) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
   const double speed = quantities.evaluate(simulation)[1].second;
   const auto path = write_checkpoint(simulation, quantities, scratch.path(),
                                      provenance_of(scene, ranks(), simulation.scene().backend_name()));
@@ -162,12 +166,13 @@ TEST(Run, AChangedCaseIsNotResumed) {
   const auto path =
       write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const Case again = case_to_resume(reader, directory, {"run.steps=900"});
+  const Case again = case_to_resume(read_origin(reader), directory, {"run.steps=900"});
   EXPECT_EQ(again.steps, 900);
   EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
-  EXPECT_NE(
-      error_of([&] { case_to_resume(reader, directory, {"contacts.friction=0.5"}); }).find("cannot change"),
-      std::string::npos);
+  EXPECT_NE(error_of([&] {
+              case_to_resume(read_origin(reader), directory, {"contacts.friction=0.5"});
+            }).find("cannot change"),
+            std::string::npos);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank() == 0) {
     std::string changed = text.text();
@@ -175,7 +180,7 @@ TEST(Run, AChangedCaseIsNotResumed) {
     std::ofstream(directory / "case.toml") << changed;
   }
   MPI_Barrier(MPI_COMM_WORLD);
-  const std::string error = error_of([&] { case_to_resume(reader, directory, {}); });
+  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
   EXPECT_NE(error.find("has changed"), std::string::npos) << error;
   EXPECT_NE(error.find("radius = 2.5"), std::string::npos) << error;
 }
@@ -237,7 +242,7 @@ TEST(Run, ABodyThatIsTooFastIsNamed) {
   simulation.set_velocity(1, Vec3(1.5, 0, 0), Vec3::Zero());
   std::string found;
   try {
-    check_bodies(simulation.setup(), simulation.bodies(), 12, rank());
+    check_motion(simulation.setup(), simulation.bodies(), 12, rank());
   } catch (const GuardStop& stop) {
     found = stop.what();
   }

@@ -162,7 +162,7 @@ TEST(AgainstPgs, WedgeOfBalls) {  // one falls between two, and spreads them aga
   EXPECT_LT(d.law, 1e-6);
 }
 
-TEST(AgainstPgs, WedgeOfABallAndBoxesKeepsTheLaw) {  // more than one solution at the blow: see below
+TEST(AgainstPgs, WedgeOfABallAndBoxesKeepsTheLaw) {  // more than one solution at the impact: see below
   Scene s = on_earth(0, 0.2);
   const int ball = s.shape(Sphere{0.5}), block = s.shape(Box{{0.5, 0.5, 0.3}});
   s.add(block, {9.35, 10, 0.3});

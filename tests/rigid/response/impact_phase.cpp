@@ -1,5 +1,5 @@
-// The impact phase: how blows run through bodies that touch. Against collisions of pairs one after the other,
-// and what any law of impact must keep.
+// The impact phase: how impacts run through bodies that touch. Against collisions of pairs one after the
+// other, and what any law of impact must keep.
 #include "rigid/response/impact_phase.hpp"
 
 #include <gtest/gtest.h>
@@ -156,7 +156,7 @@ TEST(ImpactPhase, EnergyNeverGrowsAndMomentumIsKept) {
     }
 }
 
-TEST(ImpactPhase, SeveralRestitutionsDoNotMakeEnergy) {  // coupled blows of a different e each
+TEST(ImpactPhase, SeveralRestitutionsDoNotMakeEnergy) {  // coupled impacts of a different e each
   Scene s = row_of_balls(1, 0, {1, 0, 0, 0, -1}, {1, 50, 0.02, 50, 1});
   s.world.materials = {{0, 0}, {1, 0}, {1, 0}, {0.1, 0}};  // 0-0: 0, 0-1: 1, 1-1: 0.1
   s.world.material_count = 2;

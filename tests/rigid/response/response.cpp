@@ -1,4 +1,4 @@
-// Contact response by sffd against closed forms: the rows of the resolver's specification (its section 9)
+// Contact response by sffd against closed forms: what rigid/README.md promises of it
 // that spheres, boxes and planes allow. dt = 1e-3, g = 9.81. And what a fast contact law must keep: momentum,
 // cone, no tunnelling.
 #include <gtest/gtest.h>

@@ -1,0 +1,33 @@
+#pragma once
+// How fluid and bodies are coupled: the table [coupling] of a case.
+#include "coupler/case/name_table.hpp"
+#include "lbm/force_form.hpp"
+#include "lbm/wall_scheme.hpp"
+
+namespace silt::coupler {
+
+using lbm::WallScheme;
+inline constexpr NameTable<WallScheme, lbm::wall_scheme_names.size()> wall_scheme_names{
+    lbm::wall_scheme_names};
+
+enum class TimeCoupling { explicit_, implicit_ };
+inline constexpr auto time_coupling_names = names_of<TimeCoupling>("explicit", "implicit");
+
+enum class Refill { equilibrium, grad };
+inline constexpr auto refill_names = names_of<Refill>("equilibrium", "grad");
+
+using lbm::ForceForm;
+inline constexpr NameTable<ForceForm, lbm::force_form_names.size()> force_form_names{lbm::force_form_names};
+
+struct CouplingSpec {
+  WallScheme wall_scheme = WallScheme::parabolic;
+  TimeCoupling time = TimeCoupling::implicit_;
+  Refill refill = Refill::grad;
+  ForceForm force = ForceForm::galilean;
+  bool mass_correction = true;
+  double remap_tolerance = 0.02;   // cells a surface may move before its cells and wall distances are renewed
+  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
+  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
+};
+
+}  // namespace silt::coupler

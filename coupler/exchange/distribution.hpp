@@ -1,0 +1,92 @@
+#pragma once
+// The inside of ParallelBodyExchange on more than one rank: who holds what, and the rounds of messages.
+//
+// Each rank remembers, as of the last synchronisation, which ranks hold a copy of its bodies and which rank
+// owns each of its copies. Both ends of such a tie know it, hence forces, contacts and the sweeps' velocities
+// go between ties without asking anyone: a contact found here concerns only owners of bodies held here. Only
+// the synchronisation itself can reach a rank that does not expect it (a body now overlaps it, or was set
+// down in it, from any distance): that is a round of unannounced messages, see messages.hpp.
+#include <unordered_map>
+
+#include "coupler/exchange/holders.hpp"
+#include "coupler/exchange/messages.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
+
+namespace silt::coupler {
+
+/// What this rank shares with another, each list sorted by id: the other rank has the same lists, swapped.
+struct Tie {
+  int rank;
+  std::vector<rigid::BodyId> given;  // owned here, copied there
+  std::vector<rigid::BodyId> taken;  // owned there, copied here
+};
+
+/// A body between ranks, in full.
+struct Traveller {
+  rigid::BodyRecord record;
+  int owner;                       // after this synchronisation
+  rigid::FixedVec3 force, torque;  // for a new owner only, as all below
+  std::vector<int> holders;
+  std::vector<rigid::StoredImpulse> impulses;
+};
+
+struct ParallelBodyExchange::Distribution {
+  Distribution(MPI_Comm comm, int rank, const lbm::Domain& domain, const rigid::World& world, double rim)
+      : rank(rank), world(world), holders(domain, rim), messages(comm) {}
+
+  // ---- synchronise_bodies.cpp ----
+  void synchronise(rigid::BodySet&);
+  void distribute(rigid::BodySet&);
+  /// Ranks that hold a body, its owner among them, sorted.
+  void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
+
+  // ---- exchange_contacts.cpp ----
+  void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
+  void share(std::span<double> rows, int width);
+
+  // ---- distribution.cpp ----
+  void sum_forces(rigid::BodySet&);
+  void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width);
+  void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width);
+  /// Renews the ties after held_by or owner_of changed.
+  void tie(const rigid::BodySet&);
+  int owner(rigid::BodyId) const;  // of a copy or visitor
+
+  const int rank;
+  const rigid::World& world;
+  Holders holders;
+  Messages messages;
+  ExchangeCounters counters;
+  // look-ups only, nothing runs through them in their order
+  std::unordered_map<rigid::BodyId, std::vector<int>>
+      held_by;                                      // owned bodies that others hold: those, sorted
+  std::unordered_map<rigid::BodyId, int> owner_of;  // copies and visitors
+  std::vector<Tie> ties;                            // by rank
+
+  /// Ranks of ties that give (or take) anything.
+  const std::vector<int>& those_that(std::vector<rigid::BodyId> Tie::*have);
+
+ private:
+  struct VelocityMessages {  // rows whose velocities go to and come from a rank in the sweeps, in the order
+                             // of ids
+    int rank;
+    std::vector<std::size_t> given, taken;
+  };
+  struct Arrivals;
+  void announce(rigid::BodySet&);
+  void announce_body(const rigid::BodySet&, std::size_t row);
+  void send_forces_of_copies(rigid::BodySet&);
+  void read(rigid::BodySet&, Arrivals&);
+  bool settle(rigid::BodySet&, Arrivals&);
+  bool drop_visitors(rigid::BodySet&);
+  void send_contact(const rigid::BodySet&, const rigid::Contact&, bool new_pair);
+  void send_partner(const rigid::BodySet&, rigid::BodyId, int to);
+  void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
+  void plan_velocity_messages(const rigid::BodySet&, const std::vector<rigid::Contact>&);
+
+  std::vector<int> ranks_;                           // scratch
+  std::vector<std::size_t> departures_;              // owned rows that are handed over
+  std::vector<VelocityMessages> velocity_messages_;  // by rank
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,69 @@
+#pragma once
+// Owner and remote bodies over MPI (the paper, section III): the four exchanges of Algorithm 1.
+//
+// The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
+// whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy. Messages
+// go to those ranks only. Who they are both ends know from the last synchronisation (distribution.hpp); a
+// synchronisation itself may reach ranks that do not expect it (messages.hpp).
+#include <mpi.h>
+
+#include <memory>
+
+#include "lbm/domain.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/world.hpp"
+
+namespace silt::coupler {
+
+struct ExchangeCounters {
+  std::uint64_t migrations = 0;  // bodies this rank gave away
+  std::uint64_t copies_made = 0;
+  std::uint64_t messages = 0, bytes = 0;
+};
+
+class ParallelBodyExchange : public rigid::BodyExchange {
+ public:
+  /// rim: cells by which blocks are grown: the ghost layer, the largest motion of a step and half a contact
+  /// margin.
+  ParallelBodyExchange(MPI_Comm, const lbm::Domain&, const rigid::World&, double rim);
+
+  void sum_forces(rigid::BodySet&) override;
+  void synchronise(rigid::BodySet&) override;
+  bool owns_contact_at(const rigid::Vec3& x_W) const override;
+  void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&) override;
+  void share(rigid::BodySet&, std::span<double> rows, int width) override;
+  double maximum(double) const override;
+
+  MPI_Comm comm() const { return comm_; }
+  const rigid::World& world() const { return world_; }
+  int rank() const { return rank_; }
+  int ranks() const { return ranks_; }
+  const ExchangeCounters& counters() const;
+  /// The rank that owns what is at x (wrapped; clamped into the domain beyond walls).
+  int rank_at(const rigid::Vec3& x_W) const;
+  /// The rank that owns a body held here, as of the last synchronisation.
+  int owner_of(const rigid::BodySet&, std::size_t row) const;
+  /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
+  std::vector<int> holders(int shape, const rigid::Pose&) const;
+  /// From a body set in which every rank has every body as `owned` (as at the start of a run) to a
+  /// distributed one.
+  void distribute(rigid::BodySet&);
+
+  /// Sums `width` integers a row from copies into their owners' rows (exact in any order); copies' entries
+  /// become zero.
+  void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width) const;
+  /// Overwrites `width` doubles a row of every copy by its owner's.
+  void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width) const;
+
+ private:
+  struct Distribution;  // who holds what, messages and their plans; none on one rank
+  MPI_Comm comm_;
+  int rank_ = 0, ranks_ = 1;
+  const lbm::Domain& domain_;
+  const rigid::World& world_;
+  double rim_;
+  mutable ExchangeCounters counters_;
+  std::shared_ptr<Distribution> distribution_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,59 @@
+#pragma once
+// What the fluid of all ranks holds: mass, momentum, and the extremes that the guard judges.
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "lbm/lattice.hpp"
+#include "rigid/math/fixed_point.hpp"
+
+namespace silt::lbm {
+template <class T>
+class Fluid;
+struct Moments;
+}  // namespace silt::lbm
+
+namespace silt::coupler {
+
+struct BlockMap;
+
+/// Over the fluid cells of all ranks; lattice units. Sums are in fixed point, so they are the same on any
+/// number of ranks.
+struct FlowTotals {
+  std::uint64_t fluid_cells = 0;
+  double mass_deviation = 0;         // sum of density deviations
+  std::array<double, 3> momentum{};  // sum of c g (no half force)
+  double max_speed = 0, min_density = 0, max_density = 0;
+  bool finite = true;  // false: some value is not a number (global cell in bad_cell)
+  std::array<int, 3> bad_cell{};
+};
+
+/// Adds up cells. A cell is rounded once to lbm::mass_quantum (2^-40); the sums have 128 bits, where 64 would
+/// end at 2^23 lattice units, the momentum of 300^3 cells.
+class FlowSums {
+ public:
+  /// `cells` are those of the domain.
+  explicit FlowSums(lbm::Int3 cells) : cells_(cells) {}
+  void add(lbm::Int3 global_cell, const lbm::Moments&, const std::array<double, 3>& velocity);
+  /// Collective.
+  FlowTotals over_ranks(MPI_Comm) const;
+
+ private:
+  static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
+  static constexpr double lowest = -std::numeric_limits<double>::max();
+
+  lbm::Int3 cells_;
+  std::uint64_t count_ = 0;
+  rigid::FixedSum sums_[4] = {};                                       // mass, momentum
+  double max_speed_ = 0, max_deficit_ = lowest, max_excess_ = lowest;  // the last two of the density
+  std::int64_t first_bad_ = none;                                      // index of a global cell
+};
+
+/// Collective.
+template <class T>
+FlowTotals flow_totals(const lbm::Fluid<T>&, std::span<const BlockMap>);
+
+}  // namespace silt::coupler

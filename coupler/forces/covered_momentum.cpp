@@ -1,0 +1,81 @@
+#include "coupler/forces/covered_momentum.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/forces/cell_sums.hpp"
+#include "lbm/cut_links.hpp"
+
+namespace silt::coupler {
+
+using rigid::Vec3;
+
+namespace {
+
+using Impulse = std::array<std::int64_t, 6>;  // momentum and angular momentum, in lbm::link_quantum
+
+Impulse to_quanta(const Vec3& momentum, const Vec3& angular) {
+  Impulse quanta;
+  for (int d = 0; d < 3; ++d) {
+    quanta[d] = std::llrint(momentum[d] / lbm::link_quantum);
+    quanta[3 + d] = std::llrint(angular[d] / lbm::link_quantum);
+  }
+  return quanta;
+}
+
+/// Momentum, and angular momentum about the centre of mass, that the body's cells have beyond its volume if
+/// they move with it. `cells` are counted as in add_cells.
+Impulse momentum_of_excess(const rigid::BodySet& bodies, std::size_t row, const std::int64_t* cells) {
+  const double count = double(cells[0]), displaced = bodies.displaced_mass(row);
+  const Vec3 moment = Vec3(double(cells[1]), double(cells[2]), double(cells[3])) +
+                      count * (Vec3::Constant(0.5) - mapping_pose(bodies, row).position);
+  const Vec3 &v = bodies.velocity[row], &w = bodies.angular_velocity[row];
+  return to_quanta((count - displaced) * v + w.cross(moment), moment.cross(v));
+}
+
+}  // namespace
+
+Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
+  Vec3 impulse;
+  const auto& debt = coupling_state(bodies, row).impulse_debt;
+  for (int d = 0; d < 3; ++d) impulse[d] = double(debt[d]) * lbm::link_quantum;
+  return impulse;
+}
+
+void add_cells(std::span<const BlockMap> maps, RowSums& sums) {
+  for (const BlockMap& map : maps)
+    for (const BodyMask& mask : map.masks) {
+      const CellSums cells = cells_of(map.box, mask);
+      std::int64_t* const to = sums.cells(mask.row);
+      to[0] += cells.count;
+      for (int d = 0; d < 3; ++d) to[1 + d] += cells.coordinates[d];
+    }
+}
+
+void settle_debt(rigid::BodySet& bodies, std::size_t row, RowSums& sums) {
+  std::int64_t* const force = sums.force(row);
+  const Impulse now = momentum_of_excess(bodies, row, sums.cells(row));
+  auto& debt = coupling_state(bodies, row).impulse_debt;
+  for (int d = 0; d < 6; ++d) force[d] += debt[d] - now[d];
+  std::ranges::copy(now, debt);
+}
+
+void begin_debt(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
+  std::ranges::copy(momentum_of_excess(bodies, row, sums.cells(row)),
+                    coupling_state(bodies, row).impulse_debt);
+}
+
+void CoveredMomentum::add(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {
+  gains_.push_back({id, to_quanta(momentum, arm.cross(momentum))});
+}
+
+void CoveredMomentum::give_to(RowSums& sums, const rigid::BodySet& bodies) {
+  for (const Gain& gain : gains_)
+    if (const std::size_t row = bodies.row_of(gain.id); row < bodies.size())
+      for (int d = 0; d < 6; ++d) sums.force(row)[d] += gain.impulse[d];
+  gains_.clear();
+}
+
+}  // namespace silt::coupler

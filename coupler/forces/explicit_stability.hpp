@@ -1,0 +1,17 @@
+#pragma once
+// Which free bodies the explicit step may move, under implicit coupling.
+#include <Eigen/Core>
+
+#include "rigid/math/types.hpp"
+
+namespace silt::coupler {
+
+/// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (README.md, equation 7): M
+/// is the mass matrix of a body, H (symmetric, forces before torques, world frame, lattice units) the
+/// stiffness of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
+/// and with the least that a principal moment can be. So a body near the limit may be refused, but none
+/// beyond it is let through. `inertia_B` may be in any frame of the body.
+bool explicit_step_is_stable(const Eigen::Matrix<double, 6, 6>& stiffness, double mass,
+                             const rigid::Mat3& inertia_B, double limit);
+
+}  // namespace silt::coupler

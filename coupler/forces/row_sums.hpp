@@ -1,0 +1,36 @@
+#pragma once
+// What a step sums for each body and wall over links and cells, blocks and ranks.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace silt::coupler {
+
+/// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; under
+/// implicit coupling the stiffness of its links (21) in the quanta of lbm::StiffnessSums; in the form `exact`
+/// its cells (4, as CellSums).
+class RowSums {
+ public:
+  static constexpr int force_width = 6, stiffness_width = 21, cells_width = 4;
+
+  RowSums(bool stiffness, bool cells)
+      : cells_begin_(force_width + (stiffness ? stiffness_width : 0)),
+        width_(cells_begin_ + (cells ? cells_width : 0)) {}
+  /// All zero.
+  void reset(std::size_t rows) { all_.assign(rows * width_, 0); }
+
+  int width() const { return width_; }
+  std::span<std::int64_t> all() { return all_; }
+  std::int64_t* force(std::size_t row) { return all_.data() + row * width_; }
+  const std::int64_t* force(std::size_t row) const { return all_.data() + row * width_; }
+  std::int64_t* stiffness(std::size_t row) { return force(row) + force_width; }
+  const std::int64_t* stiffness(std::size_t row) const { return force(row) + force_width; }
+  std::int64_t* cells(std::size_t row) { return force(row) + cells_begin_; }
+  const std::int64_t* cells(std::size_t row) const { return force(row) + cells_begin_; }
+
+ private:
+  int cells_begin_, width_;
+  std::vector<std::int64_t> all_;
+};
+
+}  // namespace silt::coupler

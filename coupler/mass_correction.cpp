@@ -1,0 +1,62 @@
+#include "coupler/mass_correction.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "coupler/flow_totals.hpp"
+#include "lbm/cut_links.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+/// Steps between two recounts of the fluid, each of which costs as much as some steps.
+constexpr std::int64_t recount_interval = 2000;
+
+std::int64_t to_quanta(double mass) {
+  return std::llrint(mass / lbm::mass_quantum);
+}
+
+}  // namespace
+
+double MassCorrection::take_surplus() {
+  const std::int64_t surplus = state_.surplus + state_.link_gain;
+  source_ = state_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(state_.fluid_cells) : 0;
+  state_.surplus -= surplus;  // to the quantum; the rounding of single cells is not seen
+  return source_;
+}
+
+void MassCorrection::cell_covered(double density_deviation) {
+  mass_gained_ -= to_quanta(density_deviation);
+  --cells_gained_;
+}
+
+void MassCorrection::cell_uncovered(double density_deviation) {
+  mass_gained_ += to_quanta(density_deviation);
+  ++cells_gained_;
+}
+
+bool MassCorrection::end_step(MPI_Comm comm, std::int64_t link_gain) {
+  std::int64_t mine[3] = {link_gain, mass_gained_, cells_gained_}, all[3];
+  MPI_Allreduce(mine, all, 3, MPI_INT64_T, MPI_SUM, comm);
+  state_.link_gain = all[0];
+  // the source was meant for the cells there had been: uncovered ones got it too, covered ones did not
+  state_.surplus += all[0] + all[1] + to_quanta(source_ * double(all[2]));
+  state_.fluid_cells += all[2];
+  mass_gained_ = cells_gained_ = 0;
+  return ++state_.steps % recount_interval == 0;
+}
+
+void MassCorrection::recount(const FlowTotals& now) {
+  constexpr double largest = 0x1p62 * lbm::mass_quantum;
+  if (!(std::abs(now.mass_deviation) < largest))
+    throw std::overflow_error(
+        "the mass of the fluid is " + std::to_string(now.mass_deviation) +
+        " beyond that at its reference density; coupling.mass_correction counts up to " +
+        std::to_string(largest) + ": switch it off");
+  state_.surplus = to_quanta(now.mass_deviation);
+  state_.fluid_cells = std::int64_t(now.fluid_cells);
+}
+
+}  // namespace silt::coupler

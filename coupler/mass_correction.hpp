@@ -1,0 +1,45 @@
+#pragma once
+// The mass correction. Interpolated walls, and cells that change sides, do not conserve the mass of the
+// fluid. What is known to have been gained is taken out of all cells alike (README.md, equations 17 and 18).
+#include <mpi.h>
+
+#include <cstdint>
+
+namespace silt::coupler {
+
+struct FlowTotals;
+
+/// What the correction remembers between steps; masses in lbm::mass_quantum. The same on every rank.
+struct MassCorrectionState {
+  std::int64_t surplus = 0;  // sum of the density deviations of all fluid cells; 0 without a correction
+  std::int64_t fluid_cells = 0;
+  std::int64_t link_gain = 0;  // through links in the last step, which is what the next one will bring
+  std::int64_t steps = 0;      // since the simulation began
+};
+
+class MassCorrection {
+ public:
+  const MassCorrectionState& state() const { return state_; }
+  void set_state(const MassCorrectionState& state) { state_ = state; }
+
+  /// Begins a step: takes the surplus out of the account, with as much as links gained in the last step, and
+  /// returns the density that every cell is to be given for it.
+  double take_surplus();
+  /// A body has covered a cell of this rank: the fluid has lost what was in it. Counted when the step ends.
+  void cell_covered(double density_deviation);
+  /// A body has left a cell of this rank: the fluid has gained what was put into it.
+  void cell_uncovered(double density_deviation);
+  /// Ends a step with the mass that this rank's fluid gained through links. Collective. Returns whether a
+  /// recount is due.
+  bool end_step(MPI_Comm, std::int64_t link_gain);
+  /// Sets the account to what there is. Populations in single precision round, so what is known differs from
+  /// it by some 1e-13 a cell and step. std::overflow_error if the mass is beyond the range of the account.
+  void recount(const FlowTotals&);
+
+ private:
+  MassCorrectionState state_;
+  double source_ = 0;                                // density added to every cell in this step
+  std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's in this step, by cells that changed sides
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,73 @@
+#include "coupler/run/prepare_run.hpp"
+
+#include <fmt/format.h>
+
+#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
+#include "adapters/hdf5/together.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/results/result_folder.hpp"
+
+namespace silt::coupler {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Throws what building the scene would throw, while all ranks still hear of it.
+void require_buildable(const Case& scene, MPI_Comm comm) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  make_domain(scene, ranks);
+  adapters::make_backend(scene.contacts.backend);
+  adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
+}
+
+}  // namespace
+
+fs::path result_folder(const RunOptions& options) {
+  if (options.out) return *options.out;
+  const bool is_file = options.directory.extension() == ".toml";
+  return (is_file ? options.directory.parent_path() : options.directory) / "out";
+}
+
+PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+  PreparedRun prepared;
+  std::unique_ptr<Case> scene;
+  adapters::together(comm, [&] {
+    scene = std::make_unique<Case>(read_case(options.directory, options.overrides));
+    prepared.warnings = require_runnable(*scene);
+    prepared.quantities = std::make_unique<Quantities>(*scene);
+    if (scene->steady) prepared.steady.emplace(scene->steady->change);
+    require_buildable(*scene, comm);
+  });
+  adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
+  prepared.simulation = std::make_unique<Simulation>(*scene, comm);
+  return prepared;
+}
+
+PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+  const auto there = adapters::list_checkpoints(folder);
+  if (there.empty() && !options.checkpoint)
+    throw std::runtime_error(
+        fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
+                    folder.string(), options.directory.string()));
+  const adapters::CheckpointReader reader(
+      comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
+  PreparedRun prepared;
+  std::unique_ptr<Case> scene;
+  adapters::together(comm, [&] {
+    scene = std::make_unique<Case>(case_to_resume(read_origin(reader), options.directory, options.overrides));
+    prepared.warnings = require_runnable(*scene);
+    prepared.quantities = std::make_unique<Quantities>(*scene);
+    prepared.quantities->set_history(read_history(reader, *scene));
+    prepared.steady = read_steady_watch(reader, *scene);
+    require_buildable(*scene, comm);
+  });
+  prepared.simulation = std::make_unique<Simulation>(*scene, comm, read_state(reader, *scene));
+  return prepared;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,25 @@
+#pragma once
+// The dense kernel as each of its builds offers it (stream_collide_kernel.cpp).
+#include "lbm/collision.hpp"
+#include "lbm/stream_collide.hpp"
+
+namespace silt::lbm {
+
+template <class T>
+using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange);
+
+/// The kernel of a collision model.
+namespace portable {
+template <class T>
+CollideRows<T> collide_rows(Collision);
+}
+namespace avx2 {
+template <class T>
+CollideRows<T> collide_rows(Collision);
+}
+namespace avx512 {
+template <class T>
+CollideRows<T> collide_rows(Collision);
+}
+
+}  // namespace silt::lbm

@@ -1,0 +1,75 @@
+#pragma once
+// The models trt and bgk, a vector of cells at a time (README.md, equations 3 to 7). Only for *_kernel.cpp
+// files, which are built once an instruction set (SILT_ISA).
+#include "lbm/collision.hpp"
+#include "lbm/lattice.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+struct TwoRelaxationTimes {
+  /// Collides cells of which `sum` and `difference` are what arrives along and against the first direction of
+  /// each pair, and `rest` what rests. Calls set_rest(what rests afterwards) and set_pair(k, p, q): p + q
+  /// leaves along the first direction of pair k, p - q against it.
+  template <bool source, class V, class T, class SetRest, class SetPair>
+  [[gnu::always_inline]] static void collide(const V (&sum)[pairs], const V (&difference)[pairs],
+                                             const V& rest, const CollisionRates<T>& r, SetRest&& set_rest,
+                                             SetPair&& set_pair) {
+    const V rho =
+        ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) + (sum[8] + rest);
+    const V* const d = difference;
+    V ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
+    V uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));
+    V uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
+    if constexpr (source) {
+      ux += r.half_force[0];
+      uy += r.half_force[1];
+      uz += r.half_force[2];
+    }
+
+    V kx = r.square * ux, ky = r.square * uy, kz = r.square * uz;
+    if constexpr (source) {
+      kx += r.even_force[0];
+      ky += r.even_force[1];
+      kz += r.even_force[2];
+    }
+    const V xx = kx * ux, yy = ky * uy, zz = kz * uz;
+    V isotropic = r.density * rho - (xx + yy + zz);
+    if constexpr (source) isotropic += T(1. / 36) * r.mass_correction;
+    V qx = r.momentum * ux, qy = r.momentum * uy, qz = r.momentum * uz;
+    if constexpr (source) {
+      qx += r.odd_force[0];
+      qy += r.odd_force[1];
+      qz += r.odd_force[2];
+    }
+
+    set_rest(V(r.keep_even_twice * rest + T(12) * isotropic));
+    const auto relax = [&](int k, const V& even, const V& odd) __attribute__((always_inline)) {
+      set_pair(k, V(r.keep_even * sum[k] + even), V(r.keep_odd * difference[k] + odd));
+    };
+    const V x3 = isotropic + T(3) * xx, y3 = T(3) * yy, z3 = T(3) * zz;
+    relax(0, x3 + x3, qx + qx);
+    const V y1 = isotropic + y3, z1 = isotropic + z3;
+    relax(1, y1 + y1, qy + qy);
+    relax(2, z1 + z1, qz + qz);
+    V xy, xz, yz;
+    if constexpr (source) {
+      xy = T(3) * (kx * uy + ky * ux);
+      xz = T(3) * (kx * uz + kz * ux);
+      yz = T(3) * (ky * uz + kz * uy);
+    } else {
+      const V kx6 = T(6) * kx;
+      xy = kx6 * uy;
+      xz = kx6 * uz;
+      yz = T(6) * ky * uz;
+    }
+    const V sxy = x3 + y3, sxz = x3 + z3, syz = y1 + z3;
+    relax(3, sxy + xy, qx + qy);
+    relax(4, sxy - xy, qx - qy);
+    relax(5, sxz + xz, qx + qz);
+    relax(6, sxz - xz, qx - qz);
+    relax(7, syz + yz, qy + qz);
+    relax(8, syz - yz, qy - qz);
+  }
+};
+
+}  // namespace silt::lbm::SILT_ISA

@@ -1,0 +1,110 @@
+#pragma once
+// What a cut link returns (README.md, "Walls"): one formula for every scheme,
+//     f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) - k c_i.u_w + e c_i.F,
+// its coefficients functions of the wall distance q and the rates of the collision. x is the fluid cell, the
+// surface is at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision.
+// V is a population's type T or a vector of it.
+#include <type_traits>
+
+#include "lbm/collision_model.hpp"
+#include "lbm/wall_scheme.hpp"
+
+namespace silt::lbm {
+
+/// Calls f with the scheme as a constant of the type.
+template <class F>
+void with_scheme(WallScheme scheme, F&& f) {
+  using enum WallScheme;
+  switch (scheme) {
+    case cli:
+      return f(std::integral_constant<WallScheme, cli>{});
+    case bouzidi:
+      return f(std::integral_constant<WallScheme, bouzidi>{});
+    case parabolic:
+      return f(std::integral_constant<WallScheme, parabolic>{});
+    case single_cell_gap:
+      return f(std::integral_constant<WallScheme, single_cell_gap>{});
+    case bounce_back:
+      return f(std::integral_constant<WallScheme, bounce_back>{});
+  }
+}
+
+/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
+template <class T>
+struct WallFluid {
+  T magic = T(1.0 / 6), inverse_rate = T(2);
+  T force[3] = {};
+  WallFluid() = default;
+  explicit WallFluid(const CollisionSpec& s)
+      : magic(T(s.magic_in_effect())),
+        inverse_rate(T(1 / (s.relaxation_time - 0.5))),
+        force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
+};
+
+/// e follows from the others (equation 11).
+template <class V>
+struct LinkCoefficients {
+  V a, b, c, k;
+};
+
+/// T / q^2 of `parabolic` (equation 14).
+inline constexpr double parabola = 0.625;
+/// Least T - magic of interpolated schemes, over 1/2 + q (equation 14).
+inline constexpr double least_excess = 0.0005;
+/// Least distance of `single_cell_gap`: under bounce-back (1/2) a cell shut in on all sides would keep its
+/// momentum for ever; so it loses 2 % a step.
+inline constexpr double least_gap_distance = 1 / 1.98;
+
+/// The coefficients of the scheme that holds equation 12 with T = magic + excess and reads on both sides of
+/// the cell (equation 13).
+template <class V, class T>
+constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<T>& fluid) {
+  const V g = excess * fluid.inverse_rate, s = T(1) / (T(0.5) + q + g);
+  return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
+}
+
+/// The surface that a link's opposite hits, when that is cut too: its distance (0: not known) and c_i.u
+/// there.
+template <class V>
+struct OppositeWall {
+  V q{}, u{};
+};
+
+/// The distance that `single_cell_gap` uses: a surface nearer than half-way is taken to be there.
+template <class T, class V>
+constexpr V gap_distance(V q) {
+  return q < T(least_gap_distance) ? V{} + T(least_gap_distance) : q;
+}
+
+/// What the velocity half-way has beyond linear interpolation, for a cell between two walls (equation 16).
+/// `u` and `u_w` are the velocities of the cell and of the link's wall along c_i.
+template <class V, class T>
+constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& far, const WallFluid<T>& fluid) {
+  const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(far.q);
+  const V share = h * T(0.25) - T(2.0 / 3) * fluid.magic;
+  const V second = T(2) * ((u_w - u) / h + (far.u - u) / p) / (h + p);
+  return far.q > none ? (share > none ? -share * second : none) : none;
+}
+
+/// The coefficients of a scheme. `weight6` is 6 w_i. Cheap enough for the inner loop: one division, no
+/// branch.
+template <WallScheme scheme, class V, class T>
+constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& fluid) {
+  const V none{}, one = none + T(1), least = T(least_excess) * (T(0.5) + q);
+  if constexpr (scheme == WallScheme::cli) {
+    return central(q, least, weight6, fluid);
+  } else if constexpr (scheme == WallScheme::parabolic) {
+    const V wanted = T(parabola) * q * q - fluid.magic;
+    return central(q, V(wanted > least ? wanted : least), weight6, fluid);
+  } else if constexpr (scheme == WallScheme::bouzidi) {
+    const V near = T(2) * q, s = T(1) / (near < T(1) ? one : near);  // q < 1/2: s = 1
+    return {near < T(1) ? near : s, near < T(1) ? T(1) - near : none, T(1) - s, weight6 * s};
+  } else if constexpr (scheme == WallScheme::single_cell_gap) {
+    return {one, none, none, weight6 * T(0.5) / gap_distance<T>(q)};
+  } else {
+    static_assert(scheme == WallScheme::bounce_back);
+    return {one, none, none, weight6};
+  }
+}
+
+}  // namespace silt::lbm

@@ -1,0 +1,129 @@
+// Contacts on the line of centres with a lubrication film in the gap (rigid/README.md, L1 and L2). Built once
+// an instruction set.
+//
+// An impulse p that would stop a motion of compliance k becomes damped * p by the film alone. The contact
+// adds what is missing: normal = larger(damped * stop, stop + target / k), and friction takes its part of the
+// tangential one before the film does. Rolling is eliminated from the tangential motion, so that one pass is
+// exact here too.
+#include "rigid/response/lanes_kernel.hpp"
+
+namespace silt::rigid::SILT_ISA {
+namespace {
+
+/// Impulses on b: at the contact, and against rolling.
+struct LubricatedImpulse {
+  Real8 normal;
+  Vector tangential, rolling;
+
+  LubricatedImpulse operator-(const LubricatedImpulse& o) const {
+    return {normal - o.normal, tangential - o.tangential, rolling - o.rolling};
+  }
+  LubricatedImpulse operator+(const LubricatedImpulse& o) const {
+    return {normal + o.normal, tangential + o.tangential, rolling + o.rolling};
+  }
+  LubricatedImpulse operator*(Real8 s) const { return {normal * s, tangential * s, rolling * s}; }
+};
+
+Real8 dot(const LubricatedImpulse& p, const LubricatedImpulse& q) {
+  return p.normal * q.normal + dot(p.tangential, q.tangential) + dot(p.rolling, q.rolling);
+}
+LubricatedImpulse choose(Mask m, const LubricatedImpulse& p, const LubricatedImpulse& q) {
+  return {m ? p.normal : q.normal, choose(m, p.tangential, q.tangential), choose(m, p.rolling, q.rolling)};
+}
+LubricatedImpulse impulse_of(const LubricatedGroup& g) {
+  return {g.normal_impulse, load(g.tangential_impulse), load(g.rolling_impulse)};
+}
+LubricatedImpulse last_of(const LubricatedGroup& g) {
+  return {g.last_normal, load(g.last_tangential), load(g.last_rolling)};
+}
+
+/// The pair alone, from the impulses at hand.
+LubricatedImpulse find(const LubricatedGroup& g, const LubricatedImpulse& old, const Twist& a,
+                       const Twist& b) {
+  const Vector n = load(g.normal), along = b.v - a.v;
+  const Vector u = along + cross(b.w * g.arm_b - a.w * g.arm_a, n);
+  const Real8 u_n = dot(u, n);
+  const Vector across = along - n * dot(along, n);
+  const Vector roll = cross(a.w * g.reach_a - b.w * g.reach_b, n) - across * g.skew;
+
+  const Real8 stop_n = old.normal - u_n * g.inverse_k_n;
+  LubricatedImpulse p;
+  p.normal = larger(g.normal_damped * stop_n, old.normal + (g.target - u_n) * g.inverse_k_n);
+  const Real8 pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
+
+  const Vector unrolled = old.rolling * g.roll_keeps - roll * g.roll_gain;  // if slip took no impulse
+  const Vector slip = u - n * u_n + (unrolled - old.rolling) * g.roll_to_slip;
+  const Vector stop_t = old.tangential - slip * g.inverse_k_t;
+  const Vector rubbed = into_cone(stop_t, g.friction * pressing);
+  p.tangential = rubbed + (stop_t - rubbed) * g.tangential_damped;
+  p.rolling = unrolled - (p.tangential - old.tangential) * (g.roll_to_slip * g.roll_gain);
+  return p;
+}
+
+struct LubricatedChange {
+  LubricatedImpulse impulse;
+  Real8 relative;
+};
+
+/// The pair, carried on along its last change (rigid/README.md, a sweep).
+LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, Mask on, bool plain) {
+  const LubricatedImpulse old = impulse_of(g), last = last_of(g), found = find(g, old, a, b),
+                          on_by = found - last;
+  const Real8 beta = plain ? Real8{} : momentum(g.age, dot(old - found, on_by), on & goes_on(g.bodies));
+  g.carried = on ? beta : g.carried;
+  const LubricatedImpulse p = found + on_by * beta, d = choose(on, p - old, LubricatedImpulse{}),
+                          step = found - old;
+  const LubricatedImpulse now = choose(on, p, old), then = choose(on, found, last);
+  g.normal_impulse = now.normal;
+  g.last_normal = then.normal;
+  store(g.tangential_impulse, now.tangential);
+  store(g.last_tangential, then.tangential);
+  store(g.rolling_impulse, now.rolling);
+  store(g.last_rolling, then.rolling);
+  const Real8 change = larger(dot(d, d), dot(step, step));
+  const Real8 scale = larger(larger(dot(old, old), dot(p, p)), g.least_scale * g.least_scale);
+  return {d, change > 0 ? square_root(change / scale) : Real8{}};
+}
+
+void take(BodySum& body, const Vector& p, const Vector& torque, int l, double sign) {
+  body.impulse[0] += sign * p.x[l];
+  body.impulse[1] += sign * p.y[l];
+  body.impulse[2] += sign * p.z[l];
+  body.angular[0] += sign * torque.x[l];
+  body.angular[1] += sign * torque.y[l];
+  body.angular[2] += sign * torque.z[l];
+}
+
+void add_to_bodies(const LubricatedGroup& g, const LubricatedChange& change, Mask on, double tolerance,
+                   BodySum* sums) {
+  const LubricatedImpulse& d = change.impulse;
+  const Vector n = load(g.normal), p = n * d.normal + d.tangential - d.rolling * g.skew;
+  const Vector slip = cross(n, d.tangential), roll = cross(n, d.rolling);
+  const Vector t_a = slip * g.arm_a - roll * g.reach_a, t_b = slip * g.arm_b - roll * g.reach_b;
+  for (int l = 0; l < lane_count; ++l) {
+    if (!on[l]) continue;
+    BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
+    take(a, p, t_a, l, -1);
+    take(b, p, t_b, l, 1);
+    if (change.relative[l] > tolerance) a.changed = b.changed = 1;
+  }
+}
+
+}  // namespace
+
+double sweep_lubricated(LubricatedGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
+                        const ContactSweep& sweep) {
+  Real8 residual{};
+  for (std::size_t k = 0; k < count; ++k) {
+    LubricatedGroup& g = groups[k];
+    const Mask on = to_solve(g.bodies, g.carried, state, sweep);
+    if (!any(on)) continue;
+    const LubricatedChange change =
+        solve(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), on, sweep.plain);
+    add_to_bodies(g, change, on, sweep.tolerance, sums);
+    residual = goes_on(g.bodies) & (change.relative > residual) ? change.relative : residual;
+  }
+  return largest(residual);
+}
+
+}  // namespace silt::rigid::SILT_ISA

@@ -1,0 +1,86 @@
+// The bound for the explicit step is one: against the eigenvalues themselves.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "coupler/forces/explicit_stability.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Mat3;
+using rigid::Vec3;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// A turn by up to an angle.
+Eigen::Quaterniond random_turn(std::mt19937& random, double angle) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  const Vec3 axis(number(random), number(random), number(random));
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle * number(random), axis.normalized()));
+}
+
+/// The stiffness of links with random places and directions on a body, as in FluidForces: sum k J J^T.
+Mat6 random_stiffness(std::mt19937& random, const Vec3& reach) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vec = [&] { return Vec3(number(random), number(random), number(random)); };
+  Mat6 h = Mat6::Zero();
+  for (int link = 0; link < 8; ++link) {
+    const Vec3 c = vec(), arm = vec().cwiseProduct(reach);
+    Eigen::Matrix<double, 6, 1> j;
+    j << c, arm.cross(c);
+    h += (1 + number(random)) * j * j.transpose();
+  }
+  return h;
+}
+
+Mat3 turned(const Vec3& moments, const Eigen::Quaterniond& q) {
+  return q * moments.asDiagonal() * q.conjugate().toRotationMatrix();
+}
+
+double largest_eigenvalue(const Mat6& h, double mass, const Mat3& inertia_W) {
+  Mat6 m = Mat6::Zero();
+  m.topLeftCorner<3, 3>() = mass * Mat3::Identity();
+  m.bottomRightCorner<3, 3>() = inertia_W;
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Mat6>(h, m).eigenvalues()[5];
+}
+
+TEST(ExplicitStability, IsNeverClaimedAboveTheLimit) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(0, 1);
+  int stable = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 reach(1 + 9 * number(random), 1 + 9 * number(random), 1 + 9 * number(random));
+    const double mass = 10 + 100 * number(random);
+    const Vec3 moments = mass / 5 * (Vec3::Constant(reach.squaredNorm()) - reach.cwiseAbs2());
+    const Mat6 h = random_stiffness(random, reach);
+    const Mat3 inertia_B = turned(moments, random_turn(random, 0.3)),
+               inertia_W = turned(moments, random_turn(random, M_PI));
+    const double eigenvalue = largest_eigenvalue(h, mass, inertia_W);
+    EXPECT_FALSE(explicit_step_is_stable(h, mass, inertia_B, 0.999 * eigenvalue));
+    stable += explicit_step_is_stable(h, mass, inertia_B, 12 * eigenvalue);
+  }
+  EXPECT_GT(stable, 1000) << "a bound that is of no use";
+}
+
+// A sphere in line with the lattice: H is diagonal, and so the bound is the eigenvalue.
+TEST(ExplicitStability, OfASphereUpToTheLimit) {
+  const double mass = 900, moment = 0.4 * mass * 36, limit = 0.16;
+  for (int axis = 0; axis < 6; ++axis) {
+    Mat6 h = Mat6::Identity();
+    double& largest = h(axis, axis);
+    largest = (1 - 1e-9) * limit * (axis < 3 ? mass : moment);
+    EXPECT_TRUE(explicit_step_is_stable(h, mass, moment * Mat3::Identity(), limit)) << axis;
+    largest = (1 + 1e-9) * limit * (axis < 3 ? mass : moment);
+    EXPECT_FALSE(explicit_step_is_stable(h, mass, moment * Mat3::Identity(), limit)) << axis;
+  }
+}
+
+TEST(ExplicitStability, IsNotClaimedWhereThePrincipalMomentsAreUnknown) {
+  Mat3 inertia = Mat3::Identity();
+  inertia(0, 1) = inertia(1, 0) = inertia(1, 2) = inertia(2, 1) = 0.6;  // Gershgorin allows of -0.2
+  EXPECT_FALSE(explicit_step_is_stable(Mat6::Zero(), 1, inertia, 1));
+}
+
+}  // namespace
+}  // namespace silt::coupler

@@ -1,0 +1,51 @@
+#!/usr/bin/python3
+"""pages.py ROOT: the pages keep their form. The README is short and quotes a program that compiles; tables have no cell of
+more than 200 characters and as many cells in every row; links and the commands in backquotes lead to files that are there."""
+import pathlib
+import re
+import sys
+
+LONGEST_README, LONGEST_CELL = 120, 200
+root = pathlib.Path(sys.argv[1]).resolve()
+folders = ("lbm", "rigid", "adapters", "coupler", "cases", "scripts", "tests")
+pages = sorted([*root.glob("*.md"), *(page for folder in folders for page in (root / folder).rglob("*.md"))])
+faults = []
+
+
+def cells(line):
+    return [cell.strip() for cell in re.split(r"(?<!\\)\|", re.sub(r"`[^`]*`", lambda m: m[0].replace("|", "!"), line))[1:-1]]
+
+
+for page in pages:
+    name, columns = page.relative_to(root), None
+    text = page.read_text()
+    for number, line in enumerate(text.splitlines(), 1):
+        row = cells(line) if line.startswith("|") else None
+        if row is None:
+            columns = None
+            continue
+        columns = columns or len(row)
+        if len(row) != columns:
+            faults.append(f"{name}:{number}: {len(row)} cells in a table of {columns} columns")
+        if max(map(len, row), default=0) > LONGEST_CELL:
+            faults.append(f"{name}:{number}: a cell has {max(map(len, row))} characters; at most {LONGEST_CELL}: split the row")
+    for target in re.findall(r"\]\(([^)#\s]+)", text):
+        if "://" not in target and not (page.parent / target).exists():
+            faults.append(f"{name}: the link {target} leads nowhere")
+    for command in re.findall(r"`(scripts/[a-z_/.]+)", text):
+        if not (root / command).exists():
+            faults.append(f"{name}: there is no {command}")
+
+readme = (root / "README.md").read_text()
+if len(readme.splitlines()) > LONGEST_README:
+    faults.append(f"README.md has {len(readme.splitlines())} lines; at most {LONGEST_README}")
+program = (root / "tests/library_example.cpp").read_text()
+body = program[program.index("int main"):].rstrip()
+if "\n".join("    " + line for line in body.splitlines()) not in readme:
+    faults.append("README.md: the program is not the main of tests/library_example.cpp")
+cases = {case.parent.name for case in root.glob("cases/*/case.toml")}
+for case in sorted(cases - set(re.findall(r"`([a-z0-9-]+)`", readme))):
+    faults.append(f"README.md: the case {case} is not in the table")
+
+print("\n".join(faults))
+sys.exit(1 if faults or not pages else 0)
