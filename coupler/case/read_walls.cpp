@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "coupler/case/case_sections.hpp"
+#include "rigid/shapes/tube.hpp"
 
 namespace silt::coupler {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/body_records.hpp"
 #include "coupler/case/fill.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "rigid/shapes/shape.hpp"

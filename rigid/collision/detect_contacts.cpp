@@ -9,6 +9,15 @@
 
 namespace silt::rigid {
 
+struct DetectContacts::ShapeParts {
+  std::vector<Part> parts;
+  std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
+  bool sphere, half_space;
+  std::optional<Tube> tube;  // then there are no parts
+  bool plain;                // one part, whose pose is the body's
+  bool smooth;               // some part of it: lubrication films may form there
+};
+
 namespace {
 
 /// Approach speeds are those before the kick and before contacts; some room for what these two add.
@@ -32,6 +41,8 @@ Vec3 into_domain(const Extent& extent, Vec3 x) {
 
 DetectContacts::DetectContacts(std::unique_ptr<BroadPhase> broad_phase)
     : broad_phase_(std::move(broad_phase)) {}
+DetectContacts::DetectContacts(DetectContacts&&) noexcept = default;
+DetectContacts::~DetectContacts() = default;
 
 void DetectContacts::learn_shapes(const World& world) {
   for (std::size_t s = shapes_.size(); s < world.shapes.size(); ++s) {

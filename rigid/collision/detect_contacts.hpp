@@ -1,7 +1,6 @@
 #pragma once
 // Lines 7 to 12 of Algorithm 1: which bodies touch, or may touch before the step is over, and where.
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "rigid/bodies/body_exchange.hpp"
@@ -9,7 +8,8 @@
 #include "rigid/bodies/world.hpp"
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/uniform_grid.hpp"
-#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {
 
@@ -23,6 +23,8 @@ struct LubricationCounts {
 class DetectContacts {
  public:
   explicit DetectContacts(std::unique_ptr<BroadPhase> = std::make_unique<UniformGrid>());
+  DetectContacts(DetectContacts&&) noexcept;
+  ~DetectContacts();
   /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
   /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
   /// in dt, at most world.contact_margin; between smooth surfaces at least as far as world.lubrication reach.
@@ -34,14 +36,7 @@ class DetectContacts {
   LubricationCounts lubrication() const { return lubrication_counts_; }
 
  private:
-  struct ShapeParts {
-    std::vector<Part> parts;
-    std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
-    bool sphere, half_space;
-    std::optional<Tube> tube;  // then there are no parts
-    bool plain;                // one part, whose pose is the body's
-    bool smooth;               // some part of it: lubrication films may form there
-  };
+  struct ShapeParts;
   struct Call {  // what a call of operator() works on
     const World& world;
     const BodySet& bodies;

@@ -125,7 +125,7 @@ TEST_P(RoundBodies, ConeStandsOnItsBase) {  // a quarter of its height below the
 TEST_P(RoundBodies, ConeFallsBackOnItsBase) {
   Scene s = alone(Cone{0.4, 0.8}, 0.5, slope(0), 0.5, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitY())));
   s.run(5000);
-  EXPECT_NEAR(s.x(0)[2], 0.2, 1e-6);
+  EXPECT_NEAR(s.x(0)[2], 0.2, g * 1e-6);  // g dt^2, what gravity closes in a step
   EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-6);
 }
 
@@ -167,7 +167,7 @@ TEST_P(RoundBodies, ConeOnItsSideSwingsAboutItsApex) {
   Scene s = lying_cone(cone, slope(incline), 0.03);
   std::vector<double> turns;  // where the centre reverses: half periods
   double before = 0;
-  for (int i = 1; i <= 6000 && turns.size() < 5; ++i) {
+  for (int i = 1; i <= 10000 && turns.size() < 5; ++i) {
     s.run(1);
     const double now = s.v(0)[1];
     if (i > 5 && before * now < 0) turns.push_back(1e-3 * (i - now / (now - before)));
