@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "coupler/case/case.hpp"
+
 namespace silt::coupler {
 
 using adapters::Json;
