@@ -29,7 +29,7 @@ TEST(EveryResolver, HoldsABoxAtRest) {
     const std::string_view name = model.name;
     Scene s(0.3, 0.5);
     s.world.gravity = {0, 0, -9.81};
-    const BodyId box = s.add(s.shape(Box{{1, 1, 1}}), {10, 10, 0.5});
+    const BodyId box = s.add(s.shape(Box{{0.5, 0.5, 0.5}}), {10, 10, 0.5});
     s.floor();
     s.start(name);
     s.run(1000);
