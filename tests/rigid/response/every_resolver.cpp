@@ -29,13 +29,13 @@ TEST(EveryResolver, HoldsABoxAtRest) {
     const std::string_view name = model.name;
     Scene s(0.3, 0.5);
     s.world.gravity = {0, 0, -9.81};
-    const BodyId box = s.add(s.shape(Box{{1, 1, 1}}), {10, 10, 0.5});
+    const BodyId box = s.add(s.shape(Box{{0.5, 0.5, 0.5}}), {10, 10, 0.5});
     s.floor();
     s.start(name);
     s.run(1000);
     const Vec3 moved = s.bodies.position[s.row(box)] - Vec3(10, 10, 0.5);
     EXPECT_LT(moved.norm(), 1e-4) << name;
-    EXPECT_LT(s.v(box).norm(), 1e-3) << name;
+    EXPECT_LT(s.v(box).norm(), 9.81 * 1e-3) << name;  // a step's kick: ffd takes it back in the next step
   }
 }
 

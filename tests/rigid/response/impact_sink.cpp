@@ -36,7 +36,7 @@ TEST(ImpactSink, HearsOfNoLoadAtRest) {
   Scene s(0.5, 0.3);
   s.settings.impacts = listener;
   s.world.gravity = {0, 0, -9.81};
-  const BodyId box = s.add(s.shape(Box{{1, 1, 1}}), {10, 10, 0.5});
+  const BodyId box = s.add(s.shape(Box{{0.5, 0.5, 0.5}}), {10, 10, 0.5});
   s.floor();
   s.start();
   s.run(1000);
