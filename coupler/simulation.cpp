@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
-#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/covered_momentum.hpp"

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/fill.hpp"
 #include "coupler/case/neighbour_grid.hpp"
 #include "coupler/case/overlap.hpp"

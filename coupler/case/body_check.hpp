@@ -3,9 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/case_error.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// Gathers what checks find; keys are paths as in Case::places.
 struct Findings {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "coupler/case/body_check.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/case/fill.hpp"
 #include "coupler/case/quantity_types.hpp"
@@ -99,13 +100,14 @@ void check_fluid(const Case& scene, Findings& findings) {
                    "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
                    "domain.size the same along x, y and z");
   if (scene.fluid->initial != InitialFlow::rest)
-    check_speed(scene, findings, "fluid.initial.velocity", scene.fluid->initial_velocity.norm());
+    check_speed(scene.units, findings, "fluid.initial.velocity", scene.fluid->initial_velocity.norm());
   bool inlet = false, outlet = false;
   std::string inlet_key;
   for (int side = 0; side < 6; ++side) {
     const BoundarySpec& boundary = scene.boundary[side];
     if (boundary.kind == BoundaryKind::velocity_inlet || boundary.kind == BoundaryKind::moving)
-      check_speed(scene, findings, fmt::format("{}.velocity", side_keys[side]), boundary.velocity.norm());
+      check_speed(scene.units, findings, fmt::format("{}.velocity", side_keys[side]),
+                  boundary.velocity.norm());
     if (boundary.kind == BoundaryKind::moving && std::abs(boundary.velocity[side / 2]) > 0)
       findings.error(
           fmt::format("{}.velocity", side_keys[side]),
@@ -174,8 +176,8 @@ void check_body_speeds(const Case& scene, Findings& findings) {
     const std::string entry = fmt::format("bodies[{}]", std::max(0, body.entry));
     check_margin(scene, findings, entry + ".velocity", body.velocity.norm());
     if (!scene.fluid) continue;
-    check_speed(scene, findings, entry + ".velocity", body.velocity.norm());
-    if (rim > 0) check_speed(scene, findings, entry + ".angular_velocity", rim);
+    check_speed(scene.units, findings, entry + ".velocity", body.velocity.norm());
+    if (rim > 0) check_speed(scene.units, findings, entry + ".angular_velocity", rim);
   }
 }
 

@@ -2,9 +2,11 @@
 // Judges a case that could be read: refuses scenes that cannot run, warns of those that will run badly.
 #include <vector>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/case_error.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// Returns everything that is wrong (errors) or doubtful (warnings) about a scene, by topic: domain and
 /// blocks, fluid and boundaries, bodies, fills, run and output. A case with an error must not be started.

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "coupler/case/case_keys.hpp"
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/case/case_sections.hpp"
 
@@ -52,13 +53,13 @@ void read_sections(TableReader reader, Case& scene) {
   read_domain(reader, scene);
   read_fluid(reader, scene);
   read_contacts(reader, scene);
-  read_walls(reader, scene);
-  read_shapes(reader, scene);
+  read_walls(reader, scene.material_names, scene.walls);
+  read_shapes(reader, scene.shape_names, scene.shapes);
   read_bodies(reader, scene);
   read_fills(reader, scene);
-  read_run(reader, scene);
-  read_output(reader, scene);
-  read_quantities(reader, scene);
+  read_run(reader, scene.steps, scene.steady);
+  read_output(reader, scene.output);
+  read_quantities(reader, {scene.cells, scene.kind_names, scene.walls}, scene.quantities);
 }
 
 void collect_known_keys(const ReadContext& context, const Node& table, const std::string& path,
@@ -99,10 +100,12 @@ Case read_case_text(const std::string& text, const std::string& file,
 
   ReadContext context;
   context.file = file;
+  context.directory = scene.directory;
   read_sections({context, &root, "", Place{file}}, scene);
   context.report_unread(root, "");
   if (!context.errors.empty()) throw CaseError(std::move(context.errors));
   scene.places = std::move(context.places);
+  scene.files = std::move(context.files);
   scene.text = text;
   for (const std::string& file_read : scene.files) scene.text += fmt::format("\n# file {}", file_read);
   for (const std::string& argument : overrides) scene.text += fmt::format("\n# --set {}", argument);

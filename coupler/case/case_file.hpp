@@ -1,7 +1,6 @@
 #pragma once
 // Reads a case directory: case.toml, and nothing outside the directory.
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -18,11 +17,5 @@ Case read_case(const std::filesystem::path& directory, const std::vector<std::st
 /// Reads text at hand as read_case does a file; `file` labels the messages.
 Case read_case_text(const std::string& text, const std::string& file,
                     const std::vector<std::string>& overrides = {});
-
-/// Returns the keys that reading a text asks for, by the path of their table without indices ("" for the
-/// file, "fluid", "bodies", "output.fields") and in the order of asking: what a table of keys must name. Only
-/// tables that the text has are read; what is wrong with their values does not matter. CaseError for text
-/// that is not TOML.
-std::map<std::string, std::vector<std::string>> keys_asked_for(const std::string& text);
 
 }  // namespace silt::coupler

@@ -2,6 +2,7 @@
 // Typed access to the tables of a case file that keeps account of who read what: every key asked for becomes
 // a known key of its table, and a key that nobody asked for is an error. Nothing here throws; errors are
 // collected.
+#include <filesystem>
 #include <initializer_list>
 #include <limits>
 #include <map>
@@ -47,6 +48,8 @@ std::string path_of_child(const Node& node, const std::string& path, const Node&
 /// Holds what the readers of all sections share.
 struct ReadContext {
   std::string file;
+  std::filesystem::path directory;  // of the case
+  std::vector<std::string> files;   // that the case names: AttachedFile::fingerprint of each, in its order
   Units units;
   bool units_known = true;  // else nothing that depends on a scale is judged
   std::vector<Diagnostic> errors;

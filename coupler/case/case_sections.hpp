@@ -1,10 +1,16 @@
 #pragma once
 // The readers of the sections of a case file, in the order read_case calls them. Each reads its keys from the
-// root table and leaves what it found in the Case; errors go to the reader's context.
-#include "coupler/case/case.hpp"
+// root table and leaves what it found in the Case or in the sections of it that it names; errors go to the
+// reader's context.
+#include "coupler/case/boundary_spec.hpp"
 #include "coupler/case/case_reader.hpp"
+#include "coupler/case/output_spec.hpp"
+#include "coupler/case/quantity_spec.hpp"
+#include "rigid/shapes/shape_list.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 // read_domain.cpp
 void read_units(TableReader& root, Case&);   // first: everything after it converts
@@ -12,7 +18,7 @@ void read_domain(TableReader& root, Case&);  // [domain]
 void read_fluid(TableReader& root, Case&);   // [fluid], [coupling], [gravity]
 
 // read_shapes.cpp
-void read_shapes(TableReader& root, Case&);  // [[shapes]]
+void read_shapes(TableReader& root, std::vector<std::string>& names, rigid::ShapeList&);  // [[shapes]]
 /// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);
@@ -20,7 +26,8 @@ rigid::Quat read_orientation(TableReader&);
 rigid::Tube read_tube(TableReader&);
 
 // read_walls.cpp
-void read_walls(TableReader& root, Case&);  // [[walls]]; after the materials
+void read_walls(TableReader& root, const std::vector<std::string>& material_names,
+                std::vector<CurvedWall>&);  // [[walls]]; after the materials
 
 // read_bodies.cpp
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
@@ -28,19 +35,25 @@ void read_bodies(TableReader& root, Case&);    // [[bodies]]
 void read_fills(TableReader& root, Case&);     // [[fill]]
 
 // read_output.cpp
-void read_run(TableReader& root, Case&);         // [run]
-void read_output(TableReader& root, Case&);      // [output]
-void read_quantities(TableReader& root, Case&);  // [[quantities]]
+/// What a quantity may refer to.
+struct QuantityScope {
+  std::array<int, 3> cells;  // of the domain
+  std::vector<std::string> kind_names;
+  std::vector<CurvedWall> walls;
+};
+void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&);          // [run]
+void read_output(TableReader& root, OutputSpec&);                                           // [output]
+void read_quantities(TableReader& root, const QuantityScope&, std::vector<QuantitySpec>&);  // [[quantities]]
 
-/// Returns the index into Case::material_names, 0 ("default") without the key.
-int read_material_name(TableReader&, const Case&);
+/// Returns the index into the names of materials, 0 ("default") without the key.
+int read_material_name(TableReader&, const std::vector<std::string>& material_names);
 
 /// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
 /// it is not there.
 int index_of(TableReader&, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what);
 
-/// Reads the corners of `box`; the whole domain without it.
-void read_box(TableReader&, const Case&, rigid::Vec3& lower, rigid::Vec3& upper);
+/// Reads the corners of `box`; the whole domain, of so many cells, without it.
+void read_box(TableReader&, const std::array<int, 3>& cells, rigid::Vec3& lower, rigid::Vec3& upper);
 
 }  // namespace silt::coupler

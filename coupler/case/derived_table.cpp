@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coupler/case/body_check.hpp"
+#include "coupler/case/case.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

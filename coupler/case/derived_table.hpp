@@ -2,9 +2,9 @@
 // What follows from a case: the numbers one wants to see before a run.
 #include <string>
 
-#include "coupler/case/case.hpp"
-
 namespace silt::coupler {
+
+struct Case;
 
 /// Returns the speed at which a sphere falls or rises steadily in unbounded fluid, by the drag law of
 /// Schiller and Naumann (1933), C_D = 24/Re (1 + 0.15 Re^0.687). Lattice units; density relative to the

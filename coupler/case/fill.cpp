@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "coupler/case/case.hpp"
 #include "coupler/case/neighbour_grid.hpp"
 #include "coupler/case/overlap.hpp"
 #include "rigid/collision/tube_contacts.hpp"

@@ -2,9 +2,12 @@
 // Every body of a case: the [[bodies]] as given, then the [[fill]]s placed at random without overlap.
 #include <vector>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/body_spec.hpp"
+#include "rigid/bodies/body_exchange.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// Returns the domain as the bodies see it.
 rigid::Extent extent_of(const Case&);

@@ -5,6 +5,7 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -120,9 +121,9 @@ std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
 
 }  // namespace
 
-int read_material_name(TableReader& table, const Case& scene) {
+int read_material_name(TableReader& table, const std::vector<std::string>& material_names) {
   const auto name = table.string("material");
-  return name ? std::max(0, index_of(table, "material", *name, scene.material_names, "material")) : 0;
+  return name ? std::max(0, index_of(table, "material", *name, material_names, "material")) : 0;
 }
 
 void read_contacts(TableReader& root, Case& scene) {
@@ -166,7 +167,7 @@ void read_bodies(TableReader& root, Case& scene) {
     BodySpec body;
     body.entry = entry++;
     body.shape = read_shape_name(table, scene);
-    body.material = read_material_name(table, scene);
+    body.material = read_material_name(table, scene.material_names);
     body.kind = read_kind(table, body.shape, scene);
     body.density = read_density(table);
     body.motion = table.choice("motion", motion_names).value_or(body.motion);
@@ -189,9 +190,9 @@ void read_bodies(TableReader& root, Case& scene) {
   }
 }
 
-void read_box(TableReader& table, const Case& scene, Vec3& lower, Vec3& upper) {
+void read_box(TableReader& table, const std::array<int, 3>& cells, Vec3& lower, Vec3& upper) {
   lower = Vec3::Zero();
-  upper = Vec3(scene.cells[0], scene.cells[1], scene.cells[2]);
+  upper = Vec3(cells[0], cells[1], cells[2]);
   const Node* box = table.find("box");
   if (!box) return;
   if (box->kind != Node::Kind::array || box->children.size() != 2) {
@@ -201,8 +202,9 @@ void read_box(TableReader& table, const Case& scene, Vec3& lower, Vec3& upper) {
   const auto low = read_vector(table.context(), box->children[0], table.path("box") + "[0]");
   const auto high = read_vector(table.context(), box->children[1], table.path("box") + "[1]");
   if (!low || !high) return;
-  lower = *low / scene.units.cell_size;
-  upper = *high / scene.units.cell_size;
+  const double cell_size = table.context().units.cell_size;
+  lower = *low / cell_size;
+  upper = *high / cell_size;
   if ((upper - lower).minCoeff() <= 0)
     table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
 }
@@ -211,7 +213,7 @@ void read_fills(TableReader& root, Case& scene) {
   for (TableReader& table : root.tables("fill")) {
     FillSpec fill;
     fill.shape = read_shape_name(table, scene);
-    fill.material = read_material_name(table, scene);
+    fill.material = read_material_name(table, scene.material_names);
     fill.kind = read_kind(table, fill.shape, scene);
     fill.density = read_density(table);
     if (!table.has("count")) table.missing("count", "how many bodies to place");
@@ -220,7 +222,7 @@ void read_fills(TableReader& root, Case& scene) {
     fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
     fill.random_orientation =
         table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
-    read_box(table, scene, fill.lower, fill.upper);
+    read_box(table, scene.cells, fill.lower, fill.upper);
     scene.fills.push_back(fill);
   }
 }

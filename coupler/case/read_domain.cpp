@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
 
 namespace silt::coupler {

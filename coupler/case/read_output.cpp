@@ -74,9 +74,9 @@ void read_side(TableReader& table, QuantitySpec& quantity) {
   quantity.side = static_cast<int>(table.choice("side", side_names).value_or(Side::x_low));
 }
 
-void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {
+void read_wall(TableReader& table, QuantitySpec& quantity, const QuantityScope& scope) {
   std::vector<std::string> names;
-  for (const CurvedWall& wall : scene.walls) names.push_back(wall.name);
+  for (const CurvedWall& wall : scope.walls) names.push_back(wall.name);
   const auto name = table.string("wall");
   if (name)
     quantity.wall = std::max(0, index_of(table, "wall", *name, names, "wall"));
@@ -87,11 +87,11 @@ void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {
 
 // The keys that the type takes; any other is unknown.
 void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
-                        const Case& scene) {
+                        const QuantityScope& scope) {
   using Q = QuantityType;
   if (type.takes(Q::body))
     if (const auto body = table.string("body"))
-      quantity.kind = index_of(table, "body", *body, scene.kind_names, "name of [[bodies]] or [[fill]]");
+      quantity.kind = index_of(table, "body", *body, scope.kind_names, "name of [[bodies]] or [[fill]]");
   if (type.takes(Q::axis)) quantity.axis = table.choice("axis", {"x", "y", "z"}).value_or("z")[0] - 'x';
   if (type.takes(Q::profile)) read_profile(table, quantity);
   if (type.takes(Q::time)) read_time(table, quantity);
@@ -99,13 +99,13 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   if (type.takes(Q::height)) quantity.height = read_length(table, "height", "what bodies are to fall below");
   if (type.takes(Q::centre)) read_centre(table, quantity);
   if (type.takes(Q::side)) read_side(table, quantity);
-  if (type.takes(Q::wall)) read_wall(table, quantity, scene);
-  if (type.takes(Q::box)) read_box(table, scene, quantity.lower, quantity.upper);
+  if (type.takes(Q::wall)) read_wall(table, quantity, scope);
+  if (type.takes(Q::box)) read_box(table, scope.cells, quantity.lower, quantity.upper);
 }
 
-void read_steady(TableReader steady, Case& scene) {
+void read_steady(TableReader steady, std::optional<SteadySpec>& found) {
   if (!steady.present()) return;
-  SteadySpec& spec = scene.steady.emplace();
+  SteadySpec& spec = found.emplace();
   if (!steady.has("quantity")) steady.missing("quantity", "the name of one of [[quantities]]");
   if (!steady.has("change"))
     steady.missing("change", "how much of the quantity may still be missing at the end, as in 1e-4");
@@ -117,29 +117,28 @@ void read_steady(TableReader steady, Case& scene) {
 
 }  // namespace
 
-void read_run(TableReader& root, Case& scene) {
+void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>& steady) {
   if (!root.has("run")) root.missing("run", "a table [run] with steps or time");
   TableReader run = root.table("run");
   if (!run.present()) return;
   const std::string given = run.one_of({"steps", "time"}, true, "how long the run is");
   if (given == "steps") {
-    scene.steps = run.integer("steps", 1).value_or(1);
+    steps = run.integer("steps", 1).value_or(1);
   } else if (given == "time") {
     constexpr double most_steps = 1e15;
-    const double steps = run.quantity("time", dimension::time, range::above(0)).value_or(1);
-    if (root.context().units_known && !(steps < most_steps))
-      run.refuse("time",
-                 fmt::format("less than {} steps of {}", shown(most_steps), shown(scene.units.time_step)));
+    const double wanted = run.quantity("time", dimension::time, range::above(0)).value_or(1);
+    if (root.context().units_known && !(wanted < most_steps))
+      run.refuse("time", fmt::format("less than {} steps of {}", shown(most_steps),
+                                     shown(root.context().units.time_step)));
     else
-      scene.steps = std::max<std::int64_t>(1, std::llround(steps));
+      steps = std::max<std::int64_t>(1, std::llround(wanted));
   }
-  read_steady(run.table("steady"), scene);
+  read_steady(run.table("steady"), steady);
 }
 
-void read_output(TableReader& root, Case& scene) {
+void read_output(TableReader& root, OutputSpec& output) {
   TableReader table = root.table("output");
   if (!table.present()) return;
-  OutputSpec& output = scene.output;
   TableReader fields = table.table("fields"), bodies = table.table("bodies");
   TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
   read_series(fields, output.fields);
@@ -151,7 +150,7 @@ void read_output(TableReader& root, Case& scene) {
       static_cast<int>(checkpoint.integer("keep", 1, 1000).value_or(output.keep_checkpoints));
 }
 
-void read_quantities(TableReader& root, Case& scene) {
+void read_quantities(TableReader& root, const QuantityScope& scope, std::vector<QuantitySpec>& quantities) {
   std::vector<std::string> names;
   for (TableReader& table : root.tables("quantities")) {
     QuantitySpec quantity;
@@ -166,8 +165,8 @@ void read_quantities(TableReader& root, Case& scene) {
     if (!type) table.judge_no_keys();
     if (!type) continue;
     quantity.type = *type;
-    read_quantity_keys(table, quantity_type(*type), quantity, scene);
-    scene.quantities.push_back(quantity);
+    read_quantity_keys(table, quantity_type(*type), quantity, scope);
+    quantities.push_back(quantity);
   }
 }
 

@@ -78,22 +78,22 @@ Mesh hull_of_vertices(TableReader& table, const Units& units) {
   return hull.mesh;
 }
 
-Mesh body_of_file(TableReader& table, Case& scene) {
+Mesh body_of_file(TableReader& table) {
   const auto name = table.string("file");
   const double scale = table.number("scale", range::above(0)).value_or(1);
   if (!name) return {};
-  AttachedFile file;
+  ReadContext& context = table.context();
   try {
-    file = read_attached(scene.directory, *name);
-    scene.files.push_back(file.fingerprint);
-    return adapters::stl_polyhedron(file.bytes, scale / scene.units.cell_size);
+    const AttachedFile file = read_attached(context.directory, *name);
+    context.files.push_back(file.fingerprint);
+    return adapters::stl_polyhedron(file.bytes, scale / context.units.cell_size);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("'{}': {}", *name, error.what()));
   }
 }
 
 /// A polyhedron has no sizes, but corners.
-rigid::ConvexShape read_polyhedron(TableReader& table, Case& scene) {
+rigid::ConvexShape read_polyhedron(TableReader& table) {
   const std::string given =
       table.one_of({"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL file");
   if (given != "file" && table.has("scale"))
@@ -101,8 +101,8 @@ rigid::ConvexShape read_polyhedron(TableReader& table, Case& scene) {
                                     table.path("scale")));
   Mesh mesh;
   try {
-    if (given == "vertices") mesh = hull_of_vertices(table, scene.units);
-    if (given == "file") mesh = body_of_file(table, scene);
+    if (given == "vertices") mesh = hull_of_vertices(table, table.context().units);
+    if (given == "file") mesh = body_of_file(table);
   } catch (const std::invalid_argument& error) {
     table.fail(given, fmt::format("{}: {}", table.path(given), error.what()));
   }
@@ -112,7 +112,7 @@ rigid::ConvexShape read_polyhedron(TableReader& table, Case& scene) {
 
 struct ConvexType {
   std::string name;
-  rigid::ConvexShape (*read)(TableReader&, Case&);
+  rigid::ConvexShape (*read)(TableReader&);
 };
 
 template <class S>
@@ -121,7 +121,7 @@ void add_type(std::vector<ConvexType>& types) {
     types.push_back({std::string(S::name), read_polyhedron});
   else if constexpr (!std::is_same_v<S, rigid::HalfSpace>)  // only walls are half-spaces
     types.push_back({std::string(S::name),
-                     [](TableReader& table, Case&) -> rigid::ConvexShape { return read_sizes<S>(table); }});
+                     [](TableReader& table) -> rigid::ConvexShape { return read_sizes<S>(table); }});
 }
 
 template <class... S>
@@ -149,13 +149,13 @@ std::vector<std::string> shape_types() {
   return names;
 }
 
-rigid::ConvexShape read_convex(TableReader& table, const std::string& name, Case& scene) {
+rigid::ConvexShape read_convex(TableReader& table, const std::string& name) {
   const auto type = std::find_if(convex_types().begin(), convex_types().end(),
                                  [&](const ConvexType& t) { return t.name == name; });
-  return type->read(table, scene);
+  return type->read(table);
 }
 
-rigid::Compound read_compound(TableReader& table, Case& scene) {
+rigid::Compound read_compound(TableReader& table) {
   rigid::Compound compound;
   if (!table.has("parts"))
     table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
@@ -167,7 +167,7 @@ rigid::Compound read_compound(TableReader& table, Case& scene) {
     rigid::Pose pose;
     pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
     pose.orientation = read_orientation(part);
-    compound.parts.push_back({read_convex(part, *type, scene), pose});
+    compound.parts.push_back({read_convex(part, *type), pose});
   }
   if (compound.parts.empty() && table.has("parts"))
     table.fail("parts", table.path("parts") + " has no usable part");
@@ -210,7 +210,7 @@ Quat read_orientation(TableReader& table) {
   return Quat::Identity();
 }
 
-void read_shapes(TableReader& root, Case& scene) {
+void read_shapes(TableReader& root, std::vector<std::string>& names, rigid::ShapeList& shapes) {
   for (TableReader& table : root.tables("shapes")) {
     if (!table.has("name")) table.missing("name", "what bodies call the shape");
     if (!table.has("type")) table.missing("type", "one of " + joined(shape_types()));
@@ -223,15 +223,15 @@ void read_shapes(TableReader& root, Case& scene) {
                              table.path("type"), joined(shape_types())));
       table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types())) {
-      scene.shapes.push_back(*type == rigid::Compound::name ? rigid::Shape(read_compound(table, scene))
-                                                            : rigid::Shape(read_convex(table, *type, scene)));
+      shapes.push_back(*type == rigid::Compound::name ? rigid::Shape(read_compound(table))
+                                                      : rigid::Shape(read_convex(table, *type)));
     } else {
       table.judge_no_keys();
     }
-    scene.shapes.resize(scene.shape_names.size() + 1, rigid::Sphere{1});
-    if (std::count(scene.shape_names.begin(), scene.shape_names.end(), name))
+    shapes.resize(names.size() + 1, rigid::Sphere{1});
+    if (std::count(names.begin(), names.end(), name))
       table.fail("name", fmt::format("{}: there already is a shape '{}'", table.path("name"), name));
-    scene.shape_names.push_back(name);
+    names.push_back(name);
   }
 }
 

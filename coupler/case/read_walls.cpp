@@ -28,9 +28,9 @@ Vec3 read_axis(TableReader& table) {
   return Vec3::UnitZ();
 }
 
-std::string read_name(TableReader& table, const Case& scene) {
+std::string read_name(TableReader& table, const std::vector<CurvedWall>& walls) {
   const std::string name = table.string("name").value_or(table.path());
-  for (const CurvedWall& other : scene.walls)
+  for (const CurvedWall& other : walls)
     if (other.name == name)
       table.fail("name", fmt::format("{}: there already is a wall '{}'", table.path("name"), name));
   return name;
@@ -38,22 +38,23 @@ std::string read_name(TableReader& table, const Case& scene) {
 
 }  // namespace
 
-void read_walls(TableReader& root, Case& scene) {
+void read_walls(TableReader& root, const std::vector<std::string>& material_names,
+                std::vector<CurvedWall>& walls) {
   for (TableReader& table : root.tables("walls")) {
     CurvedWall wall;
     if (!table.has("type")) table.missing("type", "\"tube\"");
     if (!table.choice("type", {"tube"})) table.judge_no_keys();
-    wall.name = read_name(table, scene);
+    wall.name = read_name(table, walls);
     rigid::TubeSpec& tube = wall.tube;
     tube.radius = read_tube(table).radius;
     if (!table.has("point")) table.missing("point", "a point of the tube's axis, [x, y, z]");
     tube.point = table.vector("point", dimension::length).value_or(tube.point);
     tube.axis = read_axis(table);
-    tube.material = read_material_name(table, scene);
+    tube.material = read_material_name(table, material_names);
     tube.angular_velocity =
         table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0);
     tube.velocity = table.quantity("velocity", dimension::velocity, range::any).value_or(0);
-    scene.walls.push_back(wall);
+    walls.push_back(wall);
   }
 }
 

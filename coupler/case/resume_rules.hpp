@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/case.hpp"
-
 namespace silt::coupler {
+
+struct Case;
 
 /// What a checkpoint remembers of the case it was written for: the members of Case of the same names.
 struct CaseOrigin {

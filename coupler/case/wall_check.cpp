@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "coupler/case/case.hpp"
 #include "coupler/case/speed_check.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -71,8 +72,8 @@ void find_wall_faults(const Case& scene, Findings& findings) {
                                  "its point, or change its axis or radius",
                                  i));
     if (!scene.fluid) continue;
-    check_speed(scene, findings, key_of(i, "velocity"), std::abs(tube.velocity));
-    check_speed(scene, findings, key_of(i, "angular_velocity"),
+    check_speed(scene.units, findings, key_of(i, "velocity"), std::abs(tube.velocity));
+    check_speed(scene.units, findings, key_of(i, "angular_velocity"),
                 std::abs(tube.angular_velocity) * tube.radius);
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 // The part of check_case that looks at curved walls, and at bodies in them.
 #include "coupler/case/body_check.hpp"
+#include "coupler/case/body_spec.hpp"
 
 namespace silt::coupler {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
 #include "coupler/forces/gap_cells.hpp"
 
 namespace silt::coupler {
@@ -71,11 +70,10 @@ rigid::LubricationResistance Lubrication::operator()(const rigid::LubricatedGap&
           2 * drag * log_excess(width, of.slip_gap), 1.2 * drag * log_excess(width, of.rolling_gap)};
 }
 
-std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const Case& scene) {
-  if (!scene.has_lubrication()) return nullptr;
-  return std::make_shared<Lubrication>(scene.fluid->kinematic_viscosity,
-                                       resolved_flows(scene.coupling.wall_scheme),
-                                       scene.coupling.lubrication_min_gap);
+std::shared_ptr<const rigid::LubricationLaw> make_lubrication(double viscosity,
+                                                              const CouplingSpec& coupling) {
+  return std::make_shared<Lubrication>(viscosity, resolved_flows(coupling.wall_scheme),
+                                       coupling.lubrication_min_gap);
 }
 
 }  // namespace silt::coupler

@@ -22,8 +22,6 @@
 
 namespace silt::coupler {
 
-struct Case;
-
 /// What a wall scheme resolves; cells.
 struct ResolvedFlow {
   double base, width, cells;     // of the squeeze flow: G, 1/cells
@@ -51,7 +49,7 @@ class Lubrication final : public rigid::LubricationLaw {
   double least_gap_, reach_;
 };
 
-/// Null where the case has none: no fluid, switched off, or a resolver that knows no films.
-std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const Case&);
+/// Returns the law of a fluid of this kinematic viscosity, for what the wall scheme leaves unresolved.
+std::shared_ptr<const rigid::LubricationLaw> make_lubrication(double viscosity, const CouplingSpec&);
 
 }  // namespace silt::coupler

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coupler/body_records.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/fill.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "rigid/shapes/shape.hpp"

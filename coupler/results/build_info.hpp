@@ -3,9 +3,10 @@
 #include <string>
 
 #include "adapters/hdf5/provenance.hpp"
-#include "coupler/case/case.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 struct BuildInfo {
   std::string version, commit, compiler;

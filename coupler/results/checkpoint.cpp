@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/output.hpp"
 

@@ -6,6 +6,7 @@
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/body_records.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/results/body_quantities.hpp"

@@ -4,6 +4,7 @@
 
 #include <fmt/chrono.h>
 
+#include "coupler/case/case.hpp"
 #include "coupler/results/build_info.hpp"
 
 namespace silt::coupler {

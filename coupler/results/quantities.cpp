@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/body_quantities.hpp"
@@ -27,14 +28,14 @@ const Computation& computation_of(const QuantitySpec& q) {
 }  // namespace
 
 Quantities::Quantities(const Case& scene)
-    : setup_(scene), history_(scene.quantities.size(), {not_yet, not_yet}) {
-  for (const QuantitySpec& q : setup_.quantities)
-    if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(setup_, q.profile);
+    : specs_(scene.quantities), units_(scene.units), history_(scene.quantities.size(), {not_yet, not_yet}) {
+  for (const QuantitySpec& q : specs_)
+    if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(scene, q.profile);
 }
 
 void Quantities::observe(const Simulation& simulation) {
-  for (std::size_t i = 0; i < setup_.quantities.size(); ++i) {
-    const QuantitySpec& q = setup_.quantities[i];
+  for (std::size_t i = 0; i < specs_.size(); ++i) {
+    const QuantitySpec& q = specs_[i];
     if (const auto look = computation_of(q).observe) look(simulation, q, history_[i]);
   }
 }
@@ -42,21 +43,21 @@ void Quantities::observe(const Simulation& simulation) {
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
   const auto history = this->history(simulation.scene().comm);
   std::vector<std::pair<std::string, double>> values;
-  for (std::size_t i = 0; i < setup_.quantities.size(); ++i)
-    values.emplace_back(setup_.quantities[i].name, value_of(setup_.quantities[i], simulation, history[i]));
+  for (std::size_t i = 0; i < specs_.size(); ++i)
+    values.emplace_back(specs_[i].name, value_of(specs_[i], simulation, history[i]));
   return values;
 }
 
 double Quantities::evaluate(const Simulation& simulation, const std::string& name) const {
   std::size_t i = 0;
-  while (setup_.quantities.at(i).name != name) ++i;
-  return value_of(setup_.quantities[i], simulation, history(simulation.scene().comm)[i]);
+  while (specs_.at(i).name != name) ++i;
+  return value_of(specs_[i], simulation, history(simulation.scene().comm)[i]);
 }
 
 double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
                             const QuantityHistory& history) const {
   const double value = computation_of(q).value(simulation, q, history);
-  return setup_.units.physical(value, quantity_type(q.type).dimension);
+  return units_.physical(value, quantity_type(q.type).dimension);
 }
 
 std::vector<QuantityHistory> Quantities::history(MPI_Comm comm) const {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "coupler/case/units.hpp"
 #include "coupler/results/quantity_computation.hpp"
 
 namespace silt::coupler {
@@ -28,7 +29,8 @@ class Quantities {
 
  private:
   double value_of(const QuantitySpec&, const Simulation&, const QuantityHistory&) const;
-  const Case setup_;
+  const std::vector<QuantitySpec> specs_;
+  const Units units_;
   std::vector<QuantityHistory> history_;  // on this rank
 };
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <string_view>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/skipped_passes.hpp"
@@ -155,7 +156,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   add_scene(simulation, report);
   report["state_hash"] = status.state_is_sound ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);
-  report["skipped"] = skipped_passes(scene);
+  report["skipped"] = skipped_passes(scene, scene.setup.fluid, scene.setup.output);
   report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
   if (status.state_is_sound) add_balance(simulation, report);
   FlowTotals totals;

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "rigid/collision/tube_contacts.hpp"

@@ -6,10 +6,8 @@
 #include <cstdio>
 
 #include "adapters/hdf5/describe_file.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
-#include "coupler/case/derived_table.hpp"
 #include "coupler/results/build_info.hpp"
+#include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/run/stop_request.hpp"
 #include "lbm/isa.hpp"
@@ -36,10 +34,8 @@ RunOptions options_of(const CommandLine& line) {
 
 Exit check(const CommandLine& line, bool loud) {
   try {
-    const RunOptions options = options_of(line);
-    const Case scene = read_case(options.directory, options.overrides);
-    const auto warnings = require_runnable(scene);
-    if (loud) fmt::print("{}{}", derived_table(scene), listed(warnings));
+    const std::string found = examine_case(options_of(line));
+    if (loud) fmt::print("{}", found);
     return Exit::done;
   } catch (const std::exception& error) {
     if (loud) fmt::print(stderr, "{}\n", error.what());

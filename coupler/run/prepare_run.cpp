@@ -7,6 +7,7 @@
 #include "adapters/hdf5/together.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
+#include "coupler/case/derived_table.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/result_folder.hpp"
 
@@ -26,6 +27,12 @@ void require_buildable(const Case& scene, MPI_Comm comm) {
 }
 
 }  // namespace
+
+std::string examine_case(const RunOptions& options) {
+  const Case scene = read_case(options.directory, options.overrides);
+  const auto warnings = require_runnable(scene);
+  return derived_table(scene) + listed(warnings);
+}
 
 fs::path result_folder(const RunOptions& options) {
   if (options.out) return *options.out;

@@ -23,6 +23,9 @@ struct PreparedRun {
   std::string folder_note;  // what became of the results of an earlier run
 };
 
+/// Reads and judges a case without running it; returns its derived table and its warnings. CaseError.
+std::string examine_case(const RunOptions&);
+
 /// Returns where the results go: the option, else DIRECTORY/out.
 std::filesystem::path result_folder(const RunOptions&);
 

@@ -29,13 +29,8 @@ std::string duration_text(double s) {
 
 }  // namespace
 
-Progress::Progress(const Case& scene, std::int64_t first_step, const std::filesystem::path& log, bool loud)
-    : steps_(scene.steps),
-      first_step_(first_step),
-      cells_(scene.fluid ? double(scene.cells[0]) * scene.cells[1] * scene.cells[2] : 0),
-      time_step_(scene.units.time_step),
-      si_(scene.units.si),
-      loud_(loud) {
+Progress::Progress(const RunExtent& run, const std::filesystem::path& log, bool loud)
+    : run_(run), loud_(loud) {
   begin_ = shown_ = logged_ = Clock::now();
   if (!loud_) return;
   // mpirun gives its first rank a terminal even if its own output goes elsewhere: then this must say so.
@@ -101,14 +96,15 @@ void Progress::finish(std::int64_t step) {
 
 std::string Progress::line(std::int64_t step) const {
   const double elapsed = seconds(Clock::now() - begin_);
-  const double done = double(step - first_step_), rate = elapsed > 0 ? done / elapsed : 0;
-  std::string text = fmt::format("step {}/{} ({:.1f} %)", step, steps_, 100. * double(step) / double(steps_));
-  if (si_) text += fmt::format("  {:.4g} s simulated", double(step) * time_step_);
-  text += cells_ > 0 ? fmt::format("  {:.2f} MLUPS", rate * cells_ * 1e-6)
-                     : fmt::format("  {:.4g} steps/s", rate);
+  const double done = double(step - run_.first_step), rate = elapsed > 0 ? done / elapsed : 0;
+  std::string text =
+      fmt::format("step {}/{} ({:.1f} %)", step, run_.steps, 100. * double(step) / double(run_.steps));
+  if (run_.units.si) text += fmt::format("  {:.4g} s simulated", double(step) * run_.units.time_step);
+  text += run_.fluid_cells > 0 ? fmt::format("  {:.2f} MLUPS", rate * run_.fluid_cells * 1e-6)
+                               : fmt::format("  {:.4g} steps/s", rate);
   text += fmt::format("  {} elapsed", duration_text(elapsed));
-  if (step < steps_ && rate > 0)
-    text += fmt::format(", {} left", duration_text(double(steps_ - step) / rate));
+  if (step < run_.steps && rate > 0)
+    text += fmt::format(", {} left", duration_text(double(run_.steps - step) / rate));
   return text;
 }
 

@@ -8,14 +8,21 @@
 #include <filesystem>
 #include <string>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/units.hpp"
 
 namespace silt::coupler {
+
+/// What a run's progress is told in: the steps it begins with and ends at, and what a step does.
+struct RunExtent {
+  std::int64_t first_step = 0, steps = 0;
+  double fluid_cells = 0;  // 0: there is no fluid
+  Units units;
+};
 
 class Progress {
  public:
   /// Appends to `log`. `loud`: this is the rank that prints. std::runtime_error if the log cannot be opened.
-  Progress(const Case&, std::int64_t first_step, const std::filesystem::path& log, bool loud);
+  Progress(const RunExtent&, const std::filesystem::path& log, bool loud);
   ~Progress();
   Progress(const Progress&) = delete;
 
@@ -34,9 +41,8 @@ class Progress {
   void show(std::int64_t step);
   void clear_line();
 
-  const std::int64_t steps_, first_step_;
-  const double cells_, time_step_;  // cells: of the fluid, 0 without
-  const bool si_, loud_;
+  const RunExtent run_;
+  const bool loud_;
   bool terminal_ = false;
   std::FILE* log_ = nullptr;
   Clock::time_point begin_, shown_, logged_;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "adapters/hdf5/together.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/build_info.hpp"
@@ -33,6 +34,7 @@ class Run {
 
  private:
   const Case& setup() const { return simulation_.setup(); }
+  RunExtent extent() const;
   bool is_steady() const { return prepared_.steady && prepared_.steady->steady(); }
   bool ended() const { return simulation_.steps_done() >= setup().steps || is_steady(); }
   bool due(const SeriesSpec& series) const;
@@ -75,11 +77,15 @@ Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool 
       provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
       stop_request_(comm_, options.time_limit) {}
 
+RunExtent Run::extent() const {
+  const auto& n = setup().cells;
+  return {first_step_, setup().steps, setup().fluid ? double(n[0]) * n[1] * n[2] : 0, setup().units};
+}
+
 Exit Run::go() {
   try {
     adapters::together(comm_, [&] {
-      progress_ = std::make_unique<Progress>(setup(), first_step_, folder_ / "run.log",
-                                             simulation_.scene().rank == 0);
+      progress_ = std::make_unique<Progress>(extent(), folder_ / "run.log", simulation_.scene().rank == 0);
     });
     greet();
     start_outputs();

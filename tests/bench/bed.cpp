@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -34,14 +34,15 @@ Bed make_bed(int spheres, bool single, bool quick) {
     changes.insert(changes.end(),
                    {"domain.size=[32, 32, 32]", "fill[0].count=6", "fill[0].box=[[0, 0, 0], [32, 32, 32]]"});
   Bed bed{std::to_string(spheres) + (single ? ".single" : ".double"), spheres, single, nullptr, {}};
-  bed.simulation = std::make_unique<coupler::Simulation>(
-      coupler::read_case(SILT_SOURCE_DIR "/cases/fluidised-bed", changes), MPI_COMM_SELF);
+  using namespace coupler::testing;
+  const std::string text = file_text(SILT_SOURCE_DIR "/cases/fluidised-bed/case.toml");
+  bed.simulation.reset(new coupler::Simulation(simulation_of(text, MPI_COMM_SELF, changes)));
   return bed;
 }
 
 double cells_of(const coupler::Simulation& simulation) {
-  const auto& n = simulation.setup().cells;
-  return double(n[0]) * n[1] * n[2];
+  const lbm::Int3 n = simulation.scene().domain.cells();
+  return double(n.x) * n.y * n.z;
 }
 
 void sample(Bed& bed) {

@@ -18,9 +18,9 @@
 
 #include <fmt/format.h>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/forces/gap_cells.hpp"
 #include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/forces/approach_series.hpp"
 
 using namespace silt;
@@ -56,7 +56,7 @@ struct Resistance {
   double force = 0, torque = 0;
 };
 Resistance measure(const std::string& text, double radius, const Vec3& n, const Vec3& m, int spheres) {
-  coupler::Simulation simulation(coupler::read_case_text(text, "close range"), MPI_COMM_WORLD);
+  coupler::Simulation simulation = coupler::testing::simulation_of(text, MPI_COMM_WORLD);
   const double scale = std::numbers::pi * viscosity * radius * speed;
   Resistance r;
   double last = 0;

@@ -17,7 +17,6 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "tests/bench/bound.hpp"
@@ -25,6 +24,7 @@
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -74,7 +74,7 @@ int steps_a_turn(double cells) {
 class Scene {
  public:
   explicit Scene(const Layers& layers)
-      : layers_(layers), simulation_(coupler::read_case_text(layers.text(), "bench"), MPI_COMM_SELF) {
+      : layers_(layers), simulation_(coupler::testing::simulation_of(layers.text())) {
     for (int t = 0; t < 4; ++t) step();
   }
   void take_turn(int steps) {

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <string>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "tests/bench/figures.hpp"
@@ -12,6 +11,7 @@
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -33,7 +33,7 @@ void count_step(const std::string& name, coupler::Simulation& s) {
 }
 
 coupler::Simulation scene(const std::string& scheme, const std::string& time) {
-  return {coupler::read_case_text(Layers{.scheme = scheme, .time = time}.text(), "links"), MPI_COMM_SELF};
+  return coupler::testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
 }
 
 constexpr std::pair<const char*, const char*> couplings[] = {

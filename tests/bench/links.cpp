@@ -7,11 +7,11 @@
 //
 // The last two read what the cores' caches do not hold (no dense pass goes before them). Medians of turns.
 //   scripts/bench links [--quick] [--json FILE]
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <string>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
@@ -20,6 +20,7 @@
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/spread.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -40,17 +41,22 @@ constexpr std::array<const char*, costs> cost_names = {
     "corrected, at hand", "corrected, fetched", "corrected, waited for",
     "stiffness"};
 
+lbm::WallScheme scheme_of(const std::string& name) {
+  const auto& names = lbm::wall_scheme_names;
+  return lbm::WallScheme(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
 /// The links of a scene, applied to a fluid at rest that nothing else moves.
 class Links {
  public:
   explicit Links(const Layers& layers)
-      : scene_(coupler::read_case_text(layers.text(), "bench"), MPI_COMM_SELF),
+      : scene_(coupler::testing::simulation_of(layers.text())),
         fluid_(scene_.scene().flow->domain(), {1.2, 1. / 6, lbm::Collision::trt, {}}, MPI_COMM_SELF) {
     const lbm::CellBox box{{}, fluid_.domain().cells()};
     coupler::MapBodies map(fluid_.domain(), scene_.scene().world, std::vector<lbm::CellBox>{box});
     map(scene_.bodies());
     coupler::CouplingSpec coupling;
-    coupling.wall_scheme = coupler::read_case_text(layers.text(), "bench").coupling.wall_scheme;
+    coupling.wall_scheme = scheme_of(layers.scheme);
     coupler::build_links(map.blocks()[0], scene_.scene().world, scene_.bodies(), coupling,
                          lbm::WallFluid<float>(fluid_.spec()), fluid_.pass_order(0), links_.surfaces);
     links_.order_groups(fluid_.pass_order(0));

@@ -8,8 +8,6 @@
 #include <memory>
 
 #include "adapters/automatic/broad_phase_factory.hpp"
-#include "coupler/analytic_flow.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
@@ -17,11 +15,12 @@
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/integrate.hpp"
 #include "tests/bench/periodic_box.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
 
-using coupler::Simulation, coupler::read_case_text;
+using coupler::Simulation;
 
 struct SceneText {
   std::string domain = "size = [48, 48, 48]\nboundary = \"periodic\"";
@@ -32,8 +31,8 @@ std::string text_of(const SceneText& t, int steps = 100000) {
   if (!t.fluid.empty()) text += "[fluid]\n" + t.fluid + "\n";
   return text + t.rest + "\n" + t.bodies + "[run]\nsteps = " + std::to_string(steps) + "\n";
 }
-coupler::Case case_of(const SceneText& t) {
-  return read_case_text(text_of(t), "skip");
+Simulation simulation_of(const SceneText& t) {
+  return coupler::testing::simulation_of(text_of(t));
 }
 
 std::string spheres(int count, const std::string& box, const std::string& more = "") {
@@ -47,11 +46,7 @@ std::string fixed_sphere(const std::string& at) {
 
 /// A scene ready for its passes, without the program around them.
 struct Passes {
-  explicit Passes(const SceneText& text) : scene(case_of(text), MPI_COMM_SELF) {
-    if (!scene.flow) return;
-    coupler::set_initial_flow(scene.setup, *scene.flow);
-    scene.flow->start(scene.bodies);
-  }
+  explicit Passes(const SceneText& text) : simulation(simulation_of(text)) {}
   /// With what is on the lattice: looks whether it moved, and begins its sums.
   void flow() {
     if (scene.bodies.size()) scene.flow->map_bodies(scene.bodies);
@@ -64,12 +59,13 @@ struct Passes {
     std::fill(scene.bodies.torque.begin(), scene.bodies.torque.end(), rigid::FixedVec3{});
   }
   void rigid_step() {
-    scene.rigid_step->advance(scene.bodies, scene.setup.contacts.substeps);
+    scene.rigid_step->advance(scene.bodies, 1);
     guard();
   }
   /// Every scene whose bodies move asks whether they do so within bounds.
   void guard() { coupler::check_motion(scene.setup, scene.bodies, 1, 0); }
-  coupler::Scene scene;
+  Simulation simulation;
+  coupler::Scene& scene = simulation.scene();
   coupler::StepClock clock;
 };
 
@@ -80,7 +76,7 @@ Steps repeated(std::function<void()> step) {
 }
 Row row(const std::string& key, const std::string& without, const SceneText& text,
         std::function<void()> driver_step) {
-  auto scene = std::make_shared<Simulation>(case_of(text), MPI_COMM_SELF);
+  auto scene = std::shared_ptr<Simulation>(new Simulation(simulation_of(text)));
   return {key, without, repeated([scene] { scene->step(); }), repeated(std::move(driver_step))};
 }
 
@@ -187,7 +183,7 @@ Row no_contacts() {
   return row("contacts", "contacts: free motion and the search for pairs", text,
              free_motion(text, [](coupler::Scene& s) {
                for (std::size_t row = 0; row < s.bodies.owned; ++row)
-                 s.bodies.velocity[row] += s.bodies.weight_in_fluid[row] * s.setup.gravity;
+                 s.bodies.velocity[row] += s.bodies.weight_in_fluid[row] * s.world.gravity;
              }));
 }
 
@@ -214,8 +210,7 @@ Row no_neighbour_ranks() {
         : passes(text),
           exchange(passes.scene.exchange->extent()),
           step(passes.scene.world, *passes.scene.backend, *passes.scene.resolver, exchange,
-               adapters::make_broad_phase(passes.scene.setup.contacts.broad_phase,
-                                          passes.scene.setup.contacts.backend)) {}
+               adapters::make_broad_phase("auto", "auto")) {}
     Passes passes;
     rigid::BodyExchange exchange;
     rigid::RigidStep step;
@@ -260,7 +255,7 @@ Row no_outputs() {
   namespace fs = std::filesystem;
   SceneText text;
   text.fluid = "", text.bodies = spheres(100, "[[0, 0, 0], [48, 48, 48]]");
-  auto steps_alone = std::make_shared<Simulation>(case_of(text), MPI_COMM_SELF);
+  auto steps_alone = std::shared_ptr<Simulation>(new Simulation(simulation_of(text)));
   const auto whole_program = [text](int steps) {
     const fs::path folder = fs::temp_directory_path() / ("silt-skip-" + std::to_string(getpid()));
     fs::create_directories(folder);

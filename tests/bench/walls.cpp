@@ -13,8 +13,8 @@
 #include <map>
 #include <sstream>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 using namespace silt;
 using rigid::Vec3;
@@ -90,21 +90,21 @@ std::string list(const Vec3& x) {
   return text;
 }
 
-coupler::Case scene(const Array& a, const Options& o, const Vec3& offset, const Vec3& force,
-                    const Vec3& fluid, const Vec3& body) {
+coupler::Simulation scene(const Array& a, const Options& o, const Vec3& offset, const Vec3& force,
+                          const Vec3& fluid, const Vec3& body) {
   const std::string l = std::to_string(a.period);
   char diameter[40];
   snprintf(diameter, sizeof diameter, "%.12g", a.diameter);
   const std::string motion = body.norm() > 0 ? "\"prescribed\"\nvelocity = " + list(body) : "\"fixed\"";
   const Vec3 centre = Vec3::Constant(a.period / 2) + offset;
-  return coupler::read_case_text(
+  return coupler::testing::simulation_of(
       "title = \"array\"\n[units]\nsystem = \"lattice\"\n[domain]\nsize = [" + l + ", " + l + ", " + l +
           "]\nboundary = \"periodic\"\n[fluid]\nrelaxation_time = " + std::to_string(o.tau) +
           "\nbody_force = " + list(force) + "\ninitial = { type = \"uniform\", velocity = " + list(fluid) +
           " }\n[[shapes]]\nname = \"sphere\"\ntype = \"sphere\"\ndiameter = " + diameter +
           "\n[[bodies]]\nshape = \"sphere\"\ndensity = 1\nposition = " + list(centre) +
           "\nmotion = " + motion + "\n[run]\nsteps = 1\n",
-      "array", o.overrides);
+      MPI_COMM_SELF, o.overrides);
 }
 
 struct Flow {
@@ -126,7 +126,7 @@ struct Still {
 Still still_error(const Array& a, const Options& o, const Vec3& offset) {
   const double nu = (o.tau - 0.5) / 3, u = 0.002, g = a.force(u, nu);
   const Vec3 force(g, 0, 0), fluid(u / (1 - a.phi), 0, 0);
-  coupler::Simulation s(scene(a, o, offset, force, fluid, Vec3::Zero()), MPI_COMM_SELF);
+  coupler::Simulation s = scene(a, o, offset, force, fluid, Vec3::Zero());
   const int chunk = std::max(100, int(0.1 * a.period * a.period / nu / 6));
   double last = 0;
   for (int n = 0; n < 100; ++n) {
@@ -154,7 +154,7 @@ Moving moving_error(const Array& a, const Options& o, const Vec3& offset) {
   const Vec3 direction = Vec3(1, 0.853, 0.641).normalized(), relative = o.speed * direction;
   const Vec3 frame = o.boost * Vec3(0.7, 0.513, -0.497).normalized(), body = frame - relative;
   const Vec3 force = a.force(o.speed, nu) * direction, fluid = frame + relative * (a.phi / (1 - a.phi));
-  coupler::Simulation s(scene(a, o, offset, force, fluid, body), MPI_COMM_SELF);
+  coupler::Simulation s = scene(a, o, offset, force, fluid, body);
   const int settle = int(0.25 * a.period * a.period / nu), measured = std::max(settle, int(4 / o.speed));
   for (int t = 0; t < settle; ++t) s.step();
   double drag = 0, square = 0, velocity = 0;

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using rigid::Vec3;
 
-double momentum_drift(const std::vector<std::string>& overrides, int steps) {
-  Simulation s(free_spheres(overrides), MPI_COMM_WORLD);
+double momentum_drift(const Overrides& overrides, int steps) {
+  Simulation s = free_spheres().start(MPI_COMM_WORLD, overrides);
   const Balance before = s.balance();
   while (s.steps_done() < steps) s.step();
   EXPECT_GT(s.counters().uncovered, 0u);
@@ -36,47 +37,24 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
   }
 }
 
-/// A closed box full of spheres that a turning rod stirs: the mass of the fluid but for what the mass
-/// correction takes out in the next step, as a share.
-double unseen_mass(const std::string& precision, int steps) {
-  const Case scene = read_case_text(R"(
-title = "stirred"
-[units]
-system = "lattice"
-[domain]
-size = [20, 20, 20]
-boundary = "no-slip"
-[fluid]
-relaxation_time = 0.6
-[gravity]
-acceleration = [0, 0, -1e-4]
-[[shapes]]
-name = "rod"
-type = "capsule"
-radius = 2
-length = 7
-[[shapes]]
-name = "ball"
-type = "sphere"
-diameter = 5
-[[bodies]]
-shape = "rod"
-density = 2
-motion = "prescribed"
+/// A closed box full of spheres that a turning rod stirs.
+CaseText stirred() {
+  CaseText c;
+  c.domain = domain_of({20, 20, 20}, "\"no-slip\"");
+  c.fluid = "[fluid]\nrelaxation_time = 0.6\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
+  c.shapes = shape_of("rod", "capsule", "radius = 2\nlength = 7") + sphere_of("ball", 5);
+  c.bodies = body_of("rod", 2, R"(motion = "prescribed"
 position = [10.1, 10.2, 10.3]
 axis_angle = { axis = [0, 1, 0], degrees = 90 }
-angular_velocity = [0, 0, 0.008]
-[[fill]]
-name = "balls"
-shape = "ball"
-density = 1.3
-count = 12
-seed = 3
-[run]
-steps = 1
-)",
-                                    "stirred", {"fluid.precision=" + precision});
-  Simulation s(scene, MPI_COMM_WORLD);
+angular_velocity = [0, 0, 0.008])") +
+             fill_of("ball", 1.3, 12, "seed = 3");
+  return c;
+}
+
+/// The mass of the fluid but for what the mass correction takes out in the next step, as a share.
+double unseen_mass(const std::string& precision, int steps) {
+  Simulation s = stirred().start(MPI_COMM_WORLD, {"fluid.precision=" + precision});
   const FlowTotals before = s.look_at_flow();
   s.run(steps);
   EXPECT_GT(tests::sum_over_ranks(double(s.counters().uncovered)), 100);
@@ -93,37 +71,24 @@ TEST(CoupledStep, MassCorrectionKnowsTheMassOfTheFluid) {
   EXPECT_LT(std::fabs(in_single), 1e-9);
 }
 
-/// Largest force or torque over 100 steps on a star that moves with a fluid that moves as a whole.
-double largest_load_in_still_fluid(const std::string& form) {
-  Simulation s(read_case_text(R"(
-title = "with the stream"
-[units]
-system = "lattice"
-[domain]
-size = [20, 18, 16]
-boundary = "periodic"
-[fluid]
-relaxation_time = 0.8
-precision = "double"
-initial = { type = "uniform", velocity = [0.05, 0.03, -0.02] }
-[coupling]
-mass_correction = false
-[[shapes]]
-name = "star"
-type = "compound"
-parts = [ { type = "capsule", radius = 2, length = 6, axis = [1, 0.2, 0] },
-          { type = "capsule", radius = 2, length = 6, axis = [0, 1, 0.3] } ]
-[[bodies]]
-shape = "star"
-density = 1
-motion = "prescribed"
+/// A star that moves with a fluid that moves as a whole.
+CaseText star_in_the_stream() {
+  CaseText c;
+  c.domain = domain_of({20, 18, 16});
+  c.fluid += "precision = \"double\"\ninitial = { type = \"uniform\", velocity = [0.05, 0.03, -0.02] }\n";
+  c.rest = "[coupling]\nmass_correction = false\n";
+  c.shapes = shape_of("star", "compound",
+                      "parts = [ { type = \"capsule\", radius = 2, length = 6, axis = [1, 0.2, 0] },\n"
+                      "{ type = \"capsule\", radius = 2, length = 6, axis = [0, 1, 0.3] } ]");
+  c.bodies = body_of("star", 1, R"(motion = "prescribed"
 velocity = [0.05, 0.03, -0.02]
-position = [8.2, 7.7, 8.4]
-[run]
-steps = 100
-)",
-                              "stream", {"coupling.force=" + form}),
-               MPI_COMM_WORLD);
+position = [8.2, 7.7, 8.4])");
+  return c;
+}
+
+/// Largest force or torque over 100 steps on the star.
+double largest_load_in_still_fluid(const std::string& form) {
+  Simulation s = star_in_the_stream().start(MPI_COMM_WORLD, {"coupling.force=" + form});
   double largest = 0;
   for (int t = 0; t < 100; ++t) {
     s.step();
@@ -149,4 +114,4 @@ TEST(CoupledStep, DefaultFormDriftIsSmallButNotZero) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

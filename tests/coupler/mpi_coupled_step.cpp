@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/simulation.hpp"
 #include "coupler/state_hash.hpp"
+#include "lbm/wall_scheme.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using rigid::Vec3;
@@ -31,13 +33,13 @@ struct CrowdResult {
   RunCounters counters;
 };
 template <class Between>
-CrowdResult run_crowd(const std::vector<std::string>& overrides, MPI_Comm comm, Between&& between) {
-  Simulation s(crowd(overrides), comm);
+CrowdResult run_crowd(const Overrides& overrides, MPI_Comm comm, Between&& between) {
+  Simulation s = crowd().start(comm, overrides);
   stir(s);
   while (s.steps_done() < crowd_steps) s.step(), between(s);
   return {s.hash(), s.counters()};
 }
-CrowdResult run_crowd(const std::vector<std::string>& overrides, MPI_Comm comm) {
+CrowdResult run_crowd(const Overrides& overrides, MPI_Comm comm) {
   return run_crowd(overrides, comm, [](Simulation&) {});
 }
 
@@ -69,11 +71,11 @@ TEST(CoupledStep, SameBitsOnAnyNumberOfRanksAndBlocks) {
 }
 
 /// The crowd in pieces, on all ranks, against one rank and one block.
-void expect_same_bits(const std::vector<std::string>& overrides) {
+void expect_same_bits(const Overrides& overrides) {
   const auto hash = [&](const char* blocks, MPI_Comm comm) {
-    std::vector<std::string> all = overrides;
+    Overrides all = overrides;
     all.push_back(std::string("domain.blocks=") + blocks);
-    Simulation s(crowd(all), comm);
+    Simulation s = crowd().start(comm, all);
     stir(s);
     for (int t = 0; t < 120; ++t) s.step();
     return s.hash();
@@ -153,8 +155,8 @@ TEST(CoupledStep, SolidCellsAreNeverRead) {
     }
   };
   const auto fixed = [&](bool poisoned) {
-    Simulation s(sphere_array({"run.steps=20", "bodies[0].position=[8.2,7.9,8.4]", "domain.blocks=[16,8,4]"}),
-                 MPI_COMM_WORLD);
+    Simulation s =
+        sphere_array().start(MPI_COMM_WORLD, {"bodies[0].position=[8.2,7.9,8.4]", "domain.blocks=[16,8,4]"});
     if (poisoned) poison(s);
     for (int t = 0; t < 20; ++t) s.step();
     return s.hash();
@@ -166,14 +168,14 @@ TEST(CoupledStep, SolidCellsAreNeverRead) {
 // The paper's Figure 4: exactly the cells whose centres are inside are solid, after many coverings and
 // uncoverings.
 TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
-  Simulation s(crowd({"domain.blocks=[12,10,7]"}), MPI_COMM_WORLD);
+  Simulation s = crowd().start(MPI_COMM_WORLD, {"domain.blocks=[12,10,7]"});
   stir(s);
   for (int t = 0; t < 60; ++t) {
     s.step();
     if (t % 10) continue;
     const Flow& flow = *s.scene().flow;
     const auto& bodies = s.bodies();
-    const auto cells = s.setup().cells;
+    const lbm::Int3 cells = s.scene().domain.cells();
     for (int b = 0; b < flow.blocks(); ++b) {
       const lbm::CellBox& box = flow.block(b);
       for (int z = 0; z < box.size.z; ++z)
@@ -197,4 +199,4 @@ TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

@@ -1,25 +1,42 @@
 // Bodies in a fluid: drag, buoyancy and rest, against theory.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "coupler/case/derived_table.hpp"
+#include "coupler/simulation.hpp"
+#include "lbm/wall_scheme.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using rigid::Vec3;
+
+/// F / (6 pi mu a U) of the array, F: wall force + body force on the sphere's volume, U: mean over the whole
+/// cube.
+double drag_coefficient(const std::string& position, double tau = 1, int steps = 2500) {
+  Simulation s = sphere_array().start(
+      MPI_COMM_WORLD, {fmt::format("fluid.relaxation_time={}", tau), "bodies[0].position=" + position});
+  s.run(steps);
+  double force = 0;
+  for (const auto& load : s.last_loads()) force += load.force[0];
+  force = tests::sum_over_ranks(force);
+  const FlowTotals t = s.look_at_flow();
+  const double a = array_diameter / 2, g = array_force, viscosity = (tau - 0.5) / 3;
+  const double u = (t.momentum[0] + 0.5 * g * double(t.fluid_cells)) / std::pow(array_edge, 3);
+  return (force + g * 4 * M_PI / 3 * a * a * a) / (6 * M_PI * viscosity * a * u);
+}
 
 // Zick and Homsy 1982, simple cubic array, phi = 0.064: K = 2.810.
 TEST(CoupledStep, DragOfACubicArray) {
   const char* const positions[] = {"[8.13,8.31,7.87]", "[8.31,8.13,8.47]", "[8.2,8.4,8.1]",
                                    "[8.05,8.15,8.35]", "[8.42,7.71,8.27]", "[7.64,8.44,7.93]"};
   double sum = 0;
-  for (const char* p : positions)
-    sum += drag_coefficient(sphere_array({std::string("bodies[0].position=") + p}), MPI_COMM_WORLD);
+  for (const char* p : positions) sum += drag_coefficient(p);
   const double error = sum / std::size(positions) / 2.810198 - 1;
   if (tests::rank() == 0)
     printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
@@ -27,39 +44,19 @@ TEST(CoupledStep, DragOfACubicArray) {
 }
 
 TEST(CoupledStep, DragDoesNotDependOnViscosity) {
-  const auto k = [](const char* tau, const char* steps) {
-    return drag_coefficient(sphere_array({tau, steps, "bodies[0].position=[8.13,8.31,7.87]"}),
-                            MPI_COMM_WORLD);
-  };
-  const double one = k("fluid.relaxation_time=1.0", "run.steps=2500");
-  EXPECT_NEAR(k("fluid.relaxation_time=0.6", "run.steps=12000") / one, 1, 1e-4);
-  EXPECT_NEAR(k("fluid.relaxation_time=1.5", "run.steps=1500") / one, 1, 1e-4);
+  const auto k = [](double tau, int steps) { return drag_coefficient("[8.13,8.31,7.87]", tau, steps); };
+  const double one = k(1, 2500);
+  EXPECT_NEAR(k(0.6, 12000) / one, 1, 1e-4);
+  EXPECT_NEAR(k(1.5, 1500) / one, 1, 1e-4);
 }
 
-Case light_sphere(const std::string& scheme) {
-  return read_case_text(R"(
-title = "light"
-[units]
-system = "lattice"
-[domain]
-size = [32, 32, 64]
-boundary = "no-slip"
-[fluid]
-relaxation_time = 0.6
-[gravity]
-acceleration = [0, 0, -4e-4]
-[[shapes]]
-name = "sphere"
-type = "sphere"
-diameter = 8
-[[bodies]]
-shape = "sphere"
-density = 0.5
-position = [16.3, 15.8, 12.2]
-[run]
-steps = 3000
-)",
-                        "light", {"coupling.wall_scheme=" + scheme});
+CaseText light_sphere() {
+  CaseText c;
+  c.domain = domain_of({32, 32, 64}, "\"no-slip\"");
+  c.fluid = "[fluid]\nrelaxation_time = 0.6\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -4e-4]\n";
+  c.bodies = body_of("ball", 0.5, "position = [16.3, 15.8, 12.2]");
+  return c;
 }
 
 // Half as dense as the fluid, at a relaxation time where explicit coupling is unstable: it rises and settles
@@ -67,7 +64,7 @@ steps = 3000
 // diameters away).
 TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
   for (const auto name : lbm::wall_scheme_names) {
-    Simulation s(light_sphere(std::string(name)), MPI_COMM_WORLD);
+    Simulation s = light_sphere().start(MPI_COMM_WORLD, {"coupling.wall_scheme=" + std::string(name)});
     double speed[2] = {};
     for (int half = 0; half < 2; ++half) {
       while (s.steps_done() < 1500 + half * 500) s.step();
@@ -91,7 +88,7 @@ TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
 TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
   for (const std::string name :
        {"cli", "bouzidi", "parabolic"}) {  // plain bounce-back lets shut-in cells swing for ever
-    Simulation s(heap({"coupling.wall_scheme=" + name}), MPI_COMM_WORLD);
+    Simulation s = heap().start(MPI_COMM_WORLD, {"coupling.wall_scheme=" + name});
     while (s.steps_done() < 2000) s.step();
     const double speed = s.look_at_flow().max_speed;
     double body = 0;
@@ -105,4 +102,4 @@ TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

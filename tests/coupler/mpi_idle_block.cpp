@@ -1,38 +1,20 @@
 // A block that a body fills takes no part in the passes, and the fluid beside it does not notice.
 #include <gtest/gtest.h>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 /// A box that leaves a channel of 16 cells, driven along x; cut across y into `blocks` cells.
-Case channel_beside_a_box(const std::string& motion, const std::string& blocks) {
-  return read_case_text(R"(
-title = "channel beside a box"
-[units]
-system = "lattice"
-[domain]
-size = [16, 32, 64]
-boundary = { x = "periodic", y = ["no-slip", "no-slip"], z = "periodic" }
-blocks = )" + blocks + R"(
-[fluid]
-relaxation_time = 0.7
-body_force = [1e-4, 0, 0]
-[[shapes]]
-name = "box"
-type = "box"
-edges = [15.9, 15.9, 63.9]
-[[bodies]]
-shape = "box"
-density = 2
-position = [8, 24, 32]
-)" + motion + R"(
-[run]
-steps = 40
-)",
-                        "channel");
+Simulation channel_beside_a_box(const std::string& motion, const std::string& blocks) {
+  CaseText c;
+  c.domain = domain_of({16, 32, 64}, R"({ x = "periodic", y = ["no-slip", "no-slip"], z = "periodic" })");
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-4, 0, 0]\n";
+  c.shapes = shape_of("box", "box", "edges = [15.9, 15.9, 63.9]");
+  c.bodies = body_of("box", 2, "position = [8, 24, 32]\n" + motion);
+  return c.start(MPI_COMM_WORLD, {"domain.blocks=" + blocks});
 }
 
 constexpr const char* whole = "[16, 32, 8]";   // fluid in every block
@@ -42,8 +24,7 @@ TEST(IdleBlock, FluidBesideItIsTheSame) {
   const std::string fixed = "motion = \"fixed\"",
                     moving = "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]";
   for (const std::string& motion : {fixed, moving}) {  // moving: cells come free, the blocks wake up
-    Simulation a(channel_beside_a_box(motion, whole), MPI_COMM_WORLD);
-    Simulation b(channel_beside_a_box(motion, halves), MPI_COMM_WORLD);
+    Simulation a = channel_beside_a_box(motion, whole), b = channel_beside_a_box(motion, halves);
     for (int t = 0; t < 40; ++t) a.step(), b.step();
     EXPECT_EQ(a.hash(), b.hash()) << motion;
     EXPECT_GT(a.look_at_flow().max_speed, 1e-3);
@@ -51,7 +32,7 @@ TEST(IdleBlock, FluidBesideItIsTheSame) {
 }
 
 TEST(IdleBlock, KeepsWhatItHolds) {
-  Simulation s(channel_beside_a_box("motion = \"fixed\"", halves), MPI_COMM_WORLD);
+  Simulation s = channel_beside_a_box("motion = \"fixed\"", halves);
   Flow& flow = *s.scene().flow;
   const lbm::Int3 middle{8, 8, 4};  // far enough from its neighbours' links
   for (int t = 0; t < 4; ++t) s.step();
@@ -65,4 +46,4 @@ TEST(IdleBlock, KeepsWhatItHolds) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

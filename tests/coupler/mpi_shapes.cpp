@@ -1,17 +1,14 @@
 // Cylinder, ellipsoid and polyhedron in the fluid: they cover as many cells as they have volume, wherever
 // they are, and give the fluid what it gives them.
+#include <gtest/gtest.h>
 #include <mpi.h>
 
 #include <cstdio>
 #include <numbers>
 
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
-#include "coupler/results/report.hpp"
 #include "coupler/simulation.hpp"
-#include "rigid/shapes/shape.hpp"
-#include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -32,7 +29,7 @@ const Body all[] = {{"cylinder", "diameter = 8\nlength = 10\n", pi * 16 * 10},
                     {"ellipsoid", "diameters = [12, 7, 9]\n", pi / 6 * 12 * 7 * 9},
                     {"polyhedron", frustum, frustum_volume}};
 
-Case alone(const Body& body, const std::vector<std::string>& overrides = {}) {
+CaseText alone(const Body& body) {
   CaseText c;
   c.domain = "[domain]\nsize = [24, 22, 26]\nboundary = \"periodic\"\n";
   c.fluid =
@@ -44,7 +41,7 @@ Case alone(const Body& body, const std::vector<std::string>& overrides = {}) {
       "[[bodies]]\nshape = \"ball\"\ndensity = 2\norientation = [0.8, 0.3, -0.4, 0.5]\n"
       "position = [2.3, 20.1, 13.7]\nvelocity = [0.03, 0.01, -0.02]\nangular_velocity = [0.004, 0.003, "
       "-0.005]\n";
-  return c.read(overrides);
+  return c;
 }
 
 double solid_cells(const Simulation& s) {
@@ -61,7 +58,7 @@ double solid_cells(const Simulation& s) {
 
 TEST(Shapes, CoverTheirVolumeAndKeepMomentum) {
   for (const Body& body : all) {
-    Simulation s(alone(body, {"domain.blocks=[12,11,13]"}), MPI_COMM_WORLD);
+    Simulation s = alone(body).start(MPI_COMM_WORLD, {"domain.blocks=[12,11,13]"});
     const Vec3 before = s.balance().momentum;
     double mass = 0, cells = 0;
     for (std::size_t row = 0; row < s.bodies().owned; ++row) mass += s.bodies().mass[row];
@@ -81,56 +78,13 @@ TEST(Shapes, CoverTheirVolumeAndKeepMomentum) {
 TEST(Shapes, SameBitsOnAnyNumberOfRanksAndBlocks) {
   for (const Body& body : all) {
     const auto hash = [&](const char* blocks, MPI_Comm comm) {
-      Simulation s(alone(body, {blocks}), comm);
+      Simulation s = alone(body).start(comm, {blocks});
       while (s.steps_done() < 20) s.step();
       return s.hash();
     };
     const auto one = tests::alone([&] { return hash("domain.blocks=\"auto\"", MPI_COMM_SELF); });
     EXPECT_EQ(hash("domain.blocks=[12,11,13]", MPI_COMM_WORLD), one) << body.type;
   }
-}
-
-constexpr const char* tetrahedron_stl = R"(solid rock
-facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 8 0 vertex 8 0 0 endloop endfacet
-facet normal 0 0 0 outer loop vertex 0 0 0 vertex 8 0 0 vertex 0 0 8 endloop endfacet
-facet normal 0 0 0 outer loop vertex 8 0 0 vertex 0 8 0 vertex 0 0 8 endloop endfacet
-facet normal 0 0 0 outer loop vertex 0 8 0 vertex 0 0 0 vertex 0 0 8 endloop endfacet
-endsolid rock
-)";
-
-TEST(Shapes, ARunGoesOnOnlyWithTheFilesItBeganWith) {
-  const tests::Scratch scratch;
-  const auto directory = scratch / "case";
-  const auto write = [&](const std::string& stl) {
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (tests::rank() == 0) {
-      std::filesystem::create_directory(directory);
-      CaseText c;
-      c.fluid.clear();
-      c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rock.stl\"\nscale = 0.5\n";
-      std::ofstream(directory / "case.toml") << c.text();
-      std::ofstream(directory / "rock.stl") << stl;
-    }
-    MPI_Barrier(MPI_COMM_WORLD);
-  };
-  write(tetrahedron_stl);
-  const Case scene = read_case(directory);
-  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
-  EXPECT_NE(scene.text.find("\n# file rock.stl: "), std::string::npos);
-  Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
-                                     provenance_of(scene, tests::ranks(), "auto"));
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  EXPECT_EQ(case_to_resume(read_origin(reader), directory, {}).files, scene.files);
-  std::string changed = tetrahedron_stl;
-  changed.replace(changed.find("0 0 8"), 5, "0 0 7");
-  while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
-  write(changed);
-  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
-  EXPECT_NE(error.find("a file has changed since the checkpoint was written: it was " + scene.files[0] +
-                       "; it is "),
-            std::string::npos)
-      << error;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/results/quantities.hpp"
+#include "coupler/simulation.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
 
 namespace silt::coupler::testing {
@@ -28,7 +28,7 @@ TEST(Tube, SameBitsForAnyBlocksAndRanks) {
   c.shapes = CaseText().shapes;
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 2\npositions = [[4, 16, 9.5], [13, 14, 20]]\n";
   const auto hash = [&](const std::string& blocks, MPI_Comm comm) {
-    Simulation simulation(c.read({"domain.blocks=" + blocks}), comm);
+    Simulation simulation = c.start(comm, {"domain.blocks=" + blocks});
     simulation.run(150);
     return simulation.hash();
   };
@@ -45,7 +45,7 @@ TEST(Tube, BallSettlesOnTheLowestLine) {
   c.rest += "[gravity]\nacceleration = [0, 0, -2e-3]\n";
   c.shapes = CaseText().shapes;
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 3\nposition = [8, 14, 10]\n";
-  Simulation simulation(c.read({"domain.blocks=[8, 12, 12]"}), MPI_COMM_WORLD);
+  Simulation simulation = c.start(MPI_COMM_WORLD, {"domain.blocks=[8, 12, 12]"});
   simulation.run(2500);
   const auto& bodies = simulation.bodies();
   for (std::size_t row = 0; row < bodies.owned; ++row) {
@@ -61,19 +61,15 @@ TEST(BodyForce, OnBodiesMovesBallAndFluidAlike) {
   c.domain = "[domain]\nsize = [24, 24, 24]\nblocks = [12, 12, 12]\nboundary = \"periodic\"\n";
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\nbody_force_on_bodies = true\n";
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nposition = [12.2, 11.9, 12]\n";
-  Simulation simulation(c.read(), MPI_COMM_WORLD);
+  Simulation simulation = c.start(MPI_COMM_WORLD);
   simulation.run(500);
   const auto& bodies = simulation.bodies();
   for (std::size_t row = 0; row < bodies.owned; ++row)
     EXPECT_NEAR(bodies.velocity[row][0], 500 * 1e-5, 2e-2 * 500 * 1e-5);
 }
 
-double value_of(const CaseText& text, const std::vector<std::string>& overrides = {}) {
-  const Case scene = text.read(overrides);
-  Simulation simulation(scene, MPI_COMM_WORLD);
-  Quantities quantities(scene);
-  while (simulation.steps_done() < scene.steps) simulation.step(), quantities.observe(simulation);
-  return quantities.evaluate(simulation).front().second;
+double value_of(const CaseText& text) {
+  return text.values(MPI_COMM_WORLD).front();
 }
 
 CaseText couette(const std::string& quantity) {

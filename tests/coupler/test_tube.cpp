@@ -60,7 +60,7 @@ TEST(Tube, PoiseuilleIsOfSecondOrder) {
   std::vector<double> errors;
   for (const double radius : radii) {
     const double force = 0.05 * 4 * 0.1 / (radius * radius);
-    Simulation simulation(pipe(radius, "", force, 1).read(), MPI_COMM_SELF);
+    Simulation simulation = pipe(radius, "", force, 1).start(MPI_COMM_SELF);
     simulation.run(long_enough(radius));
     errors.push_back(error_of(simulation));
     // what drives the fluid ends up on the wall
@@ -79,7 +79,7 @@ TEST(Tube, PoiseuilleIsOfSecondOrder) {
 TEST(Tube, FluidMovesRigidlyWithTheTube) {
   for (const double radius : radii) {
     const std::string motion = fmt::format("angular_velocity = {}\nvelocity = 0.01", 0.02 / radius);
-    Simulation simulation(pipe(radius, motion, 0, 1).read(), MPI_COMM_SELF);
+    Simulation simulation = pipe(radius, motion, 0, 1).start(MPI_COMM_SELF);
     simulation.run(long_enough(radius));
     const Load one = simulation.scene().flow->wall_load(0);
     EXPECT_LT(error_of(simulation), 1e-3) << radius;
@@ -93,8 +93,8 @@ TEST(Tube, FluidMovesRigidlyWithTheTube) {
 /// The torque that spins the fluid up is what its angular momentum gains.
 TEST(Tube, TorqueIsTheGainOfAngularMomentum) {
   const double radius = 10.6, omega = 0.02 / radius;
-  Simulation simulation(pipe(radius, fmt::format("angular_velocity = {}", omega), 0, 1).read(),
-                        MPI_COMM_SELF);
+  Simulation simulation =
+      pipe(radius, fmt::format("angular_velocity = {}", omega), 0, 1).start(MPI_COMM_SELF);
   double given = 0;
   for (int i = 0; i < long_enough(radius); ++i) {
     simulation.step();

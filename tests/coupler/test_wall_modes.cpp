@@ -94,7 +94,7 @@ TEST(WallModes, WhatTurnsRoundEveryStepFades) {
     for (const double tau : {0.51, 0.6, 1.0, 2.0}) {
       CaseText c = scene.text;
       c.fluid = fmt::format("[fluid]\nrelaxation_time = {}\nprecision = \"double\"\n", tau);
-      Simulation s(c.read(), MPI_COMM_SELF);
+      Simulation s = c.start(MPI_COMM_SELF);
       stir(*s.scene().flow, 1e-6);
       const double first = alternating_energy(s);
       s.run(3000);
@@ -115,7 +115,7 @@ TEST(WallModes, ForceDoesNotAlternateWhereACellLiesOnTheSurface) {
   for (const double gap : {1e-6, 1e-4, 1e-3, 1e-2}) {
     CaseText c = sphere_under_a_cell(11, 3, gap);
     c.fluid = "[fluid]\nrelaxation_time = 1\nprecision = \"double\"\nbody_force = [1e-6, 3e-7, 7e-7]\n";
-    Simulation s(c.read(), MPI_COMM_SELF);
+    Simulation s = c.start(MPI_COMM_SELF);
     s.run(4000);
     EXPECT_LT(alternation(s), 1e-5) << gap;
   }
@@ -130,7 +130,7 @@ TEST(WallModes, FluidInNarrowGapsComesToRest) {
       c.shapes = fmt::format("[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\ndiameter = {}\n", 7 - gap);
       c.bodies =
           "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [3.63, 3.31, 3.47]\n";
-      Simulation s(c.read(), MPI_COMM_SELF);
+      Simulation s = c.start(MPI_COMM_SELF);
       stir(*s.scene().flow, 0.02);
       s.run(20000);
       EXPECT_LT(s.look_at_flow().max_speed, 1e-6) << "gap " << gap << ", tau " << tau;
@@ -145,7 +145,7 @@ double resistance(const char* scheme, double tau) {
                         tau, 1e-6 * nu);
   c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\ndiameter = 7.1\n";
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [4.13, 4.31, 3.87]\n";
-  Simulation s(c.read({std::string("coupling.wall_scheme=") + scheme}), MPI_COMM_SELF);
+  Simulation s = c.start(MPI_COMM_SELF, {std::string("coupling.wall_scheme=") + scheme});
   s.run(int(400 / nu));
   const FlowTotals t = s.look_at_flow();
   return 1 / (t.momentum[0] / (1e-6 * nu) + 0.5 * double(t.fluid_cells)) / nu;

@@ -13,10 +13,8 @@ inline CaseText pipe(double radius, const std::string& wall, double force, int s
   const int n = 2 * int(std::ceil(radius)) + 2;
   const auto text = [](double x) { return fmt::format("{:.17g}", x); };
   CaseText c;
-  c.domain = fmt::format(
-      "[domain]\nsize = [4, {0}, {0}]\nboundary = {{ x = \"periodic\", y = [\"no-slip\", \"no-slip\"], z = "
-      "[\"no-slip\", \"no-slip\"] }}\n",
-      n);
+  c.domain =
+      domain_of({4, n, n}, R"({ x = "periodic", y = ["no-slip", "no-slip"], z = ["no-slip", "no-slip"] })");
   c.fluid =
       "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\nbody_force = [" + text(force) + ", 0, 0]\n";
   c.rest = fmt::format(

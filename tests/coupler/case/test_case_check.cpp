@@ -7,6 +7,8 @@
 #include <random>
 
 #include "coupler/case/body_check.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/overlap.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"

@@ -8,6 +8,9 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/case/case_keys.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
@@ -112,27 +115,24 @@ TEST(CaseErrors, NearestNames) {
 
 TEST(CaseErrors, OverridesAreNamedInMessages) {
   const CaseText c;
-  EXPECT_EQ(error_of([&] { c.read({"fluid.relaxation_time=0.4"}); }),
+  EXPECT_EQ(c.fault({"fluid.relaxation_time=0.4"}),
             "--set fluid.relaxation_time=0.4: fluid.relaxation_time is 0.4; it must be above 0.5, where the "
             "viscosity is 0");
-  EXPECT_EQ(error_of([&] { c.read({"contacts.backend=bulet"}); }),
+  EXPECT_EQ(c.fault({"contacts.backend=bulet"}),
             "--set contacts.backend=bulet: contacts.backend is the string \"bulet\"; it must be one of " +
                 joined_views(adapters::backend_names()) + "; did you mean 'bullet'?");
-  EXPECT_EQ(error_of([&] { c.read({"fluid.density"}); }),
+  EXPECT_EQ(c.fault({"fluid.density"}),
             "--set fluid.density: must have the form key.path=value, as in fluid.density=960");
-  EXPECT_EQ(error_of([&] { c.read({"fluid.relaxation_time="}); }),
+  EXPECT_EQ(c.fault({"fluid.relaxation_time="}),
             "--set fluid.relaxation_time=: must have the form key.path=value, as in fluid.density=960");
-  EXPECT_EQ(error_of([&] { c.read({"bodies[1].density=2"}); }),
+  EXPECT_EQ(c.fault({"bodies[1].density=2"}),
             "--set bodies[1].density=2: there is no entry 1: the list has 1");
   EXPECT_EQ(
-      error_of([&] { c.read({"bodies.density=2"}); }),
+      c.fault({"bodies.density=2"}),
       "--set bodies.density=2: 'density' must be the number of an entry, from 0, as in bodies[0].density");
-  EXPECT_EQ(error_of([&] { c.read({"run.steps.x=2"}); }),
-            "--set run.steps.x=2: 'x' lies below a value that is an integer");
-  EXPECT_NE(error_of([&] { c.read({"fluid.visc=0.1"}); }).find("did you mean 'kinematic_viscosity'?"),
-            std::string::npos);
-  EXPECT_NE(error_of([&] { c.read({"domain.size=[1, 2"}); }).find("'[1, 2' is not a TOML value"),
-            std::string::npos);
+  EXPECT_EQ(c.fault({"run.steps.x=2"}), "--set run.steps.x=2: 'x' lies below a value that is an integer");
+  EXPECT_NE(c.fault({"fluid.visc=0.1"}).find("did you mean 'kinematic_viscosity'?"), std::string::npos);
+  EXPECT_NE(c.fault({"domain.size=[1, 2"}).find("'[1, 2' is not a TOML value"), std::string::npos);
 }
 
 }  // namespace

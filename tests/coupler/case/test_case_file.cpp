@@ -1,6 +1,8 @@
 // Reading: what stands in a case file arrives in the Case, in lattice units.
 #include <gtest/gtest.h>
 
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"

@@ -1,6 +1,8 @@
 // Random fills: the same for the same seed, no overlaps, inside their boxes.
 #include <gtest/gtest.h>
 
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/fill.hpp"
 #include "coupler/case/overlap.hpp"
 #include "rigid/collision/tube_contacts.hpp"

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using rigid::Vec3;
@@ -21,17 +21,15 @@ constexpr double heavy = 4, nearly_heavy = 2.3, light = 1.4;
 Simulation two_spheres(double first, double second, const std::string& time, const std::string& blocks,
                        MPI_Comm comm, const std::string& drive = "") {
   const auto sphere = [](double density, const std::string& position) {
-    return "[[bodies]]\nshape = \"sphere\"\ndensity = " + std::to_string(density) +
-           "\nposition = " + position + "\nangular_velocity = [0.002, 0, 0.001]\n";
+    return body_of("sphere", density, "position = " + position + "\nangular_velocity = [0.002, 0, 0.001]");
   };
-  const std::string text =
-      "title = \"two spheres\"\n[units]\nsystem = \"lattice\"\n[domain]\nsize = [20, 22, 44]\n"
-      "boundary = \"periodic\"\nblocks = " +
-      blocks + "\n[fluid]\nrelaxation_time = 1.2\n" + drive +
-      "[gravity]\nacceleration = [0, 0, -3e-5]\n[coupling]\nwall_scheme = \"cli\"\ntime = \"" + time +
-      "\"\n[[shapes]]\nname = \"sphere\"\ntype = \"sphere\"\ndiameter = 12\n" +
-      sphere(first, "[10.3, 11.1, 9.2]") + sphere(second, "[9.4, 10.2, 32.7]") + "[run]\nsteps = 1000\n";
-  return {read_case_text(text, "heavy"), comm};
+  CaseText c;
+  c.domain = domain_of({20, 22, 44});
+  c.fluid = "[fluid]\nrelaxation_time = 1.2\n" + drive;
+  c.rest = "[gravity]\nacceleration = [0, 0, -3e-5]\n[coupling]\nwall_scheme = \"cli\"\n";
+  c.shapes = sphere_of("sphere", 12);
+  c.bodies = sphere(first, "[10.3, 11.1, 9.2]") + sphere(second, "[9.4, 10.2, 32.7]");
+  return c.start(comm, {"coupling.time=" + time, "domain.blocks=" + blocks});
 }
 
 std::uint64_t hash_of(double first, double second, const std::string& time, const std::string& blocks,
@@ -86,4 +84,4 @@ TEST(ExplicitStability, TheStepsAgreeWhereOneTakesOverFromTheOther) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

@@ -1,38 +1,27 @@
 // Balls that bounce in a fluid that is hardly viscous: potential flow keeps the speed, its added mass turns
 // round with the ball.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
-Case scene(const std::string& z, const std::string& bodies, const std::vector<std::string>& overrides) {
-  return read_case_text(R"(
-title = "rebound"
-[units]
-system = "lattice"
-[domain]
-size = [32, 32, 32]
-boundary = { x = "periodic", y = "periodic", z = ")" +
-                            z + R"(" }
-[fluid]
-relaxation_time = 0.51
-[coupling]
-lubrication = false
-[contacts]
-restitution = 1
-[[shapes]]
-name = "ball"
-type = "sphere"
-diameter = 10
-)" + bodies + "[run]\nsteps = 1000\n",
-                        "rebound", overrides);
+/// Balls of a perfect rebound in a box of 32 cells.
+CaseText scene(const std::string& z, const std::string& bodies) {
+  CaseText c;
+  c.domain = domain_of({32, 32, 32}, "{ x = \"periodic\", y = \"periodic\", z = \"" + z + "\" }");
+  c.fluid = "[fluid]\nrelaxation_time = 0.51\n";
+  c.rest = "[coupling]\nlubrication = false\n[contacts]\nrestitution = 1\n";
+  c.shapes = sphere_of("ball", 10) + sphere_of("small ball", 7);
+  c.bodies = bodies;
+  return c;
 }
 
 /// Height of the lowest ball and its velocity.
@@ -58,13 +47,12 @@ double rebound(Simulation& s, double height) {
   return 0;
 }
 
-std::string ball(const std::string& shape, int density, const std::string& position, double velocity) {
-  return "[[bodies]]\nshape = \"" + shape + "\"\ndensity = " + std::to_string(density) +
-         "\nposition = " + position + "\nvelocity = [0, 0, " + std::to_string(velocity) + "]\n";
+std::string ball(const std::string& shape, double density, const std::string& position, double velocity) {
+  return body_of(shape, density, fmt::format("position = {}\nvelocity = [0, 0, {}]", position, velocity));
 }
 
 TEST(Rebound, TurnsTheFluidRoundToo) {
-  Simulation s(scene("no-slip", ball("ball", 8, "[16.31, 15.83, 9]", -0.04), {}), MPI_COMM_WORLD);
+  Simulation s = scene("no-slip", ball("ball", 8, "[16.31, 15.83, 9]", -0.04)).start(MPI_COMM_WORLD);
   const double ratio = rebound(s, 6);
   if (tests::rank() == 0) printf("speed kept: %.3f\n", ratio);
   EXPECT_NEAR(ratio, 1, 0.1);  // viscous loss; 0.77 where the fluid goes on to the wall
@@ -72,11 +60,10 @@ TEST(Rebound, TurnsTheFluidRoundToo) {
 
 // Of two sizes: what is pending decays at two rates, and is in balance only with what was passed on.
 TEST(Rebound, OfTwoBallsKeepsMomentum) {
-  const std::string small = "[[shapes]]\nname = \"small ball\"\ntype = \"sphere\"\ndiameter = 7\n";
   const std::string balls =
       ball("ball", 2, "[16.31, 15.83, 7]", 0.03) + ball("small ball", 8, "[17.31, 15.83, 19.5]", -0.03);
-  Simulation s(scene("periodic", small + balls, {"fluid.precision=double", "coupling.force=exact"}),
-               MPI_COMM_WORLD);
+  Simulation s =
+      scene("periodic", balls).start(MPI_COMM_WORLD, {"fluid.precision=double", "coupling.force=exact"});
   const Balance before = s.balance();
   double drift = 0;
   while (s.steps_done() < 150) {
@@ -88,4 +75,4 @@ TEST(Rebound, OfTwoBallsKeepsMomentum) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

@@ -1,14 +1,13 @@
 // The links of many bodies at once: cells that several claim, gaps, bodies that move and bodies that rest.
-#include "coupler/case/case_file.hpp"
+#include "coupler/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/mapping/links_by_definition.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using lbm::Int3;
 using rigid::Vec3;
-using testing::expect_all_links;
 
 /// Shows the body to the fluid somewhere else.
 void move(rigid::BodySet& bodies, std::size_t row, const Vec3& to) {
@@ -18,7 +17,7 @@ void move(rigid::BodySet& bodies, std::size_t row, const Vec3& to) {
 /// The crowd after some steps, in blocks of several sizes, and then again with some of the bodies moved.
 template <class T>
 void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
-  Simulation s(crowd({blocks}), MPI_COMM_SELF);
+  Simulation s = crowd().start(MPI_COMM_SELF, {blocks});
   for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
     s.set_velocity(id, 0.05 * Vec3(std::cos(1.7 * id), std::sin(1.7 * id), std::sin(3.4 * id)),
                    0.01 * Vec3(std::sin(1.7 * id), 0.3, -0.5));
@@ -54,42 +53,19 @@ TEST(Links, AreThoseOfTheDefinition) {
 }
 
 /// A ball that comes to rest at mapping poses of our choice, and a smaller one of a lower id.
-Case visited_ball() {
-  return read_case_text(R"(
-title = "visited"
-[units]
-system = "lattice"
-[domain]
-size = [18, 18, 18]
-boundary = "periodic"
-[fluid]
-relaxation_time = 1.0
-[[shapes]]
-name = "visitor"
-type = "sphere"
-diameter = 3.3
-[[shapes]]
-name = "ball"
-type = "sphere"
-diameter = 5.4
-[[bodies]]
-shape = "visitor"
-density = 1
-position = [2.5, 2.5, 2.5]
-[[bodies]]
-shape = "ball"
-density = 1
-position = [9.0312, 8.9371, 9.0523]
-[run]
-steps = 1
-)",
-                        "visited");
+CaseText visited_ball() {
+  CaseText c;
+  c.domain = domain_of({18, 18, 18});
+  c.shapes = sphere_of("visitor", 3.3) + sphere_of("ball", 5.4);
+  c.bodies = body_of("visitor", 1, "position = [2.5, 2.5, 2.5]") +
+             body_of("ball", 1, "position = [9.0312, 8.9371, 9.0523]");
+  return c;
 }
 
 // From within, where the visitor takes of the ball's cells without a change of what is solid, to where it is
 // out of reach of its links.
 TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
-  Simulation s(visited_ball(), MPI_COMM_SELF);
+  Simulation s = visited_ball().start(MPI_COMM_SELF);
   MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {18, 18, 18}}});
   std::vector<SurfaceLinks<double>> surfaces;
   int narrow = 0, kept = 0, renewed = 0;
@@ -107,4 +83,4 @@ TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

@@ -2,66 +2,34 @@
 #include <array>
 #include <string>
 
-#include "coupler/case/case_file.hpp"
+#include "coupler/simulation.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/mapping/links_by_definition.hpp"
 #include "tests/shape_rows.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using lbm::Int3;
 using rigid::Vec3;
-using testing::expect_all_links;
 
 // Wider than a word, taller than a slab of planes.
-Case large_bodies() {
-  return read_case_text(R"(
-title = "large"
-[units]
-system = "lattice"
-[domain]
-size = [96, 40, 44]
-boundary = "periodic"
-[fluid]
-relaxation_time = 1.0
-[[shapes]]
-name = "egg"
-type = "ellipsoid"
-diameters = [74.6, 24.8, 34.4]
-[[shapes]]
-name = "ball"
-type = "sphere"
-diameter = 34.6
-[[bodies]]
-shape = "egg"
-density = 1
-position = [41.2173, 20.4291, 22.1357]
-orientation = [0.98, 0.05, 0.1, 0.02]
-[[bodies]]
-shape = "ball"
-density = 1
-position = [90.1371, 3.2713, 1.3197]
-[run]
-steps = 1
-)",
-                        "large");
+CaseText large_bodies() {
+  CaseText c;
+  c.domain = domain_of({96, 40, 44});
+  c.shapes = shape_of("egg", "ellipsoid", "diameters = [74.6, 24.8, 34.4]") + sphere_of("ball", 34.6);
+  c.bodies =
+      body_of("egg", 1, "position = [41.2173, 20.4291, 22.1357]\norientation = [0.98, 0.05, 0.1, 0.02]") +
+      body_of("ball", 1, "position = [90.1371, 3.2713, 1.3197]");
+  return c;
 }
 
 /// One body of every shape, oblique and in line with the axes, across the sides of the box.
-Case one_of_each() {
-  std::string text = R"(
-title = "one of each"
-[units]
-system = "lattice"
-[domain]
-size = [45, 30, 26]
-boundary = "periodic"
-[fluid]
-relaxation_time = 1.0
-[run]
-steps = 1
-)";
+CaseText one_of_each() {
+  CaseText c;
+  c.domain = domain_of({45, 30, 26});
+  c.shapes = c.bodies = "";
   std::vector<std::array<std::string, 2>> shapes;
   for (const tests::ShapeRow& row : tests::shape_rows()) {
     if (row.name == rigid::Sphere::name) continue;  // spheres have tests of their own
@@ -78,31 +46,31 @@ steps = 1
                     "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
                     "{ type = \"polyhedron\", position = [0, 1, 1], " +
                         tests::row_of("polyhedron").sizes + " } ]"});
-  std::string bodies;
   int n = 0;
   for (const auto& [type, sizes] : shapes) {
     const std::string name = type + std::to_string(n / 2);
-    text += "[[shapes]]\nname = \"" + name + "\"\ntype = \"" + type + "\"\n" + sizes + "\n";
+    c.shapes += shape_of(name, type, sizes);
     for (const char* turn : {"[1, 0, 0, 0]", "[0.7, 0.3, -0.5, 0.2]"}) {
       const auto at = [](int slot, int slots, double size, double shift) {
         return std::to_string(std::fmod((slot + shift) * size / slots, size));
       };
-      bodies += "[[bodies]]\nshape = \"" + name + "\"\ndensity = 1\norientation = " + turn +
-                "\nposition = [" + at(n % 4, 4, 45, 0.93 + 0.0041 * n) + ", " +
-                at(n / 4 % 2, 2, 30, 0.9173 + 0.0031 * n) + ", " + at(n / 8, 2, 26, 0.0341 + 0.0017 * n) +
-                "]\n";
+      c.bodies +=
+          body_of(name, 1,
+                  std::string("orientation = ") + turn + "\nposition = [" +
+                      at(n % 4, 4, 45, 0.93 + 0.0041 * n) + ", " + at(n / 4 % 2, 2, 30, 0.9173 + 0.0031 * n) +
+                      ", " + at(n / 8, 2, 26, 0.0341 + 0.0017 * n) + "]");
       ++n;
     }
   }
-  return read_case_text(text + bodies, "one of each");
+  return c;
 }
 
 /// Every q of the domain, by global cell and direction.
 using Distances = std::map<std::tuple<int, int, int, int>, double>;
 
 template <class T>
-Distances check_case(const Case& scene, Int3 block, double rounding) {
-  Simulation s(scene, MPI_COMM_SELF);
+Distances distances(const CaseText& scene, Int3 block, double rounding) {
+  Simulation s = scene.start(MPI_COMM_SELF);
   std::vector<lbm::CellBox> boxes;
   const Int3 n = s.scene().flow->domain().cells();
   for (int z = 0; z < n.z; z += block.z)
@@ -136,18 +104,18 @@ void expect_close(const Distances& single, const Distances& exact, double bound)
 }
 
 TEST(LinksOfShapes, OfEveryKind) {
-  const Case scene = one_of_each();
-  const Distances whole = check_case<double>(scene, {45, 30, 26}, 1e-9);
-  EXPECT_EQ(whole, check_case<double>(scene, {15, 10, 13}, 1e-9));
-  const Distances single = check_case<float>(scene, {15, 15, 13}, 3e-5);
-  EXPECT_EQ(single, check_case<float>(scene, {9, 10, 26}, 3e-5));
+  const CaseText scene = one_of_each();
+  const Distances whole = distances<double>(scene, {45, 30, 26}, 1e-9);
+  EXPECT_EQ(whole, distances<double>(scene, {15, 10, 13}, 1e-9));
+  const Distances single = distances<float>(scene, {15, 15, 13}, 3e-5);
+  EXPECT_EQ(single, distances<float>(scene, {9, 10, 26}, 3e-5));
   expect_close(single, whole, 1e-6);
 }
 
 TEST(LinksOfShapes, LargerThanAWord) {
-  const Distances exact = check_case<double>(large_bodies(), {96, 40, 44}, 1e-9);
-  expect_close(check_case<float>(large_bodies(), {96, 40, 44}, 5e-4), exact, 4e-6);
+  const Distances exact = distances<double>(large_bodies(), {96, 40, 44}, 1e-9);
+  expect_close(distances<float>(large_bodies(), {96, 40, 44}, 5e-4), exact, 4e-6);
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

@@ -9,10 +9,11 @@
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
+#include "coupler/simulation.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using lbm::Int3;
@@ -44,9 +45,10 @@ std::map<std::array<int, 4>, NarrowLink<T>> narrow_links(const std::vector<Surfa
 }
 
 /// The crowd between walls that move, flow in at y low and slip at z high.
-Case crowd_between_sides() {
-  return crowd({"domain.boundary.y=[{type='velocity-inlet',velocity=[0.01,0.02,-0.03]},'no-slip']",
-                "domain.boundary.z=[{type='moving',velocity=[0.04,-0.05,0]},'free-slip']"});
+Simulation crowd_between_sides() {
+  return crowd().start(MPI_COMM_SELF,
+                       {"domain.boundary.y=[{type='velocity-inlet',velocity=[0.01,0.02,-0.03]},'no-slip']",
+                        "domain.boundary.z=[{type='moving',velocity=[0.04,-0.05,0]},'free-slip']"});
 }
 
 /// Lets a box nearly fill an edge of the domain, another one lie just below the side that slips.
@@ -73,7 +75,7 @@ Side side_behind(Int3 behind, Int3 n, Int3 c) {
 }
 
 TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
-  Simulation s(crowd_between_sides(), MPI_COMM_SELF);
+  Simulation s = crowd_between_sides();
   put_boxes_at_sides(s);
   const Int3 n = s.scene().flow->domain().cells();
   MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}});
@@ -122,4 +124,4 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
 }
 
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

@@ -11,6 +11,7 @@
 #include "coupler/results/checkpoint.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -36,19 +37,8 @@ std::vector<double> numbers(const std::vector<std::pair<std::string, double>>& n
   return values;
 }
 
-std::vector<double> values_of(const Case& scene, MPI_Comm comm) {
-  Simulation simulation(scene, comm);
-  Quantities quantities(scene);
-  quantities.observe(simulation);
-  while (simulation.steps_done() < scene.steps) {
-    simulation.step();
-    quantities.observe(simulation);
-  }
-  return numbers(quantities.evaluate(simulation));
-}
-
 double value_of(const CaseText& text) {
-  return values_of(text.read({finely_cut}), MPI_COMM_WORLD).front();
+  return text.values(MPI_COMM_WORLD, {finely_cut}).front();
 }
 
 TEST(Quantities, MotionOfFreeBodiesAcrossTheBorder) {
@@ -177,7 +167,7 @@ TEST(Quantities, DissipationOfForcedFlow) {
       wet("size = [8, 8, 8]\nboundary = { x = \"periodic\", y = \"periodic\", z = \"no-slip\" }",
           "relaxation_time = 1\nmagic = 0.1875\nbody_force = [1e-6, 0, 0]", "type = \"dissipation\"", 3000);
   const double expected = force * force * (height * height - 1) / (12 * viscosity);
-  EXPECT_NEAR(values_of(channel.read(), MPI_COMM_SELF).front() / expected, 1, 1e-6);
+  EXPECT_NEAR(channel.values(MPI_COMM_SELF).front() / expected, 1, 1e-6);
 }
 
 /// Fluid that a force accelerates as one has no strain, though its populations' stress has u F in it.
@@ -186,7 +176,7 @@ TEST(Quantities, NoDissipationInFreeAcceleration) {
   const auto box = wet("size = [8, 8, 8]\nboundary = \"periodic\"",
                        "relaxation_time = 1\nbody_force = [1e-4, 0, 0]", "type = \"dissipation\"", 200);
   const double spurious = force * 200 * force * 3 / 2;  // the strain rate that u F would be taken for
-  EXPECT_LT(values_of(box.read(), MPI_COMM_SELF).front(), 1e-3 * 2 * viscosity * spurious * spurious);
+  EXPECT_LT(box.values(MPI_COMM_SELF).front(), 1e-3 * 2 * viscosity * spurious * spurious);
 }
 
 /// Fluid that moves as one past a body that moves the same way, at other speeds: (u - V) of the cells
@@ -243,21 +233,20 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
 
 TEST(Quantities, TheSameBitsOnAnyRanks) {
   const CaseText text = watched_crowd();
-  expect_same_bits(values_of(text.read(), MPI_COMM_SELF), values_of(text.read({finely_cut}), MPI_COMM_WORLD));
+  expect_same_bits(text.values(MPI_COMM_SELF), text.values(MPI_COMM_WORLD, {finely_cut}));
 }
 
 TEST(Quantities, OfFluidTheSameBitsOnAnyRanks) {
   for (const char* type : {"kinetic-energy", "dissipation"}) {
     const CaseText text = vortex("type = \"" + std::string(type) + "\"", 20);
-    expect_same_bits(values_of(text.read(), MPI_COMM_SELF),
-                     values_of(text.read({finely_cut}), MPI_COMM_WORLD));
+    expect_same_bits(text.values(MPI_COMM_SELF), text.values(MPI_COMM_WORLD, {finely_cut}));
   }
 }
 
 TEST(Quantities, GoOnFromACheckpoint) {
   const tests::Scratch scratch;
-  const Case scene = watched_crowd().read({finely_cut});
-  Simulation simulation(scene, MPI_COMM_WORLD);
+  Simulation simulation = watched_crowd().start(MPI_COMM_WORLD, {finely_cut});
+  const Case& scene = simulation.setup();
   Quantities quantities(scene);
   quantities.observe(simulation);
   for (int i = 0; i < 90; ++i) {
@@ -271,7 +260,7 @@ TEST(Quantities, GoOnFromACheckpoint) {
   Quantities again(scene);
   again.set_history(read_history(reader, scene));
   const auto finish = [&](Simulation& s, Quantities& q) {
-    while (s.steps_done() < scene.steps) {
+    while (s.steps_done() < 150) {
       s.step();
       q.observe(s);
     }

@@ -10,6 +10,7 @@
 #include "coupler/results/report.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -63,22 +64,21 @@ CaseText pure_fluid() {
   return c;
 }
 
-std::uint64_t hash_after(const Case& scene, MPI_Comm comm, std::int64_t steps) {
-  Simulation simulation(scene, comm);
+std::uint64_t hash_after(Simulation&& simulation, std::int64_t steps) {
   simulation.run(steps);
   return simulation.hash();
 }
 
 void expect_same_on_any_ranks(const CaseText& text, std::int64_t steps) {
-  const std::uint64_t one = alone([&] { return hash_after(text.read(), MPI_COMM_SELF, steps); });
-  EXPECT_EQ(hash_after(text.read({finely_cut}), MPI_COMM_WORLD, steps), one);
+  const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF), steps); });
+  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, {finely_cut}), steps), one);
 }
 
 TEST(Run, CrowdInFluidHasOneHashOnAnyRanksAndBlocks) {
   constexpr std::int64_t steps = 500;
   const CaseText text = crowd("single");
-  const std::uint64_t one = alone([&] { return hash_after(text.read(), MPI_COMM_SELF, steps); });
-  Simulation simulation(text.read({finely_cut}), MPI_COMM_WORLD);
+  const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF), steps); });
+  Simulation simulation = text.start(MPI_COMM_WORLD, {finely_cut});
   simulation.run(steps);
   EXPECT_EQ(simulation.hash(), one);
   const RunCounters c = simulation.counters();
@@ -117,8 +117,8 @@ std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene,
 
 void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t steps) {
   const Scratch scratch;
-  const Case scene = text.read({finely_cut}), uncut = text.read();
-  Simulation simulation(scene, MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD, {finely_cut}), whole = text.start(MPI_COMM_WORLD);
+  const Case &scene = simulation.setup(), &uncut = whole.setup();
   Quantities quantities(scene);
   for (int i = 0; i < odd; ++i) {
     simulation.step();
@@ -152,43 +152,9 @@ TEST(Run, ResumesDry) {
   expect_resume_is_exact(dry_crowd(), 151, 200);
 }
 
-TEST(Run, AChangedCaseIsNotResumed) {
-  const Scratch scratch;
-  const CaseText text = dry_crowd();
-  const auto directory = scratch / "case";
-  if (rank() == 0) {
-    std::filesystem::create_directory(directory);
-    std::ofstream(directory / "case.toml") << text.text();
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  const Case scene = read_case(directory, {"contacts.friction=0.25"});
-  Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path =
-      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const Case again = case_to_resume(read_origin(reader), directory, {"run.steps=900"});
-  EXPECT_EQ(again.steps, 900);
-  EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
-  EXPECT_NE(error_of([&] {
-              case_to_resume(read_origin(reader), directory, {"contacts.friction=0.5"});
-            }).find("cannot change"),
-            std::string::npos);
-  MPI_Barrier(MPI_COMM_WORLD);
-  if (rank() == 0) {
-    std::string changed = text.text();
-    changed.replace(changed.find("radius = 2.5"), 12, "radius = 2.4");
-    std::ofstream(directory / "case.toml") << changed;
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
-  EXPECT_NE(error.find("has changed"), std::string::npos) << error;
-  EXPECT_NE(error.find("radius = 2.5"), std::string::npos) << error;
-}
-
 // ---- what a program does between steps ----
 
-std::uint64_t steered_hash(const Case& scene, MPI_Comm comm) {
-  Simulation simulation(scene, comm);
+std::uint64_t steered_hash(Simulation&& simulation) {
   for (int step = 0; step < 40; ++step) {
     simulation.add_force(3, Vec3(0.01, 0, 0.02), Vec3(0, 0.01, 0));
     if (step == 10) simulation.set_velocity(7, Vec3(0.05, -0.03, 0.02), Vec3(0, 0, 0.01));
@@ -208,14 +174,14 @@ TEST(Run, WhatAProgramDoesIsTheSameOnAnyRanks) {
   for (const char* x :
        {"5, 5, 5", "17, 5, 5", "5, 17, 5", "17, 17, 5", "5, 5, 19", "17, 5, 19", "5, 17, 19", "17, 17, 19"})
     text.bodies += std::string("[[bodies]]\nshape = \"ball\"\ndensity = 1.5\nposition = [") + x + "]\n";
-  const std::uint64_t one = alone([&] { return steered_hash(text.read(), MPI_COMM_SELF); });
-  EXPECT_EQ(steered_hash(text.read({finely_cut}), MPI_COMM_WORLD), one);
-  const std::uint64_t unsteered = hash_after(text.read(), MPI_COMM_WORLD, 40);
+  const std::uint64_t one = alone([&] { return steered_hash(text.start(MPI_COMM_SELF)); });
+  EXPECT_EQ(steered_hash(text.start(MPI_COMM_WORLD, {finely_cut})), one);
+  const std::uint64_t unsteered = hash_after(text.start(MPI_COMM_WORLD), 40);
   EXPECT_NE(unsteered, one);
 }
 
 TEST(Run, ABodyThatIsNotThereIsAnError) {
-  Simulation simulation(crowd("single").read(), MPI_COMM_WORLD);
+  Simulation simulation = crowd("single").start(MPI_COMM_WORLD);
   EXPECT_THROW(simulation.add_force(21, Vec3::Zero()), std::invalid_argument);
   EXPECT_THROW(simulation.set_velocity(0, Vec3::Zero(), Vec3::Zero()), std::invalid_argument);
 }
@@ -225,7 +191,7 @@ TEST(Run, ABodyThatIsNotThereIsAnError) {
 TEST(Run, AFlowThatRunsAwayIsStopped) {
   CaseText text = pure_fluid();
   text.fluid = "[fluid]\nrelaxation_time = 0.50001\ncollision = \"bgk\"\nbody_force = [2e-2, 1e-2, 0]\n";
-  Simulation simulation(text.read(), MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD);
   std::string found;
   try {
     simulation.run(1000);
@@ -238,7 +204,7 @@ TEST(Run, AFlowThatRunsAwayIsStopped) {
 
 TEST(Run, ABodyThatIsTooFastIsNamed) {
   CaseText text;
-  Simulation simulation(text.read(), MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD);
   simulation.set_velocity(1, Vec3(1.5, 0, 0), Vec3::Zero());
   std::string found;
   try {
@@ -254,7 +220,7 @@ TEST(Run, AFixedBodyLeavesNoForceBehind) {
   CaseText text;
   text.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-4, 0, 0]\n";
   text.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [16.2, 16, 16]\n";
-  Simulation simulation(text.read(), MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD);
   simulation.run(50);
   EXPECT_EQ(simulation.scene().rigid_step, nullptr);
   double force = 0;
@@ -266,10 +232,9 @@ TEST(Run, AFixedBodyLeavesNoForceBehind) {
 
 TEST(Run, TheReportHasTheKeysOthersRead) {
   const CaseText text = crowd("single");
-  const Case scene = text.read();
-  Simulation simulation(scene, MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD);
   simulation.run(3);
-  const std::string report = report_of(simulation, Quantities(scene), {}).text();
+  const std::string report = report_of(simulation, Quantities(simulation.setup()), {}).text();
   for (const char* key : {"steps",           "ranks",
                           "blocks",          "cells",
                           "bodies",          "backend",

@@ -1,0 +1,30 @@
+#pragma once
+// The bodies: [[bodies]] and [[fill]] of a case.
+#include <cstdint>
+
+#include "coupler/case/name_table.hpp"
+#include "rigid/bodies/body_set.hpp"
+
+namespace silt::coupler {
+
+inline constexpr auto motion_names = names_of<rigid::Motion>("free", "fixed", "prescribed");
+
+struct BodySpec {  // one body
+  int shape = 0, material = 0;
+  int kind = 0;        // index into Case::kind_names
+  int entry = -1;      // which [[bodies]] entry gave it; -1: a [[fill]]
+  double density = 1;  // relative to the fluid's (lattice)
+  rigid::Motion motion = rigid::Motion::free;
+  rigid::Pose pose;  // of the shape as the case gives it, not of its centre of mass
+  rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+};
+
+struct FillSpec {
+  int shape = 0, material = 0, kind = 0, count = 0;
+  double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
+  bool random_orientation = true;
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
+  std::uint64_t seed = 1;
+};
+
+}  // namespace silt::coupler

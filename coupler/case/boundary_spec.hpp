@@ -1,0 +1,30 @@
+#pragma once
+// The sides of the domain and the curved walls in it: domain.boundary and [[walls]] of a case.
+#include <string>
+
+#include "coupler/case/name_table.hpp"
+#include "rigid/bodies/walls.hpp"
+
+namespace silt::coupler {
+
+enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
+inline constexpr auto side_names = names_of<Side>("x-low", "x-high", "y-low", "y-high", "z-low", "z-high");
+
+enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
+inline constexpr auto boundary_names =
+    names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
+
+struct BoundarySpec {
+  BoundaryKind kind = BoundaryKind::periodic;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
+  double density = 1;                          // outlets
+  bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+};
+
+/// A curved wall of the domain, for fluid and bodies alike.
+struct CurvedWall {
+  std::string name;
+  rigid::TubeSpec tube;
+};
+
+}  // namespace silt::coupler

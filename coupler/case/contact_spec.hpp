@@ -1,0 +1,16 @@
+#pragma once
+// How bodies collide: the table [contacts] of a case.
+#include <string>
+
+#include "rigid/response/contact_resolver.hpp"
+
+namespace silt::coupler {
+
+struct ContactSpec {
+  std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
+  rigid::ResolverSettings resolver_settings;
+  int substeps = 1;
+  double margin = 1.0;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,75 @@
+#include "tests/coupler/case/case_text.hpp"
+
+#include <fmt/format.h>
+
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/results/quantities.hpp"
+#include "coupler/simulation.hpp"
+
+namespace silt::coupler::testing {
+
+std::string domain_of(const std::array<int, 3>& cells, const std::string& boundary) {
+  return fmt::format("[domain]\nsize = [{}, {}, {}]\nboundary = {}\n", cells[0], cells[1], cells[2],
+                     boundary);
+}
+
+std::string shape_of(const std::string& name, const std::string& type, const std::string& sizes) {
+  return fmt::format("[[shapes]]\nname = \"{}\"\ntype = \"{}\"\n{}\n", name, type, sizes);
+}
+
+std::string sphere_of(const std::string& name, double diameter) {
+  return shape_of(name, "sphere", fmt::format("diameter = {}", diameter));
+}
+
+std::string body_of(const std::string& shape, double density, const std::string& lines) {
+  return fmt::format("[[bodies]]\nshape = \"{}\"\ndensity = {}\n{}\n", shape, density, lines);
+}
+
+std::string fill_of(const std::string& shape, double density, int count, const std::string& lines) {
+  return fmt::format("[[fill]]\nshape = \"{}\"\ndensity = {}\ncount = {}\n{}\n", shape, density, count,
+                     lines);
+}
+
+Simulation simulation_of(const std::string& text, MPI_Comm comm, const Overrides& overrides) {
+  return {read_case_text(text, "case.toml", overrides), comm};
+}
+
+Case CaseText::read(const Overrides& overrides) const {
+  return read_case_text(text(), "case.toml", overrides);
+}
+
+std::string CaseText::fault(const Overrides& overrides) const {
+  return error_of([&] { require_runnable(read(overrides)); });
+}
+
+Simulation CaseText::start(MPI_Comm comm, const Overrides& overrides) const {
+  return simulation_of(text(), comm, overrides);
+}
+
+std::vector<double> CaseText::values(MPI_Comm comm, const Overrides& overrides) const {
+  Simulation simulation = start(comm, overrides);
+  Quantities quantities(simulation.setup());
+  quantities.observe(simulation);
+  while (simulation.steps_done() < simulation.setup().steps) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  std::vector<double> values;
+  for (const auto& [name, value] : quantities.evaluate(simulation)) values.push_back(value);
+  return values;
+}
+
+CaseText si_case() {
+  CaseText c;
+  c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-2\n";
+  c.domain =
+      "[domain]\nsize = [0.032, 0.032, 0.032]\nboundary = { x = \"periodic\", y = \"periodic\", z = "
+      "[\"no-slip\", \"no-slip\"] }\n";
+  c.fluid = "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-5\n";
+  c.shapes = shape_of("ball", "sphere", "radius = 4e-3");
+  c.bodies = body_of("ball", 1200, "position = [0.016, 0.016, 0.016]");
+  return c;
+}
+
+}  // namespace silt::coupler::testing

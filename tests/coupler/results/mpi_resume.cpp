@@ -1,0 +1,98 @@
+// A run goes on only with the case and the files that it began with.
+#include <gtest/gtest.h>
+#include <mpi.h>
+
+#include <fstream>
+
+#include "coupler/case/case_file.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/case/case_text.hpp"
+#include "tests/world.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using tests::rank, tests::ranks, tests::Scratch;
+
+TEST(Resume, AChangedCaseIsNotResumed) {
+  const Scratch scratch;
+  CaseText text;
+  text.fluid.clear();
+  const auto directory = scratch / "case";
+  if (rank() == 0) {
+    std::filesystem::create_directory(directory);
+    std::ofstream(directory / "case.toml") << text.text();
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const Case scene = read_case(directory, {"contacts.friction=0.25"});
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path =
+      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  const Case again = case_to_resume(read_origin(reader), directory, {"run.steps=900"});
+  EXPECT_EQ(again.steps, 900);
+  EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
+  EXPECT_NE(error_of([&] {
+              case_to_resume(read_origin(reader), directory, {"contacts.friction=0.5"});
+            }).find("cannot change"),
+            std::string::npos);
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) {
+    std::string changed = text.text();
+    changed.replace(changed.find("radius = 4"), 10, "radius = 3");
+    std::ofstream(directory / "case.toml") << changed;
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
+  EXPECT_NE(error.find("has changed"), std::string::npos) << error;
+  EXPECT_NE(error.find("radius = 4"), std::string::npos) << error;
+}
+
+constexpr const char* tetrahedron_stl = R"(solid rock
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 8 0 vertex 8 0 0 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 8 0 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 8 0 0 vertex 0 8 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 8 0 vertex 0 0 0 vertex 0 0 8 endloop endfacet
+endsolid rock
+)";
+
+TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  const auto write = [&](const std::string& stl) {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (tests::rank() == 0) {
+      std::filesystem::create_directory(directory);
+      CaseText c;
+      c.fluid.clear();
+      c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rock.stl\"\nscale = 0.5\n";
+      std::ofstream(directory / "case.toml") << c.text();
+      std::ofstream(directory / "rock.stl") << stl;
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+  };
+  write(tetrahedron_stl);
+  const Case scene = read_case(directory);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
+  EXPECT_NE(scene.text.find("\n# file rock.stl: "), std::string::npos);
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
+                                     provenance_of(scene, tests::ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_EQ(case_to_resume(read_origin(reader), directory, {}).files, scene.files);
+  std::string changed = tetrahedron_stl;
+  changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  write(changed);
+  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
+  EXPECT_NE(error.find("a file has changed since the checkpoint was written: it was " + scene.files[0] +
+                       "; it is "),
+            std::string::npos)
+      << error;
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
