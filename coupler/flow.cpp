@@ -217,7 +217,9 @@ lbm::SideCondition side_condition(const BoundarySpec& b) {
     case BoundaryKind::pressure_outlet:
       s.kind = lbm::SideKind::pressure;
       break;
-    default:
+    case BoundaryKind::no_slip:
+    case BoundaryKind::moving:
+    case BoundaryKind::velocity_inlet:
       s.kind = lbm::SideKind::bounce;
   }
   s.velocity = {b.velocity[0], b.velocity[1], b.velocity[2]};

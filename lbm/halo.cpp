@@ -34,7 +34,9 @@ Home home_of(const Domain& domain, Int3 g, int j) {
       case SideKind::pressure:
         pressure = {HomeKind::outlet, g - c[j], opposite(j), d, upper};
         break;
-      default:  // free slip: the mirror image of cell and direction
+      case SideKind::periodic:  // has been left out
+        break;
+      case SideKind::free_slip:  // the mirror image of cell and direction
         cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
         direction[d] = -direction[d];
     }

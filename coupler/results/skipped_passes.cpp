@@ -14,9 +14,15 @@ bool has_stage(const Scene& scene, Stage stage) {
     case Stage::lbm_communication:
     case Stage::stream_collide:
       return scene.flow != nullptr;
-    default:
+    case Stage::integrate:
+    case Stage::collision_detection:
+    case Stage::contact_response:
+    case Stage::body_synchronisation:
       return scene.rigid_step != nullptr;
+    case Stage::count:
+      break;
   }
+  return false;
 }
 
 Json skipped_passes(const Scene& scene, const std::optional<FluidSpec>& fluid, const OutputSpec& output) {
