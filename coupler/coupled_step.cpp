@@ -19,17 +19,18 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
   }
   // Line 12: the physics engine, Algorithm 1.
   if (!scene_.rigid_step) return {};
-  const rigid::RigidStepReport report = scene_.rigid_step->advance(bodies, scene_.substeps);
-  bodies_ += report.seconds;
-  return report;
+  return scene_.rigid_step->advance(bodies, scene_.substeps);
 }
 
 StageSeconds CoupledStep::seconds() const {
   StageSeconds all = clock_.seconds();
-  all[int(Stage::integrate)] = bodies_.integrate;
-  all[int(Stage::collision_detection)] = bodies_.collision_detection;
-  all[int(Stage::contact_response)] = bodies_.contact_response;
-  all[int(Stage::body_synchronisation)] = bodies_.synchronisation;
+  if (!scene_.rigid_step) return all;
+  using enum rigid::RigidStage;
+  const auto& bodies = scene_.rigid_step->seconds();
+  all[int(Stage::integrate)] = bodies[int(integrate)];
+  all[int(Stage::collision_detection)] = bodies[int(collision_detection)];
+  all[int(Stage::contact_response)] = bodies[int(contact_response)];
+  all[int(Stage::body_synchronisation)] = bodies[int(synchronisation)];
   return all;
 }
 

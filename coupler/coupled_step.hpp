@@ -30,7 +30,6 @@ class CoupledStep {
  private:
   SceneParts scene_;
   StepClock clock_;  // of the fluid's stages
-  rigid::RigidSeconds bodies_;
 };
 
 }  // namespace silt::coupler

@@ -184,7 +184,7 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links(map, world_, bodies, coupling_, fluid, fluid_.pass_order(int(b)), block.surfaces);
+        build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b))}, block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         if (coupling_.wall_scheme == WallScheme::parabolic)
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);

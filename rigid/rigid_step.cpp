@@ -1,7 +1,6 @@
 #include "rigid/rigid_step.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <type_traits>
 
@@ -10,14 +9,6 @@
 namespace silt::rigid {
 
 namespace {
-
-/// Runs one stage of a step and adds the time it took to that stage's seconds.
-template <class Run>
-void timed(double& seconds, Run&& run) {
-  const auto begin = std::chrono::steady_clock::now();
-  run();
-  seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 void clear_forces(BodySet& bodies) {
   std::fill(bodies.force.begin(), bodies.force.end(), FixedVec3{});
@@ -53,14 +44,14 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
   RigidStepReport report;
-  timed(report.seconds.synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
+  clock_.timed(RigidStage::synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
   report += substep(bodies, dt, true);
   return report;
 }
 
 RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
   RigidStepReport report;
-  timed(report.seconds.synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
+  clock_.timed(RigidStage::synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
   for (int i = 1; i <= substeps; ++i) report += substep(bodies, 1.0 / substeps, i == substeps);
   return report;
 }
@@ -68,15 +59,15 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
 /// Lines 2 to 23 of Algorithm 1; the numbers of equations are those of README.md.
 RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
-  RigidSeconds& seconds = report.seconds;
-  timed(seconds.integrate, [&] { drift(bodies, 0.5 * dt); });              // lines 2-5, positions (M1)
-  timed(seconds.synchronisation, [&] { exchange_.synchronise(bodies); });  // line 6
-  timed(seconds.collision_detection, [&] { detect_contacts(bodies, dt, report); });  // lines 7-12
-  timed(seconds.synchronisation, [&] { exchange_contacts(bodies, report); });        // line 13
-  timed(seconds.integrate, [&] { kick_before_contacts(bodies, dt); });  // lines 2-5, velocities (M2)
-  timed(seconds.contact_response, [&] { resolve_contacts(bodies, dt, report); });  // lines 14-20 (M3)
-  timed(seconds.integrate, [&] { finish(bodies, dt, last); });                     // lines 21-22 (M4)
-  timed(seconds.synchronisation, [&] { exchange_.synchronise(bodies); });          // line 23
+  using enum RigidStage;
+  clock_.timed(integrate, [&] { drift(bodies, 0.5 * dt); });              // lines 2-5, positions (M1)
+  clock_.timed(synchronisation, [&] { exchange_.synchronise(bodies); });  // line 6
+  clock_.timed(collision_detection, [&] { detect_contacts(bodies, dt, report); });  // lines 7-12
+  clock_.timed(synchronisation, [&] { exchange_contacts(bodies, report); });        // line 13
+  clock_.timed(integrate, [&] { kick_before_contacts(bodies, dt); });  // lines 2-5, velocities (M2)
+  clock_.timed(contact_response, [&] { resolve_contacts(bodies, dt, report); });  // lines 14-20 (M3)
+  clock_.timed(integrate, [&] { finish(bodies, dt, last); });                     // lines 21-22 (M4)
+  clock_.timed(synchronisation, [&] { exchange_.synchronise(bodies); });          // line 23
   return report;
 }
 

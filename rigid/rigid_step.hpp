@@ -5,36 +5,27 @@
 #include "rigid/bodies/world.hpp"
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/detect_contacts.hpp"
+#include "rigid/math/stage_clock.hpp"
 #include "rigid/response/contact_resolver.hpp"
 
 namespace silt::rigid {
 
-struct RigidSeconds {  // seconds of the last step, by the paper's parts of the physics engine
-  double integrate = 0, collision_detection = 0, contact_response = 0, synchronisation = 0;
-
-  RigidSeconds& operator+=(const RigidSeconds& o) {
-    integrate += o.integrate;
-    collision_detection += o.collision_detection;
-    contact_response += o.contact_response;
-    synchronisation += o.synchronisation;
-    return *this;
-  }
-};
+/// The paper's parts of the physics engine.
+enum class RigidStage { integrate, collision_detection, contact_response, synchronisation, count };
+using RigidClock = StageClock<RigidStage>;
 
 struct RigidStepReport {
   ResolverStatistics resolver;
   std::uint64_t pairs = 0;                 // candidate pairs of the broad phase
   LubricationCounts lubrication;           // contacts as narrow as that this rank found
   std::uint64_t mixed_owner_contacts = 0;  // between bodies that different ranks own (parallel only)
-  RigidSeconds seconds;
 
-  /// Adds a later sub-step: times add up, counts are those of the last one.
+  /// Adds a later sub-step: its counts take the place of those before.
   RigidStepReport& operator+=(const RigidStepReport& later) {
     resolver += later.resolver;
     pairs = later.pairs;
     lubrication = later.lubrication;
     mixed_owner_contacts = later.mixed_owner_contacts;
-    seconds += later.seconds;
     return *this;
   }
 };
@@ -49,6 +40,8 @@ class RigidStep {
   RigidStepReport operator()(BodySet&, double dt);
   /// The same for `substeps` equal parts of a step of length 1, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);
+  /// Of all steps so far, on this rank.
+  const RigidClock::Seconds& seconds() const { return clock_.seconds(); }
 
  private:
   const World& world_;
@@ -66,6 +59,7 @@ class RigidStep {
   void take_velocities(BodySet&, double dt);
   void take_position_correction(BodySet&, double dt) const;
 
+  RigidClock clock_;
   DetectContacts detect_contacts_;
   std::vector<Contact> contacts_;
   StepVelocities velocities_;

@@ -272,30 +272,27 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
 
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 const CouplingSpec& coupling, const lbm::WallFluid<T>& fluid, const lbm::PassOrder& sweep,
-                 std::vector<SurfaceLinks<T>>& surfaces) {
+                 const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
-  LinkWriter<T> writer(map, sweep, coupling.wall_scheme);
+  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
     prefetch_bits(map.masks, k);
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
     if (mask.kept) continue;
     lbm::CutLinks<T>& links = surfaces[k].links;
-    links.fluid = fluid, links.frame = surface_frame(map, mask);
+    links.fluid = rules.fluid, links.frame = surface_frame(map, mask);
     const std::int32_t shape = bodies.shape[mask.row];
     writer.body(mask, world.shapes[shape], links);
-    if (coupling.time == TimeCoupling::implicit_ && bodies.is_free(mask.row))
+    if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_free(mask.row))
       surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
   }
 }
 
-template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<float>&, const lbm::PassOrder&,
-                          std::vector<SurfaceLinks<float>>&);
-template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                          const lbm::WallFluid<double>&, const lbm::PassOrder&,
-                          std::vector<SurfaceLinks<double>>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,
+                          const LinkRules<float>&, std::vector<SurfaceLinks<float>>&);
+template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,
+                          const LinkRules<double>&, std::vector<SurfaceLinks<double>>&);
 
 }  // namespace silt::coupler

@@ -11,12 +11,20 @@
 
 namespace silt::coupler {
 
+/// What the links of a block follow: the case, what they know of the fluid, and the pass they wait for.
+template <class T>
+struct LinkRules {
+  const CouplingSpec& coupling;
+  const lbm::WallFluid<T>& fluid;
+  const lbm::PassOrder& sweep;
+};
+
 /// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under
 /// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
 /// Links whose formula would read the cell behind where that is not fluid (a narrow gap) go into groups of
 /// `narrow`.
 template <class T>
-void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const CouplingSpec&,
-                 const lbm::WallFluid<T>&, const lbm::PassOrder&, std::vector<SurfaceLinks<T>>&);
+void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const LinkRules<T>&,
+                 std::vector<SurfaceLinks<T>>&);
 
 }  // namespace silt::coupler

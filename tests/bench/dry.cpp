@@ -36,7 +36,7 @@ struct Record {
   std::vector<double> ms;  // a step, by window
   double contacts = 0;     // a step, mean
   Overlap overlap;         // the deepest, and the mean over windows
-  rigid::RigidSeconds stages;
+  rigid::RigidClock::Seconds stages{};
 
   void add_overlap(const Overlap& o, int windows) {
     overlap.deepest = std::max(overlap.deepest, o.deepest);
@@ -45,17 +45,14 @@ struct Record {
 };
 
 void run_window(SiltWorld& world, const Plan& plan, Record& record) {
+  const auto before = world.seconds();
+  const double share = 1.0 / (plan.steps * plan.windows);
   record.ms.push_back(1e3 / plan.steps * seconds([&] {
-                        for (int i = 0; i < plan.steps; ++i) {
-                          const rigid::RigidStepReport report = world.step(dt);
-                          const double share = 1.0 / (plan.steps * plan.windows);
-                          record.contacts += share * double(report.resolver.contacts);
-                          record.stages.integrate += share * report.seconds.integrate;
-                          record.stages.collision_detection += share * report.seconds.collision_detection;
-                          record.stages.contact_response += share * report.seconds.contact_response;
-                          record.stages.synchronisation += share * report.seconds.synchronisation;
-                        }
+                        for (int i = 0; i < plan.steps; ++i)
+                          record.contacts += share * double(world.step(dt).resolver.contacts);
                       }));
+  for (std::size_t k = 0; k < before.size(); ++k)
+    record.stages[k] += share * (world.seconds()[k] - before[k]);
 }
 
 void run_window(BulletWorld& world, const Plan& plan, Record& record) {
@@ -145,13 +142,14 @@ void against_bullet(const char* name, const Bed& bed, const Plan& plan, int swee
   };
   row("silt", ours, sweeps);
   row("bullet", theirs, 10);
-  const rigid::RigidSeconds& s = ours.stages;
+  const auto ms = [&](rigid::RigidStage stage) { return 1e3 * ours.stages[int(stage)]; };
+  using enum rigid::RigidStage;
   printf(
       "%-8s silt/bullet %.2f (%.2f to %.2f); silt's ms: integrate %.2f, collision detection %.2f, contact "
       "response %.2f, synchronisation %.2f\n",
       name, ratio, *std::min_element(ratios.begin(), ratios.end()),
-      *std::max_element(ratios.begin(), ratios.end()), 1e3 * s.integrate, 1e3 * s.collision_detection,
-      1e3 * s.contact_response, 1e3 * s.synchronisation);
+      *std::max_element(ratios.begin(), ratios.end()), ms(integrate), ms(collision_detection),
+      ms(contact_response), ms(synchronisation));
   if (!no_worse(ours.overlap, theirs.overlap, by)) printf("%-8s OVERLAP IS WORSE THAN BULLET'S\n", name);
 }
 

@@ -57,8 +57,9 @@ class Links {
     map(scene_.bodies());
     coupler::CouplingSpec coupling;
     coupling.wall_scheme = scheme_of(layers.scheme);
-    coupler::build_links(map.blocks()[0], scene_.scene().world, scene_.bodies(), coupling,
-                         lbm::WallFluid<float>(fluid_.spec()), fluid_.pass_order(0), links_.surfaces);
+    const lbm::WallFluid<float> fluid(fluid_.spec());
+    coupler::build_links<float>(map.blocks()[0], scene_.scene().world, scene_.bodies(),
+                                {coupling, fluid, fluid_.pass_order(0)}, links_.surfaces);
     links_.order_groups(fluid_.pass_order(0));
     links_.gaps.pair(links_.surfaces, fluid_.domain(), box);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);

@@ -103,8 +103,8 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
   const Geometry geometry(s);
   CouplingSpec coupling;
   coupling.wall_scheme = scheme;
-  build_links(map, s.scene().world, s.bodies(), coupling, {}, lbm::PassOrder(map.box.size, sizeof(T)),
-              surfaces);
+  build_links<T>(map, s.scene().world, s.bodies(), {coupling, {}, lbm::PassOrder(map.box.size, sizeof(T))},
+                 surfaces);
   Links left;
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     add_links(map, map.masks[k], surfaces[k].links, scheme, left);

@@ -84,8 +84,8 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
   auto& surfaces = block.surfaces;
   CouplingSpec coupling;
   coupling.wall_scheme = WallScheme::parabolic;
-  build_links(map.blocks()[0], s.scene().world, s.bodies(), coupling, {},
-              lbm::PassOrder(map.blocks()[0].box.size, sizeof(double)), surfaces);
+  build_links<double>(map.blocks()[0], s.scene().world, s.bodies(),
+                      {coupling, {}, lbm::PassOrder(map.blocks()[0].box.size, sizeof(double))}, surfaces);
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
   block.gaps.pair(surfaces, s.scene().flow->domain(), {{}, n});

@@ -52,8 +52,16 @@ TEST(Films, ASpherePressedToAWallApproachesItExponentially) {
 struct Planar {  // motion along x and about y, normal along z
   double v_a, w_a, v_b, w_b;
 };
-Planar implicit_step(double a, double b, double mass_a, double mass_b, double z_s, double z_r, double gap,
-                     const Planar& u) {
+struct Ball {
+  double radius, mass;
+};
+struct FilmRows {
+  double gap, z_s, z_r;  // resistances times the step
+};
+Planar implicit_step(const Ball& sphere_a, const Ball& sphere_b, const FilmRows& film, const Planar& u) {
+  const auto [a, mass_a] = sphere_a;
+  const auto [b, mass_b] = sphere_b;
+  const auto [gap, z_s, z_r] = film;
   const double reach_a = a + gap / 2, reach_b = b + gap / 2;
   const double alpha = (reach_a - reach_b) / (reach_a + reach_b);
   Eigen::Matrix<double, 2, 4> motion;   // omega x n = +x for omega along y, n along z
@@ -73,7 +81,7 @@ TEST(Films, SlipAndRollingOfTwoSpheresAreTheImplicitSolution) {
   const BodyId second =
       s.add(s.shape(Sphere{b}), {50, 50, 50 + a + b + gap}, {-5e-4, 0, 0}, {0, -4e-3, 0}, 0.3);
   s.start();
-  const Planar exact = implicit_step(a, b, 1, 0.3, dt * z_s, dt * z_r, gap, {1e-3, 2e-3, -5e-4, -4e-3});
+  const Planar exact = implicit_step({a, 1}, {b, 0.3}, {gap, dt * z_s, dt * z_r}, {1e-3, 2e-3, -5e-4, -4e-3});
   s.run(1, dt);
   EXPECT_NEAR(s.v(first)[0], exact.v_a, 1e-8);  // the normal has turned by 1e-4 in the half step
   EXPECT_NEAR(s.w(first)[1], exact.w_a, 1e-8);
