@@ -12,7 +12,7 @@
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/state_hash.hpp"
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 
 namespace silt::coupler {
 
@@ -25,7 +25,7 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState& saved
 
 Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved)
     : scene_(scene, comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
-  lbm::flush_denormals_to_zero();
+  flush_denormals_to_zero();
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);

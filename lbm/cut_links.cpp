@@ -3,8 +3,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "cpu/isa.hpp"
 #include "lbm/cut_links_kernel.hpp"
-#include "lbm/isa.hpp"
 
 namespace silt::lbm {
 

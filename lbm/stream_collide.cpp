@@ -1,6 +1,6 @@
 #include "lbm/stream_collide.hpp"
 
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 #include "lbm/stream_collide_kernel.hpp"
 
 namespace silt::lbm {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The dependency rule, read from the includes: lbm -> (MPI, std); rigid -> (Eigen, std); adapters -> rigid or lbm
+"""The dependency rule, read from the includes: cpu -> (std); lbm -> (cpu, MPI, std); rigid -> (cpu, Eigen, std); adapters -> rigid or lbm
 types, never the coupler; engine headers only inside their adapter's folder; a coupler includes factory headers."""
 import pathlib
 import re
@@ -7,6 +7,7 @@ import sys
 
 ENGINES = r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/|hdf5|H5|toml|libqhull)"
 FORBIDDEN = {  # folder: pattern of includes it must not have
+    "cpu": rf"(lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "lbm": rf"(rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
     "rigid": rf"(lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "adapters": r"coupler/",

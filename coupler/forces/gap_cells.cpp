@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "coupler/forces/gap_kernels.hpp"
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 
 namespace silt::coupler {
 
@@ -17,7 +17,7 @@ constexpr double widest = 1;    // cells: of a gap that its cells do not resolve
 constexpr double furthest = 8;  // cells from the middle, where a surface is hardly curved
 
 double sum_over(const GapOnLattice& gap) {
-  return lbm::chosen(portable::sum_over_gap, avx2::sum_over_gap, avx512::sum_over_gap)(gap);
+  return chosen(portable::sum_over_gap, avx2::sum_over_gap, avx512::sum_over_gap)(gap);
 }
 
 /// The principal curvatures of a surface.

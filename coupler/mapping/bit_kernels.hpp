@@ -5,7 +5,7 @@
 
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/surface_kernels.hpp"
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 
 namespace silt::coupler {
 
@@ -53,8 +53,7 @@ BitKernels bit_kernels();
 }
 /// What the build that runs here offers.
 inline const BitKernels& bit_kernels() {
-  static const BitKernels kernels =
-      lbm::chosen(portable::bit_kernels, avx2::bit_kernels, avx512::bit_kernels)();
+  static const BitKernels kernels = chosen(portable::bit_kernels, avx2::bit_kernels, avx512::bit_kernels)();
   return kernels;
 }
 

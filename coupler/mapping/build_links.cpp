@@ -24,8 +24,8 @@ struct Planes {
 
 template <class Real, class T>
 SurfaceDistances<Real, T> distance_kernel() {
-  return lbm::chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
-                     avx512::surface_distances<Real, T>)();
+  return chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
+                avx512::surface_distances<Real, T>)();
 }
 
 /// Reads rows of 64 bits and writes them as the rows of a window.

@@ -8,8 +8,8 @@
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
+#include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
-#include "lbm/isa.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -168,7 +168,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["version"] = build_info().version;
   report["commit"] = build_info().commit;
   report["compiler"] = build_info().compiler;
-  report["instruction_set"] = std::string(lbm::instruction_set());
+  report["instruction_set"] = std::string(instruction_set());
   return report;
 }
 

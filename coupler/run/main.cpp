@@ -10,7 +10,7 @@
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/run/stop_request.hpp"
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -92,7 +92,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
       "4 interrupted, with a checkpoint");
   app.set_version_flag("--version",
                        fmt::format("silt {} ({}), {}, {}", build_info().version, build_info().commit,
-                                   build_info().compiler, lbm::instruction_set()));
+                                   build_info().compiler, instruction_set()));
   app.require_subcommand(1);
   CLI::App* run =
       app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");

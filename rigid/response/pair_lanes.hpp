@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "cpu/isa.hpp"
 #include "rigid/bodies/contact.hpp"
-#include "rigid/math/isa.hpp"
 #include "rigid/response/contact_lanes.hpp"
 #include "rigid/response/warm_start.hpp"
 

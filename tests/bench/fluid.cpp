@@ -286,7 +286,7 @@ void run(const Options& o) {
   if (loud) {
     for (const Variant& v : variants) require_same_flow<float>(v), require_same_flow<double>(v);
     peak[0] = peak_gflops<float>(), peak[1] = peak_gflops<double>();
-    printf("%s, peak %.0f GFlop/s single, %.0f double\n", lbm::instruction_set().data(), peak[0], peak[1]);
+    printf("%s, peak %.0f GFlop/s single, %.0f double\n", instruction_set().data(), peak[0], peak[1]);
     for (const int n : plan.sizes)
       one_core<float>(n, plan, peak[0], out), one_core<double>(n, plan, peak[1], out);
   }

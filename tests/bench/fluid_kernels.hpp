@@ -1,9 +1,9 @@
 #pragma once
 // The loops that the fluid's benchmark measures production against, built once an instruction set like the
-// hot kernels themselves (lbm/isa.hpp).
+// hot kernels themselves (cpu/isa.hpp).
 #include <cstddef>
 
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::bench {
@@ -67,11 +67,11 @@ PullAndRelax<T> pull_and_relax();
 /// What the build that runs here offers.
 template <class T>
 BoundKernels<T> bound_kernels() {
-  return lbm::chosen(portable::bound_kernels<T>, avx2::bound_kernels<T>, avx512::bound_kernels<T>)();
+  return chosen(portable::bound_kernels<T>, avx2::bound_kernels<T>, avx512::bound_kernels<T>)();
 }
 template <class T>
 PullAndRelax<T> pull_and_relax() {
-  return lbm::chosen(portable::pull_and_relax<T>, avx2::pull_and_relax<T>, avx512::pull_and_relax<T>)();
+  return chosen(portable::pull_and_relax<T>, avx2::pull_and_relax<T>, avx512::pull_and_relax<T>)();
 }
 
 }  // namespace silt::bench

@@ -2,7 +2,7 @@
 // Instructions of pieces of a program, counted by valgrind's callgrind: the same on every run, and blind to
 // caches. A program marks its pieces with count_piece and runs itself again below callgrind by
 // count_instructions. valgrind knows no 512-bit vectors: what it counts is the 256-bit build of the kernels
-// (lbm/isa.hpp sees to that).
+// (cpu/isa.hpp sees to that).
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 #include "tests/bench/figures.hpp"
 
 namespace silt::bench {
@@ -16,7 +16,7 @@ template <class Run>
 int main_of(int argc, char** argv, Run&& run) {
   MPI_Init(&argc, &argv);
   setvbuf(stdout, nullptr, _IOLBF, 0);
-  lbm::flush_denormals_to_zero();
+  flush_denormals_to_zero();
   try {
     run(options_of(argc, argv));
   } catch (const std::exception& e) {

@@ -9,7 +9,7 @@
 #include "coupler/forces/gap_cells.hpp"
 #include "coupler/forces/gap_kernels.hpp"
 #include "coupler/forces/lubrication.hpp"
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -139,10 +139,10 @@ TEST(Lubrication, EveryBuildCountsTheSameBits) {
                          3};
   const double sum = portable::sum_over_gap(gap);
   EXPECT_GT(sum, 1);
-  if (lbm::chosen_isa() != lbm::Isa::portable) {
+  if (chosen_isa() != Isa::portable) {
     EXPECT_EQ(avx2::sum_over_gap(gap), sum);
   }
-  if (lbm::chosen_isa() == lbm::Isa::avx512) {
+  if (chosen_isa() == Isa::avx512) {
     EXPECT_EQ(avx512::sum_over_gap(gap), sum);
   }
 }

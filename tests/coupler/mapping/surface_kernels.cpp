@@ -7,7 +7,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
-#include "lbm/isa.hpp"
+#include "cpu/isa.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::coupler {
@@ -90,10 +90,10 @@ template <class T>
 void expect_same_distances(const rigid::Shape& shape) {
   const auto plain = distances<T>(shape, portable::surface_distances<T, T>());
   EXPECT_GT(std::count_if(plain.begin(), plain.end(), [](T q) { return q > 0 && q < 1; }), 50);
-  if (lbm::chosen_isa() != lbm::Isa::portable) {
+  if (chosen_isa() != Isa::portable) {
     EXPECT_EQ(plain, distances<T>(shape, avx2::surface_distances<T, T>()));
   }
-  if (lbm::chosen_isa() == lbm::Isa::avx512) {
+  if (chosen_isa() == Isa::avx512) {
     EXPECT_EQ(plain, distances<T>(shape, avx512::surface_distances<T, T>()));
   }
 }
@@ -105,10 +105,10 @@ TEST(SurfaceKernels, SameBitsOnEveryInstructionSet) {
     expect_same_distances<double>(shape);
     const BitWindow plain = cells(shape, portable::bit_kernels().mark_parts);
     EXPECT_EQ(plain.test({0, 0, 0}), !std::holds_alternative<rigid::Tube>(shape));
-    if (lbm::chosen_isa() != lbm::Isa::portable) {
+    if (chosen_isa() != Isa::portable) {
       EXPECT_EQ(plain, cells(shape, avx2::bit_kernels().mark_parts));
     }
-    if (lbm::chosen_isa() == lbm::Isa::avx512) {
+    if (chosen_isa() == Isa::avx512) {
       EXPECT_EQ(plain, cells(shape, avx512::bit_kernels().mark_parts));
     }
   }

@@ -1,10 +1,13 @@
-#include "rigid/math/isa.hpp"
+#include "cpu/isa.hpp"
 
 #include <algorithm>
 #include <cstdlib>
-#include <string_view>
 
-namespace silt::rigid {
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace silt {
 
 namespace {
 
@@ -23,9 +26,10 @@ Isa widest_isa() {
 }
 
 Isa wanted_isa() {
-  const char* const variable = std::getenv("SILT_ISA");
-  const std::string_view wanted = variable ? variable : "";
-  return wanted == "portable" ? Isa::portable : wanted == "avx2" ? Isa::avx2 : Isa::avx512;
+  const char* const wanted = std::getenv("SILT_ISA");
+  for (const Isa isa : {Isa::portable, Isa::avx2})
+    if (wanted && wanted == isa_names[static_cast<std::size_t>(isa)]) return isa;
+  return Isa::avx512;
 }
 
 }  // namespace
@@ -35,4 +39,10 @@ Isa chosen_isa() {
   return chosen;
 }
 
-}  // namespace silt::rigid
+void flush_denormals_to_zero() {
+#if defined(__x86_64__)
+  _mm_setcsr(_mm_getcsr() | 0x8040);  // FTZ and DAZ
+#endif
+}
+
+}  // namespace silt

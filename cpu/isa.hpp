@@ -1,10 +1,10 @@
 #pragma once
-// Which build of the hot kernels runs here. All builds round alike (no contraction), so the choice never
-// changes a result.
+// Which build of the hot kernels runs here, of the fluid and of the bodies. All builds round alike (no
+// contraction), so the choice never changes a result.
 #include <array>
 #include <string_view>
 
-namespace silt::lbm {
+namespace silt {
 
 /// Instruction sets, each wider than the one before.
 enum class Isa { portable, avx2, avx512 };
@@ -29,4 +29,4 @@ Build chosen(Build portable, Build avx2, Build avx512) {
 /// nothing in populations). Does nothing where the machine has no such mode.
 void flush_denormals_to_zero();
 
-}  // namespace silt::lbm
+}  // namespace silt
