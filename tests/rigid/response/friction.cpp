@@ -1,0 +1,140 @@
+// Rest, sliding and rolling by sffd against closed forms.
+#include "tests/rigid/response/on_every_backend.hpp"
+
+namespace silt::rigid::testing {
+namespace {
+
+class SffdFriction : public OnEveryBackend {};
+INSTANTIATE_TEST_SUITE_P(On, SffdFriction, every_backend, name_of_backend);
+
+TEST_P(SffdFriction, BoxAtRest) {
+  for (const auto& [sweeps, warm] : {std::pair(4, true), std::pair(1, false)}) {
+    Scene s(0.3, 0.5);
+    s.settings.max_sweeps = sweeps;
+    s.settings.warm_start = warm;
+    s.world.gravity = down;
+    s.add(s.shape(Box{{0.5, 0.5, 0.25}}), {10, 10, 0.25});
+    s.floor();
+    s.start();
+    s.run(10000);
+    EXPECT_LT((s.x(0) - Vec3(10, 10, 0.25)).norm(), 1e-12);
+    EXPECT_LT(s.v(0).norm(), 1e-14);
+  }
+}
+
+TEST_P(SffdFriction, BlockOnAnIncline) {
+  for (double degrees : {20.0, 25.0, 30.0}) {
+    Scene s(0, 0.5);
+    s.settings.max_sweeps = 4;
+    s.world.gravity = slope(degrees);
+    s.add(s.shape(Box{{0.5, 0.5, 0.25}}), {10, 10, 0.25});
+    s.floor();
+    s.start();
+    s.run(2000);
+    const double x = s.x(0)[0] - 10;
+    if (degrees < 26) {
+      EXPECT_LT(std::abs(x), 3e-10) << degrees;
+    } else {
+      EXPECT_NEAR(x, 1.314291, 1e-6);
+      const double a = degrees * M_PI / 180;
+      EXPECT_NEAR(x, 0.5 * g * (std::sin(a) - 0.5 * std::cos(a)) * 4, 2e-9);
+    }
+    EXPECT_LT(s.report.resolver.cone_excess, 1e-12);
+  }
+}
+
+TEST_P(SffdFriction, StoppingDistanceAndToppling) {
+  Scene s(0, 0.3);
+  s.world.gravity = down;
+  s.add(s.shape(Box{{0.5, 0.5, 0.25}}), {10, 10, 0.25}, {2, 0, 0});
+  s.floor();
+  s.start();
+  s.run(2000);
+  EXPECT_NEAR(s.x(0)[0] - 10, 4 / (2 * 0.3 * g), 2e-3);  // first order in dt: half a step of v0
+  EXPECT_LT(s.v(0).norm(), 1e-12);
+  for (double width : {0.45, 0.55}) {  // height 1, mu high: topples if tan(angle) > width / height
+    Scene t(0, 2);
+    t.world.gravity = slope(std::atan(0.5) * 180 / M_PI);
+    t.add(t.shape(Box{{width / 2, 0.5, 0.5}}), {10, 10, 0.5});
+    t.floor();
+    t.start();
+    t.run(1000);
+    EXPECT_EQ(t.w(0)[1] > 0.1, width < 0.5) << width;
+    if (width > 0.5) {
+      EXPECT_LT(t.v(0).norm(), 1e-10);
+    }
+  }
+}
+
+TEST_P(SffdFriction, SlidingTurnsIntoRolling) {
+  const double v0 = 1, mu = 0.2, r = 0.1;
+  Scene s(0, mu);
+  s.world.gravity = down;
+  s.add(s.shape(Sphere{r}), {10, 10, r}, {v0, 0, 0});
+  s.floor();
+  s.start();
+  double time = 0;
+  for (int i = 0; i < 1000 && time == 0; ++i) {
+    s.run(1);
+    if (std::abs(s.v(0)[0] - r * s.w(0)[1]) < 1e-9) time = (i + 1) * 1e-3;
+  }
+  EXPECT_NEAR(time, 2 * v0 / (7 * mu * g), 1e-3);
+  s.run(100);
+  EXPECT_NEAR(s.v(0)[0], 5.0 / 7 * v0, 1e-13);
+}
+
+TEST_P(SffdFriction, RollingDownAnIncline) {
+  Scene s(0, 0.5);
+  s.world.gravity = slope(20);
+  s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
+  s.floor();
+  s.start();
+  s.run(1000);
+  EXPECT_NEAR(s.v(0)[0] / (5.0 / 7 * g * std::sin(20 * M_PI / 180)), 1, 1e-12);
+}
+
+TEST_P(SffdFriction, LiftOff) {
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
+  s.floor();
+  s.start();
+  for (int i = 0; i < 1000; ++i) {
+    s.bodies.add_force(0, {0, 0, 1.25 * g});
+    s.run(1);
+  }
+  EXPECT_NEAR(s.x(0)[2] - 0.1, 0.5 * 0.25 * g, 1e-10);
+}
+
+// on a conveyor it ends rolling, at 2/7 of the belt's speed
+TEST_P(SffdFriction, MovingWallDragsABall) {
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
+  s.floor({1, 0, 0});
+  s.start();
+  s.run(2000);
+  EXPECT_NEAR(s.v(0)[0], 2.0 / 7, 1e-12);
+  EXPECT_EQ(s.x(first_wall_id + 4), Vec3::Zero()) << "the wall itself stays";
+}
+
+// a ball that rolls over another one lifts off at each step
+TEST_P(SffdFriction, PressedContactsHoverByAHairAtMost) {
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  const double r = 0.1;
+  const int ball = s.shape(Sphere{r});
+  s.add(ball, {10, 10, r}, Vec3::Zero(), Vec3::Zero(), 1e9);
+  s.add(ball, {10.02, 10, r + std::sqrt(4 * r * r - 4e-4)});
+  s.floor();
+  s.start();
+  const auto gap = [&] { return (s.x(1) - s.x(0)).norm() - 2 * r; };
+  for (int i = 0; i < 50; ++i) {
+    s.run(1, 5e-3);
+    EXPECT_LT(gap(), 1.2e-4 * 2 * r) << i;  // half a step after the contact was looked at
+  }
+  EXPECT_GT((s.x(1) - s.x(0))[0], 0.04) << "it rolled";
+}
+
+}  // namespace
+}  // namespace silt::rigid::testing
