@@ -30,6 +30,23 @@ TEST(ImpactSink, HearsOfACollisionOnce) {
   EXPECT_NEAR(impact.impulse, masses[1] * s.v(b)[0], 1e-13);
 }
 
+// Each of the corners is told of with its share.
+TEST(ImpactSink, HearsOfAFlatLandingAsOfWhatItChanged) {
+  const double speed = 1.5, e = 0.6;
+  const auto listener = std::make_shared<Listener>();
+  Scene s(e, 0);
+  s.settings.impacts = listener;
+  const BodyId box = s.add(s.shape(Box{{0.5, 0.5, 0.5}}), {10, 10, 0.7}, {0, 0, -speed});
+  s.floor();
+  s.start();
+  s.run(500);
+  double sum = 0;
+  for (const Impact& impact : listener->heard) sum += impact.impulse;
+  EXPECT_GT(listener->heard.size(), 1u);
+  EXPECT_NEAR(s.v(box)[2], e * speed, 1e-9);
+  EXPECT_NEAR(sum, s.bodies.mass[s.row(box)] * (1 + e) * speed, 1e-9);
+}
+
 // A load that rests on a struck contact is no part of the impact.
 TEST(ImpactSink, HearsOfNoLoadAtRest) {
   const auto listener = std::make_shared<Listener>();
@@ -41,7 +58,10 @@ TEST(ImpactSink, HearsOfNoLoadAtRest) {
   s.start();
   s.run(1000);
   double sum = 0;
-  for (const Impact& impact : listener->heard) sum += impact.impulse;
+  for (const Impact& impact : listener->heard) {
+    EXPECT_GT(impact.impulse, 0);
+    sum += impact.impulse;
+  }
   EXPECT_LT(sum, 1e-9 * s.bodies.mass[s.row(box)] * 9.81);
 }
 
