@@ -69,6 +69,7 @@ TEST(Shape, ClosedForms) {
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, 5}), 2);
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {6, 0, -5}), 5);
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {5.5, 0, 4}), 5);
+  EXPECT_DOUBLE_EQ((Cone{3, 4}.touching_ball({1, 0, -1}, -Vec3::UnitZ())), 1);  // up to the side
   EXPECT_DOUBLE_EQ(ray_distance(Cone{3, 4}, {1.5, 0, -2}, {0, 0, 1}, 10), 1);
   EXPECT_DOUBLE_EQ(ray_distance(Cone{3, 4}, {1.5, 0, 5}, {0, 0, -2}, 10), 2);
   EXPECT_DOUBLE_EQ(ray_distance(Ellipsoid{{1, 2, 3}}, {0, 0, 8}, {0, 0, -1}, 10), 5);
@@ -257,6 +258,17 @@ TEST(Shape, RecentringMovesTheSolid) {
       EXPECT_NEAR(signed_distance(shape, x), signed_distance(moved, x - c), 1e-13);
     }
   }
+}
+
+TEST(Shape, InnerBallsLieInside) {
+  for (const Shape& shape : solids())
+    for (const Part& part : convex_parts(shape)) {
+      std::vector<InnerBall> balls;
+      std::visit([&](const auto& solid) { solid.add_inner_balls(balls); }, part.shape);
+      EXPECT_FALSE(balls.empty());
+      for (const InnerBall& ball : balls)
+        EXPECT_LE(signed_distance(part.shape, ball.centre) + ball.radius, 1e-12) << shape_name(part.shape);
+    }
 }
 
 }  // namespace
