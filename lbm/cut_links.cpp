@@ -22,6 +22,8 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
     s.behind[i] = from_middle(block.arriving(i, parity));
     s.against[i] = from_middle(block.leaving(j, parity));
     s.back[i] = from_middle(block.arriving(j, parity));
+    s.away[i] = from_middle(block.leaving(j, parity) - block.step(i));
+    s.toward[i] = from_middle(block.arriving(i, parity) - block.step(i));
   }
   return s;
 }

@@ -57,6 +57,8 @@ struct LinkGroup {
   Int3 corner;                 // cell of the block that places count from (may lie outside of it)
   std::int32_t ready;          // last part of the dense pass that the links read or write; -1: at the rim
   std::uint32_t opposite = 0;  // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
+  bool across = false;         // x - c_i lies in another block, or beyond a period: see CutLinks::across
+  std::uint32_t across_begin = 0;  // first in CutLinks::across
 };
 
 /// The frame of a surface is fixed to its reference point: the centre of block cell `cell` is at `offset`
@@ -77,6 +79,8 @@ struct CutLinks {
   std::vector<std::uint32_t> place;  // of whole groups, padded
   std::vector<T> q;
   std::vector<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
+  /// Of the links of groups `across`, padded as they are: which of the block's PairsAcross has their pair.
+  std::vector<std::uint32_t> across;
 
   /// A hint that a group will be wanted soon.
   void prefetch(const LinkGroup& g) const {
@@ -88,12 +92,20 @@ struct CutLinks {
   }
 };
 
-/// The four populations of a link along i lie at these slots, by direction, from its cell at Block::middle().
+/// What passes between x - c_i and x - 2 c_i: f*_opp(x - c_i) and f*_i(x - 2 c_i).
+template <class T>
+struct BeyondPair {
+  T away, toward;
+};
+
+/// The populations of a link along i lie at these slots, by direction, from its cell at Block::middle().
 struct LinkSlots {
   std::int32_t out[32] = {};      // f*_i(x)
   std::int32_t behind[32] = {};   // f*_i(x - c_i)
   std::int32_t against[32] = {};  // f*_opp(x)
   std::int32_t back[32] = {};     // f_opp(x, t + 1): what the surface returns
+  std::int32_t away[32] = {};     // f*_opp(x - c_i)
+  std::int32_t toward[32] = {};   // f*_i(x - 2 c_i)
 };
 /// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
 /// large for offsets of 32 bits.
@@ -149,6 +161,7 @@ struct GroupInBlock {
   const CutLinks<T>& links;
   const LinkGroup& group;  // of the links
   NextGroup<T> next = {};
+  const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
 };
 
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.

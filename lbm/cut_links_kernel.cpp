@@ -52,10 +52,22 @@ struct Exchange {
   typename Lanes<T>::Real out, back;
 };
 
+/// What passes between the cells behind and beyond: in the block, or of its pairs across.
+template <class T>
+BeyondPair<typename Lanes<T>::Real> beyond_pair(const T* data, const LinkSlots& slots, const Places<T>& at,
+                                                const std::uint32_t* across, const BeyondPair<T>* pairs) {
+  using L = Lanes<T>;
+  if (!across) return {L::gather(data, at.slots(slots.away)), L::gather(data, at.slots(slots.toward))};
+  const auto first = L::template load<typename L::Whole>(across) * 2;
+  const T* const values = &pairs->away;
+  return {L::gather(values, first), L::gather(values, first + 1)};
+}
+
 template <WallScheme scheme, class T>
 Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
                      const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
-                     const OppositeWall<typename Lanes<T>::Real>& far) {
+                     const OppositeWall<typename Lanes<T>::Real>& far, const std::uint32_t* across,
+                     const BeyondPair<T>* pairs) {
   using L = Lanes<T>;
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
   const auto out = L::gather(data, at.slots(slots.out));
@@ -64,7 +76,14 @@ Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& 
     const auto against = L::gather(data, at.slots(slots.against)),
                behind = L::gather(data, at.slots(slots.behind));
     const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
-    back += s.b * behind + s.c * against + T(0.5) * (s.k - at.weight6() * (s.a - s.c)) * cf;
+    back += s.b * behind + s.c * against;
+    auto uneven = s.a - s.c;
+    if constexpr (reads_beyond(scheme)) {
+      const auto pair = beyond_pair(data, slots, at, across, pairs);
+      back += s.d * pair.away + s.g * pair.toward;
+      uneven -= T(2) * s.d + s.g;
+    }
+    back += T(0.5) * (s.k - at.weight6() * uneven) * cf;
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, slots, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, far, fluid);
@@ -116,7 +135,7 @@ template <WallScheme scheme, class T>
 void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
            LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next] = here;
+  const auto& [block, slots, links, group, next, pairs] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -138,7 +157,10 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
         far.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
       }
     }
-    const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far);
+    const std::uint32_t* const across =
+        group.across ? links.across.data() + group.across_begin + l : nullptr;
+    const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far, across,
+                                           pairs);
     L::scatter(data, at.slots(slots.back), e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }
@@ -150,7 +172,7 @@ template <WallScheme scheme, class T>
 void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums,
              LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next] = here;
+  const auto& [block, slots, links, group, next, pairs] = here;
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);

@@ -75,6 +75,10 @@ class LinkFetch {
         add(at.slots(slots_.behind));
         add(at.slots(slots_.against));
       }
+      if (reads_beyond(scheme)) {
+        add(at.slots(slots_.away));
+        add(at.slots(slots_.toward));
+      }
     }
   }
 

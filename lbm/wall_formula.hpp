@@ -1,9 +1,11 @@
 #pragma once
 // What a cut link returns (README.md, "Walls"): one formula for every scheme,
-//     f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) - k c_i.u_w + e c_i.F,
+//     f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) + d f*_opp(x - c_i) + g f*_i(x - 2 c_i)
+//                     - k c_i.u_w + e c_i.F,
 // its coefficients functions of the wall distance q and the rates of the collision. x is the fluid cell, the
 // surface is at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision.
 // V is a population's type T or a vector of it.
+#include <algorithm>
 #include <type_traits>
 
 #include "lbm/collision_model.hpp"
@@ -22,6 +24,8 @@ void with_scheme(WallScheme scheme, F&& f) {
       return f(std::integral_constant<WallScheme, bouzidi>{});
     case parabolic:
       return f(std::integral_constant<WallScheme, parabolic>{});
+    case multireflection:
+      return f(std::integral_constant<WallScheme, multireflection>{});
     case single_cell_gap:
       return f(std::integral_constant<WallScheme, single_cell_gap>{});
     case bounce_back:
@@ -29,22 +33,28 @@ void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), and the acceleration of the fluid.
+/// Below tau - 1/2 = sqrt(magic / this), `multireflection` as a whole amplifies (README.md, equation 19).
+inline constexpr double stable_share_slope = 1.8;
+
+/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` is stable, and
+/// the acceleration of the fluid.
 template <class T>
 struct WallFluid {
-  T magic = T(1.0 / 6), inverse_rate = T(2);
+  T magic = T(1.0 / 6), inverse_rate = T(2), stable_share = T(1);
   T force[3] = {};
   WallFluid() = default;
   explicit WallFluid(const CollisionSpec& s)
       : magic(T(s.magic_in_effect())),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
+        stable_share(T(std::min(1.0, stable_share_slope * (s.relaxation_time - 0.5) *
+                                         (s.relaxation_time - 0.5) / s.magic_in_effect()))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };
 
-/// e follows from the others (equation 11).
+/// e follows from the others (equation 11); d and g are of the schemes that read beyond.
 template <class V>
 struct LinkCoefficients {
-  V a, b, c, k;
+  V a, b, c, k, d{}, g{};
 };
 
 /// T / q^2 of `parabolic` (equation 14).
@@ -61,6 +71,18 @@ template <class V, class T>
 constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<T>& fluid) {
   const V g = excess * fluid.inverse_rate, s = T(1) / (T(0.5) + q + g);
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
+}
+
+/// The coefficients that hold the parabola along the link, in the share that is stable; the rest is `cli`
+/// (equations 18 and 19).
+template <class V, class T>
+constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const WallFluid<T>& fluid) {
+  const T share = fluid.stable_share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
+  const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
+  const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
+          second = m * q * q, further = m * odd;
+  return {share + rest * linear.a,        rest * linear.b + first + further, rest * linear.c - first + further,
+          rest * linear.k + T(2) * m * weight6, -second - further,               second - further};
 }
 
 /// The surface that a link's opposite hits, when that is cut too: its distance (0: not known) and c_i.u
@@ -96,6 +118,8 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
   } else if constexpr (scheme == WallScheme::parabolic) {
     const V wanted = T(parabola) * q * q - fluid.magic;
     return central(q, V(wanted > least ? wanted : least), weight6, fluid);
+  } else if constexpr (scheme == WallScheme::multireflection) {
+    return multireflection(q, least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::bouzidi) {
     const V near = T(2) * q, s = T(1) / (near < T(1) ? one : near);  // q < 1/2: s = 1
     return {near < T(1) ? near : s, near < T(1) ? T(1) - near : none, T(1) - s, weight6 * s};

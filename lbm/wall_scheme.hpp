@@ -10,25 +10,37 @@ namespace silt::lbm {
 /// `cli` is the central linear interpolation of Ginzburg, Verhaeghe, d'Humieres 2008.
 /// `bouzidi` is the linear upwind interpolation of Bouzidi, Firdaouss, Lallemand 2001.
 /// `parabolic` is central too, with the curvature of the flow at the wall (README.md, equation 14).
+/// `multireflection` reads one cell further and holds the parabola in flow at any angle (README.md, equation
+/// 18).
 /// `single_cell_gap` reads the cell alone: for links of the others whose cell behind is not fluid (README.md,
 /// equations 15 and 16); no case can choose it.
-enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, single_cell_gap };
+enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, multireflection, single_cell_gap };
 /// The schemes that a case can choose, in the order of the enumerators.
-inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
-                                                                      "parabolic"};
+inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
+                                                                      "parabolic", "multireflection"};
 
 /// The magic at which the drag of spheres comes out best (README.md, "Which wall scheme").
 constexpr double best_magic(WallScheme scheme) {
+  if (scheme == WallScheme::multireflection) return 1.0 / 7;
   return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
 }
 
 /// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.
 constexpr bool reads_behind(WallScheme scheme) {
-  return scheme == WallScheme::cli || scheme == WallScheme::bouzidi || scheme == WallScheme::parabolic;
+  return scheme == WallScheme::cli || scheme == WallScheme::bouzidi || scheme == WallScheme::parabolic ||
+         scheme == WallScheme::multireflection;
 }
 /// Whether it reads f*_i(x - c_i) at the wall distance q.
 constexpr bool reads_behind(WallScheme scheme, double q) {
   return scheme == WallScheme::bouzidi ? q < 0.5 : reads_behind(scheme);
+}
+/// Whether the formula reads f*_opp(x - c_i) and f*_i(x - 2 c_i) too.
+constexpr bool reads_beyond(WallScheme scheme) {
+  return scheme == WallScheme::multireflection;
+}
+/// The scheme of a link whose cell behind is fluid and the one beyond that is not.
+constexpr WallScheme two_cell_gap_scheme(WallScheme scheme) {
+  return reads_beyond(scheme) ? WallScheme::cli : scheme;
 }
 
 }  // namespace silt::lbm
