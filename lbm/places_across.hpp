@@ -22,7 +22,7 @@ class PlacesAcross {
   std::uint32_t operator()(Int3 cell, int direction) const {
     int d = 0;  // the first axis along which the link enters the block
     while (c[direction][d] == 0 || cell[d] != (c[direction][d] > 0 ? 0 : size_[d] - 1)) ++d;
-    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    const int e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;  // along the face, in the order of cells in memory
     return first_[direction][d] + std::uint32_t(cell[f]) * std::uint32_t(size_[e]) + std::uint32_t(cell[e]);
   }
   /// All places are less than this.

@@ -1,0 +1,154 @@
+// Pairs brought from other blocks: they are the populations after collision, whatever holds them by then.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "lbm/fluid.hpp"
+#include "lbm/pairs_across.hpp"
+#include "lbm/places_across.hpp"
+#include "tests/world.hpp"
+
+namespace silt::lbm {
+namespace {
+
+using tests::ranks;
+using tests::sum_over_ranks;
+
+const SideCondition periodic{}, no_slip{SideKind::bounce}, slip{SideKind::free_slip},
+    lid{SideKind::bounce, {0.02, -0.01, 0.03}}, outlet{SideKind::pressure, {}, 0.01};
+
+struct Layout {
+  std::string name;
+  Int3 cells, block_cells;
+  std::array<SideCondition, 6> sides;
+};
+const std::array<SideCondition, 6> all_periodic{};
+const std::vector<Layout> layouts = {
+    {"blocks of different sizes", {7, 9, 10}, {3, 4, 4}, all_periodic},
+    {"rows that span a period",
+     {6, 9, 10},
+     {6, 5, 3},
+     {periodic, periodic, lid, no_slip, periodic, periodic}},
+    {"rows between walls, planes that span a period",
+     {8, 5, 12},
+     {8, 5, 1},
+     {lid, no_slip, periodic, periodic, periodic, periodic}},
+    {"inlet, outlet and slip", {8, 5, 12}, {4, 5, 3}, {lid, outlet, periodic, periodic, slip, no_slip}},
+    {"blocks that span two periods", {5, 4, 16}, {5, 4, 2}, all_periodic},
+    {"blocks one cell thick", {4, 8, 6}, {4, 1, 3}, all_periodic},
+    {"blocks of one cell", {3, 3, 4}, {1, 1, 1}, {no_slip, slip, periodic, periodic, periodic, periodic}},
+    {"a domain one cell thick", {9, 1, 12}, {4, 1, 4}, all_periodic}};
+
+template <class F>
+void for_cells(Int3 size, F&& f) {
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x) f(Int3{x, y, z});
+}
+
+/// A number in [-0.01, 0.01), of a cell and direction.
+double disturbance(Int3 x, int i) {
+  std::uint64_t h = std::uint64_t(((x.z * 1009 + x.y) * 1009 + x.x) * 19 + i + 1) * 0x9E3779B97F4A7C15u;
+  h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
+  return 0.02 * (double(h >> 11) * 0x1p-53 - 0.5);
+}
+
+/// One population of each cell and direction of the domain, known to all ranks.
+class Populations {
+ public:
+  template <class T, class Get>  // get(block, local cell, direction)
+  Populations(const Fluid<T>& fluid, Get&& get) : cells_(fluid.domain().cells()) {
+    values_.resize(std::size_t(cells_.x) * cells_.y * cells_.z * directions);
+    for (int b = 0; b < int(fluid.blocks().size()); ++b) {
+      const CellBox& box = fluid.blocks()[b].box();
+      for_cells(box.size, [&](Int3 x) {
+        for (int i = 0; i < directions; ++i) values_[index(box.lower + x, i)] = get(b, x, i);
+      });
+    }
+    MPI_Allreduce(MPI_IN_PLACE, values_.data(), int(values_.size()), MPI_DOUBLE, MPI_SUM, fluid.comm());
+  }
+  double at(Int3 cell, int i) const { return values_[index(cell, i)]; }
+
+ private:
+  std::size_t index(Int3 x, int i) const {
+    return ((std::size_t(x.z) * cells_.y + x.y) * cells_.x + x.x) * directions + i;
+  }
+  Int3 cells_;
+  std::vector<double> values_;
+};
+
+struct Count {
+  int right = 0, wrong = 0;
+};
+
+/// Compares the pairs with the populations after collision (`sent`). What comes from beyond a side of the
+/// domain is what its block has (`arrived`).
+template <class T>
+Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Populations& sent,
+              const Populations& arrived) {
+  const Domain& domain = fluid.domain();
+  Count count;
+  for (int b = 0; b < int(fluid.blocks().size()); ++b) {
+    const CellBox& box = fluid.blocks()[b].box();
+    const PlacesAcross place(box.size);
+    for_cells(box.size, [&](Int3 x) {
+      for (int i = 1; i < directions; ++i) {
+        const Int3 near = domain.wrapped(box.lower + x - c[i]), far = domain.wrapped(near - c[i]);
+        if (CellBox{{}, box.size}.contains(x - c[i]) || !domain.inside(near)) continue;
+        const BeyondPair<T> pair = pairs.of(b)[place(x, i)];
+        const double toward = domain.inside(far) ? sent.at(far, i) : arrived.at(near, i);
+        const bool right = pair.away == sent.at(near, opposite(i)) && pair.toward == toward;
+        ++(right ? count.right : count.wrong);
+      }
+    });
+  }
+  return count;
+}
+
+template <class T>
+void every_pair_is_right(const Layout& layout) {
+  SCOPED_TRACE(layout.name);
+  Fluid<T> fluid(Domain(layout.cells, layout.sides, layout.block_cells, ranks()),
+                 {0.8, 3. / 16, Collision::trt, {1e-4, -2e-4, 3e-4}}, MPI_COMM_WORLD);
+  const auto blocks = std::span<const Block<T>>(fluid.blocks());
+  PairsAcross<T> pairs(fluid.domain(), fluid.comm(), blocks);
+  for (int b = 0; b < int(blocks.size()); ++b)
+    for_cells(blocks[b].size(), [&](Int3 x) {
+      for (int i = 0; i < directions; ++i)
+        fluid.arriving(b, x, i) = T(disturbance(blocks[b].box().lower + x, i));
+    });
+  for (int step = 0; step < 4; ++step) {
+    fluid.stream_collide();
+    const Populations sent(fluid, [&](int b, Int3 x, int i) { return fluid.leaving(b, x, i); });
+    fluid.exchange();
+    const Populations arrived(fluid, [&](int b, Int3 x, int i) { return fluid.arriving(b, x, i); });
+    pairs.exchange(blocks, fluid.parity());
+    const Count count = compare(fluid, pairs, sent, arrived);
+    EXPECT_EQ(count.wrong, 0) << "of " << count.wrong + count.right << " after step " << step;
+    EXPECT_GT(sum_over_ranks(count.right), 0);
+  }
+}
+
+TEST(PairsAcross, AreThePopulationsAfterCollision) {
+  for (const Layout& layout : layouts) {
+    every_pair_is_right<float>(layout);
+    every_pair_is_right<double>(layout);
+  }
+}
+
+TEST(PairsAcross, MoveTwiceTheBytesOfTheHalo) {
+  for (const Layout& layout : layouts) {
+    if (std::any_of(layout.sides.begin(), layout.sides.end(),
+                    [](const SideCondition& s) { return s.kind != SideKind::periodic; }))
+      continue;
+    SCOPED_TRACE(layout.name);
+    Fluid<float> fluid(Domain(layout.cells, layout.sides, layout.block_cells, ranks()), {}, MPI_COMM_WORLD);
+    const PairsAcross<float> pairs(fluid.domain(), fluid.comm(), fluid.blocks());
+    EXPECT_EQ(sum_over_ranks(double(pairs.message_bytes())),
+              2 * sum_over_ranks(double(fluid.halo().message_bytes())));
+  }
+}
+
+}  // namespace
+}  // namespace silt::lbm
