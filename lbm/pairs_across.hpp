@@ -34,10 +34,9 @@ class PairsAcross {
   std::size_t bytes() const;
 
  private:
-  struct Cells {  // cells of a local block whose pairs along a direction are read; `stride` apart in its
-                  // slots
+  struct Cells {  // of a local block, where pairs along a direction are read
     int block, direction;
-    std::uint32_t first, stride, length;  // first: its Block::cell
+    std::uint32_t first, stride, length;  // Block::cell of the first, and from each to the next
   };
   struct Places {  // of a local block
     int block;
