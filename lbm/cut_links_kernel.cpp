@@ -157,10 +157,9 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
         far.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
       }
     }
-    const std::uint32_t* const across =
-        group.across ? links.across.data() + group.across_begin + l : nullptr;
-    const Exchange<T> e = exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far, across,
-                                           pairs);
+    const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;
+    const Exchange<T> e =
+        exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far, across, pairs);
     L::scatter(data, at.slots(slots.back), e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }

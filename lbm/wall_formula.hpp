@@ -81,8 +81,12 @@ constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const Wal
   const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;
-  return {share + rest * linear.a,        rest * linear.b + first + further, rest * linear.c - first + further,
-          rest * linear.k + T(2) * m * weight6, -second - further,               second - further};
+  return {share + rest * linear.a,
+          rest * linear.b + first + further,
+          rest * linear.c - first + further,
+          rest * linear.k + T(2) * m * weight6,
+          -second - further,
+          second - further};
 }
 
 /// The surface that a link's opposite hits, when that is cut too: its distance (0: not known) and c_i.u

@@ -7,6 +7,8 @@
 
 #include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
+#include "lbm/pairs_across.hpp"
+#include "lbm/places_across.hpp"
 
 namespace silt::lbm {
 namespace {
@@ -25,17 +27,29 @@ Int3 cell_of(int n, int layer) {
   return {n % width, n / width, layer};
 }
 
-/// The links of the layer whose neighbour at side -1 or +1 is solid.
-CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, const WallFluid<double>& fluid) {
-  CutLinks<double> links{fluid, {{0, 0, layer}, {0, 0, 0}, 2.0 * width, false}, {}, {}, {}, {}, {}};
-  for (int i = 1; i < directions; ++i) {
-    if (c[i].z != side) continue;
-    for (int n = 0; n < link_lanes; ++n) {
-      const Int3 x = cell_of(n, layer);
-      links.place.push_back(link_place({x.x, x.y, 0}, i)), links.q.push_back(q);
-    }
+/// The links of the layer whose neighbour at side -1 or +1 is solid; those whose cell behind lies across a
+/// period in a group of their own.
+CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, const WallFluid<double>& fluid,
+                          Int3 cells) {
+  CutLinks<double> links{fluid, {{0, 0, layer}, {0, 0, 0}, 2.0 * width, false}, {}, {}, {}, {}, {}, {}};
+  const auto outside = [](int x) { return x < 0 || x >= width; };
+  for (const bool across : {false, true}) {
+    LinkGroup group{std::uint32_t(links.place.size()), 0, scheme, {0, 0, layer}, -1};
+    group.across = across;
+    for (int i = 1; i < directions; ++i)
+      for (int n = 0; n < width * width && c[i].z == side; ++n) {
+        const Int3 x = cell_of(n, layer), behind = x - c[i];
+        if (across != (reads_beyond(scheme) && (outside(behind.x) || outside(behind.y)))) continue;
+        links.place.push_back(link_place({x.x, x.y, 0}, i)), links.q.push_back(q);
+        if (across) links.across.push_back(PlacesAcross(cells)(x, i));
+      }
+    group.count = std::uint32_t(links.place.size()) - group.begin;
+    if (group.count == 0) continue;
+    links.place.resize(group.begin + padded(group.count), links.place.back()),
+        links.q.resize(links.place.size(), q);
+    if (across) links.across.resize(padded(group.count), links.across.back());
+    links.groups.push_back(group);
   }
-  links.groups.push_back({0, std::uint32_t(links.place.size()), scheme, {0, 0, layer}, -1});
   return links;
 }
 
@@ -52,9 +66,10 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   const CollisionSpec spec{channel.tau, channel.magic, Collision::trt, {channel.force, 0, 0}};
   Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
                       MPI_COMM_SELF);
+  PairsAcross<double> pairs(fluid.domain(), MPI_COMM_SELF, fluid.blocks());
   const WallFluid<double> wall(spec);
-  CutLinks<double> links[2] = {links_of(1, -1, channel.below, scheme, wall),
-                               links_of(channel.layers, +1, channel.above, scheme, wall)};
+  CutLinks<double> links[2] = {links_of(1, -1, channel.below, scheme, wall, n),
+                               links_of(channel.layers, +1, channel.above, scheme, wall, n)};
   if (channel.paired)
     set_far_wall(links[0], channel.above, channel.speed), set_far_wall(links[1], channel.below, 0);
   const SurfaceMotion motions[2] = {{}, {{channel.speed, 0, 0}, {}}};
@@ -66,9 +81,11 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     fluid.exchange();
     LinkSums sums;
     const LinkSlots slots = link_slots(fluid.blocks()[0], fluid.parity());
+    pairs.exchange(fluid.blocks(), fluid.parity());
     for (int k = 0; k < 2; ++k)
-      apply_cut_links<double>({fluid.blocks()[0], slots, links[k], links[k].groups[0]}, motions[k],
-                              ForceForm::exact, sums);
+      for (const LinkGroup& group : links[k].groups)
+        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0)}, motions[k],
+                                ForceForm::exact, sums);
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
@@ -89,6 +106,12 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   }
   if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
   if (scheme == WallScheme::cli) return {least, q};
+  if (scheme == WallScheme::multireflection) {  // the mean of 3/4 q^2 and of cli, weighted with k of each
+    const double share = WallFluid<double>({channel.tau, channel.magic, Collision::trt, {}}).stable_share;
+    const double parabolic = share * 2 / ((1 + q) * (1 + q)),
+                 linear = (1 - share) / (0.5 + q + (least - channel.magic) / rate);
+    return {(parabolic * 0.75 * q * q + linear * least) / (parabolic + linear), q};
+  }
   return {channel.magic + std::fabs(q - 0.5) * rate, q};
 }
 
@@ -116,8 +139,8 @@ const double distances[][2] = {{0.5, 0.5}, {0.07, 0.93}, {0.31, 0.64}, {1, 0.26}
 const double rates[][2] = {{0.6, 1. / 24}, {0.8, 1. / 6}, {1, 1. / 6}, {1.7, 3. / 16}, {3, 1. / 24}};
 
 TEST(WallSchemes, HoldTheirClosures) {
-  for (const auto scheme :
-       {WallScheme::bounce_back, WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic})
+  for (const auto scheme : {WallScheme::bounce_back, WallScheme::cli, WallScheme::bouzidi,
+                            WallScheme::parabolic, WallScheme::multireflection})
     for (const auto& q : distances)
       for (const auto& r : rates)
         EXPECT_LT(difference({r[0], r[1], q[0], q[1], 4}, scheme), 1e-10)
@@ -125,7 +148,8 @@ TEST(WallSchemes, HoldTheirClosures) {
 }
 
 TEST(WallSchemes, HoldMovingWalls) {
-  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic})
+  for (const auto scheme :
+       {WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic, WallScheme::multireflection})
     for (const auto& q : distances)
       EXPECT_LT(difference({0.8, 1. / 12, q[0], q[1], 3, 1e-6, 0.01}, scheme), 1e-10)
           << wall_scheme_names[int(scheme)] << " q " << q[0] << " " << q[1];
