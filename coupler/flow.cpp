@@ -44,7 +44,7 @@ class FlowOf final : public Flow {
       : coupling_(scene.coupling),
         world_(exchange.world()),
         fluid_(domain, collision_of(*scene.fluid), comm),
-        map_(fluid_.domain(), world_, boxes(fluid_)),
+        map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time),

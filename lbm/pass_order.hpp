@@ -60,12 +60,12 @@ class PassOrder {
     const int y0 = std::max(strip * rows_, inner_.y0), y1 = std::min((strip + 1) * rows_, inner_.y1);
     return {y0, in_shell(y0, z) ? y0 : y1, z, z + 1};
   }
-  /// First row beyond those whose cells, with all their neighbours, have collided after the same part as (y,
-  /// z) has.
-  int next_row(int y) const { return ((y + 1) / rows_ + 1) * rows_ - 1; }
-  /// The part after which a cell of the inside and all its neighbours have collided.
-  int ready(int y, int z) const {
-    return part_of(std::min(y + 1, inner_.y1 - 1), std::min(z + 1, inner_.z1 - 1));
+  /// First row beyond those whose cells, with all up to `reach` away, have collided after the same part as
+  /// (y, z) has.
+  int next_row(int y, int reach) const { return ((y + reach) / rows_ + 1) * rows_ - reach; }
+  /// The part after which a cell further than `reach` inside and all up to so far away have collided.
+  int ready(int y, int z, int reach) const {
+    return part_of(std::min(y + reach, inner_.y1 - 1), std::min(z + reach, inner_.z1 - 1));
   }
 
  private:

@@ -38,6 +38,10 @@ constexpr bool reads_behind(WallScheme scheme, double q) {
 constexpr bool reads_beyond(WallScheme scheme) {
   return scheme == WallScheme::multireflection;
 }
+/// How many cells from its own a link may read or write.
+constexpr int link_reach(WallScheme scheme) {
+  return reads_beyond(scheme) ? 2 : 1;
+}
 /// The scheme of a link whose cell behind is fluid and the one beyond that is not.
 constexpr WallScheme two_cell_gap_scheme(WallScheme scheme) {
   return reads_beyond(scheme) ? WallScheme::cli : scheme;

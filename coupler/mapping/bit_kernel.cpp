@@ -140,7 +140,7 @@ std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Wo
 }
 
 /// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
-/// layer: all but two at either end of the frame.
+/// layers: all but two at either end of the frame.
 inline void set_cells(const BitFrame& frame, std::size_t row, double first, double last,
                       std::uint64_t* words) {
   first = std::max(first, 2.0), last = std::min(last, frame.size.x - 3.0);

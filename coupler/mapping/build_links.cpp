@@ -1,6 +1,7 @@
 #include "coupler/mapping/build_links.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "lbm/pass_order.hpp"
+#include "lbm/places_across.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -48,10 +50,11 @@ std::uint64_t cells_between(int x, int from, int to) {
   return (~std::uint64_t{0} >> (64 - (b - a))) << a;
 }
 
-/// Whether some fluid cell next to the body may lie at the rim of the block, or in another block.
-bool touches_rim(const BitFrame& f, Int3 block) {
+/// Whether some fluid cell next to the body may lie within `rim` cells of the block's faces, or in another
+/// block.
+bool touches_rim(const BitFrame& f, Int3 block, int rim) {
   for (int d = 0; d < 3; ++d)
-    if (f.low[d] < 0 || f.low[d] + f.size[d] > block[d]) return true;
+    if (f.low[d] < rim - 1 || f.low[d] + f.size[d] > block[d] - (rim - 1)) return true;
   return false;
 }
 
@@ -60,12 +63,22 @@ template <class T>
 class LinkWriter {
  public:
   LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme)
-      : map_(map), sweep_(sweep), scheme_(scheme) {}
+      : map_(map),
+        sweep_(sweep),
+        scheme_(scheme),
+        reach_(lbm::link_reach(scheme)),
+        places_across_(map.box.size) {
+    for (auto& kinds : apart_) {
+      kinds[single_cell].scheme = WallScheme::single_cell_gap;
+      kinds[two_cells].scheme = lbm::two_cell_gap_scheme(scheme);
+      kinds[across].scheme = scheme;
+    }
+  }
 
   /// The links' frame is set already.
   void body(const BodyMask& mask, const rigid::Shape& shape, lbm::CutLinks<T>& links) {
     mask_ = &mask, links_ = &links;
-    links.groups.clear(), used_ = 0;
+    links.groups.clear(), links.across.clear(), used_ = 0;
     if (mask.any) write(shape);
     links.place.assign(place_.begin(), place_.begin() + used_);
     links.q.assign(q_.begin(), q_.begin() + used_);
@@ -81,7 +94,7 @@ class LinkWriter {
     const Int3 n = map_.box.size;
     solid_.reset(frame);
     fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
-    const bool at_rim = touches_rim(frame, n);
+    const bool at_rim = touches_rim(frame, n, reach_);
     find_open(at_rim);
     constexpr int words_a_group = 8;  // of small bodies: enough links to be worth a group
     const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
@@ -92,13 +105,16 @@ class LinkWriter {
       inner_groups(planes, most);
       if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
     }
-    end_group(apart_inside_), end_group(apart_at_rim_);
+    for (auto& kinds : apart_)
+      for (Apart& apart : kinds) end_group(apart);
   }
 
-  /// Fluid cells inside the block, those at its rim apart. Cells of other blocks are in neither.
+  /// Fluid cells inside the block, those at its rim apart: within a link's reach of ghost cells. Cells of
+  /// other blocks are in neither.
   void find_open(bool at_rim) {
     const BitFrame& frame = mask_->frame();
     const Int3 n = map_.box.size;
+    const int r = reach_;
     inner_.reset(frame);
     if (!at_rim) {
       for (std::size_t k = 0; k < frame.words(); ++k) inner_.words()[k] = ~solid_.words()[k];
@@ -106,13 +122,13 @@ class LinkWriter {
     }
     rim_.reset(frame);
     fill_rows(inner_, n, [&](int x, int y, int z) {
-      if (y < 1 || z < 1 || y >= n.y - 1 || z >= n.z - 1) return std::uint64_t{0};
-      return ~map_.solid.from(x, y, z) & cells_between(x, 1, n.x - 1);
+      if (y < r || z < r || y >= n.y - r || z >= n.z - r) return std::uint64_t{0};
+      return ~map_.solid.from(x, y, z) & cells_between(x, r, n.x - r);
     });
     fill_rows(rim_, n, [&](int x, int y, int z) {
       if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
-      const bool side = y == 0 || z == 0 || y == n.y - 1 || z == n.z - 1;
-      const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, 1, n.x - 1);
+      const bool side = y < r || z < r || y >= n.y - r || z >= n.z - r;
+      const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, r, n.x - r);
       return ~map_.solid.from(x, y, z) & (side ? all : all & ~inner);
     });
   }
@@ -120,13 +136,13 @@ class LinkWriter {
   /// A group for each strip of the dense pass.
   void inner_groups(Planes planes, std::size_t most) {
     const BitFrame& frame = mask_->frame();
-    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - 1) - 1;
-    if (last < 1) return;
-    const int first = std::max(frame.low.y + 1, 1),
-              end = std::min(frame.low.y + frame.size.y, map_.box.size.y) - 1;
+    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - reach_) - 1;
+    if (last < reach_) return;
+    const int first = std::max(frame.low.y + 1, reach_),
+              end = std::min(frame.low.y + frame.size.y - 1, map_.box.size.y - reach_);
     for (int y = first; y < end;) {
-      const int next = std::min(sweep_.next_row(y), end);
-      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last));
+      const int next = std::min(sweep_.next_row(y, reach_), end);
+      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last, reach_));
       y = next;
     }
   }
@@ -134,8 +150,12 @@ class LinkWriter {
   /// The links of the open cells in rows [y0, y1) of some planes; `most`: of one direction.
   void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
     const BitFrame& frame = mask_->frame();
+    const Int3 corner = frame.low + Int3{0, 0, planes.z};
+    auto& kinds = apart_[ready < 0];
+    for (Apart& apart : kinds)  // whose places cannot count so many planes
+      if (corner.z + planes.count - apart.corner.z > 1 << lbm::place_z_bits) end_group(apart);
     const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
-    if (narrow_.size() < room) narrow_.resize(room), narrow_q_.resize(room);
+    if (narrow_.size() < room) narrow_.resize(room);
     make_room(lbm::directions * most);
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
@@ -146,46 +166,77 @@ class LinkWriter {
     std::copy_n(narrow_.data(), found.narrow, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
     T* const q = q_.data() + used_;
-    const Int3 corner = frame.low + Int3{0, 0, planes.z};
     set_distances(corner, place, n, q);
-    std::uint32_t clear = n,
-                  apart = 0;  // narrow ones for which the scheme would read the cell behind go apart
-    for (std::uint32_t k = found.clear; k < clear;)
-      if (lbm::reads_behind(scheme_, q[k]))
-        narrow_[apart] = place[k], narrow_q_[apart++] = q[k], --clear, place[k] = place[clear],
-        q[k] = q[clear];
-      else
+    std::uint32_t clear = n;
+    for (std::uint32_t k = found.clear; k < clear;) {
+      if (!lbm::reads_behind(scheme_, q[k])) {
         ++k;
+        continue;
+      }
+      kinds[single_cell].add(corner, place[k], q[k], ready);
+      --clear;
+      place[k] = place[clear], q[k] = q[clear];
+    }
+    if (lbm::reads_beyond(scheme_)) clear = put_apart(clear, corner, ready);
     end_group(clear, corner, scheme_, ready);
-    set_apart(ready < 0 ? apart_at_rim_ : apart_inside_, apart, corner, planes.count, ready);
   }
 
-  /// Narrow links are few: those of planes that follow one another share a group.
+  /// Of the first n links at `used_`, whose cell behind is fluid, puts those apart that must not read beyond
+  /// it or cannot do so in the block's memory. Returns how many stay.
+  std::uint32_t put_apart(std::uint32_t n, Int3 corner, int ready) {
+    const lbm::CellBox block{{}, map_.box.size};
+    auto& kinds = apart_[ready < 0];
+    std::uint32_t* const place = place_.data() + used_;
+    T* const q = q_.data() + used_;
+    std::uint32_t left = 0;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const Int3 cell = corner + lbm::place_cell(place[k]);
+      const int i = lbm::place_direction(place[k]);
+      const Int3 behind = cell - lbm::c[i];
+      if (map_.solid.test(behind - lbm::c[i])) {
+        kinds[two_cells].add(corner, place[k], q[k], ready);
+      } else if (!block.contains(behind)) {
+        kinds[across].add(corner, place[k], q[k], ready);
+        kinds[across].pair.push_back(places_across_(cell, i));
+      } else {
+        place[left] = place[k], q[left++] = q[k];
+      }
+    }
+    return left;
+  }
+
+  /// Some links are few: those of planes that follow one another share a group.
   struct Apart {
-    std::vector<std::uint32_t> place;
+    WallScheme scheme;
+    std::vector<std::uint32_t> place, pair;  // pair: of CutLinks::across
     std::vector<T> q;
     Int3 corner;
     int ready = -1;
-  };
 
-  /// The first n of narrow_ and narrow_q_, of some planes from the corner on.
-  void set_apart(Apart& apart, std::uint32_t n, Int3 corner, int planes, int ready) {
-    if (n == 0) return;
-    if (corner.z + planes - apart.corner.z > 1 << lbm::place_z_bits) end_group(apart);
-    if (apart.place.empty()) apart.corner = corner;
-    const std::uint32_t above = lbm::link_place({0, 0, corner.z - apart.corner.z}, 0);
-    for (std::uint32_t k = 0; k < n; ++k) apart.place.push_back(narrow_[k] + above);
-    apart.q.insert(apart.q.end(), narrow_q_.begin(), narrow_q_.begin() + n);
-    apart.ready = std::max(apart.ready, ready);
-  }
+    /// The place counts from a corner that is no lower than that of the links before.
+    void add(Int3 from, std::uint32_t link, T distance, int part) {
+      if (place.empty()) corner = from;
+      place.push_back(link + lbm::link_place({0, 0, from.z - corner.z}, 0));
+      q.push_back(distance);
+      ready = std::max(ready, part);
+    }
+  };
+  enum Kind { single_cell, two_cells, across, kinds_apart };
 
   void end_group(Apart& apart) {
     const std::uint32_t n = std::uint32_t(apart.place.size());
+    if (n == 0) return;
     make_room(n);
     std::copy(apart.place.begin(), apart.place.end(), place_.begin() + used_);
     std::copy(apart.q.begin(), apart.q.end(), q_.begin() + used_);
-    end_group(n, apart.corner, WallScheme::single_cell_gap, apart.ready);
-    apart.place.clear(), apart.q.clear(), apart.ready = -1;
+    end_group(n, apart.corner, apart.scheme, apart.ready);
+    if (!apart.pair.empty()) {
+      lbm::LinkGroup& group = links_->groups.back();
+      group.across = true, group.across_begin = std::uint32_t(links_->across.size());
+      apart.pair.resize(lbm::padded(n), apart.pair.back());
+      links_->across.insert(links_->across.end(), apart.pair.begin(), apart.pair.end());
+    }
+    apart.place.clear(), apart.pair.clear(), apart.q.clear(), apart.ready = -1;
   }
 
   void make_room(std::size_t links) {
@@ -238,6 +289,8 @@ class LinkWriter {
   const BlockMap& map_;
   const lbm::PassOrder& sweep_;
   WallScheme scheme_;
+  int reach_;  // of a link, in cells
+  lbm::PlacesAcross places_across_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   const BodyMask* mask_ = nullptr;
   SurfaceParts<T> surface_;
@@ -245,13 +298,13 @@ class LinkWriter {
   bool is_tube_ = false;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> place_, narrow_;
-  std::vector<T> q_, narrow_q_;
-  Apart apart_inside_, apart_at_rim_;
-  std::uint32_t used_ = 0;  // of place_ and q_
+  std::vector<T> q_;
+  std::array<Apart, kinds_apart> apart_[2];  // inside, at the rim
+  std::uint32_t used_ = 0;                   // of place_ and q_
 };
 
 /// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.
-lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
+lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int link_reach) {
   lbm::SurfaceFrame frame{};
   double square = 0;
   for (int d = 0; d < 3; ++d) {
@@ -264,7 +317,7 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask) {
     square += far * far;
   }
   frame.reach = std::sqrt(square);
-  frame.whole = !touches_rim(mask.frame(), map.box.size);
+  frame.whole = !touches_rim(mask.frame(), map.box.size, link_reach);
   return frame;
 }
 
@@ -275,6 +328,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
                  const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
+  const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
@@ -282,7 +336,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
     if (mask.kept) continue;
     lbm::CutLinks<T>& links = surfaces[k].links;
-    links.fluid = rules.fluid, links.frame = surface_frame(map, mask);
+    links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
     writer.body(mask, world.shapes[shape], links);
     if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_free(mask.row))

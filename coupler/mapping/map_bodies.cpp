@@ -14,14 +14,13 @@ using rigid::Vec3;
 
 namespace {
 
+constexpr int ghosts = CellBits::ghosts;
+
 CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   CellBits bits(box.size);
-  for (int z = -1; z <= box.size.z; ++z)
-    for (int y = -1; y <= box.size.y; ++y)
-      for (int x = -1; x <= box.size.x; ++x) {
-        const Int3 cell = domain.wrapped(box.lower + Int3{x, y, z});
-        if (!domain.inside(cell)) bits.set({x, y, z});
-      }
+  for_cells({-ghosts, -ghosts, -ghosts}, box.size + Int3{ghosts, ghosts, ghosts}, [&](Int3 x) {
+    if (!domain.inside(domain.wrapped(box.lower + x))) bits.set(x);
+  });
   return bits;
 }
 
@@ -56,8 +55,8 @@ void take_cells(CellBits& solid, BodyMask& mask) {
 }  // namespace
 
 MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
-                     std::span<const lbm::CellBox> boxes)
-    : domain_(domain), world_(world) {
+                     std::span<const lbm::CellBox> boxes, int link_reach)
+    : domain_(domain), world_(world), link_reach_(link_reach) {
   for (const auto& box : boxes) {
     BlockMap map;
     map.box = box;
@@ -88,16 +87,17 @@ bool MapBodies::changed() const {
   return std::any_of(blocks_.begin(), blocks_.end(), [](const BlockMap& b) { return b.changed; });
 }
 
-/// Every image of every body whose cells may lie in the block or its ghost layer, and every wall, by (id,
+/// Every image of every body whose cells may lie in the block or its ghost layers, and every wall, by (id,
 /// shift).
 void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies) {
   found_.clear();
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
     if (!std::holds_alternative<rigid::Tube>(world_.shapes[bodies.shape[row]])) continue;
-    const Int3 n =
-        block.box.size;  // no images: it is alike on both sides of a periodic border, or solid there
-    found_.push_back({bodies.id[row], row, {}, BitFrame({-3, -3, -3}, n + Int3{6, 6, 6})});
+    // no images: it is alike on both sides of a periodic border, or solid there
+    constexpr int m = ghosts + 2;
+    const Int3 size = block.box.size + Int3{2 * m, 2 * m, 2 * m};
+    found_.push_back({bodies.id[row], row, {}, BitFrame({-m, -m, -m}, size)});
   }
   const auto before = [](const Image& a, const Image& b) {
     return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
@@ -113,8 +113,8 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
   for (int d = 0; d < 3; ++d) {
     low[d] = int(std::ceil(box.lower[d] - 0.5 - rounding));
     high[d] = int(std::floor(box.upper[d] - 0.5 + rounding));
-    const int n = domain_.cells()[d], from = block.box.lower[d] - 1,
-              to = block.box.lower[d] + block.box.size[d];
+    const int n = domain_.cells()[d], from = block.box.lower[d] - ghosts,
+              to = block.box.lower[d] + block.box.size[d] + ghosts - 1;
     const auto floor_div = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
     first[d] = domain_.periodic(d) ? -floor_div(high[d] - from, n) : 0;
     last[d] = domain_.periodic(d) ? floor_div(to - low[d], n) : 0;
@@ -126,8 +126,9 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
         const Int3 n = domain_.cells(), shift{kx * n.x, ky * n.y, kz * n.z};
         Int3 corner, size;
         for (int d = 0; d < 3; ++d) {
-          corner[d] = std::max(low[d] + shift[d] - block.box.lower[d], -1) - 2;
-          size[d] = std::min(high[d] + shift[d] - block.box.lower[d], block.box.size[d]) + 3 - corner[d];
+          const int origin = block.box.lower[d] - shift[d];
+          corner[d] = std::max(low[d] - origin, -ghosts) - 2;
+          size[d] = std::min(high[d] - origin, block.box.size[d] + ghosts - 1) + 3 - corner[d];
         }
         if (size.x > 4 && size.y > 4 && size.z > 4)
           found_.push_back({bodies.id[row], row, shift, BitFrame(corner, size)});
@@ -194,25 +195,26 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   find_kept(block);
 }
 
-/// Of the masks that are what they were, those around which others changed cells are not kept.
+/// Of the masks that are what they were, those around which others changed cells are not kept: within a
+/// link's reach behind the cells next to them, and the windows reach two cells beyond them.
 void MapBodies::find_kept(BlockMap& block) {
-  const int rows = block.box.size.y + 2, words = block.solid.words();
-  changed_rows_.assign(std::size_t(rows) * (block.box.size.z + 2), 0);
-  for (int z = -1; z <= block.box.size.z; ++z)
-    for (int y = -1; y <= block.box.size.y; ++y)
-      changed_rows_[std::size_t(z + 1) * rows + (y + 1)] =
+  const Int3 low{-ghosts, -ghosts, -ghosts}, high = block.box.size + Int3{ghosts, ghosts, ghosts};
+  const int rows = high.y - low.y, words = block.solid.words(), beyond = link_reach_ - 1;
+  const auto row = [&](int y, int z) { return std::size_t(z - low.z) * rows + (y - low.y); };
+  changed_rows_.assign(row(low.y, high.z), 0);
+  for (int z = low.z; z < high.z; ++z)
+    for (int y = low.y; y < high.y; ++y)
+      changed_rows_[row(y, z)] =
           !std::equal(block.solid.at(y, z), block.solid.at(y, z) + words, block.before.at(y, z));
   for (BodyMask& mask : block.masks) {
     const BitFrame& f = mask.frame();
-    const int low = std::max(f.low.y, -1), high = std::min(f.low.y + f.size.y, block.box.size.y + 1);
-    for (int z = std::max(f.low.z, -1); mask.kept && z < std::min(f.low.z + f.size.z, block.box.size.z + 1);
-         ++z)
-      for (int y = low; mask.kept && y < high; ++y)
-        if (changed_rows_[std::size_t(z + 1) * rows + (y + 1)])
-          for (int x = 0; x < f.pitch; x += 64)
-            mask.kept &=
-                first_cells(block.solid.from(f.low.x + x, y, z) ^ block.before.from(f.low.x + x, y, z),
-                            f.size.x - x) == 0;
+    const Int3 first = f.low - Int3{beyond, beyond, beyond};
+    const Int3 end = f.low + f.size + Int3{beyond, beyond, beyond};
+    for (int z = std::max(first.z, low.z); mask.kept && z < std::min(end.z, high.z); ++z)
+      for (int y = std::max(first.y, low.y); mask.kept && y < std::min(end.y, high.y); ++y)
+        if (changed_rows_[row(y, z)])
+          for (int x = first.x; x < end.x; x += 64)
+            mask.kept &= first_cells(block.solid.from(x, y, z) ^ block.before.from(x, y, z), end.x - x) == 0;
   }
 }
 

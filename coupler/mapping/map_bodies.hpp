@@ -19,7 +19,8 @@ void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance)
 
 class MapBodies {
  public:
-  MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks);
+  /// link_reach: of the wall scheme (lbm::link_reach); masks are kept if links would be.
+  MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks, int link_reach);
 
   /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
   /// is false there and `before` equals `solid`.
@@ -44,6 +45,7 @@ class MapBodies {
 
   const lbm::Domain& domain_;
   const rigid::World& world_;
+  int link_reach_;
   std::vector<BlockMap> blocks_;
   std::vector<Image> found_;      // in the block at work
   SurfaceParts<double> surface_;  // of the body at work

@@ -12,6 +12,7 @@
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/pass_order.hpp"
+#include "lbm/places_across.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler::testing {
@@ -57,62 +58,97 @@ class Geometry {
   const lbm::Domain& domain_;
 };
 
+constexpr std::int64_t in_block = -1;  // Link::pair
+
 struct Link {
   std::size_t row;
-  bool narrow;
+  WallScheme scheme;
+  std::int64_t pair;  // place of the pair across
   double q;
   Vec3 arm;
 };
 using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
 
-/// After a part of the dense pass, a cell and all around it have collided.
-inline void expect_all_done(const lbm::PassOrder& sweep, Int3 x, int part) {
-  for (int z = x.z - 1; z <= x.z + 1; ++z)
-    for (int y = x.y - 1; y <= x.y + 1; ++y) EXPECT_LE(sweep.part_of(y, z), part);
+/// What a comparison came upon.
+struct LinkKinds {
+  int narrow = 0, two_cells = 0, across = 0;
+};
+
+/// After a part of the dense pass, a cell and all that a link of it may touch have collided.
+inline void expect_all_done(const lbm::PassOrder& sweep, Int3 x, int reach, int part) {
+  for (int z = x.z - reach; z <= x.z + reach; ++z)
+    for (int y = x.y - reach; y <= x.y + reach; ++y) EXPECT_LE(sweep.part_of(y, z), part);
+}
+
+/// What fills up a group copies its last link.
+template <class T>
+void expect_filled_up(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g) {
+  for (std::uint32_t l = g.count; l < lbm::padded(g.count); ++l) {
+    EXPECT_EQ(links.place.at(g.begin + l), links.place[g.begin + g.count - 1]);
+    EXPECT_EQ(links.q.at(g.begin + l), links.q[g.begin + g.count - 1]);
+    if (g.across) {
+      EXPECT_EQ(links.across.at(g.across_begin + l), links.across[g.across_begin + g.count - 1]);
+    }
+  }
 }
 
 template <class T>
 void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>& links, WallScheme scheme,
                Links& found) {
   const lbm::PassOrder sweep(map.box.size, sizeof(T));
+  const int reach = scheme == WallScheme::multireflection ? 2 : 1;
   for (const lbm::LinkGroup& g : links.groups) {
     const lbm::SurfaceFrame& frame = links.frame;
     EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
-    for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {
-      const std::uint32_t p = links.place[l];
+    expect_filled_up(links, g);
+    for (std::uint32_t l = 0; l < g.count; ++l) {
+      const std::uint32_t p = links.place[g.begin + l];
       const Int3 x = g.corner + lbm::place_cell(p);
       bool rim = false;
-      for (int d = 0; d < 3; ++d) rim |= x[d] == 0 || x[d] == map.box.size[d] - 1;
+      for (int d = 0; d < 3; ++d) rim |= x[d] < reach || x[d] >= map.box.size[d] - reach;
       EXPECT_EQ(rim, g.ready < 0);
-      if (!rim) expect_all_done(sweep, x, g.ready);
+      if (!rim) expect_all_done(sweep, x, reach, g.ready);
       Vec3 arm;
       for (int d = 0; d < 3; ++d) arm[d] = x[d] - frame.cell[d] + frame.offset[d];
       EXPECT_LE(arm.norm(), frame.reach);
-      const Link link{mask.row, g.scheme != scheme, double(links.q[l]), arm};
+      const std::int64_t pair = g.across ? links.across[g.across_begin + l] : in_block;
+      const Link link{mask.row, g.scheme, pair, double(links.q[g.begin + l]), arm};
       EXPECT_TRUE(found.insert({{x.x, x.y, x.z, lbm::place_direction(p)}, link}).second)
           << "a link is listed twice";
     }
   }
 }
 
-/// Every link of a block, by its definition; adds the narrow ones. `surfaces`: of the mapping before, then of
-/// this one.
+/// The scheme of a link at the distance q: in a gap of one or two cells it is another than the case's.
+inline WallScheme scheme_at(const Geometry& geometry, Int3 cell, int i, WallScheme scheme, double q) {
+  const auto fluid = [&](Int3 x) { return geometry.owner(x) == -1; };
+  const Int3 behind = cell - lbm::c[i];
+  const bool reads = scheme == WallScheme::bouzidi ? q < 0.5 : scheme != WallScheme::bounce_back;
+  if (reads && !fluid(behind)) return WallScheme::single_cell_gap;
+  return scheme == WallScheme::multireflection && !fluid(behind - lbm::c[i]) ? WallScheme::cli : scheme;
+}
+
+/// Every link of a block, by its definition; adds those of each kind. `surfaces`: of the mapping before, then
+/// of this one.
 template <class T>
 void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme scheme, double rounding,
-                      std::vector<SurfaceLinks<T>>& surfaces, int& narrow_ones) {
+                      std::vector<SurfaceLinks<T>>& surfaces, LinkKinds& kinds) {
   const Geometry geometry(s);
   CouplingSpec coupling;
   coupling.wall_scheme = scheme;
-  build_links<T>(map, s.scene().world, s.bodies(), {coupling, {}, lbm::PassOrder(map.box.size, sizeof(T))},
-                 surfaces);
+  if (map.changed)  // else the surfaces are up to date
+    build_links<T>(map, s.scene().world, s.bodies(), {coupling, {}, lbm::PassOrder(map.box.size, sizeof(T))},
+                   surfaces);
   Links left;
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     add_links(map, map.masks[k], surfaces[k].links, scheme, left);
   const Int3 n = map.box.size;
+  const lbm::CellBox inside{{}, n};
+  const lbm::PlacesAcross pair_of(n);
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y)
       for (int x = 0; x < n.x; ++x) {
-        const Int3 cell = map.box.lower + Int3{x, y, z};
+        const Int3 at_block{x, y, z}, cell = map.box.lower + at_block;
         if (geometry.owner(cell) != -1) continue;
         for (int i = 1; i < lbm::directions; ++i) {
           const int owner = geometry.owner(cell + lbm::c[i]);
@@ -122,16 +158,19 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
           const Link& link = at->second;
           EXPECT_EQ(int(link.row), owner);
           EXPECT_LT((link.arm - geometry.arm(owner, cell)).norm(), 1e-12);
-          const bool blocked = geometry.owner(cell - lbm::c[i]) != -1;
           const double q = geometry.distance(owner, cell, i);
           if (scheme != WallScheme::bounce_back) {
             EXPECT_NEAR(link.q, q, rounding);
           }
-          const bool reads = lbm::reads_behind(scheme, scheme == WallScheme::bouzidi ? q : 0);
           if (scheme != WallScheme::bouzidi || std::fabs(q - 0.5) > rounding) {
-            EXPECT_EQ(link.narrow, blocked && reads);
+            EXPECT_EQ(link.scheme, scheme_at(geometry, cell, i, scheme, q));
           }
-          narrow_ones += link.narrow;
+          const bool across =
+              link.scheme == WallScheme::multireflection && !inside.contains(at_block - lbm::c[i]);
+          EXPECT_EQ(link.pair, across ? std::int64_t(pair_of(at_block, i)) : in_block);
+          kinds.narrow += link.scheme == WallScheme::single_cell_gap;
+          kinds.two_cells += link.scheme != scheme && link.scheme != WallScheme::single_cell_gap;
+          kinds.across += across;
           left.erase(at);
         }
       }

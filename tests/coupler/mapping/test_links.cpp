@@ -25,13 +25,14 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
   const lbm::Domain& domain = s.scene().flow->domain();
   std::vector<lbm::CellBox> boxes;
   for (const auto& place : domain.blocks()) boxes.push_back(place.box);
-  MapBodies map(domain, s.scene().world, boxes);
+  MapBodies map(domain, s.scene().world, boxes, lbm::link_reach(scheme));
   std::vector<std::vector<SurfaceLinks<T>>> surfaces(boxes.size());
-  int narrow = 0, kept = 0, spoilt = 0;  // spoilt: bodies at rest whose links others changed
+  LinkKinds kinds;
+  int kept = 0, spoilt = 0;  // spoilt: bodies at rest whose links others changed
   for (unsigned round = 0; round < 3; ++round) {
     map(s.bodies());
     for (std::size_t b = 0; b < boxes.size(); ++b)
-      expect_all_links<T>(s, map.blocks()[b], scheme, rounding, surfaces[b], narrow);
+      expect_all_links<T>(s, map.blocks()[b], scheme, rounding, surfaces[b], kinds);
     for (const BlockMap& block : map.blocks())
       for (const BodyMask& mask : block.masks)
         (mask.kept ? kept : spoilt) += block.changed && round > 0 && mask.id % 4 != round;
@@ -39,7 +40,9 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
       if (s.bodies().id[row] % 4 == round + 1)
         move(s.bodies(), row, mapping_pose(s.bodies(), row).position + Vec3(0.3, -0.4, 0.2));
   }
-  EXPECT_EQ(narrow > 0, scheme != WallScheme::bounce_back);
+  EXPECT_EQ(kinds.narrow > 0, scheme != WallScheme::bounce_back);
+  EXPECT_EQ(kinds.two_cells > 0, scheme == WallScheme::multireflection);
+  EXPECT_EQ(kinds.across > 0, scheme == WallScheme::multireflection);
   EXPECT_GT(kept, 0);
   EXPECT_GT(spoilt, 0);
 }
@@ -52,6 +55,13 @@ TEST(Links, AreThoseOfTheDefinition) {
   check_crowd<double>("domain.blocks=[12,10,14]", WallScheme::parabolic, 1e-9);
 }
 
+TEST(Links, ThatReadBeyondAreThoseOfTheDefinition) {
+  check_crowd<double>("domain.blocks=[24,20,28]", WallScheme::multireflection, 1e-9);
+  check_crowd<double>("domain.blocks=[7,9,5]", WallScheme::multireflection, 1e-9);
+  check_crowd<float>("domain.blocks=[12,10,14]", WallScheme::multireflection, 2e-4);
+  check_crowd<float>("domain.blocks=[2,20,4]", WallScheme::multireflection, 2e-4);
+}
+
 /// A ball that comes to rest at mapping poses of our choice, and a smaller one of a lower id.
 CaseText visited_ball() {
   CaseText c;
@@ -62,24 +72,31 @@ CaseText visited_ball() {
   return c;
 }
 
-// From within, where the visitor takes of the ball's cells without a change of what is solid, to where it is
-// out of reach of its links.
-TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
+/// From within, where the visitor takes of the ball's cells without a change of what is solid, to where it is
+/// out of reach of its links.
+void check_visits(WallScheme scheme) {
   Simulation s = visited_ball().start(MPI_COMM_SELF);
-  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {18, 18, 18}}});
+  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {18, 18, 18}}},
+                lbm::link_reach(scheme));
   std::vector<SurfaceLinks<double>> surfaces;
-  int narrow = 0, kept = 0, renewed = 0;
+  LinkKinds kinds;
+  int kept = 0, renewed = 0;
   const Vec3 centre = mapping_pose(s.bodies(), 1).position;
   for (int i = 1; i < lbm::directions; ++i)
     for (double distance = 1.05; distance < 9; distance += 0.55) {
       const Vec3 along = Vec3(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z).normalized();
       move(s.bodies(), 0, centre + distance * along);
       map(s.bodies());
-      expect_all_links<double>(s, map.blocks()[0], WallScheme::cli, 1e-9, surfaces, narrow);
+      expect_all_links<double>(s, map.blocks()[0], scheme, 1e-9, surfaces, kinds);
       ++(map.blocks()[0].masks.back().kept ? kept : renewed);
     }
   EXPECT_GT(kept, 10);
   EXPECT_GT(renewed, 10);
+}
+
+TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
+  check_visits(WallScheme::cli);
+  check_visits(WallScheme::multireflection);
 }
 
 }  // namespace

@@ -76,13 +76,13 @@ Distances distances(const CaseText& scene, Int3 block, double rounding) {
   for (int z = 0; z < n.z; z += block.z)
     for (int y = 0; y < n.y; y += block.y)
       for (int x = 0; x < n.x; x += block.x) boxes.push_back({{x, y, z}, block});
-  MapBodies map(s.scene().flow->domain(), s.scene().world, boxes);
+  MapBodies map(s.scene().flow->domain(), s.scene().world, boxes, 1);
   map(s.bodies());
   Distances all;
-  int narrow = 0;
+  LinkKinds kinds;
   for (const BlockMap& b : map.blocks()) {
     std::vector<SurfaceLinks<T>> surfaces;
-    expect_all_links<T>(s, b, WallScheme::cli, rounding, surfaces, narrow);
+    expect_all_links<T>(s, b, WallScheme::cli, rounding, surfaces, kinds);
     for (const auto& surface : surfaces)
       for (const lbm::LinkGroup& g : surface.links.groups)
         for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {

@@ -78,7 +78,7 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
   Simulation s = crowd_between_sides();
   put_boxes_at_sides(s);
   const Int3 n = s.scene().flow->domain().cells();
-  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}});
+  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}}, 1);
   map(s.bodies());
   BlockLinks<double> block;
   auto& surfaces = block.surfaces;
