@@ -1,6 +1,7 @@
 #include "coupler/flow.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
@@ -11,6 +12,7 @@
 #include "coupler/mapping/refill.hpp"
 #include "coupler/side_force.hpp"
 #include "coupler/state_hash.hpp"
+#include "lbm/pairs_across.hpp"
 
 namespace silt::coupler {
 
@@ -48,7 +50,11 @@ class FlowOf final : public Flow {
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time),
-        corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {}
+        corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {
+    if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
+    pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
+    for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
+  }
 
   void map_bodies(rigid::BodySet& bodies) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
@@ -68,7 +74,10 @@ class FlowOf final : public Flow {
                     [&] { forces_.after_part(fluid_.blocks()[b], links_[b], part); });
     });
   }
-  void communicate() override { fluid_.exchange(); }
+  void communicate() override {
+    fluid_.exchange();
+    if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
+  }
 
   void evaluate_forces(rigid::BodySet& bodies) override {
     stepped_ = true;
@@ -186,7 +195,7 @@ class FlowOf final : public Flow {
         fluid_.set_idle(int(b), !map.has_fluid());
         build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b))}, block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
-        if (coupling_.wall_scheme == WallScheme::parabolic)
+        if (lbm::knows_opposite_wall(coupling_.wall_scheme))
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
       }
       counts_.links += block.count;
@@ -198,6 +207,7 @@ class FlowOf final : public Flow {
   lbm::Fluid<T> fluid_;
   MapBodies map_;
   std::vector<BlockLinks<T>> links_;
+  std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;

@@ -14,7 +14,14 @@ namespace silt::lbm {
 /// 18).
 /// `single_cell_gap` reads the cell alone: for links of the others whose cell behind is not fluid (README.md,
 /// equations 15 and 16); no case can choose it.
-enum class WallScheme : std::uint8_t { bounce_back, cli, bouzidi, parabolic, multireflection, single_cell_gap };
+enum class WallScheme : std::uint8_t {
+  bounce_back,
+  cli,
+  bouzidi,
+  parabolic,
+  multireflection,
+  single_cell_gap
+};
 /// The schemes that a case can choose, in the order of the enumerators.
 inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic", "multireflection"};
@@ -33,6 +40,10 @@ constexpr bool reads_behind(WallScheme scheme) {
 /// Whether it reads f*_i(x - c_i) at the wall distance q.
 constexpr bool reads_behind(WallScheme scheme, double q) {
   return scheme == WallScheme::bouzidi ? q < 0.5 : reads_behind(scheme);
+}
+/// Whether links of a single-cell gap are told of the surface on its other side (README.md, equation 16).
+constexpr bool knows_opposite_wall(WallScheme scheme) {
+  return scheme == WallScheme::parabolic || scheme == WallScheme::multireflection;
 }
 /// Whether the formula reads f*_opp(x - c_i) and f*_i(x - 2 c_i) too.
 constexpr bool reads_beyond(WallScheme scheme) {

@@ -85,10 +85,10 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
 }
 
 template <class T>
-void FluidForces<T>::apply(lbm::Block<T>& block, const lbm::LinkSlots& slots, SurfaceLinks<T>& surface,
+void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface,
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) const {
-  lbm::apply_cut_links<T>({block, slots, surface.links, group, next}, surface.motion, spec_.force,
-                          surface.sums);
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across},
+                          surface.motion, spec_.force, surface.sums);
 }
 
 template <class T>
@@ -98,8 +98,7 @@ void FluidForces<T>::after_part(lbm::Block<T>& block, BlockLinks<T>& links, int 
   for (std::uint32_t k = links.first_inner[part]; k < end; ++k) {
     links.prefetch(inner, k);
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
-    apply(block, links.slots, surface, surface.links.groups[inner[k].number],
-          links.next_group(inner, k, end));
+    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end));
     if (!implicit_) continue;
     if (k + 2 < end) prefetch_row(links.surfaces[inner[k + 2].surface]);
     if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface);
@@ -144,7 +143,7 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLin
     for (std::size_t k = 0; k < rim.size(); ++k) {
       links[b].prefetch(rim, k);
       SurfaceLinks<T>& surface = links[b].surfaces[rim[k].surface];
-      apply(fluid.blocks()[b], links[b].slots, surface, surface.links.groups[rim[k].number],
+      apply(fluid.blocks()[b], links[b], surface, surface.links.groups[rim[k].number],
             links[b].next_group(rim, k, rim.size()));
     }
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {

@@ -54,7 +54,7 @@ class FluidForces {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
 
  private:
-  void apply(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&, const lbm::LinkGroup&,
+  void apply(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&, const lbm::LinkGroup&,
              const lbm::NextGroup<T>&) const;
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);

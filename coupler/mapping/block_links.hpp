@@ -15,12 +15,13 @@ struct BlockLinks {
     std::uint32_t surface, number;
   };
   std::vector<SurfaceLinks<T>> surfaces;
-  std::vector<Group> inner;                // groups in the order of the parts they wait for
-  std::vector<std::uint32_t> first_inner;  // of a part; the last one's end
-  std::vector<Group> rim;                  // groups that wait for the halo exchange
-  std::size_t count = 0;                   // links
-  lbm::LinkSlots slots;                    // of the step under way
-  NarrowGaps<T> gaps;                      // under `parabolic`
+  std::vector<Group> inner;                          // groups in the order of the parts they wait for
+  std::vector<std::uint32_t> first_inner;            // of a part; the last one's end
+  std::vector<Group> rim;                            // groups that wait for the halo exchange
+  std::size_t count = 0;                             // links
+  lbm::LinkSlots slots;                              // of the step under way
+  NarrowGaps<T> gaps;                                // under schemes that know the opposite wall
+  const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
 
   /// A hint that the groups after the k-th of an order will be wanted soon, one after the other: first their
   /// surface, then where the group is, then its links.
