@@ -11,6 +11,7 @@
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "coupler/guard.hpp"
+#include "coupler/mapping/solid_map.hpp"
 #include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
@@ -19,9 +20,10 @@ namespace {
 
 using rigid::Vec3;
 
-// Cells by which the blocks are grown when the holders of a body are found, with fluid: the ghost layer and
-// the cell behind a link's fluid cell; besides them the furthest motion of a step that the guard lets pass.
-constexpr double ghost_layers = 2;
+// Cells by which the blocks are grown when the holders of a body are found, with fluid: the ghost layers of
+// the map of solid cells (whose centres are no further than 1.5 cells away; the rest is for what a mapping
+// pose may lag behind); besides them the furthest motion of a step that the guard lets pass.
+constexpr double ghost_layers = CellBits::ghosts;
 // Without fluid: what rounding may do to a contact point between two blocks.
 constexpr double dry_slack = 1e-3;
 
