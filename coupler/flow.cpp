@@ -53,6 +53,7 @@ class FlowOf final : public Flow {
         corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
+    wants_pairs_.assign(links_.size(), 0);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
@@ -76,7 +77,7 @@ class FlowOf final : public Flow {
   }
   void communicate() override {
     fluid_.exchange();
-    if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
+    if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity(), wants_pairs_);
   }
 
   void evaluate_forces(rigid::BodySet& bodies) override {
@@ -197,6 +198,7 @@ class FlowOf final : public Flow {
         block.order_groups(fluid_.pass_order(int(b)));
         if (lbm::knows_opposite_wall(coupling_.wall_scheme))
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
+        if (pairs_) wants_pairs_[b] = block.reads_across();
       }
       counts_.links += block.count;
     }
@@ -208,6 +210,7 @@ class FlowOf final : public Flow {
   MapBodies map_;
   std::vector<BlockLinks<T>> links_;
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
+  std::vector<char> wants_pairs_;             // of the blocks, with pairs_
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;

@@ -54,10 +54,10 @@ inline constexpr int place_direction(std::uint32_t p) {
 struct LinkGroup {
   std::uint32_t begin, count;  // of the arrays of CutLinks
   WallScheme scheme;
-  Int3 corner;                 // cell of the block that places count from (may lie outside of it)
-  std::int32_t ready;          // last part of the dense pass that the links read or write; -1: at the rim
-  std::uint32_t opposite = 0;  // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
-  bool across = false;         // x - c_i lies in another block, or beyond a period: see CutLinks::across
+  Int3 corner;                     // cell of the block that places count from (may lie outside of it)
+  std::int32_t ready;              // last part of the dense pass that the links read or write; -1: at the rim
+  std::uint32_t opposite = 0;      // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
+  bool across = false;             // x - c_i lies in another block, or beyond a period: see CutLinks::across
   std::uint32_t across_begin = 0;  // first in CutLinks::across
 };
 
@@ -122,7 +122,7 @@ struct SurfaceMotion {
 /// "Forces and sums"). These are the quanta of force and torque, and of mass, in lattice units.
 inline constexpr double link_quantum = 0x1p-44, mass_quantum = 0x1p-40;
 
-/// The sums of the momentum exchange on one surface in one step (README.md, equation 18).
+/// The sums of the momentum exchange on one surface in one step (README.md, equation 22).
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
   std::int64_t mass = 0;  // density gained by the fluid, in mass quanta
@@ -130,7 +130,7 @@ struct LinkSums {
 };
 
 /// The stiffness of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
-/// velocity (README.md, equation 19). Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum
+/// velocity (README.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum
 /// for the first three rows and columns, and 2^exponent times that for each of the others: 2^exponent is no
 /// less than |r x c|. In single precision the terms of 64 links fit 32 bits.
 struct StiffnessSums {

@@ -160,15 +160,17 @@ void PairsAcross<T>::start_messages(std::span<const Block<T>> blocks, Parity par
 }
 
 template <class T>
-void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
+void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity, std::span<const char> wanted) {
+  const auto is_wanted = [&](int block) { return wanted.empty() || wanted[block]; };
   start_messages(blocks, parity);
   for (const Copy& copy : copies_)
-    read(blocks, copy.from, parity, pairs_[copy.to.block].data() + copy.to.first);
+    if (is_wanted(copy.to.block))
+      read(blocks, copy.from, parity, pairs_[copy.to.block].data() + copy.to.first);
   MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   for (const Peer& peer : peers_) {
     const BeyondPair<T>* from = peer.incoming.data();
     for (const Places& run : peer.received) {
-      std::copy_n(from, run.length, pairs_[run.block].data() + run.first);
+      if (is_wanted(run.block)) std::copy_n(from, run.length, pairs_[run.block].data() + run.first);
       from += run.length;
     }
   }

@@ -24,8 +24,9 @@ class PairsAcross {
   /// `blocks` are the local ones, in the order of domain.blocks_of(rank).
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks);
   /// Call after the halo exchange, with the parity of the blocks then. The pair of an idle block means
-  /// nothing.
-  void exchange(std::span<const Block<T>> blocks, Parity);
+  /// nothing. Blocks whose flag in `wanted` is not set keep old pairs (empty: all are wanted); what other
+  /// ranks want of this one is not known here, so messages are whole.
+  void exchange(std::span<const Block<T>> blocks, Parity, std::span<const char> wanted = {});
   /// The pairs of a local block lie in the order of its PlacesAcross.
   const BeyondPair<T>* of(int block) const { return pairs_[block].data(); }
   /// The bytes that this rank sends in one exchange.

@@ -33,7 +33,7 @@ void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-/// Below tau - 1/2 = sqrt(magic / this), `multireflection` as a whole amplifies (README.md, equation 19).
+/// Below tau - 1/2 = sqrt(magic / this), `multireflection` as a whole amplifies (README.md, equation 20).
 inline constexpr double stable_share_slope = 1.8;
 
 /// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` is stable, and
@@ -74,7 +74,7 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
 }
 
 /// The coefficients that hold the parabola along the link, in the share that is stable; the rest is `cli`
-/// (equations 18 and 19).
+/// (equations 19 and 20).
 template <class V, class T>
 constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const WallFluid<T>& fluid) {
   const T share = fluid.stable_share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;

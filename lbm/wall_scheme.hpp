@@ -10,8 +10,8 @@ namespace silt::lbm {
 /// `cli` is the central linear interpolation of Ginzburg, Verhaeghe, d'Humieres 2008.
 /// `bouzidi` is the linear upwind interpolation of Bouzidi, Firdaouss, Lallemand 2001.
 /// `parabolic` is central too, with the curvature of the flow at the wall (README.md, equation 14).
-/// `multireflection` reads one cell further and holds the parabola in flow at any angle (README.md, equation
-/// 18).
+/// `multireflection` reads one cell further and holds the parabola in flow at any angle (README.md, equations
+/// 19 and 20).
 /// `single_cell_gap` reads the cell alone: for links of the others whose cell behind is not fluid (README.md,
 /// equations 15 and 16); no case can choose it.
 enum class WallScheme : std::uint8_t {
@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-ba
 
 /// The magic at which the drag of spheres comes out best (README.md, "Which wall scheme").
 constexpr double best_magic(WallScheme scheme) {
-  if (scheme == WallScheme::multireflection) return 1.0 / 7;
+  if (scheme == WallScheme::multireflection) return 2.0 / 15;
   return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
 }
 

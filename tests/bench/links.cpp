@@ -17,6 +17,7 @@
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
+#include "lbm/pairs_across.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/spread.hpp"
@@ -79,7 +80,7 @@ class Links {
 
   void apply(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::apply_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after}, {},
+      lbm::apply_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0)}, {},
                                   lbm::ForceForm::galilean, sums_);
     });
   }
@@ -107,6 +108,7 @@ class Links {
 
   coupler::Simulation scene_;
   lbm::Fluid<float> fluid_;
+  lbm::PairsAcross<float> pairs_{fluid_.domain(), MPI_COMM_SELF, fluid_.blocks()};
   coupler::BlockLinks<float> links_;
   std::vector<Group> one_;
   lbm::LinkSums sums_;
@@ -138,7 +140,7 @@ std::array<Spread, costs> measured(Links& links, int turns) {
 void run(const Options& o) {
   require_no_others(o);
   Figures out;
-  for (const char* scheme : {"bounce-back", "cli", "parabolic"}) {
+  for (const char* scheme : {"bounce-back", "cli", "parabolic", "multireflection"}) {
     Links links({.name = 'b', .edge = o.quick ? 64 : 160, .scheme = scheme});
     const auto cost = measured(links, o.quick ? 5 : 15);
     if (!links.finite()) throw std::runtime_error("the links of a fluid at rest are not at rest");

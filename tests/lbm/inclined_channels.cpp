@@ -82,7 +82,7 @@ double velocity_error(const InclinedChannel& channel, WallScheme scheme, const D
 
 const Int3 normals[] = {{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {1, 2, 0}, {1, 2, 3}};
 
-// At every angle, wall place, viscosity and magic, as long as all of the scheme is stable (equation 19).
+// At every angle, wall place, viscosity and magic, as long as all of the scheme is stable (equation 20).
 TEST(InclinedChannels, MultireflectionHoldsTheParabolaAtAnyAngle) {
   int n = 0;
   for (const Int3 normal : normals)

@@ -1,0 +1,47 @@
+#!/usr/bin/python3
+"""The eigenvalues of channels: no wall scheme amplifies, and what does is seen to."""
+import pathlib
+import sys
+import unittest
+import unittest.mock
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "scripts" / "accuracy"))
+
+import numpy as np  # noqa: E402
+
+import wall_modes as modes  # noqa: E402
+
+MAGIC = 2 / 15  # of multireflection by default
+
+
+class Growth(unittest.TestCase):
+
+    def test_none_with_any_scheme(self):
+        for scheme, magic in (("cli", 1 / 6), ("parabolic", 1 / 16), ("multireflection", MAGIC), ("multireflection", 1 / 6)):
+            for tau in (0.502, 0.55, 0.7, 0.77, 1, 3):
+                for distances in ((0.02, 0.02), (0.5, 0.5), (1, 0.1)):
+                    with self.subTest(scheme=scheme, magic=magic, tau=tau, distances=distances):
+                        self.assertLess(modes.growth(scheme, tau, magic, distances), 1e-12)
+
+    def test_is_seen_where_all_of_multireflection_is_taken_at_low_viscosity(self):
+        self.assertGreater(modes.growth("multireflection", 0.6, MAGIC, (0.3, 0.3), share=1), 1e-3)
+
+    def test_is_seen_below_the_magic(self):
+        with unittest.mock.patch.object(modes, "EXCESS", -0.05):
+            self.assertGreater(modes.growth("cli", 1, MAGIC, (0.02, 0.02)), 1e-3)
+
+
+class ShearWaves(unittest.TestCase):
+
+    def test_feel_what_equation_21_says(self):
+        for magic in (1 / 16, MAGIC, 1 / 6):
+            for direction, velocity, slope in (((1, 0, 0), (0, 1, 0), 2 / 3), ((1, 1, 0), (0, 0, 1), 1 / 6),
+                                               ((1, 1, 1), (1, 1, -2), 2 / 3)):
+                self.assertAlmostEqual(modes.shear_wave(direction, velocity, magic), 1 / 18 + (1 / 6 - magic) * slope, delta=2e-4)
+
+    def test_matrices_keep_mass(self):
+        self.assertTrue(np.allclose(modes.collision(0.8, MAGIC).sum(axis=0), 1))
+
+
+if __name__ == "__main__":
+    unittest.main()
