@@ -38,6 +38,8 @@ double log_excess(double width, double cutoff) {
 ResolvedFlows resolved_flows(WallScheme scheme) {
   if (scheme == WallScheme::parabolic)
     return {{0.370, 0.838, 3.405, 0.503, 0.328}, {0, 2.121, 4.465, 0.503, 0.328}};
+  if (scheme == WallScheme::multireflection)
+    return {{0.702, 0.421, 2.610, 0.494, 0.326}, {0.918, 1.169, 0.698, 0.494, 0.326}};
   if (scheme == WallScheme::cli)
     return {{0.510, 0.739, 2.688, 0.487, 0.329}, {0.560, 1.383, 1.658, 0.487, 0.329}};
   return {{1.063, 0.286, 1.491, 0.401, 0.264}, {0.612, 1.389, 1.592, 0.401, 0.264}};
