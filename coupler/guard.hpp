@@ -13,26 +13,27 @@ namespace silt::coupler {
 struct Case;
 struct FlowTotals;
 
-/// A value left its allowed range. what(): step, where, value, what is allowed, which key to change.
+/// GuardStop says that a value left its allowed range. what(): step, where, value, what is allowed, which key
+/// to change.
 struct GuardStop : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Steps between two looks at the fluid. A look reads every cell once, about the price of two steps: 2 %. An
-/// instability grows tenfold in some tens of steps, so not much time is lost before it is seen.
+/// The fluid is looked at once in so many steps. A look reads every cell once, about the price of two steps:
+/// 2 %. An instability grows tenfold in some tens of steps, so not much time is lost before it is seen.
 inline constexpr std::int64_t guard_interval = 100;
 /// Above this speed (cells a step; sound: 0.58) the scheme's error is of the order of the flow itself.
 inline constexpr double highest_speed = 0.4;
 /// Bodies that move further in a step (cells) cover cells that no neighbour has seen. Only with a fluid.
 inline constexpr double furthest_motion = 1;
 
-/// The same on every rank, for the same totals. Throws GuardStop.
+/// Checks the totals, alike on every rank for the same totals. Throws GuardStop.
 void check_flow(const Case&, const FlowTotals&, std::int64_t step);
 
-/// This rank's bodies; GuardStop on the ranks that own a bad one only. Returns their largest speed.
+/// Checks this rank's bodies and returns their largest speed; GuardStop on the ranks that own a bad one only.
 double check_motion(const Case&, const rigid::BodySet&, std::int64_t step, int rank);
 
-/// The text for sums of forces that ran out of range on this rank.
+/// Returns the text for sums of forces that ran out of range on this rank.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step, int rank);
 
 }  // namespace silt::coupler

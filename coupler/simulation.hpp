@@ -17,14 +17,14 @@
 
 namespace silt::coupler {
 
-/// Mass and momentum of everything there is at one time.
+/// A Balance is the mass and the momentum of everything there is at one time.
 struct Balance {
   double mass_deviation = 0, fluid_cells = 0;
   rigid::Vec3 momentum = rigid::Vec3::Zero();  // of fluid and free bodies
   double momentum_scale = 0;                   // |fluid's| + sum over bodies of |m v|
 };
 
-/// What a checkpoint brings back.
+/// This is what a checkpoint brings back.
 struct SavedState {
   SavedBodies bodies;
   std::int64_t step = 0;
@@ -41,15 +41,15 @@ struct BodyLoad {
 
 class Simulation {
  public:
-  /// At step 0. Errors as Scene.
+  /// Starts at step 0. Errors are those of Scene.
   Simulation(const Case&, MPI_Comm);
   Simulation(const Case&, MPI_Comm, const SavedState&);
   Simulation(const Simulation&) = delete;
 
-  /// One step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever, so a
-  /// program on several ranks ends with MPI_Abort after saying what happened.
+  /// Does one step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever,
+  /// so a program on several ranks ends with MPI_Abort after saying what happened.
   void step();
-  /// So many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
+  /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
   std::int64_t steps_done() const { return step_; }
 
@@ -61,11 +61,11 @@ class Simulation {
 
   // ---- what a program may do between steps, by id. std::invalid_argument for a body that is not there or is
   // fixed ----
-  /// Acts in the next step, once, however many ranks hold the body.
+  /// Gives a force that acts in the next step, once, however many ranks hold the body.
   void add_force(rigid::BodyId, const rigid::Vec3& force_W,
                  const rigid::Vec3& torque_W = rigid::Vec3::Zero());
   void set_velocity(rigid::BodyId, const rigid::Vec3& velocity_W, const rigid::Vec3& angular_velocity_W);
-  /// Anywhere in the domain; the velocity stays.
+  /// Moves a body to anywhere in the domain; its velocity stays.
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
   // ---- what may be asked ----
@@ -78,7 +78,7 @@ class Simulation {
   std::uint64_t links() const;                         // of all ranks
   StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
-  /// Force and torque the fluid had on each owned body in the last step, by row.
+  /// Returns the force and torque that the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
   std::uint64_t body_count() const;    // that have an owner on any rank, counted
   std::uint64_t contacts_now() const;  // of all ranks, in the last step

@@ -66,7 +66,7 @@ BeyondPair<typename Lanes<T>::Real> beyond_pair(const T* data, const LinkSlots& 
 template <WallScheme scheme, class T>
 Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
                      const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
-                     const OppositeWall<typename Lanes<T>::Real>& far, const std::uint32_t* across,
+                     const OppositeWall<typename Lanes<T>::Real>& opposite, const std::uint32_t* across,
                      const BeyondPair<T>* pairs) {
   using L = Lanes<T>;
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
@@ -86,7 +86,7 @@ Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& 
     back += T(0.5) * (s.k - at.weight6() * uneven) * cf;
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, slots, fluid, at);
-    back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, far, fluid);
+    back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
   }
   return {out, back};
 }
@@ -150,16 +150,16 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
     const Places<T> at(place + l, origin);
     const auto q = L::template load<typename L::Real>(distance + l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-    OppositeWall<typename L::Real> far;
+    OppositeWall<typename L::Real> opposite;
     if constexpr (scheme == WallScheme::single_cell_gap) {
       if (!links.opposite_q.empty()) {
-        far.q = L::template load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
-        far.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
+        opposite.q = L::template load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
+        opposite.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
       }
     }
     const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;
     const Exchange<T> e =
-        exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), far, across, pairs);
+        exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), opposite, across, pairs);
     L::scatter(data, at.slots(slots.back), e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }

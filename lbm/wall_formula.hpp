@@ -105,11 +105,11 @@ constexpr V gap_distance(V q) {
 /// What the velocity half-way has beyond linear interpolation, for a cell between two walls (equation 16).
 /// `u` and `u_w` are the velocities of the cell and of the link's wall along c_i.
 template <class V, class T>
-constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& far, const WallFluid<T>& fluid) {
-  const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(far.q);
+constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& opposite, const WallFluid<T>& fluid) {
+  const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(opposite.q);
   const V share = h * T(0.25) - T(2.0 / 3) * fluid.magic;
-  const V second = T(2) * ((u_w - u) / h + (far.u - u) / p) / (h + p);
-  return far.q > none ? (share > none ? -share * second : none) : none;
+  const V second = T(2) * ((u_w - u) / h + (opposite.u - u) / p) / (h + p);
+  return opposite.q > none ? (share > none ? -share * second : none) : none;
 }
 
 /// The coefficients of a scheme. `weight6` is 6 w_i. Cheap enough for the inner loop: one division, no

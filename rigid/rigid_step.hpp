@@ -10,7 +10,7 @@
 
 namespace silt::rigid {
 
-/// The paper's parts of the physics engine.
+/// RigidStage lists the paper's parts of the physics engine.
 enum class RigidStage { integrate, collision_detection, contact_response, synchronisation, count };
 using RigidClock = StageClock<RigidStage>;
 
@@ -38,9 +38,9 @@ class RigidStep {
   /// order of Algorithm 1 but for the velocity half of lines 2-5, which waits until line 13 is done: rows
   /// change at the synchronisations, and detection works with the velocities before the kick.
   RigidStepReport operator()(BodySet&, double dt);
-  /// The same for `substeps` equal parts of a step of length 1, the given forces held over all of them.
+  /// Advances by a step of length 1 in `substeps` equal parts, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);
-  /// Of all steps so far, on this rank.
+  /// Returns the seconds of all steps so far, on this rank.
   const RigidClock::Seconds& seconds() const { return clock_.seconds(); }
 
  private:

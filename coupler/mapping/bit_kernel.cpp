@@ -215,7 +215,7 @@ void mark_parts(const BitFrame& frame, const PointInFrame& centre, const Surface
 }
 
 LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const LinkBits& bits,
-                      std::uint32_t* place, std::uint32_t* narrow) {
+                      std::uint32_t* place, std::uint32_t* single_cell) {
   LinkCounts n{};
   for (int first = 0; first < wanted.planes * frame.plane; first += PlaneWords::most) {
     const PlaneWords plane(frame, first, wanted);
@@ -229,7 +229,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
       if (!filled(cut)) continue;
       Words back{};
       if (bits.reads_behind) back = moved(bits.solid + at, -step) & cut;
-      if (filled(back)) n.narrow += list_bits(frame, plane, back, i, narrow + n.narrow);
+      if (filled(back)) n.single_cell += list_bits(frame, plane, back, i, single_cell + n.single_cell);
       n.clear += list_bits(frame, plane, cut & ~back, i, place + n.clear);
     }
   }

@@ -20,12 +20,12 @@ struct LinkBits {
   const std::uint64_t* body;   // with margins
   const std::uint64_t* solid;  // with margins
   const std::uint64_t* open;   // fluid cells whose links are wanted
-  bool reads_behind;           // links whose cell behind is solid are narrow
+  bool reads_behind;           // links whose cell behind is solid are listed apart
 };
 
-/// Links listed: those whose cell behind is no matter, and the narrow ones.
+/// How many links were listed: those whose cell behind does not matter, and those of single-cell gaps.
 struct LinkCounts {
-  std::uint32_t clear, narrow;
+  std::uint32_t clear, single_cell;
 };
 
 /// Rows [y0, y1) of the planes [z, z + planes) of a frame.
@@ -40,7 +40,7 @@ struct BitKernels {
   void (*mark_parts)(const BitFrame&, const PointInFrame&, const SurfaceView<double>&, std::uint64_t* words);
   /// Lists the links of some rows. Both lists need link_lanes of room more than they get.
   LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
-                           std::uint32_t* narrow);
+                           std::uint32_t* single_cell);
 };
 namespace portable {
 BitKernels bit_kernels();

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "coupler/mapping/narrow_gaps.hpp"
+#include "coupler/mapping/single_cell_gaps.hpp"
 #include "lbm/pass_order.hpp"
 
 namespace silt::coupler {
@@ -20,7 +20,7 @@ struct BlockLinks {
   std::vector<Group> rim;                            // groups that wait for the halo exchange
   std::size_t count = 0;                             // links
   lbm::LinkSlots slots;                              // of the step under way
-  NarrowGaps<T> gaps;                                // under schemes that know the opposite wall
+  SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
   const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
 
   /// A hint that the groups after the k-th of an order will be wanted soon, one after the other: first their

@@ -68,7 +68,7 @@ class LinkWriter {
         scheme_(scheme),
         reach_(lbm::link_reach(scheme)),
         places_across_(map.box.size) {
-    for (auto& kinds : apart_) {
+    for (auto& kinds : deferred_) {
       kinds[single_cell].scheme = WallScheme::single_cell_gap;
       kinds[two_cells].scheme = lbm::two_cell_gap_scheme(scheme);
       kinds[across].scheme = scheme;
@@ -105,8 +105,8 @@ class LinkWriter {
       inner_groups(planes, most);
       if (at_rim) group(planes, 1, frame.size.y - 1, rim_, most, -1);
     }
-    for (auto& kinds : apart_)
-      for (Apart& apart : kinds) end_group(apart);
+    for (auto& kinds : deferred_)
+      for (Deferred& deferred : kinds) end_group(deferred);
   }
 
   /// Fluid cells inside the block, those at its rim apart: within a link's reach of ghost cells. Cells of
@@ -151,19 +151,19 @@ class LinkWriter {
   void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
     const BitFrame& frame = mask_->frame();
     const Int3 corner = frame.low + Int3{0, 0, planes.z};
-    auto& kinds = apart_[ready < 0];
-    for (Apart& apart : kinds)  // whose places cannot count so many planes
-      if (corner.z + planes.count - apart.corner.z > 1 << lbm::place_z_bits) end_group(apart);
+    auto& kinds = deferred_[ready < 0];
+    for (Deferred& deferred : kinds)  // whose places cannot count so many planes
+      if (corner.z + planes.count - deferred.corner.z > 1 << lbm::place_z_bits) end_group(deferred);
     const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
-    if (narrow_.size() < room) narrow_.resize(room);
+    if (single_cell_.size() < room) single_cell_.resize(room);
     make_room(lbm::directions * most);
     std::uint32_t* const place = place_.data() + used_;
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
     const LinkCounts found =
-        bit_kernels().list_links(frame, {planes.z, planes.count, y0, y1}, bits, place, narrow_.data());
-    const std::uint32_t n = found.clear + found.narrow, end = lbm::padded(n);
+        bit_kernels().list_links(frame, {planes.z, planes.count, y0, y1}, bits, place, single_cell_.data());
+    const std::uint32_t n = found.clear + found.single_cell, end = lbm::padded(n);
     if (n == 0) return;
-    std::copy_n(narrow_.data(), found.narrow, place + found.clear);
+    std::copy_n(single_cell_.data(), found.single_cell, place + found.clear);
     std::fill(place + n, place + end, place[n - 1]);
     T* const q = q_.data() + used_;
     set_distances(corner, place, n, q);
@@ -177,15 +177,15 @@ class LinkWriter {
       --clear;
       place[k] = place[clear], q[k] = q[clear];
     }
-    if (lbm::reads_beyond(scheme_)) clear = put_apart(clear, corner, ready);
+    if (lbm::reads_beyond(scheme_)) clear = defer_gaps_and_pairs(clear, corner, ready);
     end_group(clear, corner, scheme_, ready);
   }
 
-  /// Of the first n links at `used_`, whose cell behind is fluid, puts those apart that must not read beyond
+  /// Of the first n links at `used_`, whose cell behind is fluid, defers those that must not read beyond
   /// it or cannot do so in the block's memory. Returns how many stay.
-  std::uint32_t put_apart(std::uint32_t n, Int3 corner, int ready) {
+  std::uint32_t defer_gaps_and_pairs(std::uint32_t n, Int3 corner, int ready) {
     const lbm::CellBox block{{}, map_.box.size};
-    auto& kinds = apart_[ready < 0];
+    auto& kinds = deferred_[ready < 0];
     std::uint32_t* const place = place_.data() + used_;
     T* const q = q_.data() + used_;
     std::uint32_t left = 0;
@@ -206,7 +206,7 @@ class LinkWriter {
   }
 
   /// Some links are few: those of planes that follow one another share a group.
-  struct Apart {
+  struct Deferred {
     WallScheme scheme;
     std::vector<std::uint32_t> place, pair;  // pair: of CutLinks::across
     std::vector<T> q;
@@ -221,22 +221,22 @@ class LinkWriter {
       ready = std::max(ready, part);
     }
   };
-  enum Kind { single_cell, two_cells, across, kinds_apart };
+  enum Kind { single_cell, two_cells, across, deferred_kinds };
 
-  void end_group(Apart& apart) {
-    const std::uint32_t n = std::uint32_t(apart.place.size());
+  void end_group(Deferred& deferred) {
+    const std::uint32_t n = std::uint32_t(deferred.place.size());
     if (n == 0) return;
     make_room(n);
-    std::copy(apart.place.begin(), apart.place.end(), place_.begin() + used_);
-    std::copy(apart.q.begin(), apart.q.end(), q_.begin() + used_);
-    end_group(n, apart.corner, apart.scheme, apart.ready);
-    if (!apart.pair.empty()) {
+    std::copy(deferred.place.begin(), deferred.place.end(), place_.begin() + used_);
+    std::copy(deferred.q.begin(), deferred.q.end(), q_.begin() + used_);
+    end_group(n, deferred.corner, deferred.scheme, deferred.ready);
+    if (!deferred.pair.empty()) {
       lbm::LinkGroup& group = links_->groups.back();
       group.across = true, group.across_begin = std::uint32_t(links_->across.size());
-      apart.pair.resize(lbm::padded(n), apart.pair.back());
-      links_->across.insert(links_->across.end(), apart.pair.begin(), apart.pair.end());
+      deferred.pair.resize(lbm::padded(n), deferred.pair.back());
+      links_->across.insert(links_->across.end(), deferred.pair.begin(), deferred.pair.end());
     }
-    apart.place.clear(), apart.pair.clear(), apart.q.clear(), apart.ready = -1;
+    deferred.place.clear(), deferred.pair.clear(), deferred.q.clear(), deferred.ready = -1;
   }
 
   void make_room(std::size_t links) {
@@ -297,10 +297,10 @@ class LinkWriter {
   SurfaceParts<double> tube_;
   bool is_tube_ = false;
   BitWindow solid_, inner_, rim_;
-  std::vector<std::uint32_t> place_, narrow_;
+  std::vector<std::uint32_t> place_, single_cell_;
   std::vector<T> q_;
-  std::array<Apart, kinds_apart> apart_[2];  // inside, at the rim
-  std::uint32_t used_ = 0;                   // of place_ and q_
+  std::array<Deferred, deferred_kinds> deferred_[2];  // inside, at the rim
+  std::uint32_t used_ = 0;                            // of place_ and q_
 };
 
 /// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.

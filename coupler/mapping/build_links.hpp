@@ -21,8 +21,8 @@ struct LinkRules {
 
 /// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under
 /// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
-/// Links whose formula would read the cell behind where that is not fluid (a narrow gap) go into groups of
-/// `single_cell_gap`; those that would read beyond it where that is not fluid, into groups of
+/// Links whose formula would read the cell behind where that is not fluid (a single-cell gap) go into groups
+/// of `single_cell_gap`; those that would read beyond it where that is not fluid, into groups of
 /// lbm::two_cell_gap_scheme; those that would and whose cell behind is not of the block, into groups
 /// `across`, with pairs at the block's lbm::PlacesAcross.
 template <class T>

@@ -12,26 +12,26 @@ struct CandidatePair {
   Image image;               // of b, relative to the canonical position of a
 };
 
-/// a seen from b, where `image` is that of b seen from a.
+/// Returns the image of a seen from b, where `image` is that of b seen from a.
 inline Image opposite(Image image) {
   return {static_cast<std::int8_t>(-image.x), static_cast<std::int8_t>(-image.y),
           static_cast<std::int8_t>(-image.z)};
 }
 
-/// How far a body's surface may travel, and from where.
+/// Reach says how far a body's surface may travel, and from where.
 struct Reach {
   double radius;  // of the bounding sphere
   double margin;  // largest gap at which it may take part in a contact
   double sum() const { return radius + margin; }
 };
 
-/// The surface of a wall: a plane through a point, or a tube about an axis through it. World frame.
+/// A WallSurface is a plane through a point, or a tube about an axis through it. World frame.
 struct WallSurface {
   Vec3 point;
   Vec3 direction;     // outward normal of a plane, or along the axis; unit
   double radius = 0;  // of a tube; 0: a plane
 
-  /// Of a point from the surface; negative in the wall.
+  /// Returns the distance of a point from the surface, negative in the wall.
   double distance(const Vec3& x_W) const {
     const Vec3 from = x_W - point;
     return radius > 0 ? radius - (from - direction.dot(from) * direction).norm()
@@ -39,26 +39,26 @@ struct WallSurface {
   }
 };
 
-/// Of the bodies at hand, without the walls.
+/// Surroundings are the bodies at hand, without the walls.
 struct Surroundings {
   const BodySet& bodies;
   const Extent& extent;
   std::span<const Reach> reach;  // one a row
 
   std::size_t size() const { return bodies.first_wall(); }
-  /// The pair of two bodies, `image` being that of `other` seen from `row`, in id order.
+  /// Returns the pair of two bodies, `image` being that of `other` seen from `row`, in id order.
   CandidatePair in_order(std::size_t row, std::size_t other, Image image) const {
     if (bodies.id[row] < bodies.id[other]) return {row, other, image};
     return {other, row, opposite(image)};
   }
-  /// One of them is free, and their bounding spheres are no further apart than both margins. Rounds alike
-  /// whoever asks.
+  /// Says whether one of them is free and their bounding spheres are no further apart than both margins. It
+  /// rounds alike whoever asks.
   bool meet(const CandidatePair& p) const {
     if (!bodies.is_free(p.row_a) && !bodies.is_free(p.row_b)) return false;
     const double range = reach[p.row_a].sum() + reach[p.row_b].sum();
     return near(bodies.position[p.row_a], bodies.position[p.row_b], p.image, range);
   }
-  /// A free body, whose bounding sphere is no further from the wall than its margin.
+  /// Says whether the body is free and its bounding sphere no further from the wall than its margin.
   bool meets(std::size_t row, const WallSurface& wall) const {
     return bodies.is_free(row) && wall.distance(bodies.position[row]) <= reach[row].sum();
   }

@@ -11,31 +11,32 @@
 namespace silt::rigid {
 
 inline constexpr int lane_count = 8;
-/// One number of each of eight pairs. A vector type, whatever the width of the machine's own.
+/// A Real8 holds one number of each of eight pairs: a vector type, whatever the width of the machine's own.
 using Real8 = double __attribute__((vector_size(lane_count * sizeof(double))));
 
-/// A body as the sweeps see it: one cache line.
+/// The sweeps see a body as one cache line.
 struct alignas(64) BodyState {
   double v[3], w[3];
   double number;  // travels with it: before the first sweep its number of pairs, then whether it changed
   double unused;
 };
 
-/// What the pairs of one sweep do to a body.
+/// This is what the pairs of one sweep do to a body.
 struct alignas(64) BodySum {
   double impulse[3], angular[3];
   double changed;
   double unused;
 };
 
-/// Which bodies: rows of the BodySet; unused lanes point one past the last row.
+/// The bodies are given as rows of the BodySet; unused lanes point one past the last row.
 struct LaneBodies {
   std::int32_t a[lane_count], b[lane_count];
   std::int32_t again[lane_count];  // 0: final after the first sweep
 };
 
-/// Pairs that touch in one point on the line of centres of bodies that turn alike about every axis (or do not
-/// turn): normal, friction and rotation do not mix, so one pass over the contact is exact. Spheres, mostly.
+/// A CentralGroup holds pairs that touch in one point on the line of centres of bodies that turn alike about
+/// every axis (or do not turn): normal, friction and rotation do not mix, so one pass over the contact is
+/// exact. Spheres, mostly.
 struct alignas(64) CentralGroup {
   Real8 normal[3];
   Real8 normal_impulse, tangential_impulse[3];
@@ -63,7 +64,8 @@ struct alignas(64) LubricatedGroup : CentralGroup {
   Real8 rolling_impulse[3], last_rolling[3];
 };
 
-/// Any other pairs, as many contacts in each lane of a group. Moments are taken about a's centre.
+/// A group holds any other pairs, as many contacts in each lane of a group. Moments are taken about a's
+/// centre.
 struct alignas(64) BlockGroup {
   Real8 offset[3];                                   // from b's centre to a's
   Real8 inverse_mass;                                // of both together
@@ -92,12 +94,12 @@ struct alignas(64) BlockContact {
   Real8 target, friction, inverse_k_n, inverse_k_t;
 };
 
-/// Lubrication of one BlockContact; as in LubricatedGroup. Rolling is left out.
+/// This is the lubrication of one BlockContact, as in LubricatedGroup. Rolling is left out.
 struct alignas(64) BlockLubrication {
   Real8 normal_stiffness, normal_damped, tangential_damped;
 };
 
-/// How the groups are swept.
+/// A ContactSweep says how the groups are swept.
 struct ContactSweep {
   int number;        // from 1; the first solves every pair, later ones those of which a body changed
   bool plain;        // not accelerated: impulses stay as found

@@ -122,7 +122,7 @@ TEST(WallModes, ForceDoesNotAlternateWhereACellLiesOnTheSurface) {
 }
 
 /// Spheres a fraction of a cell apart: pockets of one cell, links shut on both sides.
-TEST(WallModes, FluidInNarrowGapsComesToRest) {
+TEST(WallModes, FluidInSingleCellGapsComesToRest) {
   for (const double gap : {0.2, 0.4, 0.7, 1.0})
     for (const double tau : {0.51, 0.6, 1.0, 2.0}) {
       CaseText c = periodic_box(7);

@@ -71,7 +71,7 @@ using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the
 
 /// What a comparison came upon.
 struct LinkKinds {
-  int narrow = 0, two_cells = 0, across = 0;
+  int single_cell = 0, two_cells = 0, across = 0;
 };
 
 /// After a part of the dense pass, a cell and all that a link of it may touch have collided.
@@ -168,7 +168,7 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
           const bool across =
               link.scheme == WallScheme::multireflection && !inside.contains(at_block - lbm::c[i]);
           EXPECT_EQ(link.pair, across ? std::int64_t(pair_of(at_block, i)) : in_block);
-          kinds.narrow += link.scheme == WallScheme::single_cell_gap;
+          kinds.single_cell += link.scheme == WallScheme::single_cell_gap;
           kinds.two_cells += link.scheme != scheme && link.scheme != WallScheme::single_cell_gap;
           kinds.across += across;
           left.erase(at);

@@ -40,7 +40,7 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
       if (s.bodies().id[row] % 4 == round + 1)
         move(s.bodies(), row, mapping_pose(s.bodies(), row).position + Vec3(0.3, -0.4, 0.2));
   }
-  EXPECT_EQ(kinds.narrow > 0, scheme != WallScheme::bounce_back);
+  EXPECT_EQ(kinds.single_cell > 0, scheme != WallScheme::bounce_back);
   EXPECT_EQ(kinds.two_cells > 0, scheme == WallScheme::multireflection);
   EXPECT_EQ(kinds.across > 0, scheme == WallScheme::multireflection);
   EXPECT_GT(kept, 0);

@@ -1,4 +1,4 @@
-#include "coupler/mapping/narrow_gaps.hpp"
+#include "coupler/mapping/single_cell_gaps.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -19,8 +19,9 @@ std::uint64_t key_of(Int3 cell, int direction) {
 
 /// c_i.u of a rigid surface, at the cell of a link: along c_i it is the same where the link meets it.
 double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& m, Int3 cell, Int3 c) {
-  const Int3 far = cell - frame.cell;
-  const double r[3] = {far.x + frame.offset[0], far.y + frame.offset[1], far.z + frame.offset[2]};
+  const Int3 from_frame = cell - frame.cell;
+  const double r[3] = {from_frame.x + frame.offset[0], from_frame.y + frame.offset[1],
+                       from_frame.z + frame.offset[2]};
   double sum = 0;
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, f = (d + 2) % 3;
@@ -31,19 +32,20 @@ double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& 
 
 /// What fills up the groups copies their last link.
 template <class T>
-void fill_up(const lbm::CutLinks<T>& links, std::vector<T>& far) {
+void pad(const lbm::CutLinks<T>& links, std::vector<T>& values) {
   for (const lbm::LinkGroup& g : links.groups)
     if (g.scheme == lbm::WallScheme::single_cell_gap)
-      std::fill(far.begin() + g.opposite + g.count, far.begin() + g.opposite + lbm::padded(g.count),
-                far[g.opposite + g.count - 1]);
+      std::fill(values.begin() + g.opposite + g.count, values.begin() + g.opposite + lbm::padded(g.count),
+                values[g.opposite + g.count - 1]);
 }
 
 }  // namespace
 
 template <class T>
-void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
-                         const lbm::CellBox& box) {
-  links_.clear(), fars_.clear();
+void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
+                             const lbm::CellBox& box) {
+  links_.clear();
+  opposites_.clear();
   for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
     lbm::CutLinks<T>& links = surfaces[k].links;
     std::uint32_t room = 0;
@@ -61,8 +63,8 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
   }
   for_pairs([&](const Link& a, const Link& b) {
     surfaces[a.surface].links.opposite_q[a.place] = b.q, surfaces[b.surface].links.opposite_q[b.place] = a.q;
-    fars_.push_back({a.surface, a.place, b.surface, a.direction, a.cell});
-    fars_.push_back({b.surface, b.place, a.surface, b.direction, b.cell});
+    opposites_.push_back({a.surface, a.place, b.surface, a.direction, a.cell});
+    opposites_.push_back({b.surface, b.place, a.surface, b.direction, b.cell});
   });
   for (const Link& link : links_) {
     const Int3 walls = domain.walls_met(box.lower + link.cell - lbm::c[link.direction]);
@@ -72,7 +74,7 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
     links.opposite_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
   }
   for (auto& surface : surfaces) {
-    fill_up(surface.links, surface.links.opposite_q), fill_up(surface.links, surface.links.opposite_u);
+    pad(surface.links, surface.links.opposite_q), pad(surface.links, surface.links.opposite_u);
   }
 }
 
@@ -80,7 +82,7 @@ void NarrowGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Doma
 /// pair has been there before.
 template <class T>
 template <class F>
-void NarrowGaps<T>::for_pairs(F&& f) {
+void SingleCellGaps<T>::for_pairs(F&& f) {
   const int log_size = std::bit_width(2 * links_.size() + 1);
   table_.assign(std::size_t(1) << log_size, 0);
   for (std::uint32_t n = 0; n < links_.size(); ++n) {
@@ -96,15 +98,15 @@ void NarrowGaps<T>::for_pairs(F&& f) {
 }
 
 template <class T>
-void NarrowGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
-  for (const Far& f : fars_)
-    surfaces[f.surface].links.opposite_u[f.place] =
-        T(velocity_along(surfaces[f.of].links.frame, surfaces[f.of].motion, f.cell, lbm::c[f.direction]));
-  if (fars_.empty()) return;
-  for (auto& surface : surfaces) fill_up(surface.links, surface.links.opposite_u);
+void SingleCellGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
+  for (const Opposite& o : opposites_)
+    surfaces[o.surface].links.opposite_u[o.place] =
+        T(velocity_along(surfaces[o.of].links.frame, surfaces[o.of].motion, o.cell, lbm::c[o.direction]));
+  if (opposites_.empty()) return;
+  for (auto& surface : surfaces) pad(surface.links, surface.links.opposite_u);
 }
 
-template class NarrowGaps<float>;
-template class NarrowGaps<double>;
+template class SingleCellGaps<float>;
+template class SingleCellGaps<double>;
 
 }  // namespace silt::coupler

@@ -8,10 +8,11 @@
 
 namespace silt::coupler {
 
-/// Links of `narrow` come in pairs, along i and against it from one cell, mostly of two surfaces; or a side
-/// of the domain is there instead. Gives each link what the formula wants of the wall on the other side.
+/// Links of `single_cell_gap` come in pairs, along i and against it from one cell, mostly of two surfaces; or
+/// a side of the domain is there instead. Gives each link what the formula wants of the wall on the other
+/// side.
 template <class T>
-class NarrowGaps {
+class SingleCellGaps {
  public:
   /// Fills opposite_q of all links, and opposite_u where that is a side's; call when the links of the box
   /// were built.
@@ -28,7 +29,7 @@ class NarrowGaps {
     lbm::Int3 cell;
     T q;
   };
-  struct Far {
+  struct Opposite {
     std::uint32_t surface, place;  // that wants it
     std::uint32_t of;              // surface there
     std::int32_t direction;
@@ -39,7 +40,7 @@ class NarrowGaps {
 
   std::vector<Link> links_;
   std::vector<std::uint32_t> table_;  // of links_, by key; 0: empty, else from 1 on
-  std::vector<Far> fars_;
+  std::vector<Opposite> opposites_;
 };
 
 }  // namespace silt::coupler

@@ -21,15 +21,15 @@ using rigid::Vec3;
 
 /// Where a link is, its surface, the places of its far wall (those that fill up its group too).
 template <class T>
-struct NarrowLink {
+struct GapLink {
   std::size_t surface;
   T q;
   std::vector<std::uint32_t> far;
 };
 
 template <class T>
-std::map<std::array<int, 4>, NarrowLink<T>> narrow_links(const std::vector<SurfaceLinks<T>>& surfaces) {
-  std::map<std::array<int, 4>, NarrowLink<T>> found;
+std::map<std::array<int, 4>, GapLink<T>> gap_links(const std::vector<SurfaceLinks<T>>& surfaces) {
+  std::map<std::array<int, 4>, GapLink<T>> found;
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const auto& links = surfaces[k].links;
     for (const lbm::LinkGroup& g : links.groups)
@@ -74,7 +74,7 @@ Side side_behind(Int3 behind, Int3 n, Int3 c) {
   return {high ? 0.5 : 0};
 }
 
-TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
+TEST(GapLinks, KnowTheWallOnTheOtherSide) {
   Simulation s = crowd_between_sides();
   put_boxes_at_sides(s);
   const Int3 n = s.scene().flow->domain().cells();
@@ -90,7 +90,7 @@ TEST(NarrowLinks, KnowTheWallOnTheOtherSide) {
     surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
   block.gaps.pair(surfaces, s.scene().flow->domain(), {{}, n});
   block.gaps.set_velocities(surfaces);
-  const auto all = narrow_links(surfaces);
+  const auto all = gap_links(surfaces);
   int between = 0, sides = 0, edges = 0, slipping = 0;
   for (const auto& [at, link] : all) {
     const auto other = all.find({at[0], at[1], at[2], lbm::opposite(at[3])});
