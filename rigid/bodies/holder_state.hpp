@@ -29,7 +29,8 @@ struct HolderState {
   template <class T>
   static constexpr void check() {
     static_assert(std::is_trivially_copyable_v<T> && std::is_standard_layout_v<T>);
-    static_assert(sizeof(T) <= size && alignof(T) <= 8);
+    static_assert(sizeof(T) <= size);
+    static_assert(alignof(T) <= 8);
   }
 };
 static_assert(std::is_trivially_copyable_v<HolderState>);
