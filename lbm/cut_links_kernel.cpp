@@ -76,14 +76,14 @@ Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& 
     const auto against = L::gather(data, at.slots(slots.against)),
                behind = L::gather(data, at.slots(slots.behind));
     const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
-    back += s.b * behind + s.c * against;
+    auto others = s.b * behind + s.c * against;
     auto uneven = s.a - s.c;
     if constexpr (reads_beyond(scheme)) {
       const auto pair = beyond_pair(data, slots, at, across, pairs);
-      back += s.d * pair.away + s.g * pair.toward;
+      others += s.d * pair.away + s.g * pair.toward;
       uneven -= T(2) * s.d + s.g;
     }
-    back += T(0.5) * (s.k - at.weight6() * uneven) * cf;
+    back += others + T(0.5) * (s.k - at.weight6() * uneven) * cf;
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, slots, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
