@@ -201,6 +201,7 @@ void File::attribute(hid_t owner, const std::string& name, const std::vector<std
   H5Tset_strpad(type, H5T_STR_NULLTERM);
   H5Tset_cset(type, H5T_CSET_UTF8);
   std::vector<const char*> pointers;
+  pointers.reserve(values.size());
   for (const auto& v : values) pointers.push_back(v.c_str());
   attribute(owner, name, type, {values.size()}, pointers.data());
 }

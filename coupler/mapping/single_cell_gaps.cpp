@@ -12,7 +12,10 @@ namespace {
 /// The same for the two links of a pair, and no others, in a block of less than 2^18 cells a side; cells may
 /// lie outside of it.
 std::uint64_t key_of(Int3 cell, int direction) {
-  const auto part = [](int x) { return std::uint64_t(x + (1 << 18)); };
+  const auto part = [](int x) {
+    const int shifted = x + (1 << 18);
+    return std::uint64_t(shifted);
+  };
   const int pair = (direction - 1) / 2;  // opposite directions follow one another
   return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
 }

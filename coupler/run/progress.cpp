@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
@@ -21,7 +22,7 @@ double seconds(std::chrono::steady_clock::duration d) {
 
 /// 4 s, 3 min 20 s, 2 h 05 min
 std::string duration_text(double s) {
-  const auto t = static_cast<std::int64_t>(s + 0.5);
+  const auto t = std::int64_t{std::lround(s)};
   if (t < 60) return fmt::format("{} s", t);
   if (t < 3600) return fmt::format("{} min {:02} s", t / 60, t % 60);
   return fmt::format("{} h {:02} min", t / 3600, t % 3600 / 60);

@@ -103,6 +103,7 @@ BoundingBox overlap_box(const std::vector<Part>& parts) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   BoundingBox all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
   std::vector<BoundingBox> boxes;
+  boxes.reserve(parts.size());
   for (const Part& part : parts) boxes.push_back(part_box(part, Pose{}));
   for (std::size_t i = 0; i < boxes.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
