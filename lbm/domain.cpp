@@ -85,6 +85,13 @@ std::vector<int> Domain::blocks_of(int rank) const {
   return mine;
 }
 
+std::vector<int> Domain::local_places(int rank) const {
+  std::vector<int> place(blocks_.size(), -1);
+  int k = 0;
+  for (const int b : blocks_of(rank)) place[b] = k++;
+  return place;
+}
+
 int Domain::block_at(Int3 cell) const {
   int index = 0;
   for (int d = 2; d >= 0; --d) {
@@ -142,6 +149,13 @@ std::vector<int> Domain::neighbourhood(int b) const {
         cell = wrapped(cell);
         if (inside(cell)) found.insert(block_at(cell));
       }
+  return {found.begin(), found.end()};
+}
+
+std::vector<int> Domain::neighbourhood_of_rank(int rank) const {
+  std::set<int> found;
+  for (const int b : blocks_of(rank))
+    for (const int n : neighbourhood(b)) found.insert(n);
   return {found.begin(), found.end()};
 }
 

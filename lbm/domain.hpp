@@ -35,6 +35,8 @@ class Domain {
   const SideCondition& side(int axis, bool upper) const { return sides_[2 * axis + upper]; }
   const std::vector<BlockPlace>& blocks() const { return blocks_; }
   std::vector<int> blocks_of(int rank) const;
+  /// The place of every block among blocks_of(rank); -1 for those of other ranks.
+  std::vector<int> local_places(int rank) const;
   /// The block of a cell inside the domain.
   int block_at(Int3 cell) const;
   int rank_at(Int3 cell) const { return blocks_[block_at(cell)].rank; }
@@ -49,6 +51,9 @@ class Domain {
   double wall_velocity_along(Int3 walls, int j) const;
   /// The blocks that share a face, edge or corner with block b, b itself included (sorted, each once).
   std::vector<int> neighbourhood(int b) const;
+  /// The neighbourhoods of all blocks of a rank together (sorted, each block once): ranks that walk them in
+  /// this order agree on what messages between them hold.
+  std::vector<int> neighbourhood_of_rank(int rank) const;
 
  private:
   Int3 cells_;

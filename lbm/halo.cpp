@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <type_traits>
 
 #include "lbm/prefetch.hpp"
@@ -206,13 +205,9 @@ struct Halo<T>::Builder {
     return n;
   }
 
-  void build() {
-    // Every rank walks the blocks around its own in the same order, so both ends of a message agree.
-    std::set<int> around;
-    for (int b = 0; b < int(local.size()); ++b)
-      if (local[b] >= 0)
-        for (int n : domain.neighbourhood(b)) around.insert(n);
-    for (int b : around) for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
+  void build(int rank) {
+    for (const int b : domain.neighbourhood_of_rank(rank))
+      for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
     for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
     for (auto& [key, x] : outlets) {
@@ -235,11 +230,9 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
     : comm_(comm), force_(force) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, std::vector<int>(domain.blocks().size(), -1), {}, orders, {}, {}, {}, {}};
-  int k = 0;
-  for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
+  Builder builder{*this, domain, domain.local_places(rank), {}, orders, {}, {}, {}, {}};
   for (auto& b : blocks) builder.layout.push_back(&b);
-  builder.build();
+  builder.build(rank);
   for (Block<T>& block : blocks) add_row_ends(domain, block);
   requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
 }

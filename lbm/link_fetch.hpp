@@ -58,7 +58,7 @@ class LinkFetch {
         __builtin_memcpy(end, &slots, sizeof slots);
         end += lanes;
       };
-      if (wanted_ == Wanted::all) add_read(group.scheme, at, add);
+      if (wanted_ == Wanted::all) add_read(group, at, add);
       add(at.slots(slots_.back));
       if (l == 0) a_vector_ = int(end - slot_);
     }
@@ -66,7 +66,8 @@ class LinkFetch {
   }
 
   template <class Add>
-  void add_read(WallScheme scheme, const Places<T>& at, Add&& add) const {
+  void add_read(const LinkGroup& group, const Places<T>& at, Add&& add) const {
+    const WallScheme scheme = group.scheme;
     if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
     } else {
@@ -75,7 +76,7 @@ class LinkFetch {
         add(at.slots(slots_.behind));
         add(at.slots(slots_.against));
       }
-      if (reads_beyond(scheme)) {
+      if (reads_beyond(scheme) && !group.across) {
         add(at.slots(slots_.away));
         add(at.slots(slots_.toward));
       }

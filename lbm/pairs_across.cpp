@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <type_traits>
 
 #include "lbm/places_across.hpp"
@@ -97,13 +96,8 @@ struct PairsAcross<T>::Builder {
     return n;
   }
 
-  void build() {
-    // Every rank walks the blocks around its own in the same order, so both ends of a message agree.
-    std::set<int> around;
-    for (int b = 0; b < int(local.size()); ++b)
-      if (local[b] >= 0)
-        for (int n : domain.neighbourhood(b)) around.insert(n);
-    for (int b : around) {
+  void build(int rank) {
+    for (const int b : domain.neighbourhood_of_rank(rank)) {
       const Int3 size = domain.blocks()[b].box.size;
       const PlacesAcross places(size);
       if (local[b] >= 0) pairs.pairs_[local[b]].resize(places.count());
@@ -123,10 +117,8 @@ PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const
     : comm_(comm), pairs_(blocks.size()) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, blocks, std::vector<int>(domain.blocks().size(), -1), {}};
-  int k = 0;
-  for (int b : domain.blocks_of(rank)) builder.local[b] = k++;
-  builder.build();
+  Builder builder{*this, domain, blocks, domain.local_places(rank), {}};
+  builder.build(rank);
   requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
 }
 

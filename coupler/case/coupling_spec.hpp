@@ -25,7 +25,9 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool mass_correction = true;
-  double remap_tolerance = 0.02;   // cells a surface may move before its cells and wall distances are renewed
+  /// Cells a surface may move before its cells and wall distances are renewed. At most 1/2: holders of a body
+  /// that is further behind might not know of it (exchange/holders.hpp).
+  double remap_tolerance = 0.02;
   bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
   double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };

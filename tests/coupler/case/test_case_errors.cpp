@@ -48,7 +48,7 @@ std::string choices(const std::string& text) {
   return message.substr(begin, message.find('\n', begin) - begin);
 }
 
-/// The lists of names that the placeholders in a text stand for.
+/// Returns a text with the lists of names in the place of what stands for them in braces.
 std::string filled_in(std::string text, const std::string& case_text) {
   const std::string shape = "[[shapes]]\nname = \"a\"\ntype = \"?\"\n";
   std::map<std::string, std::string> lists = {{"{backends}", joined_views(adapters::backend_names())},
@@ -59,9 +59,9 @@ std::string filled_in(std::string text, const std::string& case_text) {
   if (text.find("{keys of ") != text.npos)
     for (const auto& [section, keys] : keys_asked_for(case_text))
       lists["{keys of " + (section.empty() ? "the file" : section) + "}"] = joined(keys);
-  for (const auto& [placeholder, names] : lists)
-    for (auto at = text.find(placeholder); at != text.npos; at = text.find(placeholder))
-      text.replace(at, placeholder.size(), names);
+  for (const auto& [name, entries] : lists)
+    for (auto at = text.find(name); at != text.npos; at = text.find(name))
+      text.replace(at, name.size(), entries);
   return text;
 }
 

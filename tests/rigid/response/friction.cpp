@@ -95,10 +95,7 @@ TEST_P(SffdFriction, RollingDownAnIncline) {
 
 TEST_P(SffdFriction, LiftOff) {
   Scene s(0, 0.5);
-  s.world.gravity = down;
-  s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
-  s.floor();
-  s.start();
+  put_ball_over_floor(s, 0.1, {10, 10, 0.1});
   for (int i = 0; i < 1000; ++i) {
     s.bodies.add_force(0, {0, 0, 1.25 * g});
     s.run(1);

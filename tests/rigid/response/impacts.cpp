@@ -46,10 +46,7 @@ TEST_P(SffdImpacts, ObliqueImpactOnAWall) {  // rigid Coulomb (Walton): sliding 
 
 TEST_P(SffdImpacts, BouncingBallKeepsItsEnergy) {
   Scene s(1, 0);
-  s.world.gravity = down;
-  s.add(s.shape(Sphere{0.5}), {10, 10, 1.5});
-  s.floor();
-  s.start();
+  put_ball_over_floor(s, 0.5, {10, 10, 1.5});
   s.run(20000);
   EXPECT_NEAR((s.kinetic_energy() + g * (s.x(0)[2] - 0.5)) / g - 1, 0, 8e-14);
 }
@@ -58,10 +55,7 @@ TEST_P(SffdImpacts, BouncingBallKeepsItsEnergy) {
 TEST_P(SffdImpacts, CorrectionOfOverlapGivesNoEnergy) {
   Scene s(1, 0);
   s.world.contact_margin = 0;
-  s.world.gravity = down;
-  s.add(s.shape(Sphere{0.5}), {10, 10, 1.5});
-  s.floor();
-  s.start();
+  put_ball_over_floor(s, 0.5, {10, 10, 1.5});
   s.run(5000);
   EXPECT_GT(s.deepest, 1e-4);
   EXPECT_NEAR((s.kinetic_energy() + g * (s.x(0)[2] - 0.5)) / g - 1, 0, 1e-12);
@@ -69,10 +63,7 @@ TEST_P(SffdImpacts, CorrectionOfOverlapGivesNoEnergy) {
 
 TEST_P(SffdImpacts, BouncingBallComesToRestInTime) {
   Scene s(0.5, 0);
-  s.world.gravity = down;
-  s.add(s.shape(Sphere{0.5}), {10, 10, 1.5});
-  s.floor();
-  s.start();
+  put_ball_over_floor(s, 0.5, {10, 10, 1.5});
   double first = 0, rest = 0, before = 0;
   for (int i = 0; i < 2000; ++i) {
     s.run(1);

@@ -26,4 +26,12 @@ inline Vec3 slope(double degrees) {
   return g * Vec3(std::sin(a), 0, -std::cos(a));
 }
 
+/// Starts a scene of a ball at `x` and the floor below it.
+inline void put_ball_over_floor(Scene& s, double radius, const Vec3& x) {
+  s.world.gravity = down;
+  s.add(s.shape(Sphere{radius}), x);
+  s.floor();
+  s.start();
+}
+
 }  // namespace silt::rigid::testing

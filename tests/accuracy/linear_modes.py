@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The eigenvalues of channels: no wall scheme amplifies, and what does is seen to."""
+"""Linear analysis: no wall scheme amplifies, and what does is seen to; uniform flow at the default magics."""
 import pathlib
 import sys
 import unittest
@@ -9,7 +9,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent / "
 
 import numpy as np  # noqa: E402
 
-import wall_modes as modes  # noqa: E402
+import linear_modes as modes  # noqa: E402
 
 MAGIC = 2 / 15  # of multireflection by default
 
@@ -41,6 +41,17 @@ class ShearWaves(unittest.TestCase):
 
     def test_matrices_keep_mass(self):
         self.assertTrue(np.allclose(modes.collision(0.8, MAGIC).sum(axis=0), 1))
+
+
+class UniformFlow(unittest.TestCase):
+
+    def test_is_stable_at_a_cell_reynolds_number_of_20_with_the_magic_of_multireflection(self):
+        for flow in modes.FLOWS:
+            self.assertLess(modes.uniform_growth(flow, 20, MAGIC), modes.NOTICED, flow)
+
+    def test_is_not_with_that_of_parabolic(self):
+        for flow in modes.FLOWS:
+            self.assertGreater(modes.uniform_growth(flow, 20, 1 / 16), modes.NOTICED, flow)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""wall_modes [--magic NUMBER] [--layers N]
+"""linear_modes [--magic NUMBER] [--layers N]
 
-Says whether a disturbance of fluid at rest between two plane walls grows: the spectral radius of a step, less 1, for wall
-schemes, relaxation times and wall distances, over waves along the walls. And how the decay of a shear wave far from walls
-depends on its direction (lbm/README.md, equation 21).
+What linear analysis says of trt and its walls. Whether a disturbance of fluid at rest between two plane walls grows: the
+spectral radius of a step, less 1, for wall schemes, relaxation times and wall distances, over waves along the walls. How the
+decay of a shear wave far from walls depends on its direction (lbm/README.md, equation 21). And up to which cell Reynolds
+number u / nu a uniform flow is stable.
 """
 import argparse
 
@@ -19,15 +20,18 @@ EXCESS = 0.0005             # least excess, lbm/README.md, equation 14
 SHARE_SLOPE = 1.8           # equation 20
 WAVES = (0, np.pi / 2, np.pi)
 TIMES = (0.502, 0.51, 0.55, 0.6, 0.7, 0.8, 1, 2, 3)
+NOTICED = 5e-5              # growth a step
+FLOWS = tuple(tuple(u * np.array(n) / np.linalg.norm(n)) for n in ((1, 0, 0), (1, 1, 0), (1, 1, 1)) for u in (0.05, 0.1))
 DISTANCES = ((0.02, 0.02), (0.3, 0.3), (0.5, 0.5), (0.7, 0.7), (1, 1), (0.02, 1))
 
 
-def collision(tau, magic):
-    """Returns the matrix of a collision of fluid at rest, [19, 19]."""
+def collision(tau, magic, flow=(0, 0, 0)):
+    """Returns the matrix of a collision of fluid that moves with a velocity, linear about that flow, [19, 19]."""
     swap = np.eye(19)[OPPOSITE]
     even, odd = (np.eye(19) + swap) / 2, (np.eye(19) - swap) / 2
     odd_time = magic / (tau - 0.5) + 0.5
-    return np.eye(19) - (even - np.outer(W, np.ones(19))) / tau - (odd - 3 * W[:, None] * (C @ C.T)) / odd_time
+    quadratic = 9 * (C @ flow)[:, None] * (C @ C.T) - 3 * (C @ np.array(flow))
+    return (np.eye(19) - (even - W[:, None] * (1 + quadratic)) / tau - (odd - 3 * W[:, None] * (C @ C.T)) / odd_time)
 
 
 def central(q, excess, tau):
@@ -90,6 +94,24 @@ def shear_wave(direction, velocity, magic, tau=1.0, number=0.05):
     return (1 / (nu * number**2 * (C.T @ f + u / 2) @ u).real - 1) / number**2
 
 
+def uniform_growth(flow, reynolds, magic, waves=13):
+    """Returns the largest growth a step, of waves in every direction, in a uniform flow (cells a step) at u / nu = reynolds."""
+    half, whole = np.linspace(0, np.pi, waves), np.linspace(-np.pi, np.pi, 2 * waves - 1)
+    numbers = np.array(np.meshgrid(half, whole, whole)).reshape(3, -1).T[::3]
+    there = np.exp(-1j * (numbers @ C.T))
+    step_of_each = there[:, :, None] * collision(0.5 + 3 * np.linalg.norm(flow) / reynolds, magic, flow)
+    return np.abs(np.linalg.eigvals(step_of_each)).max() - 1
+
+
+def critical_reynolds(flow, magic):
+    """Returns the u / nu, between 2 and 1500, above which a uniform flow grows by more than NOTICED a step; to 5 %."""
+    low, high = 2, 1500
+    while high > 1.05 * low:
+        middle = (low * high)**0.5
+        low, high = (low, middle) if uniform_growth(flow, middle, magic) > NOTICED else (middle, high)
+    return low
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--magic", type=float, default=2 / 15)
@@ -104,6 +126,9 @@ def main():
     for magic in (1 / 16, 1 / 12, 2 / 15, 1 / 6, 3 / 16):
         print(f"magic {magic:.4f}", *(f"{shear_wave(n, u, magic):8.4f}" for n, u in
                                       (((1, 0, 0), (0, 1, 0)), ((1, 1, 0), (0, 0, 1)), ((1, 1, 1), (1, -1, 0)))))
+    print("critical u / nu of uniform flow: along x at 0.05 and 0.1, (1,1,0), (1,1,1)")
+    for magic in (1 / 16, 1 / 12, 1 / 8, 2 / 15, 1 / 6, 3 / 16):
+        print(f"magic {magic:.4f}", *(f"{critical_reynolds(flow, magic):5.0f}" for flow in FLOWS), flush=True)
 
 
 if __name__ == "__main__":
