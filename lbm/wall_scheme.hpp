@@ -1,5 +1,6 @@
 #pragma once
 // The wall schemes by name. What they return is in wall_formula.hpp.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -26,10 +27,13 @@ enum class WallScheme : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic", "multireflection"};
 
-/// The magic at which the drag of spheres comes out best (README.md, "Which wall scheme").
-constexpr double best_magic(WallScheme scheme) {
-  if (scheme == WallScheme::multireflection) return 2.0 / 15;
-  return scheme == WallScheme::parabolic ? 1.0 / 16 : 1.0 / 6;
+/// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall
+/// scheme").
+constexpr double best_magic(WallScheme scheme, double tau) {
+  if (scheme == WallScheme::parabolic) return 1.0 / 16;
+  if (scheme != WallScheme::multireflection) return 1.0 / 6;
+  const double share = std::min(1.0, 13.5 * (tau - 0.5) * (tau - 0.5));  // of equation 20, with 2/15
+  return 1.0 / 6 - share / 30;
 }
 
 /// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.

@@ -20,7 +20,7 @@ using lbm::ForceForm;
 inline constexpr NameTable<ForceForm, lbm::force_form_names.size()> force_form_names{lbm::force_form_names};
 
 struct CouplingSpec {
-  WallScheme wall_scheme = WallScheme::parabolic;
+  WallScheme wall_scheme = WallScheme::multireflection;
   TimeCoupling time = TimeCoupling::implicit_;
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;

@@ -289,7 +289,8 @@ void read_fluid(TableReader& root, Case& scene) {
   read_coupling(root, scene);
   if (!fluid.present()) return;
   const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
-  const double best = surfaces ? lbm::best_magic(scene.coupling.wall_scheme) : scene.fluid->magic;
+  const double best = surfaces ? lbm::best_magic(scene.coupling.wall_scheme, scene.fluid->relaxation_time)
+                               : scene.fluid->magic;
   scene.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
 }
 

@@ -6,7 +6,6 @@
 
 #include "coupler/forces/explicit_stability.hpp"
 #include "lbm/cut_links.hpp"
-#include "rigid/response/warm_start.hpp"
 
 namespace silt::coupler {
 
@@ -58,6 +57,29 @@ Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substep
   return std::min(opposing / square, double(substeps)) * contacts;
 }
 
+/// The impulse of lubrication in the coming step. A film that gave an impulse in the last sub-step gives it
+/// again in each of the next as long as the load lasts. But films damp: they hold what presses the body on
+/// and stop its motion relative to the other one, and turn neither round. So after an impact, which a film
+/// may have met within a single sub-step, nothing is left for it to do.
+Vec3 impulse_of_films(const rigid::World& world, const rigid::BodySet& bodies, std::size_t row, int substeps,
+                      const Vec3& load) {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& s : bodies.stored_impulses[row]) {
+    if (!(s.feature & rigid::lubrication_feature)) continue;
+    const Vec3 impulse = s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+    const double size = impulse.norm();
+    if (size == 0) continue;
+    const std::size_t other = bodies.row_of(s.partner);
+    const double mass = 1 / (bodies.inverse_mass(row) + bodies.inverse_mass(other));
+    const Vec3 approach = mass * (bodies.velocity[row] - bodies.velocity[other]);
+    const double turning =
+        mass * bodies.angular_velocity[row].norm() * world.bounding_radii[bodies.shape[row]];
+    const double opposing = turning - (load + approach).dot(impulse) / size;
+    sum += std::clamp(opposing / size, 0.0, double(substeps)) * impulse;
+  }
+  return sum;
+}
+
 void add_force(rigid::BodySet& bodies, std::size_t row, const Vec6& f) {
   bodies.add_force(row, f.head<3>());
   bodies.add_torque(row, f.tail<3>());
@@ -81,8 +103,8 @@ Vec6 ImplicitCoupling::load_on(const rigid::BodySet& bodies, std::size_t row, co
   Vec6 external;
   external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_in_fluid[row] * world_.gravity,
       bodies.torque[row].value();
-  external.head<3>() += substeps_ * rigid::impulse_of_lubrication(bodies, row);
   Vec6 load = link_force + external;
+  load.head<3>() += impulse_of_films(world_, bodies, row, substeps_, load.head<3>());
   load.head<3>() += held_by_contacts(bodies, row, substeps_, load.head<3>());
   return load;
 }

@@ -55,13 +55,6 @@ void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
   recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
-Vec3 impulse_of_lubrication(const BodySet& bodies, std::size_t row) {
-  Vec3 sum = Vec3::Zero();
-  for (const StoredImpulse& s : bodies.stored_impulses[row])
-    if (s.feature & lubrication_feature) sum += bodies.id[row] < s.partner ? Vec3(-s.impulse) : s.impulse;
-  return sum;
-}
-
 /// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
                        BodyId partner, std::vector<StoredImpulse>& stored) {

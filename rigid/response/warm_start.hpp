@@ -30,9 +30,6 @@ class Recall {
   std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
 };
 
-/// Returns the impulse that lubrication gave a body in the step before; W.
-Vec3 impulse_of_lubrication(const BodySet&, std::size_t row);
-
 /// Appends the pair's impulses to what one of its bodies remembers.
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);

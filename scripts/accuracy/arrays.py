@@ -15,8 +15,9 @@ SIZES = (6, 8, 12)              # cells across, nearly: the cube is a whole numb
 FINER = (16, 24)                # for the order of convergence, at ORDER_FRACTION
 ORDER_FRACTION = 0.064
 POSITIONS = array.offsets(8)
-WALLS, COLLISIONS, PRECISIONS = ("bounce-back", "cli", "parabolic"), ("bgk", "trt"), ("single", "double")
-DEFAULT, DOUBLE, CLI = ("parabolic", "trt", "single"), ("parabolic", "trt", "double"), ("cli", "trt", "single")
+WALLS, COLLISIONS, PRECISIONS = ("bounce-back", "cli", "parabolic", "multireflection"), ("bgk", "trt"), ("single", "double")
+DEFAULT, DOUBLE = ("multireflection", "trt", "single"), ("multireflection", "trt", "double")
+CLI, PARABOLIC = ("cli", "trt", "single"), ("parabolic", "trt", "single")
 PAPER = ("bounce-back", "bgk", "double")
 RELAXATION_TIME = {"trt": 3.0, "bgk": 0.933}
 
@@ -35,7 +36,7 @@ def methods(fraction, D):
     """Returns (walls, collision, precision) that are measured there."""
     if D in FINER:
         return (DEFAULT, DOUBLE) if fraction == ORDER_FRACTION else ()
-    return tuple(itertools.product(WALLS, COLLISIONS, PRECISIONS)) if fraction == ORDER_FRACTION else (DEFAULT, DOUBLE, CLI, PAPER)
+    return tuple(itertools.product(WALLS, COLLISIONS, PRECISIONS)) if fraction == ORDER_FRACTION else (DEFAULT, DOUBLE, CLI, PARABOLIC, PAPER)
 
 
 def key_of(fraction, D, method, position):

@@ -108,6 +108,17 @@ class PeriodicBox:
         return result
 
 
+class Repeated:
+    """Computes the flow of point forces that are repeated at several places of a box, by shifts in the box's lengths."""
+
+    def __init__(self, box, places):
+        self.box, self.places = box, np.array(places, float)
+
+    def velocities(self, targets, sources):
+        """Returns [targets, 3, sources, 3], as the box does."""
+        return sum(self.box.velocities(targets, sources + place) for place in self.places)
+
+
 class Channel:
     """Computes the flow of point forces between plates at rest at z = 0 and z = height, repeated along x and y; no mean pressure gradient."""
 

@@ -156,7 +156,7 @@ struct Still {
                     // number of cells the force acts on is not the true volume
 };
 Still still_error(const Array& a, const Options& o, const Vec3& offset) {
-  const double nu = (o.tau - 0.5) / 3, u = 0.002, g = a.force(u, nu);
+  const double nu = (o.tau - 0.5) / 3, u = 0.012 * nu, g = a.force(u, nu);  // Reynolds number 0.012 D
   const Vec3 force(g, 0, 0), fluid(u / (1 - a.phi), 0, 0);
   coupler::Simulation s = scene(a, o, offset, force, fluid, Vec3::Zero());
   const int chunk = std::max(100, int(0.1 * a.period * a.period / nu / 6));

@@ -32,7 +32,7 @@ struct Counted {
 template <lbm::WallScheme scheme>
 int operations_of_coefficients() {
   const lbm::WallFluid<Counted> fluid(
-      lbm::CollisionSpec{1.2, lbm::best_magic(scheme), lbm::Collision::trt, {}});
+      lbm::CollisionSpec{1.2, lbm::best_magic(scheme, 1.2), lbm::Collision::trt, {}});
   Counted::operations = 0;
   lbm::coefficients<scheme>(Counted(0.4), Counted(1.0 / 3), fluid);
   return Counted::operations;

@@ -68,9 +68,10 @@ TEST(Tube, PoiseuilleIsOfSecondOrder) {
     EXPECT_NEAR(simulation.scene().flow->wall_load(0).force[0], force * double(totals.fluid_cells),
                 1e-5 * force * double(totals.fluid_cells));
     EXPECT_NEAR(totals.mass_deviation, 0, 1e-8 * double(totals.fluid_cells));
+    // second order, small: only rows of one and two cells between the walls do not have the parabola
+    EXPECT_LT(errors.back(), 0.04 / (radius * radius)) << radius;
   }
-  EXPECT_LT(errors.back(), 2e-3);
-  EXPECT_GT(order({std::begin(radii), std::end(radii)}, errors), 1.9)
+  EXPECT_GT(order({std::begin(radii), std::end(radii)}, errors), 1.7)
       << errors[0] << ' ' << errors[1] << ' ' << errors[2] << ' ' << errors[3];
 }
 

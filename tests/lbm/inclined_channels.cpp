@@ -112,7 +112,7 @@ TEST(InclinedChannels, OthersAreOfSecondOrder) {
   for (const auto scheme :
        {WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic, WallScheme::multireflection}) {
     const double tau = scheme == WallScheme::multireflection ? 0.6 : 1;
-    const Drive drive{tau, best_magic(scheme), 1e-7, 0, 0};
+    const Drive drive{tau, best_magic(scheme, tau), 1e-7, 0, 0};
     const double coarse = velocity_error({{1, 2, 0}, 5.2, 4.3}, scheme, drive),
                  fine = velocity_error({{1, 2, 0}, 10.4, 4.3}, scheme, drive);
     printf("%s: %.3f %% of the mean at 5 cells, %.3f %% at 10\n",

@@ -1,0 +1,87 @@
+// Disturbances of bodies in fluid at rest die away, whatever the body weighs: neither walls nor the coupling
+// in time feed them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "coupler/for_each_cell.hpp"
+#include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+
+constexpr int edge = 12;       // of the periodic box, cells
+constexpr double size = 1e-6;  // of the disturbance, cells a step: bodies cross no cell, nothing but linear
+
+/// A body at a place and orientation of no symmetry, so many times as heavy as the fluid (0: it is held).
+CaseText scene(const std::string& shape, double density, double tau) {
+  CaseText c;
+  c.domain = domain_of({edge, edge, edge}, "\"periodic\"");
+  c.fluid = fmt::format("[fluid]\nrelaxation_time = {}\nprecision = \"double\"\n", tau);
+  c.shapes = "[[shapes]]\nname = \"body\"\n" + shape;
+  c.bodies = body_of(
+      "body", density > 0 ? density : 1,
+      std::string("position = [6.13, 5.71, 6.37]\naxis_angle = { axis = [3, 1, -2], degrees = 67 }\n") +
+          (density > 0 ? "" : "motion = \"fixed\"\n"));
+  return c;
+}
+
+void stir(Flow& flow) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(-size, size);
+  for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {
+    std::array<double, 3> v;
+    for (double& component : v) component = u(random);
+    flow.set_equilibrium(b, x, 0, v);
+  });
+}
+
+/// Root mean square of the fluid's velocity about its mean, and the body's difference from it.
+double disturbance(const Simulation& s) {
+  const Flow& flow = *s.scene().flow;
+  Vec3 sum = Vec3::Zero();
+  double square = 0;
+  int count = 0;
+  for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {
+    if (!flow.is_fluid(b, x)) return;
+    const auto u = flow.velocity(flow.moments(b, x));
+    const Vec3 v(u[0], u[1], u[2]);
+    sum += v, square += v.squaredNorm(), ++count;
+  });
+  const Vec3 mean = sum / count;
+  return std::sqrt(std::max(0.0, square / count - mean.squaredNorm())) +
+         (s.bodies().velocity[0] - mean).norm();
+}
+
+constexpr const char* shapes[] = {"type = \"sphere\"\ndiameter = 6\n",
+                                  "type = \"box\"\nedges = [4.7, 4.7, 4.7]\n"};
+
+/// A disturbance after 3000 steps, when what fades quickly has, and after 4000.
+std::pair<double, double> disturbances(const std::string& shape, double density, double tau) {
+  Simulation s = scene(shape, density, tau).start(MPI_COMM_SELF);
+  stir(*s.scene().flow);
+  s.run(3000);
+  const double early = disturbance(s);
+  s.run(1000);
+  return {early, disturbance(s)};
+}
+
+TEST(BodyModes, DisturbancesDieAway) {
+  constexpr double rounding = 1e-4 * size;  // of the forces' quanta
+  for (const char* const shape : shapes)
+    for (const double density : {0.0, 0.02, 0.2, 1.0, 5.0, 20.0})
+      for (const double tau : {0.502, 0.51, 0.55, 0.7, 3.0}) {
+        const auto [early, late] = disturbances(shape, density, tau);
+        EXPECT_LT(late, std::max(early, rounding)) << shape << "density " << density << ", tau " << tau;
+      }
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
