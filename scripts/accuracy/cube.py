@@ -76,7 +76,7 @@ def a_run(setup, cells, number, offset):
         steps, held = 13 * slowest, scene.body("body", place, **turned)
         fluid = f'body_force = [{U / slowest!r}, 0, 0]\ninitial = {{ type = "uniform", velocity = [{U!r}, 0, 0] }}'
     else:
-        steps = 20 * cells**2 / (4 * math.pi**2 * scene.VISCOSITY)
+        steps = 40 * cells**2 / (4 * math.pi**2 * scene.VISCOSITY)
         held = scene.body("body", place, "prescribed", angular_velocity=(TURNING * U / size, 0, 0), **turned)
         fluid = ""
     text = scene.case(f"{setup}, {size:.1f} cells across", (cells,) * 3, text, [held], round(steps), fluid=fluid,
