@@ -30,12 +30,7 @@ def parts(setup):
 
 
 def rotation_of(way):
-    """Returns the rotation matrix, by Rodrigues' formula."""
-    axis, degrees = TURN[way]
-    angle = math.radians(degrees)
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+    return scene.rotation_about(*TURN[way])
 
 
 def semi_axes(aspect):

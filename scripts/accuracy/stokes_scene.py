@@ -10,6 +10,8 @@ import pathlib
 import random
 import tomllib
 
+import numpy as np
+
 from problem import Found
 
 REFERENCE = pathlib.Path(__file__).parent / "reference" / "stokes_boxes.csv"
@@ -41,6 +43,14 @@ def speed(diameter):
     return REYNOLDS * VISCOSITY / diameter
 
 
+def rotation_about(axis, degrees):
+    """Returns the rotation matrix, by Rodrigues' formula."""
+    angle = math.radians(degrees)
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+
+
 def vector(values):
     return "[" + ", ".join(repr(float(v)) for v in values) + "]"
 
@@ -50,13 +60,13 @@ def body(shape, position, motion="fixed", **keys):
     return f'[[bodies]]\nshape = "{shape}"\ndensity = 1\nmotion = "{motion}"\nposition = {vector(position)}\n{more}'
 
 
-def case(title, cells, shape, bodies, steps, boundary='"periodic"', fluid="", quantities=()):
+def case(title, cells, shape, bodies, steps, boundary='"periodic"', fluid="", quantities=(), precision="single"):
     """Returns the text of a case. shape: the keys of the only shape; quantities: axes of drag coefficients. The bodies are written ten
     times, an odd number of steps apart: cli has modes in narrow gaps that change sign every step and fade slowly."""
     every = max(1, steps // 20) * 2 + 1
     parts = [f'title = "{title}"', '[units]\nsystem = "lattice"',
              f"[domain]\nsize = [{', '.join(str(whole(n)) for n in cells)}]\nboundary = {boundary}",
-             f'[fluid]\nrelaxation_time = {RELAXATION_TIME}\nprecision = "single"\n{fluid}',
+             f'[fluid]\nrelaxation_time = {RELAXATION_TIME}\nprecision = "{precision}"\n{fluid}',
              f'[[shapes]]\nname = "body"\n{shape}', *bodies, f"[run]\nsteps = {10 * every}",
              f"[output]\nbodies = {{ every = {every} }}"]
     parts += [f'[[quantities]]\nname = "drag_{axis}"\ntype = "drag-coefficient"\naxis = "{axis}"' for axis in quantities]
@@ -87,11 +97,19 @@ def drag(run, outcome, axis="x"):
     """Returns the drag coefficient of fixed bodies along an axis, with the steady force in place of that of the last step."""
     scene = tomllib.loads(run.case)
     forces = outcome.bodies.array("force")
-    shape, i = scene["shapes"][0], "xyz".index(axis)
-    volume = math.pi / 6 * math.prod(shape.get("diameters", [shape.get("diameter")] * 3))
-    displaced = forces.shape[1] * volume * scene["fluid"]["body_force"][i]
+    i = "xyz".index(axis)
+    displaced = forces.shape[1] * volume_of(scene["shapes"][0]) * scene["fluid"]["body_force"][i]
     whole = forces.sum(1)
     return outcome.quantity(f"drag_{axis}") * (settled(whole, max(abs(whole[-1])))[i] + displaced) / (whole[-1, i] + displaced)
+
+
+def volume_of(shape):
+    """Returns the volume of a sphere, an ellipsoid, a box or a cylinder from the keys of its case."""
+    if shape["type"] == "box":
+        return math.prod(shape["edges"])
+    if shape["type"] == "cylinder":
+        return math.pi / 4 * shape["diameter"]**2 * shape["length"]
+    return math.pi / 6 * math.prod(shape.get("diameters", [shape.get("diameter")] * 3))
 
 
 def percent(found, exact):
