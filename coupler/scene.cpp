@@ -48,8 +48,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
-  if (scene.has_lubrication())
-    world.lubrication = make_lubrication(scene.fluid->kinematic_viscosity, scene.coupling);
+  if (scene.has_lubrication()) world.lubrication = make_lubrication(*scene.fluid, scene.coupling);
   return world;
 }
 
