@@ -20,7 +20,8 @@ struct BodySpec {  // one body
 };
 
 struct FillSpec {
-  int shape = 0, material = 0, kind = 0, count = 0;
+  int shape = 0, material = 0, kind = 0;
+  std::int64_t count = 0;
   double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
   bool random_orientation = true;
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();

@@ -217,7 +217,7 @@ void read_fills(TableReader& root, Case& scene) {
     fill.kind = read_kind(table, fill.shape, scene);
     fill.density = read_density(table);
     if (!table.has("count")) table.missing("count", "how many bodies to place");
-    fill.count = static_cast<int>(table.integer("count", 1, 100'000'000).value_or(1));
+    fill.count = table.integer("count", 1, 100'000'000'000).value_or(1);
     fill.gap = table.quantity("gap", dimension::length, range::at_least(0)).value_or(fill.gap);
     fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
     fill.random_orientation =

@@ -1,0 +1,91 @@
+#include "coupler/placement/place_bodies.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/fill_room.hpp"
+#include "coupler/placement/number_off.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+namespace {
+
+std::vector<BoundingBall> balls_of_fills(const Case& scene) {
+  std::vector<BoundingBall> balls;
+  for (const FillSpec& fill : scene.fills) balls.push_back(bounding_ball(scene.shapes[fill.shape]));
+  return balls;
+}
+
+/// The furthest at which a body of a fill asks what is there.
+double reach_of(const Case& scene, const std::vector<BoundingBall>& balls) {
+  double radius = 0, gap = 0;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    radius = std::max(radius, balls[i].radius);
+    gap = std::max(gap, scene.fills[i].gap);
+  }
+  return 2 * radius + gap;
+}
+
+/// The largest bodies first: small ones still find room between them.
+std::vector<std::size_t> by_size(const std::vector<BoundingBall>& balls) {
+  std::vector<std::size_t> order(balls.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return balls[a].radius > balls[b].radius; });
+  return order;
+}
+
+PlacedBodies::Filled fill(const Case& scene, std::size_t index, const BoundingBall& ball,
+                          Surroundings& around, Obstacles& obstacles) {
+  const FillSpec& spec = scene.fills[index];
+  PlacedBodies::Filled filled;
+  filled.alike.shape = spec.shape, filled.alike.material = spec.material, filled.alike.kind = spec.kind;
+  filled.alike.density = spec.density;
+  filled.centre_of_mass = ball.centre_of_mass;
+  obstacles.begin_balls(ball.radius, spec.gap);
+  std::uint64_t range = 0;
+  filled.bodies = fill_at_random(scene, index, ball.radius, room_for_centres(scene, index, ball.radius),
+                                 around, obstacles, range);
+  std::vector<std::uint64_t> numbers;
+  for (const FilledBody& body : filled.bodies) numbers.push_back(body.number);
+  filled.places = number_off(around.messages, numbers, range);
+  return filled;
+}
+
+}  // namespace
+
+std::size_t PlacedBodies::size() const {
+  std::size_t n = given.size();
+  for (const Filled& fill : filled) n += fill.bodies.size();
+  return n;
+}
+
+BodySpec PlacedBodies::Filled::spec(std::size_t i) const {
+  BodySpec body = alike;
+  body.pose.orientation = bodies[i].orientation;
+  body.pose.position = bodies[i].centre - body.pose.orientation * centre_of_mass;
+  return body;
+}
+
+PlacedBodies place_bodies(const Case& scene, const lbm::Domain& domain, MPI_Comm comm) {
+  const auto balls = balls_of_fills(scene);
+  const double reach = reach_of(scene, balls);
+  Surroundings around(scene, domain, comm, reach);
+  PlacedBodies placed;
+  placed.given = given_bodies(scene, around);
+  {
+    Obstacles obstacles(scene, around.extent, placed.given, reach);
+    placed.filled.resize(scene.fills.size());
+    for (const std::size_t i : by_size(balls)) placed.filled[i] = fill(scene, i, balls[i], around, obstacles);
+  }
+  rigid::BodyId id = 1 + count_given(scene);
+  for (std::size_t i = 0; i < placed.filled.size(); ++i) {
+    placed.filled[i].first_id = id;
+    id += scene.fills[i].count;
+  }
+  std::erase_if(placed.given, [](const GivenBody& body) { return !body.own; });
+  return placed;
+}
+
+}  // namespace silt::coupler
