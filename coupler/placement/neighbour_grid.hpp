@@ -24,7 +24,7 @@ class NeighbourGrid {
     if (runs[0].length * runs[1].length * runs[2].length > many_cells)
       wide_.push_back(index);
     else
-      for_cells(runs, [&](std::size_t hash, Cell cell) { insert(index, hash, cell); });
+      for_cells(runs, [&](const Cell& cell) { insert(index, cell); });
   }
 
   /// Calls f(index) for all boxes that may touch the box, for some more than once, until f returns false.
@@ -32,19 +32,24 @@ class NeighbourGrid {
   void visit(const rigid::BoundingBox& box, F&& f) const {
     bool going = true;
     for (std::size_t i = 0; going && i < wide_.size(); ++i) going = f(wide_[i]);
-    for_cells(runs_of(box), [&](std::size_t hash, Cell cell) {
-      for (int e = heads_[hash & (heads_.size() - 1)]; going && e != nobody; e = entries_[e].next)
-        if (entries_[e].cell == cell) going = f(entries_[e].index);
+    for_cells(runs_of(box), [&](const Cell& cell) {
+      for (int e = heads_[cell.hash() & (heads_.size() - 1)]; going && e != nobody; e = entries_[e].next)
+        if (entries_[e].key == cell.key()) going = f(entries_[e].index);
     });
   }
 
  private:
   static constexpr int nobody = -1;
-  static constexpr double most_cells = 1 << 30;    // along an axis
+  static constexpr double most_cells = 1 << 21;    // along an axis: a key has 64 bits
   static constexpr std::int64_t many_cells = 512;  // a box that meets more is looked at by every visit
-  using Cell = std::array<std::int32_t, 3>;
+  struct Cell {
+    std::uint64_t row, x;
+    std::uint64_t key() const { return row << 21 | x; }
+    // Cells in a row have heads in a row; those above and beside it are strewn.
+    std::uint64_t hash() const { return x + row * 73856093; }
+  };
   struct Entry {
-    Cell cell;
+    std::uint64_t key;
     int index, next;
   };
   struct Run {
@@ -73,33 +78,33 @@ class NeighbourGrid {
     return {first, last - first + 1};
   }
 
-  // Calls f(hash, cell); cells in a row have hashes in a row.
+  // Calls f(cell).
   template <class F>
   void for_cells(const Runs& runs, F&& f) const {
     for (std::int64_t k = 0; k < runs[2].length; ++k)
-      for (std::int64_t j = 0; j < runs[1].length; ++j)
-        for (std::int64_t i = 0; i < runs[0].length; ++i) {
-          const std::int64_t x = (runs[0].first + i) % count_[0], y = (runs[1].first + j) % count_[1],
-                             z = (runs[2].first + k) % count_[2];
-          f(static_cast<std::size_t>(x + 73856093 * y + 19349663 * z),
-            Cell{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)});
+      for (std::int64_t j = 0; j < runs[1].length; ++j) {
+        const std::int64_t y = (runs[1].first + j) % count_[1], z = (runs[2].first + k) % count_[2];
+        const auto row = static_cast<std::uint64_t>(y + count_[1] * z);
+        for (std::int64_t i = 0, x = runs[0].first; i < runs[0].length; ++i) {
+          f(Cell{row, static_cast<std::uint64_t>(x)});
+          if (++x == count_[0]) x = 0;
         }
+      }
   }
 
-  void insert(int index, std::size_t hash, const Cell& cell) {
+  int& head_of(const Cell& cell) { return heads_[cell.hash() & (heads_.size() - 1)]; }
+
+  void insert(int index, const Cell& cell) {
     if (entries_.size() == heads_.size()) grow();
-    int& head = heads_[hash & (heads_.size() - 1)];
-    entries_.push_back({cell, index, head});
+    int& head = head_of(cell);
+    entries_.push_back({cell.key(), index, head});
     head = static_cast<int>(entries_.size()) - 1;
   }
 
   void grow() {
     heads_.assign(2 * heads_.size(), nobody);
     for (std::size_t e = 0; e < entries_.size(); ++e) {
-      const Cell& c = entries_[e].cell;
-      const auto hash =
-          static_cast<std::size_t>(c[0] + std::int64_t{73856093} * c[1] + std::int64_t{19349663} * c[2]);
-      int& head = heads_[hash & (heads_.size() - 1)];
+      int& head = head_of({entries_[e].key >> 21, entries_[e].key & ((1 << 21) - 1)});
       entries_[e].next = head;
       head = static_cast<int>(e);
     }

@@ -56,6 +56,7 @@ bool Obstacles::is_free(const Vec3& centre, double radius, double gap) const {
   for (const Balls& balls : balls_) {
     const double distance = balls.radius + radius + gap;
     bool clear = true;
+    if (balls.centres.empty()) continue;
     balls.grid.visit(BoundingBox::around(centre, Vec3::Constant(distance)), [&](int i) {
       clear = nearest_image(balls.centres[i] - centre, extent_).norm() >= distance;
       return clear;

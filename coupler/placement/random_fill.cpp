@@ -23,19 +23,20 @@ constexpr double bodies_a_cell = 4;
 enum class State : std::uint8_t { open, stays, goes };
 
 struct Point {
-  std::uint64_t time, number;  // number: of this rank's only
+  std::uint64_t number;
   Vec3 centre;
+  bool own = true, shared = false, told = false;
   State state = State::open;
-  bool own = true, shared = false;
+  bool waits = false;  // in this round of messages, for another rank
 };
 
 /// A point as others see it.
 struct Seen {
-  std::uint64_t time;
+  std::uint64_t number;
   double centre[3];
 };
 struct Decided {
-  std::uint64_t time, stays;
+  std::uint64_t number, stays;
 };
 
 class RandomFill {
@@ -64,7 +65,7 @@ class RandomFill {
   std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const;
   void tell_neighbours();
   void decide();
-  State judged(const Point&, const NeighbourGrid&) const;
+  State judge(Point&, const NeighbourGrid&);
   void decide_what_can_be(const NeighbourGrid&);
   void hear_decisions();
   Tally tally() const;
@@ -80,8 +81,9 @@ class RandomFill {
   Surroundings& around_;
   Obstacles& obstacles_;
   const Rain rain_;
-  std::uint64_t fallen_ = 0;   // of this batch of rounds, here
-  std::vector<Point> points_;  // of this batch, by time: those that meet nothing placed earlier
+  std::uint64_t fallen_ = 0;  // of this batch of rounds, here
+  // of this batch: those that meet nothing placed earlier; by number, so that memory is near where space is
+  std::vector<Point> points_;
   std::vector<FilledBody> placed_;
 };
 
@@ -132,8 +134,7 @@ void RandomFill::let_fall_on(int block, std::uint64_t first_round, std::uint64_t
     around_.extent.wrap(centre, image);
     if (around_.holders.block_at(centre) != block) return;
     ++fallen_;
-    if (obstacles_.is_free(centre, radius_, spec_.gap))
-      points_.push_back({rain_.time_of(number), number, centre});
+    if (obstacles_.is_free(centre, radius_, spec_.gap)) points_.push_back({number, centre});
   };
   for (const std::int64_t z : along_z)
     for (const std::int64_t y : along_y)
@@ -166,15 +167,16 @@ void RandomFill::tell_neighbours() {
     for (const int rank : around_.ranks_near({p.centre, p.centre})) {
       if (rank == around_.rank) continue;
       p.shared = true;
-      put(around_.messages.to(rank), Seen{p.time, {p.centre[0], p.centre[1], p.centre[2]}});
+      put(around_.messages.to(rank), Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
     }
   around_.messages.unannounced();
   for (const Messages::Message& m : around_.messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
       const auto seen = reader.take<Seen>();
-      points_.push_back({seen.time, 0, Eigen::Map<const Vec3>{seen.centre}, State::open, false, false});
+      points_.push_back({seen.number, Eigen::Map<const Vec3>{seen.centre}, false});
     }
-  std::sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) { return a.time < b.time; });
+  std::sort(points_.begin(), points_.end(),
+            [](const Point& a, const Point& b) { return a.number < b.number; });
 }
 
 void RandomFill::decide() {
@@ -188,27 +190,37 @@ void RandomFill::decide() {
                                      [](const Point& p) { return p.own && p.state == State::open; })) > 0);
 }
 
-/// In the order of time, so that all is decided that does not wait for another rank; tells who shares it.
+/// All that does not wait for another rank; tells who shares it.
 void RandomFill::decide_what_can_be(const NeighbourGrid& grid) {
+  for (Point& p : points_) p.waits = false;
   for (Point& p : points_) {
     if (!p.own || p.state != State::open) continue;
-    p.state = judged(p, grid);
-    if (!p.shared || p.state == State::open) continue;
+    judge(p, grid);
+  }
+  for (Point& p : points_) {
+    if (!p.shared || p.told || p.state == State::open) continue;
+    p.told = true;
     for (const int rank : around_.ranks_near({p.centre, p.centre}))
-      if (rank != around_.rank) put(around_.messages.to(rank), Decided{p.time, p.state == State::stays});
+      if (rank != around_.rank) put(around_.messages.to(rank), Decided{p.number, p.state == State::stays});
   }
 }
 
-State RandomFill::judged(const Point& p, const NeighbourGrid& grid) const {
+/// Decides a point of this rank, and before it the earlier ones too close to it.
+State RandomFill::judge(Point& p, const NeighbourGrid& grid) {
+  const std::uint64_t time = rain_.time_of(p.number);
   State state = State::stays;
   grid.visit(BoundingBox::around(p.centre, Vec3::Constant(distance_)), [&](int i) {
-    const Point& other = points_[i];
-    if (other.time >= p.time || other.state == State::goes) return true;
+    Point& other = points_[i];
+    if (other.state == State::goes || rain_.time_of(other.number) >= time) return true;
     if (nearest_image(other.centre - p.centre, around_.extent).norm() >= distance_) return true;
-    state = other.state == State::stays ? State::goes : State::open;
-    return state == State::open;
+    const bool known = other.state != State::open || !other.own || other.waits;
+    const State found = known ? other.state : judge(other, grid);
+    if (found == State::stays) state = State::goes;
+    if (found == State::open) state = State::open;
+    return state != State::goes;
   });
-  return state;
+  p.waits = state == State::open;
+  return p.state = state;
 }
 
 void RandomFill::hear_decisions() {
@@ -216,8 +228,9 @@ void RandomFill::hear_decisions() {
   for (const Messages::Message& m : around_.messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
       const auto decided = reader.take<Decided>();
-      const auto at = std::lower_bound(points_.begin(), points_.end(), decided.time,
-                                       [](const Point& p, std::uint64_t time) { return p.time < time; });
+      const auto at =
+          std::lower_bound(points_.begin(), points_.end(), decided.number,
+                           [](const Point& p, std::uint64_t number) { return p.number < number; });
       at->state = decided.stays ? State::stays : State::goes;
     }
 }
@@ -236,7 +249,9 @@ std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
   for (int shift = 56; shift >= 0; shift -= 8) {
     std::array<std::uint64_t, 256> counts{};
     for (const Point& p : points_)
-      if (p.own && p.state == State::stays && (p.time & known) == time) ++counts[p.time >> shift & 255];
+      if (const std::uint64_t t = rain_.time_of(p.number);
+          p.own && p.state == State::stays && (t & known) == time)
+        ++counts[t >> shift & 255];
     MPI_Allreduce(MPI_IN_PLACE, counts.data(), 256, MPI_UINT64_T, MPI_SUM, around_.comm());
     std::uint64_t byte = 0;
     for (; counts[byte] < wanted; ++byte) wanted -= counts[byte];
@@ -248,7 +263,7 @@ std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
 
 void RandomFill::keep(std::uint64_t last_time) {
   for (const Point& p : points_) {
-    if (p.state != State::stays || p.time > last_time) continue;
+    if (p.state != State::stays || rain_.time_of(p.number) > last_time) continue;
     obstacles_.add_ball(p.centre);
     if (!p.own) continue;
     placed_.push_back({p.number, p.centre, rigid::Quat::Identity()});
