@@ -13,6 +13,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
 #include "coupler/case/fill_room.hpp"
+#include "coupler/case/lattice.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -89,7 +90,7 @@ std::vector<Use> uses_of(const Case& scene) {
     uses[body.shape].free |= body.motion == Motion::free;
   }
   for (const FillSpec& fill : scene.fills) {
-    uses[fill.shape].count += fill.count;
+    uses[fill.shape].count += fill.count > 0 ? fill.count : 2;  // of sites there are many
     uses[fill.shape].free = true;
   }
   return uses;
@@ -146,7 +147,11 @@ void check_fill_volumes(const Case& scene, Findings& findings) {
 
 void check_fill_rooms(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.fills.size(); ++i) try {
-      room_for_centres(scene, i, bounding_ball(scene.shapes[scene.fills[i].shape]).radius);
+      const double radius = bounding_ball(scene.shapes[scene.fills[i].shape]).radius;
+      if (scene.fills[i].arrangement == Arrangement::random)
+        room_for_centres(scene, i, radius);
+      else
+        lattice_of(scene, i, radius);
     } catch (const CaseError& error) {
       for (const Diagnostic& d : error.diagnostics()) findings.list.push_back(d);
     }

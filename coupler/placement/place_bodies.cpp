@@ -1,11 +1,15 @@
 #include "coupler/placement/place_bodies.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/fill_room.hpp"
+#include "coupler/placement/lattice_fill.hpp"
 #include "coupler/placement/number_off.hpp"
+#include "coupler/placement/random_fill.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -36,6 +40,36 @@ std::vector<std::size_t> by_size(const std::vector<BoundingBall>& balls) {
   return order;
 }
 
+std::vector<std::uint64_t> places_of(const std::vector<FilledBody>& bodies, std::uint64_t range,
+                                     Surroundings& around) {
+  std::vector<std::uint64_t> numbers;
+  for (const FilledBody& body : bodies) numbers.push_back(body.number);
+  return number_off(around.messages, numbers, range);
+}
+
+[[noreturn]] void refuse_count(const Case& scene, std::size_t index, std::uint64_t sites) {
+  throw CaseError(scene.place(fmt::format("fill[{}].count", index)),
+                  fmt::format("fill[{}].count is {}, but there are only {} free sites; lower count, gap or "
+                              "spacing, or enlarge box or domain",
+                              index, scene.fills[index].count, sites));
+}
+
+/// The first sites that are free, as many as asked for or all.
+void fill_lattice(const Case& scene, std::size_t index, double radius, Surroundings& around,
+                  Obstacles& obstacles, PlacedBodies::Filled& filled) {
+  const auto count = static_cast<std::uint64_t>(scene.fills[index].count);
+  const Lattice lattice = lattice_of(scene, index, radius);
+  auto& bodies = filled.bodies = fill_sites(scene, index, radius, lattice, around, obstacles);
+  filled.places = places_of(bodies, std::max<std::uint64_t>(1, lattice.total()), around);
+  const std::uint64_t sites = around.sum(bodies.size());
+  if (sites < std::max<std::uint64_t>(count, 1)) refuse_count(scene, index, sites);
+  filled.total = count > 0 ? count : sites;
+  const auto past = std::lower_bound(filled.places.begin(), filled.places.end(), filled.total);
+  bodies.resize(past - filled.places.begin());
+  filled.places.resize(bodies.size());
+  add_to_obstacles(bodies, around, obstacles);
+}
+
 PlacedBodies::Filled fill(const Case& scene, std::size_t index, const BoundingBall& ball,
                           Surroundings& around, Obstacles& obstacles) {
   const FillSpec& spec = scene.fills[index];
@@ -44,12 +78,15 @@ PlacedBodies::Filled fill(const Case& scene, std::size_t index, const BoundingBa
   filled.alike.density = spec.density;
   filled.centre_of_mass = ball.centre_of_mass;
   obstacles.begin_balls(ball.radius, spec.gap);
+  if (spec.arrangement != Arrangement::random) {
+    fill_lattice(scene, index, ball.radius, around, obstacles, filled);
+    return filled;
+  }
   std::uint64_t range = 0;
   filled.bodies = fill_at_random(scene, index, ball.radius, room_for_centres(scene, index, ball.radius),
                                  around, obstacles, range);
-  std::vector<std::uint64_t> numbers;
-  for (const FilledBody& body : filled.bodies) numbers.push_back(body.number);
-  filled.places = number_off(around.messages, numbers, range);
+  filled.places = places_of(filled.bodies, range, around);
+  filled.total = spec.count;
   return filled;
 }
 
@@ -80,9 +117,9 @@ PlacedBodies place_bodies(const Case& scene, const lbm::Domain& domain, MPI_Comm
     for (const std::size_t i : by_size(balls)) placed.filled[i] = fill(scene, i, balls[i], around, obstacles);
   }
   rigid::BodyId id = 1 + count_given(scene);
-  for (std::size_t i = 0; i < placed.filled.size(); ++i) {
-    placed.filled[i].first_id = id;
-    id += scene.fills[i].count;
+  for (PlacedBodies::Filled& filled : placed.filled) {
+    filled.first_id = id;
+    id += filled.total;
   }
   std::erase_if(placed.given, [](const GivenBody& body) { return !body.own; });
   return placed;

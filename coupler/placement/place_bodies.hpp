@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "coupler/case/body_spec.hpp"
+#include "coupler/placement/filled_body.hpp"
 #include "coupler/placement/given_bodies.hpp"
-#include "coupler/placement/random_fill.hpp"
 
 namespace silt::coupler {
 
@@ -27,6 +27,7 @@ class PlacedBodies {
     BodySpec alike;
     rigid::Vec3 centre_of_mass;  // of the shape as the case gives it
     rigid::BodyId first_id;
+    std::uint64_t total = 0;  // of all ranks
     std::vector<FilledBody> bodies;
     std::vector<std::uint64_t> places;  // of each among all of this fill
     BodySpec spec(std::size_t i) const;
@@ -39,7 +40,8 @@ class PlacedBodies {
 /// put where its bounding sphere (about its centre of mass), grown by the fill's gap, meets no wall, no given
 /// body and no bounding sphere of another filled body, and lies in the fill's box; those of the largest
 /// spheres first (random sequential addition jams near 38 % of the box in bounding spheres). The seeds of two
-/// fills may be equal. CaseError on every rank, saying how many fitted, if one does not fit.
+/// fills may be equal. Fills on sites take those that are free, in order. CaseError on every rank, saying how
+/// many fitted, if one does not fit.
 PlacedBodies place_bodies(const Case&, const lbm::Domain&, MPI_Comm);
 
 }  // namespace silt::coupler

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coupler/placement/counter_random.hpp"
+#include "coupler/case/counter_random.hpp"
 #include "rigid/shapes/bounding_box.hpp"
 
 namespace silt::coupler {

@@ -11,17 +11,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "coupler/placement/filled_body.hpp"
 #include "coupler/placement/obstacles.hpp"
 #include "coupler/placement/surroundings.hpp"
 
 namespace silt::coupler {
-
-/// A body of a fill.
-struct FilledBody {
-  std::uint64_t number;  // unlike that of any other of the fill; bodies close together have close numbers
-  rigid::Vec3 centre;    // of its bounding sphere and of mass; wrapped
-  rigid::Quat orientation;
-};
 
 /// Collective. Places the bodies of a fill, of a bounding radius, in the room for their centres; returns
 /// those that lie here in the order of their numbers, which are below `range`. Balls of this radius have been

@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
+#include "coupler/case/counter_random.hpp"
 #include "coupler/exchange/reduce.hpp"
-#include "coupler/placement/counter_random.hpp"
 #include "coupler/placement/number_off.hpp"
 #include "coupler/placement/start_check.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -90,6 +90,19 @@ TEST(PlaceBodies, TheSameInATube) {
   c.rest = "[[walls]]\ntype = \"tube\"\naxis = [1, 0, 0]\nradius = 14\npoint = [0, 16, 15.5]\n";
   c.domain = domain_of({32, 32, 32}, "\"no-slip\"");
   expect_the_same(c, {"fill[0].count=12", "fill[1].count=3"});
+}
+
+/// Sites that are taken by what is there are left out, as a second fill between those of the first.
+TEST(PlaceBodies, TheSameOnSites) {
+  CaseText c;
+  c.shapes = sphere_of("ball", 4) + sphere_of("dot", 1);
+  for (const char* arrangement : {"simple-cubic", "hexagonal", "layers"}) {
+    const std::string lines = std::string("arrangement = \"") + arrangement + "\"\nshift = 0.2\n";
+    const std::string fill = "[[fill]]\ndensity = 2\n" + lines;
+    c.bodies = body_of("ball", 1, "position = [16, 16, 16]") + fill + "shape = \"ball\"\ncount = 50\n" +
+               fill + "shape = \"dot\"\n" + fill_of("dot", 3, 30, "");
+    expect_the_same(c);
+  }
 }
 
 TEST(PlaceBodies, IdsCountFromOne) {
