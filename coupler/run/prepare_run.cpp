@@ -32,6 +32,22 @@ void require_buildable(const Case& scene, MPI_Comm comm) {
   adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
 }
 
+/// Collective. Reads a case on rank 0, whose files then go to all, and there from what came.
+template <class Read>
+std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&& read) {
+  CaseSource source;
+  std::unique_ptr<Case> scene;
+  adapters::on_rank_0(comm, [&] {
+    source = read_source(directory);
+    scene = std::make_unique<Case>(read(source));
+  });
+  broadcast(comm, source);
+  adapters::together(comm, [&] {
+    if (!scene) scene = std::make_unique<Case>(read(source));
+  });
+  return scene;
+}
+
 }  // namespace
 
 std::string examine_case(const RunOptions& options) {
@@ -51,9 +67,9 @@ fs::path result_folder(const RunOptions& options) {
 
 PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   PreparedRun prepared;
-  std::unique_ptr<Case> scene;
+  const auto scene = read_once(options.directory, comm,
+                               [&](CaseSource& source) { return read_case(source, options.overrides); });
   adapters::together(comm, [&] {
-    scene = std::make_unique<Case>(read_case(options.directory, options.overrides));
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     if (scene->steady) prepared.steady.emplace(scene->steady->change);
@@ -74,9 +90,10 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   const adapters::CheckpointReader reader(
       comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
   PreparedRun prepared;
-  std::unique_ptr<Case> scene;
+  const auto scene = read_once(options.directory, comm, [&](CaseSource& source) {
+    return case_to_resume(read_origin(reader), source, options.overrides);
+  });
   adapters::together(comm, [&] {
-    scene = std::make_unique<Case>(case_to_resume(read_origin(reader), options.directory, options.overrides));
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     prepared.quantities->set_history(read_history(reader, *scene));
