@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/covered_momentum.hpp"
@@ -19,12 +20,12 @@ namespace silt::coupler {
 using rigid::BodyId;
 using rigid::Vec3;
 
-Simulation::Simulation(const Case& scene, MPI_Comm comm) : Simulation(scene, comm, nullptr) {}
-Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState& saved)
-    : Simulation(scene, comm, &saved) {}
+Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {}
+Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
+    : Simulation(std::move(scene), comm, &saved) {}
 
-Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved)
-    : scene_(scene, comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
+Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
+    : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
   flush_denormals_to_zero();
   if (scene_.flow) {
     if (saved) {

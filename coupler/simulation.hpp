@@ -42,8 +42,8 @@ struct BodyLoad {
 class Simulation {
  public:
   /// Starts at step 0. Errors are those of Scene.
-  Simulation(const Case&, MPI_Comm);
-  Simulation(const Case&, MPI_Comm, const SavedState&);
+  Simulation(Case, MPI_Comm);
+  Simulation(Case, MPI_Comm, const SavedState&);
   Simulation(const Simulation&) = delete;
 
   /// Does one step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever,
@@ -88,7 +88,7 @@ class Simulation {
     rigid::BodyId id;
     double load[6];
   };
-  Simulation(const Case&, MPI_Comm, const SavedState*);
+  Simulation(Case&&, MPI_Comm, const SavedState*);
   SceneParts observed_parts();
   void see_forces(const rigid::BodySet&);
   void count(const rigid::RigidStepReport&);
