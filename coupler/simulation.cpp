@@ -58,6 +58,8 @@ SceneParts Simulation::observed_parts() {
 
 void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
+  const Traffic before = traffic();
+  begin_step_of_traffic();
   const rigid::RigidStepReport report = coupled_step_(scene_.bodies);
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
@@ -70,6 +72,7 @@ void Simulation::step() {
         std::max(counters_.body_speed, check_motion(setup(), scene_.bodies, step_, scene_.rank));
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_exchange(*scene_.exchange, scene_.bodies, bodies_at_start_, step_);
+  traffic_ += traffic() - before;
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 

@@ -12,6 +12,7 @@
 #include <functional>
 
 #include "coupler/exchange/check_exchange.hpp"
+#include "coupler/exchange/traffic.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
@@ -76,7 +77,9 @@ class Simulation {
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
-  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local
+  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
+  StageSeconds stage_waits() const { return coupled_step_.waits(); }      // local: for other ranks
+  const Traffic& traffic_in_steps() const { return traffic_; }            // local: of all steps
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
@@ -102,6 +105,7 @@ class Simulation {
   Balance initial_;
   OwnedBodies bodies_at_start_;  // of all ranks
   double fluid_speed_ = 0, step_seconds_ = 0;
+  Traffic traffic_;
   std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
 };
 

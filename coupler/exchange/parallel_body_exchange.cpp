@@ -2,6 +2,7 @@
 
 #include "coupler/exchange/check_exchange.hpp"
 #include "coupler/exchange/distribution.hpp"
+#include "coupler/exchange/traffic.hpp"
 
 namespace silt::coupler {
 
@@ -91,6 +92,10 @@ double ParallelBodyExchange::maximum(double x) const {
   double largest = x;
   MPI_Allreduce(&x, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
   return largest;
+}
+
+double ParallelBodyExchange::waited() const {
+  return traffic().waited;
 }
 
 const ExchangeCounters& ParallelBodyExchange::counters() const {

@@ -33,6 +33,7 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&) override;
   void share(rigid::BodySet&, std::span<double> rows, int width) override;
   double maximum(double) const override;
+  double waited() const override;
 
   MPI_Comm comm() const { return comm_; }
   const rigid::World& world() const { return world_; }

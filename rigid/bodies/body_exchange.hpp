@@ -38,6 +38,8 @@ class BodyExchange {
   /// In the sweeps: overwrites `width` doubles of each not-owned partner's row by its owner's.
   virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/) {}
   virtual double maximum(double x) const { return x; }
+  /// Seconds that this rank has waited for others since the program began.
+  virtual double waited() const { return 0; }
 
  protected:
   Extent extent_;
