@@ -47,8 +47,9 @@ class Simulation {
   Simulation(const Case&, MPI_Comm, const SavedState&);
   Simulation(const Simulation&) = delete;
 
-  /// Does one step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever,
-  /// so a program on several ranks ends with MPI_Abort after saying what happened.
+  /// Does one step. GuardStop and std::overflow_error may come on some ranks only: the others then wait for
+  /// ever, so a program on several ranks ends with MPI_Abort after saying what happened. That the fluid's
+  /// force on a body is out of range all ranks find, in the next step or at the next look.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -95,6 +96,8 @@ class Simulation {
   SceneParts observed_parts();
   void see_forces(const rigid::BodySet&);
   void count(const rigid::RigidStepReport&);
+  template <class Work>
+  auto guarded(Work&&);
   void require_movable(rigid::BodyId) const;
 
   Scene scene_;
@@ -104,6 +107,7 @@ class Simulation {
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
   OwnedBodies bodies_at_start_;  // of all ranks
+  CheckUnderWay check_;
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;
   std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
