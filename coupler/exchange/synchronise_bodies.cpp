@@ -5,7 +5,7 @@
 //   update    a rank that had a copy and keeps it: the state
 //   copy      a rank that had none: everything
 //   handover  the new owner: everything, forces, stored impulses, and which ranks hold a copy
-//   force     what a program added to a copy since the forces were summed: to its owner
+//   force     what acts on a copy: to its owner
 // A copy that nobody updates is dropped. The rank that hands a body over keeps a copy until the next time,
 // whether it overlaps or not, so that a force on its way to the old owner is not lost.
 #include <algorithm>
@@ -130,10 +130,13 @@ void ParallelBodyExchange::Distribution::find_holders(int shape, const rigid::Po
   include(ranks, owner);
 }
 
-void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies, Owners owners) {
   bool rows_changed = drop_visitors(bodies);
-  announce(bodies);
-  messages.unannounced();
+  announce(bodies, owners);
+  if (owners == Owners::anywhere)
+    messages.unannounced();
+  else
+    messages.with_partners(around);
   Arrivals arrivals;
   arrivals.updated.assign(bodies.copies, 0);
   read(bodies, arrivals);
@@ -159,13 +162,23 @@ bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
   return true;
 }
 
-void ParallelBodyExchange::Distribution::announce(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::announce(BodySet& bodies, Owners owners) {
   departures_.clear();
-  for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row);
+  if (owners != Owners::anywhere)
+    for (const int other : around) messages.to(other);  // expects one, if only an empty one
+  for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row, owners);
   send_forces_of_copies(bodies);
 }
 
-void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row) {
+void ParallelBodyExchange::Distribution::require_around(BodyId id, int to) const {
+  if (std::binary_search(around.begin(), around.end(), to)) return;
+  throw std::runtime_error("body " + std::to_string(id) + " has come from rank " + std::to_string(rank) +
+                           " to rank " + std::to_string(to) + " at once, further than " +
+                           std::to_string(reach) + " cells: use a smaller units.time_step, or fewer ranks");
+}
+
+void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row,
+                                                       Owners owners) {
   const BodyId id = bodies.id[row];
   const auto known = held_by.find(id);
   find_holders(bodies.shape[row], bodies.pose(row), ranks_);
@@ -173,11 +186,12 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
     if (known != held_by.end()) held_by.erase(known);
     return;
   }
-  const int owner = holders.rank_at(bodies.position[row]);
+  const int owner = owners == Owners::stay ? rank : holders.rank_at(bodies.position[row]);
   include(ranks_, rank);
   const BodyRecord record = bodies.record(row);
   for (const int to : ranks_) {
     if (to == rank) continue;
+    if (owners != Owners::anywhere) require_around(id, to);
     Bytes& message = messages.to(to);
     const bool has_copy =
         known != held_by.end() && std::binary_search(known->second.begin(), known->second.end(), to);
