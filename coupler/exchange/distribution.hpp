@@ -39,6 +39,7 @@ struct ParallelBodyExchange::Distribution {
 
   // ---- synchronise_bodies.cpp ----
   void synchronise(rigid::BodySet&, Owners);
+  void sum_forces(rigid::BodySet&);
   void distribute(rigid::BodySet&);
   /// Ranks that hold a body, its owner among them, sorted.
   void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
@@ -84,7 +85,9 @@ struct ParallelBodyExchange::Distribution {
   void announce(rigid::BodySet&, Owners);
   void announce_body(const rigid::BodySet&, std::size_t row, Owners);
   void require_around(rigid::BodyId, int to) const;
+  void expect_all_around();
   void send_forces_of_copies(rigid::BodySet&);
+  void add_forces(rigid::BodySet&, const Arrivals&) const;
   void read(rigid::BodySet&, Arrivals&);
   bool settle(rigid::BodySet&, Arrivals&);
   bool drop_visitors(rigid::BodySet&);

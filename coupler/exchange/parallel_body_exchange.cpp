@@ -47,11 +47,12 @@ void ParallelBodyExchange::synchronise(rigid::BodySet& bodies) {
   if (asserts) check_exchange(*this, bodies, before);
 }
 
-/// Twice: a force that was on its way to a body's former owner comes to the new one.
+/// Forces first, while every copy is near its owner.
 void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
   wrap_positions(bodies);
-  for (int round = 0; distribution_ && round < 2; ++round)
-    distribution_->synchronise(bodies, Distribution::Owners::anywhere);
+  if (!distribution_) return;
+  distribution_->sum_forces(bodies);
+  distribution_->synchronise(bodies, Distribution::Owners::anywhere);
 }
 
 double ParallelBodyExchange::reach() const {

@@ -142,13 +142,32 @@ void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies, Owners own
   read(bodies, arrivals);
   rows_changed = settle(bodies, arrivals) || rows_changed;
   if (rows_changed) bodies.reindex();
+  add_forces(bodies, arrivals);
+  tie(bodies);
+}
+
+/// Those on copies go to the owners, and nothing else.
+void ParallelBodyExchange::Distribution::sum_forces(BodySet& bodies) {
+  expect_all_around();
+  send_forces_of_copies(bodies);
+  messages.with_partners(around);
+  Arrivals arrivals;
+  read(bodies, arrivals);
+  add_forces(bodies, arrivals);
+}
+
+void ParallelBodyExchange::Distribution::add_forces(BodySet& bodies, const Arrivals& arrivals) const {
   for (const Arrivals::Push& p : arrivals.pushes) {
     const std::size_t row = bodies.row_of(p.id);
     if (row >= bodies.size()) continue;  // taken out of the simulation since
     bodies.force[row].add(p.force);
     bodies.torque[row].add(p.torque);
   }
-  tie(bodies);
+}
+
+/// Each of them waits for a message, if only an empty one.
+void ParallelBodyExchange::Distribution::expect_all_around() {
+  for (const int other : around) messages.to(other);
 }
 
 bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
@@ -164,8 +183,7 @@ bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
 
 void ParallelBodyExchange::Distribution::announce(BodySet& bodies, Owners owners) {
   departures_.clear();
-  if (owners != Owners::anywhere)
-    for (const int other : around) messages.to(other);  // expects one, if only an empty one
+  if (owners != Owners::anywhere) expect_all_around();
   for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row, owners);
   send_forces_of_copies(bodies);
 }
@@ -218,7 +236,9 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
 void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) {
   for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row) {
     if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
-    Bytes& message = messages.to(owner(bodies.id[row]));
+    const int to = owner(bodies.id[row]);
+    require_around(bodies.id[row], to);
+    Bytes& message = messages.to(to);
     put(message, Item::force);
     put(message, bodies.id[row]);
     put(message, bodies.force[row].q);
