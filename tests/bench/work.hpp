@@ -22,6 +22,7 @@ struct Counted {
   constexpr Counted(double value) : x(value) {}
   friend Counted operator+(Counted a, Counted b) { return ++operations, a.x + b.x; }
   friend Counted operator-(Counted a, Counted b) { return ++operations, a.x - b.x; }
+  friend Counted operator-(Counted a) { return ++operations, -a.x; }
   friend Counted operator*(Counted a, Counted b) { return ++operations, a.x * b.x; }
   friend Counted operator/(Counted a, Counted b) { return ++operations, a.x / b.x; }
   friend constexpr bool operator<(Counted a, Counted b) { return a.x < b.x; }
