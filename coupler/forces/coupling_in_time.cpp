@@ -57,27 +57,28 @@ Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substep
   return std::min(opposing / square, double(substeps)) * contacts;
 }
 
-/// The impulse of lubrication in the coming step. A film that gave an impulse in the last sub-step gives it
-/// again in each of the next as long as the load lasts. But films damp: they hold what presses the body on
-/// and stop its motion relative to the other one, and turn neither round. So after an impact, which a film
-/// may have met within a single sub-step, nothing is left for it to do.
+/// The impulse of lubrication in the coming step. Films that gave an impulse in the last sub-step give it
+/// again in each of the next as long as the load lasts. But films damp: together they hold what presses the
+/// body on and stop its motion relative to the bodies beyond them, and turn neither round. So after an
+/// impact, which a film may have met within a single sub-step, nothing is left for it to do.
 Vec3 impulse_of_films(const rigid::World& world, const rigid::BodySet& bodies, std::size_t row, int substeps,
                       const Vec3& load) {
-  Vec3 sum = Vec3::Zero();
+  Vec3 impulse = Vec3::Zero(), approach = Vec3::Zero();  // of a sub-step; momentum relative to the others
+  double weight = 0, mass = 0;
   for (const auto& s : bodies.stored_impulses[row]) {
     if (!(s.feature & rigid::lubrication_feature)) continue;
-    const Vec3 impulse = s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
-    const double size = impulse.norm();
-    if (size == 0) continue;
     const std::size_t other = bodies.row_of(s.partner);
-    const double mass = 1 / (bodies.inverse_mass(row) + bodies.inverse_mass(other));
-    const Vec3 approach = mass * (bodies.velocity[row] - bodies.velocity[other]);
-    const double turning =
-        mass * bodies.angular_velocity[row].norm() * world.bounding_radii[bodies.shape[row]];
-    const double opposing = turning - (load + approach).dot(impulse) / size;
-    sum += std::clamp(opposing / size, 0.0, double(substeps)) * impulse;
+    const double size = s.impulse.norm();
+    const double reduced_mass = 1 / (bodies.inverse_mass(row) + bodies.inverse_mass(other));
+    impulse += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+    approach += size * reduced_mass * (bodies.velocity[row] - bodies.velocity[other]);
+    weight += size, mass += size * reduced_mass;
   }
-  return sum;
+  const double size = impulse.norm();
+  if (size == 0) return Vec3::Zero();
+  const double turning = mass * bodies.angular_velocity[row].norm() * world.bounding_radii[bodies.shape[row]];
+  const double opposing = (turning - approach.dot(impulse) / size) / weight - load.dot(impulse) / size;
+  return std::clamp(opposing / size, 0.0, double(substeps)) * impulse;
 }
 
 void add_force(rigid::BodySet& bodies, std::size_t row, const Vec6& f) {
