@@ -1,8 +1,10 @@
 #include "coupler/coupled_step.hpp"
 
+#include "coupler/exchange/traffic.hpp"
+
 namespace silt::coupler {
 
-CoupledStep::CoupledStep(const SceneParts& scene) : scene_(scene) {}
+CoupledStep::CoupledStep(const SceneParts& scene) : scene_(scene), clock_([] { return traffic().waited; }) {}
 
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
   if (Flow* const flow = scene_.flow) {
@@ -23,10 +25,18 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
 }
 
 StageSeconds CoupledStep::seconds() const {
-  StageSeconds all = clock_.seconds();
+  return with_bodies(clock_.seconds(), [](const rigid::RigidClock& clock) { return clock.seconds(); });
+}
+
+StageSeconds CoupledStep::waits() const {
+  return with_bodies(clock_.waits(), [](const rigid::RigidClock& clock) { return clock.waits(); });
+}
+
+template <class Of>
+StageSeconds CoupledStep::with_bodies(StageSeconds all, Of&& of) const {
   if (!scene_.rigid_step) return all;
   using enum rigid::RigidStage;
-  const auto& bodies = scene_.rigid_step->seconds();
+  const auto bodies = of(scene_.rigid_step->clock());
   all[int(Stage::integrate)] = bodies[int(integrate)];
   all[int(Stage::collision_detection)] = bodies[int(collision_detection)];
   all[int(Stage::contact_response)] = bodies[int(contact_response)];

@@ -24,10 +24,15 @@ class CoupledStep {
   explicit CoupledStep(const SceneParts&);
   /// Advances everything by one step; returns what the bodies did.
   rigid::RigidStepReport operator()(rigid::BodySet&);
-  /// Seconds of all steps so far, on this rank, by stage.
+  /// Seconds of all steps so far, on this rank, by stage; and what of them it waited for others.
   StageSeconds seconds() const;
+  StageSeconds waits() const;
 
  private:
+  /// The stages of the fluid with those of the bodies.
+  template <class Of>
+  StageSeconds with_bodies(StageSeconds, Of&&) const;
+
   SceneParts scene_;
   StepClock clock_;  // of the fluid's stages
 };

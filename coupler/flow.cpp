@@ -5,6 +5,8 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/exchange/reduce.hpp"
+#include "coupler/exchange/sums_under_way.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/build_links.hpp"
@@ -12,6 +14,7 @@
 #include "coupler/mapping/refill.hpp"
 #include "coupler/side_force.hpp"
 #include "coupler/state_hash.hpp"
+#include "lbm/cut_links.hpp"
 #include "lbm/pairs_across.hpp"
 
 namespace silt::coupler {
@@ -67,6 +70,7 @@ class FlowOf final : public Flow {
     forces_.begin(fluid_, map_.blocks(), links_, bodies);
   }
   void stream_collide(StepClock& clock) override {
+    settle();
     if (corrects_mass_) fluid_.set_mass_correction(correction_.take_surplus());
     if (world_.shapes.empty()) return fluid_.stream_collide();
     fluid_.stream_collide([&](int b, int part) {
@@ -82,8 +86,7 @@ class FlowOf final : public Flow {
 
   void evaluate_forces(rigid::BodySet& bodies) override {
     stepped_ = true;
-    const std::int64_t gain = forces_.finish(fluid_, links_, bodies);
-    if (corrects_mass_ && correction_.end_step(fluid_.comm(), gain)) correction_.recount(totals());
+    leave_under_way(forces_.finish(fluid_, links_, bodies));
   }
 
   const lbm::Domain& domain() const override { return fluid_.domain(); }
@@ -99,7 +102,10 @@ class FlowOf final : public Flow {
   void set_arriving(int b, Int3 x, int i, double g) override { fluid_.arriving(b, x, i) = T(g); }
   std::size_t bytes() const override { return fluid_.bytes(); }
   MappingCounts mapping() const override { return counts_; }
-  const MassCorrectionState& mass_correction() const override { return correction_.state(); }
+  const MassCorrectionState& mass_correction() const override {
+    settle();
+    return correction_.state();
+  }
   void set_mass_correction(const MassCorrectionState& state) override {
     correction_.set_state(state);
     restarted_ = true;
@@ -113,7 +119,10 @@ class FlowOf final : public Flow {
     if (corrects_mass_) correction_.recount(totals());
   }
 
-  FlowTotals totals() const override { return flow_totals<T>(fluid_, map_.blocks()); }
+  FlowTotals totals() const override {
+    settle();
+    return flow_totals<T>(fluid_, map_.blocks());
+  }
   std::uint64_t hash() const override { return hash_fluid<T>(fluid_, map_.blocks()); }
   Vec3 side_force(int axis, bool upper) const override {
     return coupler::side_force<T>(fluid_, map_.blocks(), axis, upper);
@@ -131,6 +140,37 @@ class FlowOf final : public Flow {
   }
 
  private:
+  /// Starts the sums that the next step begins with: the mass gained, how many ranks have a body whose sums
+  /// are out of range, and in some steps the cells and the mass of all fluid.
+  void leave_under_way(const LinkOutcome& links) {
+    out_of_range_ = links.out_of_range;
+    const MassCorrection::Gain gain = correction_.take_gain(links.mass_gain);
+    std::vector<std::int64_t> mine = {gain.link_mass, gain.cell_mass, gain.cells,
+                                      links.out_of_range != LinkOutcome::nobody};
+    if (corrects_mass_ && correction_.recount_is_due()) {
+      const FlowSums now = flow_sums<T>(fluid_, map_.blocks());
+      mine.push_back(std::int64_t(now.count()));
+      for (const std::uint64_t limb : limbs_of(now.mass())) mine.push_back(std::int64_t(limb));
+    }
+    sums_.start(fluid_.comm(), std::move(mine));
+  }
+
+  /// Takes what the last step left under way.
+  void settle() const {
+    if (!sums_.under_way()) return;
+    const std::vector<std::int64_t>& all = sums_.finish();
+    if (all[3] > 0) throw ForceOutOfRange(least_over_ranks(fluid_.comm(), out_of_range_));
+    if (!corrects_mass_) return;
+    correction_.end_step({all[0], all[1], all[2]});
+    if (all.size() == 4) return;
+    FlowTotals counted;
+    counted.fluid_cells = std::uint64_t(all[4]);
+    const Limbs mass{std::uint64_t(all[5]), std::uint64_t(all[6]), std::uint64_t(all[7]),
+                     std::uint64_t(all[8])};
+    counted.mass_deviation = double(sum_of(mass)) * lbm::mass_quantum;
+    correction_.recount(counted);
+  }
+
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies) {
     const ChangedCells cells = changed_cells(map_.blocks());
@@ -215,7 +255,10 @@ class FlowOf final : public Flow {
   FluidForces<T> forces_;
   MappingCounts counts_;
   bool corrects_mass_, restarted_ = false, stepped_ = false;
-  MassCorrection correction_;
+  // settled whenever one of them is asked for
+  mutable MassCorrection correction_;
+  mutable SumsUnderWay sums_;
+  rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
 };
 
 lbm::SideCondition side_condition(const BoundarySpec& b) {

@@ -40,6 +40,8 @@ class Flow {
   virtual void map_bodies(rigid::BodySet&) = 0;
   /// With it the links that touch no ghost cell, while their populations are in cache. The clock counts what
   /// they take as force evaluation.
+  /// Begins with what the last step left under way: ForceOutOfRange, on every rank alike, if a body's sums
+  /// were out of range in that step.
   virtual void stream_collide(StepClock&) = 0;
   /// LBM communication: ghost layers and domain walls.
   virtual void communicate() = 0;
@@ -69,7 +71,7 @@ class Flow {
   /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and
   /// set_mass_correction first.
   virtual void start(rigid::BodySet&) = 0;
-  virtual FlowTotals totals() const = 0;  // collective
+  virtual FlowTotals totals() const = 0;  // collective; ForceOutOfRange as of stream_collide
   /// hash_fluid of this rank (state_hash.hpp).
   virtual std::uint64_t hash() const = 0;
   /// Force of the fluid on a side of the domain in the last step: 0 where it is not a wall. Collective.

@@ -48,14 +48,22 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
 }
 
 template <class T>
-FlowTotals flow_totals(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
+FlowSums flow_sums(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
   FlowSums sums(fluid.domain().cells());
   for_fluid_cells(maps, [&](int b, Int3 x) {
     const lbm::Moments m = fluid.moments(b, x);
     sums.add(maps[b].box.lower + x, m, fluid.velocity(m));
   });
-  return sums.over_ranks(fluid.comm());
+  return sums;
 }
+
+template <class T>
+FlowTotals flow_totals(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
+  return flow_sums(fluid, maps).over_ranks(fluid.comm());
+}
+
+template FlowSums flow_sums(const lbm::Fluid<float>&, std::span<const BlockMap>);
+template FlowSums flow_sums(const lbm::Fluid<double>&, std::span<const BlockMap>);
 
 template FlowTotals flow_totals(const lbm::Fluid<float>&, std::span<const BlockMap>);
 template FlowTotals flow_totals(const lbm::Fluid<double>&, std::span<const BlockMap>);

@@ -40,6 +40,9 @@ class FlowSums {
   void add(lbm::Int3 global_cell, const lbm::Moments&, const std::array<double, 3>& velocity);
   /// Collective.
   FlowTotals over_ranks(MPI_Comm) const;
+  /// Of what has been added here: the cells, and the mass in quanta.
+  std::uint64_t count() const { return count_; }
+  rigid::FixedSum mass() const { return sums_[0]; }
 
  private:
   static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
@@ -52,6 +55,9 @@ class FlowSums {
   std::int64_t first_bad_ = none;                                      // index of a global cell
 };
 
+/// Adds up the fluid cells of this rank.
+template <class T>
+FlowSums flow_sums(const lbm::Fluid<T>&, std::span<const BlockMap>);
 /// Collective.
 template <class T>
 FlowTotals flow_totals(const lbm::Fluid<T>&, std::span<const BlockMap>);

@@ -110,8 +110,10 @@ double check_motion(const Case& scene, const rigid::BodySet& bodies, std::int64_
   return std::sqrt(highest);
 }
 
-std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step, int rank) {
-  return fmt::format("step {}: a force on a body is out of range on rank {} ({}); {}", step, rank, what,
+std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step,
+                          std::optional<int> rank) {
+  return fmt::format("step {}: a force on a body is out of range{} ({}); {}", step,
+                     rank ? fmt::format(" on rank {}", *rank) : "", what,
                      scene.fluid ? flow_remedy(scene) : "use a smaller units.time_step");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Stops a run whose state has left the range in which it means anything, and says what to change.
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -33,7 +34,8 @@ void check_flow(const Case&, const FlowTotals&, std::int64_t step);
 /// Checks this rank's bodies and returns their largest speed; GuardStop on the ranks that own a bad one only.
 double check_motion(const Case&, const rigid::BodySet&, std::int64_t step, int rank);
 
-/// Returns the text for sums of forces that ran out of range on this rank.
-std::string overflow_text(const Case&, const std::string& what, std::int64_t step, int rank);
+/// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.
+std::string overflow_text(const Case&, const std::string& what, std::int64_t step,
+                          std::optional<int> rank = {});
 
 }  // namespace silt::coupler

@@ -37,15 +37,22 @@ void MassCorrection::cell_uncovered(double density_deviation) {
   ++cells_gained_;
 }
 
-bool MassCorrection::end_step(MPI_Comm comm, std::int64_t link_gain) {
-  std::int64_t mine[3] = {link_gain, mass_gained_, cells_gained_}, all[3];
-  MPI_Allreduce(mine, all, 3, MPI_INT64_T, MPI_SUM, comm);
-  state_.link_gain = all[0];
-  // the source was meant for the cells there had been: uncovered ones got it too, covered ones did not
-  state_.surplus += all[0] + all[1] + to_quanta(source_ * double(all[2]));
-  state_.fluid_cells += all[2];
+MassCorrection::Gain MassCorrection::take_gain(std::int64_t link_mass) {
+  const Gain gain{link_mass, mass_gained_, cells_gained_};
   mass_gained_ = cells_gained_ = 0;
-  return ++state_.steps % recount_interval == 0;
+  return gain;
+}
+
+bool MassCorrection::recount_is_due() const {
+  return (state_.steps + 1) % recount_interval == 0;
+}
+
+void MassCorrection::end_step(const Gain& of_all) {
+  state_.link_gain = of_all.link_mass;
+  // the source was meant for the cells there had been: uncovered ones got it too, covered ones did not
+  state_.surplus += of_all.link_mass + of_all.cell_mass + to_quanta(source_ * double(of_all.cells));
+  state_.fluid_cells += of_all.cells;
+  ++state_.steps;
 }
 
 void MassCorrection::recount(const FlowTotals& now) {

@@ -1,8 +1,6 @@
 #pragma once
 // The mass correction. Interpolated walls, and cells that change sides, do not conserve the mass of the
 // fluid. What is known to have been gained is taken out of all cells alike (README.md, equations 17 and 18).
-#include <mpi.h>
-
 #include <cstdint>
 
 namespace silt::coupler {
@@ -29,9 +27,17 @@ class MassCorrection {
   void cell_covered(double density_deviation);
   /// A body has left a cell of this rank: the fluid has gained what was put into it.
   void cell_uncovered(double density_deviation);
-  /// Ends a step with the mass that this rank's fluid gained through links. Collective. Returns whether a
-  /// recount is due.
-  bool end_step(MPI_Comm, std::int64_t link_gain);
+  /// What all ranks gained in a step, or one of them: mass through links and by cells that changed sides, and
+  /// cells.
+  struct Gain {
+    std::int64_t link_mass = 0, cell_mass = 0, cells = 0;
+  };
+  /// Returns what this rank gained in the step that ends, and begins to count anew.
+  Gain take_gain(std::int64_t link_mass);
+  /// Whether the fluid is to be counted when the step at hand ends.
+  bool recount_is_due() const;
+  /// Ends a step with what all ranks gained in it.
+  void end_step(const Gain& of_all);
   /// Sets the account to what there is. Populations in single precision round, so what is known differs from
   /// it by some 1e-13 a cell and step. std::overflow_error if the mass is beyond the range of the account.
   void recount(const FlowTotals&);

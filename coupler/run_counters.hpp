@@ -12,10 +12,11 @@ struct RunCounters {
   std::uint64_t covered = 0, uncovered = 0;  // cells, by bodies
   std::uint64_t migrations = 0;              // bodies that changed their owner
   std::uint64_t contacts = 0, mixed_owner_contacts = 0;
-  std::uint64_t sweeps = 0, infeasible = 0;  // of the resolver (ResolverStatistics)
+  std::uint64_t infeasible = 0;              // of the resolver (ResolverStatistics), as sweeps and residual
   std::uint64_t queries = 0, fallbacks = 0;  // of the collision backend
   std::uint64_t lubricated_contacts = 0,
                 unlubricated_contacts = 0;               // contacts with lubrication, and as narrow without
+  double sweeps = 0;                                     // of the rank with most
   double body_speed = 0, penetration = 0, residual = 0;  // largest
 };
 

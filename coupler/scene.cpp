@@ -4,14 +4,16 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/body_records.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/fill.hpp"
+#include "coupler/case/case_extent.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/mapping/solid_map.hpp"
+#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_bodies.hpp"
 #include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
@@ -48,8 +50,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
-  if (scene.has_lubrication())
-    world.lubrication = make_lubrication(scene.fluid->kinematic_viscosity, scene.coupling);
+  if (scene.has_lubrication()) world.lubrication = make_lubrication(*scene.fluid, scene.coupling);
   return world;
 }
 
@@ -69,8 +70,8 @@ bool Scene::has_surfaces() const {
   return body_count > 0 || !setup.walls.empty();
 }
 
-Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
-    : own_setup_(std::make_shared<const Case>(scene)),
+Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
+    : own_setup_(std::make_shared<const Case>(std::move(scene))),
       setup(*own_setup_),
       comm(communicator),
       ranks(size_of(communicator)),
@@ -78,17 +79,19 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
   MPI_Comm_rank(comm, &rank);
   const auto shapes = centred_shapes(setup);
   world = make_world(setup, shapes);
-  const auto records = saved ? saved->records : body_records(setup, shapes);
-  take_bodies(records, saved);
-  body_count = records.size();
-  anything_moves = std::any_of(records.begin(), records.end(),
-                               [](const rigid::BodyRecord& r) { return r.motion != rigid::Motion::fixed; });
+  if (saved)
+    take_saved_bodies(*saved);
+  else
+    take_placed_bodies(shapes);
   if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
     set_mapping_pose(bodies, row, bodies.pose(row));
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
-  exchange->distribute(bodies);
+  if (saved)
+    exchange->distribute(bodies);
+  else
+    exchange->synchronise(bodies);
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
@@ -101,20 +104,43 @@ Scene::Scene(const Case& scene, MPI_Comm communicator, const SavedBodies* saved)
   if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
 }
 
-/// Every body as an owned row; fresh ones wrapped into the domain, at rest on the lattice where they start.
-void Scene::take_bodies(std::span<const rigid::BodyRecord> records, const SavedBodies* saved) {
-  const rigid::Extent extent = extent_of(setup);
-  for (const rigid::BodyRecord& r : records) bodies.add(r);
+/// Every body of all ranks as an owned row: the exchange has still to deal them out.
+void Scene::take_saved_bodies(const SavedBodies& saved) {
+  bodies.resize(saved.records.size());
+  bodies.owned = saved.records.size();
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (saved) {
-      bodies.stored_impulses[row] = saved->impulses[row];
-      continue;
-    }
+    bodies.assign(row, saved.records[row]);
+    bodies.stored_impulses[row] = saved.impulses[row];
+  }
+  bodies.reindex();
+  body_count = bodies.owned;
+  anything_moves = any_moves();
+}
+
+/// This rank's bodies, wrapped into the domain, at rest on the lattice where they start.
+void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes) {
+  const PlacedBodies placed = place_bodies(setup, domain, comm);
+  const rigid::Extent extent = extent_of(setup);
+  bodies.resize(placed.size());
+  bodies.owned = placed.size();
+  std::size_t row = 0;
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    bodies.assign(row, body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
     extent.wrap(bodies.position[row], bodies.image[row]);
     bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
     set_mapping_pose(bodies, row, bodies.pose(row));
-  }
+    ++row;
+  });
   bodies.reindex();
+  std::uint64_t counts[2] = {bodies.owned, any_moves()};
+  sum_over_ranks(comm, std::span(counts));
+  body_count = counts[0];
+  anything_moves = counts[1] > 0;
+}
+
+bool Scene::any_moves() const {
+  return std::any_of(bodies.motion.begin(), bodies.motion.begin() + static_cast<std::ptrdiff_t>(bodies.owned),
+                     [](rigid::Motion m) { return m != rigid::Motion::fixed; });
 }
 
 SceneParts Scene::parts() {

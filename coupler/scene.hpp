@@ -4,7 +4,6 @@
 #include <mpi.h>
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,7 @@
 namespace silt::coupler {
 
 struct Case;
+struct CentredShape;
 
 /// Bodies as a checkpoint holds them: records, and as many lists of stored impulses.
 struct SavedBodies {
@@ -27,10 +27,11 @@ class Scene {
   std::shared_ptr<const Case> own_setup_;
 
  public:
-  /// Collective. The case must have passed check_case. With `saved` the bodies are those (all of them on
-  /// every rank) instead of the case's. std::invalid_argument for a domain that cannot be cut for this many
-  /// ranks, or an unknown backend or resolver. The flow is at rest and not started.
-  Scene(const Case&, MPI_Comm, const SavedBodies* saved = nullptr);
+  /// Collective. The case must have passed check_case; CaseError on every rank if a fill does not fit. With
+  /// `saved` the bodies are those (all of them on every rank) instead of the case's. std::invalid_argument
+  /// for a domain that cannot be cut for this many ranks, or an unknown backend or resolver. The flow is at
+  /// rest and not started.
+  Scene(Case, MPI_Comm, const SavedBodies* saved = nullptr);
 
   const Case& setup;
   MPI_Comm comm;
@@ -52,7 +53,9 @@ class Scene {
   SceneParts parts();
 
  private:
-  void take_bodies(std::span<const rigid::BodyRecord>, const SavedBodies*);
+  void take_saved_bodies(const SavedBodies&);
+  void take_placed_bodies(const std::vector<CentredShape>&);
+  bool any_moves() const;  // of those owned here
 };
 
 }  // namespace silt::coupler

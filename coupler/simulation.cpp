@@ -7,9 +7,11 @@
 #include <stdexcept>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/covered_momentum.hpp"
+#include "coupler/forces/fluid_forces.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
@@ -19,12 +21,12 @@ namespace silt::coupler {
 using rigid::BodyId;
 using rigid::Vec3;
 
-Simulation::Simulation(const Case& scene, MPI_Comm comm) : Simulation(scene, comm, nullptr) {}
-Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState& saved)
-    : Simulation(scene, comm, &saved) {}
+Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {}
+Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
+    : Simulation(std::move(scene), comm, &saved) {}
 
-Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved)
-    : scene_(scene, comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
+Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
+    : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
   flush_denormals_to_zero();
   if (scene_.flow) {
     if (saved) {
@@ -40,6 +42,7 @@ Simulation::Simulation(const Case& scene, MPI_Comm comm, const SavedState* saved
   if (saved) {
     step_ = saved->step;
     if (scene_.rank == 0) counters_ = saved->counters;
+    counters_.sweeps = saved->counters.sweeps;
     initial_ = saved->initial;
     fluid_speed_ = saved->fluid_speed;
   } else {
@@ -56,9 +59,21 @@ SceneParts Simulation::observed_parts() {
   return parts;
 }
 
+/// What the last step found out of range is told by the next, or by the first look after it.
+template <class Work>
+auto Simulation::guarded(Work&& work) {
+  try {
+    return work();
+  } catch (const ForceOutOfRange& found) {
+    throw GuardStop(overflow_text(setup(), found.what(), step_));
+  }
+}
+
 void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
-  const rigid::RigidStepReport report = coupled_step_(scene_.bodies);
+  const Traffic before = traffic();
+  begin_step_of_traffic();
+  const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
     std::fill(scene_.bodies.torque.begin(), scene_.bodies.torque.end(), rigid::FixedVec3{});
@@ -68,8 +83,10 @@ void Simulation::step() {
   if (scene_.anything_moves)
     counters_.body_speed =
         std::max(counters_.body_speed, check_motion(setup(), scene_.bodies, step_, scene_.rank));
+  check_.finish(*scene_.exchange, scene_.bodies, bodies_at_start_);  // of the step before
   if (scene_.anything_moves && step_ % guard_interval == 0)
-    check_exchange(*scene_.exchange, scene_.bodies, bodies_at_start_, step_);
+    check_.start(*scene_.exchange, scene_.bodies, step_);
+  traffic_ += traffic() - before;
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -99,7 +116,7 @@ void Simulation::count(const rigid::RigidStepReport& report) {
   counters_.lubricated_contacts += report.lubrication.with;
   counters_.unlubricated_contacts += report.lubrication.without;
   counters_.mixed_owner_contacts += report.mixed_owner_contacts;
-  if (scene_.rank == 0) counters_.sweeps += report.resolver.sweeps;  // the same on every rank
+  counters_.sweeps += report.resolver.sweeps;
   counters_.infeasible += report.resolver.infeasible;
   counters_.penetration = std::max(counters_.penetration, report.resolver.penetration);
   counters_.residual = std::max(counters_.residual, report.resolver.residual);
@@ -179,7 +196,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
     bodies.image[row] = {};
     bodies.set_pose(row, pose);
   }
-  scene_.exchange->synchronise(bodies);  // it may be another rank's now
+  scene_.exchange->relocate(bodies);  // it may be another rank's now
 }
 
 // ---- what may be asked ----
@@ -189,7 +206,7 @@ std::uint64_t Simulation::hash() const {
 }
 
 FlowTotals Simulation::look_at_flow() {
-  const FlowTotals totals = scene_.flow->totals();
+  const FlowTotals totals = guarded([&] { return scene_.flow->totals(); });
   fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
   check_flow(setup(), totals, step_);
   return totals;

@@ -12,6 +12,7 @@
 #include <functional>
 
 #include "coupler/exchange/check_exchange.hpp"
+#include "coupler/exchange/traffic.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
@@ -42,12 +43,13 @@ struct BodyLoad {
 class Simulation {
  public:
   /// Starts at step 0. Errors are those of Scene.
-  Simulation(const Case&, MPI_Comm);
-  Simulation(const Case&, MPI_Comm, const SavedState&);
+  Simulation(Case, MPI_Comm);
+  Simulation(Case, MPI_Comm, const SavedState&);
   Simulation(const Simulation&) = delete;
 
-  /// Does one step. GuardStop and std::overflow_error come on some ranks only: the others then wait for ever,
-  /// so a program on several ranks ends with MPI_Abort after saying what happened.
+  /// Does one step. GuardStop and std::overflow_error may come on some ranks only: the others then wait for
+  /// ever, so a program on several ranks ends with MPI_Abort after saying what happened. That the fluid's
+  /// force on a body is out of range all ranks find, in the next step or at the next look.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -76,7 +78,9 @@ class Simulation {
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
-  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local
+  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
+  StageSeconds stage_waits() const { return coupled_step_.waits(); }      // local: for other ranks
+  const Traffic& traffic_in_steps() const { return traffic_; }            // local: of all steps
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row.
   std::vector<BodyLoad> last_loads() const;
@@ -88,10 +92,12 @@ class Simulation {
     rigid::BodyId id;
     double load[6];
   };
-  Simulation(const Case&, MPI_Comm, const SavedState*);
+  Simulation(Case&&, MPI_Comm, const SavedState*);
   SceneParts observed_parts();
   void see_forces(const rigid::BodySet&);
   void count(const rigid::RigidStepReport&);
+  template <class Work>
+  auto guarded(Work&&);
   void require_movable(rigid::BodyId) const;
 
   Scene scene_;
@@ -101,7 +107,9 @@ class Simulation {
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
   OwnedBodies bodies_at_start_;  // of all ranks
+  CheckUnderWay check_;
   double fluid_speed_ = 0, step_seconds_ = 0;
+  Traffic traffic_;
   std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
 };
 

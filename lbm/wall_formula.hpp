@@ -33,21 +33,17 @@ void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-/// Below tau - 1/2 = sqrt(magic / this), `multireflection` as a whole amplifies (README.md, equation 20).
-inline constexpr double stable_share_slope = 1.8;
-
 /// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` is stable, and
 /// the acceleration of the fluid.
 template <class T>
 struct WallFluid {
-  T magic = T(1.0 / 6), inverse_rate = T(2), stable_share = T(1);
+  T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1);
   T force[3] = {};
   WallFluid() = default;
   explicit WallFluid(const CollisionSpec& s)
       : magic(T(s.magic_in_effect())),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
-        stable_share(T(std::min(1.0, stable_share_slope * (s.relaxation_time - 0.5) *
-                                         (s.relaxation_time - 0.5) / s.magic_in_effect()))),
+        share(T(stable_share(s.relaxation_time, s.magic_in_effect()))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };
 
@@ -77,7 +73,7 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
 /// (equations 19 and 20).
 template <class V, class T>
 constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const WallFluid<T>& fluid) {
-  const T share = fluid.stable_share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
+  const T share = fluid.share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
   const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;

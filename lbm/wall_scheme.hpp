@@ -27,13 +27,18 @@ enum class WallScheme : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic", "multireflection"};
 
+/// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it.
+constexpr double stable_share(double tau, double magic) {
+  constexpr double slope = 1.8;
+  return std::min(1.0, slope * (tau - 0.5) * (tau - 0.5) / magic);
+}
+
 /// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall
 /// scheme").
 constexpr double best_magic(WallScheme scheme, double tau) {
   if (scheme == WallScheme::parabolic) return 1.0 / 16;
   if (scheme != WallScheme::multireflection) return 1.0 / 6;
-  const double share = std::min(1.0, 13.5 * (tau - 0.5) * (tau - 0.5));  // of equation 20, with 2/15
-  return 1.0 / 6 - share / 30;
+  return 1.0 / 6 - stable_share(tau, 2.0 / 15) / 30;
 }
 
 /// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.

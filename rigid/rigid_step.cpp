@@ -40,28 +40,26 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
       backend_(backend),
       resolver_(resolver),
       exchange_(exchange),
+      clock_([&exchange] { return exchange.waited(); }),
       detect_contacts_(std::move(broad_phase)) {}
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
-  RigidStepReport report;
-  clock_.timed(RigidStage::synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
-  report += substep(bodies, dt, true);
-  return report;
+  return substep(bodies, dt, true);
 }
 
 RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
   RigidStepReport report;
-  clock_.timed(RigidStage::synchronisation, [&] { exchange_.sum_forces(bodies); });  // line 1
   for (int i = 1; i <= substeps; ++i) report += substep(bodies, 1.0 / substeps, i == substeps);
   return report;
 }
 
-/// Lines 2 to 23 of Algorithm 1; the numbers of equations are those of README.md.
+/// Algorithm 1; the numbers of equations are those of README.md. Line 1 waits for line 6, whose messages take
+/// its forces along: only the kick needs them.
 RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
   using enum RigidStage;
-  clock_.timed(integrate, [&] { drift(bodies, 0.5 * dt); });              // lines 2-5, positions (M1)
-  clock_.timed(synchronisation, [&] { exchange_.synchronise(bodies); });  // line 6
+  clock_.timed(integrate, [&] { drift(bodies, 0.5 * dt); });                // lines 2-5, positions (M1)
+  clock_.timed(synchronisation, [&] { exchange_.update_copies(bodies); });  // lines 1 and 6
   clock_.timed(collision_detection, [&] { detect_contacts(bodies, dt, report); });  // lines 7-12
   clock_.timed(synchronisation, [&] { exchange_contacts(bodies, report); });        // line 13
   clock_.timed(integrate, [&] { kick_before_contacts(bodies, dt); });  // lines 2-5, velocities (M2)

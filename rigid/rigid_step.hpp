@@ -40,8 +40,8 @@ class RigidStep {
   RigidStepReport operator()(BodySet&, double dt);
   /// Advances by a step of length 1 in `substeps` equal parts, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);
-  /// Returns the seconds of all steps so far, on this rank.
-  const RigidClock::Seconds& seconds() const { return clock_.seconds(); }
+  /// Returns what tells the seconds of all steps so far, on this rank.
+  const RigidClock& clock() const { return clock_; }
 
  private:
   const World& world_;

@@ -9,11 +9,11 @@
 #include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/fill.hpp"
-#include "coupler/case/neighbour_grid.hpp"
-#include "coupler/case/overlap.hpp"
-#include "coupler/case/wall_check.hpp"
+#include "coupler/case/case_extent.hpp"
+#include "coupler/case/fill_room.hpp"
+#include "coupler/case/lattice.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -23,27 +23,7 @@ using rigid::Motion;
 using rigid::Vec3;
 
 constexpr double fewest_cells_across = 6;  // at 5 the drag of a dilute array is off by about 1 %
-constexpr double start_overlap =
-    0.02;  // cells that bodies may overlap at the start: rounding of a case's numbers
 constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
-
-std::string entry_key(const BodySpec& body) {
-  return fmt::format("bodies[{}]", std::max(0, body.entry));
-}
-
-std::string position_key(const Case& scene, const BodySpec& body) {
-  const std::string key = entry_key(body);
-  return key + (scene.places.count(key + ".positions") ? ".positions" : ".position");
-}
-
-std::string shown_point(const Case& scene, const Vec3& x) {
-  const double cell = scene.units.cell_size;
-  return fmt::format("[{}, {}, {}]", shown(x[0] * cell), shown(x[1] * cell), shown(x[2] * cell));
-}
-
-std::string shown_length(const Case& scene, double x) {
-  return shown(x * scene.units.cell_size);
-}
 
 std::string of_fill(std::size_t index, const char* key) {
   return fmt::format("fill[{}].{}", index, key);
@@ -72,10 +52,11 @@ void check_sizes(const Case& scene, Findings& findings) {
   std::set<int> seen;
   for (const BodySpec& body : scene.bodies) {
     if (!seen.insert(body.entry).second) continue;
-    check_size(scene, findings, body.shape, body.motion, entry_key(body) + ".shape");
+    check_size(scene, findings, body.shape, body.motion, entry_key(body.entry) + ".shape");
     if (!(body.density > 0))
-      findings.error(entry_key(body) + ".density", fmt::format("{}.density is {}; it must be above 0",
-                                                               entry_key(body), shown(body.density)));
+      findings.error(
+          entry_key(body.entry) + ".density",
+          fmt::format("{}.density is {}; it must be above 0", entry_key(body.entry), shown(body.density)));
   }
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
@@ -96,70 +77,9 @@ void check_sizes(const Case& scene, Findings& findings) {
   }
 }
 
-// The body's centre must be in the domain, and a body that moves must not reach into a wall.
-bool check_place(const Case& scene, Findings& findings, const BodySpec& body) {
-  const Vec3 size = extent_of(scene).size;
-  const Vec3& x = body.pose.position;
-  const std::string key = position_key(scene, body);
-  for (int d = 0; d < 3; ++d)
-    if (!(x[d] >= 0 && x[d] <= size[d])) {
-      findings.error(key,
-                     fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
-                                 shown_point(scene, Vec3::Zero()), shown_point(scene, size)));
-      return false;
-    }
-  if (body.motion == Motion::fixed) return true;
-  const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
-  for (int d = 0; d < 3; ++d) {
-    if (scene.periodic(d)) continue;
-    const double low = scene.boundary[2 * d].solid_for_bodies ? -box.lower[d] : 0;
-    const double high = scene.boundary[2 * d + 1].solid_for_bodies ? box.upper[d] - size[d] : 0;
-    if (std::max(low, high) <= start_overlap) continue;
-    const double allowed_low = x[d] - box.lower[d], allowed_high = size[d] - (box.upper[d] - x[d]);
-    findings.error(
-        key, fmt::format("{} is {}: the body reaches {} into the {} wall of {}; its {} must be between {} "
-                         "and {}",
-                         key, shown_point(scene, x), shown_length(scene, std::max(low, high)),
-                         low > high ? "lower" : "upper", "xyz"[d], "xyz"[d], shown_length(scene, allowed_low),
-                         shown_length(scene, allowed_high)));
-    return false;
-  }
-  return check_in_walls(scene, findings, body, key, start_overlap);
-}
-
-void check_pairs(const Case& scene, Findings& findings) {
-  const rigid::Extent extent = extent_of(scene);
-  double edge = 1;
-  for (const BodySpec& body : scene.bodies)
-    edge = std::max(edge, 2 * rigid::bounding_radius(scene.shapes[body.shape]));
-  NeighbourGrid grid(extent, edge);
-  std::size_t messages = 0;
-  for (std::size_t j = 0; j < scene.bodies.size() && messages < most_messages; ++j) {
-    const BodySpec& b = scene.bodies[j];
-    const auto box = rigid::bounding_box(scene.shapes[b.shape], b.pose);
-    std::set<int> partners;
-    grid.visit(box.lower, box.upper, [&](int i) { return partners.insert(i), true; });
-    for (const int i : partners) {
-      const BodySpec& a = scene.bodies[i];
-      if (a.motion != Motion::free && b.motion != Motion::free) continue;
-      const double depth =
-          overlap_depth(scene.shapes[a.shape], a.pose, scene.shapes[b.shape], b.pose, extent);
-      if (depth <= start_overlap || messages++ >= most_messages) continue;
-      const std::string key = position_key(scene, b);
-      findings.error(
-          key,
-          fmt::format("{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; "
-                      "move them apart",
-                      key, shown_point(scene, b.pose.position), shown_point(scene, a.pose.position), a.entry,
-                      shown_length(scene, depth)));
-    }
-    grid.insert(static_cast<int>(j), box.lower, box.upper);
-  }
-}
-
 // How often a shape is used, and whether by anything that moves freely.
 struct Use {
-  int count = 0;
+  std::int64_t count = 0;
   bool free = false;
 };
 
@@ -170,7 +90,7 @@ std::vector<Use> uses_of(const Case& scene) {
     uses[body.shape].free |= body.motion == Motion::free;
   }
   for (const FillSpec& fill : scene.fills) {
-    uses[fill.shape].count += fill.count;
+    uses[fill.shape].count += fill.count > 0 ? fill.count : 2;  // of sites there are many
     uses[fill.shape].free = true;
   }
   return uses;
@@ -216,12 +136,25 @@ void check_fill_volumes(const Case& scene, Findings& findings) {
     const FillSpec& fill = scene.fills[i];
     const double volume = rigid::mass_properties(scene.shapes[fill.shape]).volume;
     const double room = (fill.upper - fill.lower).prod();
-    if (fill.count * volume <= room * densest) continue;
+    if (static_cast<double>(fill.count) * volume <= room * densest) continue;
     findings.error(of_fill(i, "count"),
                    fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
                                "box; at most {:.0f} can fit",
-                               i, fill.count, shown(fill.count * volume / room), room * densest / volume));
+                               i, fill.count, shown(static_cast<double>(fill.count) * volume / room),
+                               room * densest / volume));
   }
+}
+
+void check_fill_rooms(const Case& scene, Findings& findings) {
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) try {
+      const double radius = bounding_ball(scene.shapes[scene.fills[i].shape]).radius;
+      if (scene.fills[i].arrangement == Arrangement::random)
+        room_for_centres(scene, i, radius);
+      else
+        lattice_of(scene, i, radius);
+    } catch (const CaseError& error) {
+      for (const Diagnostic& d : error.diagnostics()) findings.list.push_back(d);
+    }
 }
 
 void check_falling(const Case& scene, Findings& findings) {
@@ -245,23 +178,16 @@ void Findings::add(Diagnostic::Severity severity, const std::string& key, const 
 void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
   check_sizes(scene, findings);
-  bool placed = true;
-  std::size_t messages = 0;
-  for (const BodySpec& body : scene.bodies) {
+  for (const BodySpec& body : scene.bodies)
     if (std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) {
-      findings.error(entry_key(body) + ".shape", entry_key(body) +
-                                                     ": a body cannot be a half-space; walls come from "
-                                                     "domain.boundary");
+      findings.error(entry_key(body.entry) + ".shape", entry_key(body.entry) +
+                                                           ": a body cannot be a half-space; walls come from "
+                                                           "domain.boundary");
       return;
     }
-    if (messages < most_messages && !check_place(scene, findings, body)) {
-      placed = false;
-      ++messages;
-    }
-  }
   check_backend(scene, findings);
-  if (placed) check_pairs(scene, findings);
   check_fill_volumes(scene, findings);
+  if (!has_errors(findings.list)) check_fill_rooms(scene, findings);
   check_falling(scene, findings);
 }
 

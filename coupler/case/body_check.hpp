@@ -1,5 +1,5 @@
 #pragma once
-// The part of check_case that looks at the bodies: sizes, places, overlaps.
+// The part of check_case that looks at the bodies, but not at where the given ones are: shapes, sizes, fills.
 #include <string>
 #include <vector>
 
@@ -8,6 +8,9 @@
 namespace silt::coupler {
 
 struct Case;
+
+/// Cells that given bodies may overlap something at the start: rounding of a case's numbers.
+inline constexpr double start_overlap = 0.02;
 
 /// Gathers what checks find; keys are paths as in Case::places.
 struct Findings {
@@ -22,7 +25,7 @@ struct Findings {
   std::vector<Diagnostic> list;
 };
 
-/// Judges sizes, places and overlaps of the bodies, and whether the backend can answer for their shapes.
+/// Judges the sizes of the bodies, whether the backend can answer for their shapes, and the boxes of fills.
 void find_body_faults(const Case&, Findings&);
 
 }  // namespace silt::coupler

@@ -19,9 +19,17 @@ struct BodySpec {  // one body
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
 };
 
+enum class Arrangement { random, simple_cubic, hexagonal, layers };
+inline constexpr auto arrangement_names =
+    names_of<Arrangement>("random", "simple-cubic", "hexagonal", "layers");
+
 struct FillSpec {
-  int shape = 0, material = 0, kind = 0, count = 0;
+  int shape = 0, material = 0, kind = 0;
+  std::int64_t count = 0;       // 0: as many as there are sites for, not at random
   double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
+  Arrangement arrangement = Arrangement::random;
+  double spacing = 0;  // of sites, not at random; 0: the least
+  double shift = 0;    // furthest that a body is moved from its site
   bool random_orientation = true;
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
   std::uint64_t seed = 1;

@@ -9,7 +9,6 @@
 #include "coupler/case/body_check.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
-#include "coupler/case/fill.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/case/speed_check.hpp"
 #include "coupler/case/wall_check.hpp"
@@ -289,13 +288,6 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   find_wall_faults(scene, findings);
   if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; }))
     find_body_faults(scene, findings);
-  if (!has_errors(findings.list) && !scene.fills.empty()) {
-    try {
-      place_bodies(scene);
-    } catch (const CaseError& error) {
-      for (const Diagnostic& d : error.diagnostics()) findings.list.push_back(d);
-    }
-  }
   return std::move(findings.list);
 }
 

@@ -10,7 +10,7 @@ struct Case;
 
 /// Returns everything that is wrong (errors) or doubtful (warnings) about a scene, by topic: domain and
 /// blocks, fluid and boundaries, bodies, fills, run and output. A case with an error must not be started.
-/// Places every body, so that a fill that does not fit is found here.
+/// Where the bodies are is not looked at: that is for coupler/placement, each rank its own.
 std::vector<Diagnostic> check_case(const Case&);
 
 /// Judges as check_case; throws CaseError if there is an error, else returns the warnings.

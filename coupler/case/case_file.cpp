@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "coupler/case/case_keys.hpp"
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/case_source.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -24,27 +23,6 @@ Node parsed(const std::string& text, const std::string& file, const std::vector<
   }
   for (const std::string& argument : overrides) apply_override(root, argument);
   return root;
-}
-
-// Directories with a case.toml beside the one asked for, or below the place it was asked from.
-std::vector<std::string> cases_near(const fs::path& directory) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  const fs::path parent = directory.has_parent_path() ? directory.parent_path() : fs::path(".");
-  for (const auto& entry : fs::directory_iterator(parent, ignored))
-    if (fs::exists(entry.path() / "case.toml", ignored)) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-std::string text_of(const fs::path& directory, const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (stream && fs::is_regular_file(file)) return {std::istreambuf_iterator<char>(stream), {}};
-  const auto names = cases_near(directory);
-  throw CaseError(
-      Place{file.string()},
-      fmt::format("there is no such file, or it cannot be read; a case is a directory with a case.toml{}",
-                  names.empty() ? "" : suggestion(directory.filename().string(), names)));
 }
 
 void read_sections(TableReader reader, Case& scene) {
@@ -93,20 +71,25 @@ Place Case::place(std::string path) const {
 
 Case read_case_text(const std::string& text, const std::string& file,
                     const std::vector<std::string>& overrides) {
-  const Node root = parsed(text, file, overrides);
+  CaseSource source{file, text, {}};
+  return read_case(source, overrides);
+}
+
+Case read_case(CaseSource& source, const std::vector<std::string>& overrides) {
+  const Node root = parsed(source.text, source.file, overrides);
   Case scene;
   scene.overrides = overrides;
-  scene.directory = fs::path(file).parent_path();
+  scene.directory = source.directory();
 
   ReadContext context;
-  context.file = file;
-  context.directory = scene.directory;
-  read_sections({context, &root, "", Place{file}}, scene);
+  context.file = source.file;
+  context.source = &source;
+  read_sections({context, &root, "", Place{source.file}}, scene);
   context.report_unread(root, "");
   if (!context.errors.empty()) throw CaseError(std::move(context.errors));
   scene.places = std::move(context.places);
   scene.files = std::move(context.files);
-  scene.text = text;
+  scene.text = source.text;
   for (const std::string& file_read : scene.files) scene.text += fmt::format("\n# file {}", file_read);
   for (const std::string& argument : overrides) scene.text += fmt::format("\n# --set {}", argument);
   return scene;
@@ -115,7 +98,9 @@ Case read_case_text(const std::string& text, const std::string& file,
 std::map<std::string, std::vector<std::string>> keys_asked_for(const std::string& text) {
   const Node root = parsed(text, "", {});
   Case scene;
+  CaseSource source;
   ReadContext context;
+  context.source = &source;
   read_sections({context, &root, "", Place{}}, scene);
   std::map<std::string, std::vector<std::string>> keys;
   collect_known_keys(context, root, "", keys);
@@ -123,12 +108,8 @@ std::map<std::string, std::vector<std::string>> keys_asked_for(const std::string
 }
 
 Case read_case(const fs::path& directory, const std::vector<std::string>& overrides) {
-  const bool is_file = directory.extension() == ".toml";
-  const fs::path folder = is_file                    ? directory
-                          : directory.has_filename() ? directory
-                                                     : directory.parent_path();
-  const fs::path file = is_file ? directory : folder / "case.toml";
-  return read_case_text(text_of(folder, file), file.string(), overrides);
+  CaseSource source = read_source(directory);
+  return read_case(source, overrides);
 }
 
 }  // namespace silt::coupler

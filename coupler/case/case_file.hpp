@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_source.hpp"
 
 namespace silt::coupler {
 
@@ -13,6 +14,9 @@ namespace silt::coupler {
 /// without quotes; list entries as in bodies[0].density. Throws CaseError with everything that is wrong:
 /// syntax, unknown keys, types, ranges. Whether the scene makes sense is for check_case.
 Case read_case(const std::filesystem::path& directory, const std::vector<std::string>& overrides = {});
+
+/// Reads from a source as read_case does from a directory; the files that it had to read are in it then.
+Case read_case(CaseSource&, const std::vector<std::string>& overrides = {});
 
 /// Reads text at hand as read_case does a file; `file` labels the messages.
 Case read_case_text(const std::string& text, const std::string& file,

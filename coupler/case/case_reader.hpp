@@ -20,6 +20,8 @@ namespace silt::coupler {
 
 using adapters::Node;
 
+struct CaseSource;
+
 /// An interval of the numbers that a key may have.
 struct Range {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
@@ -48,8 +50,8 @@ std::string path_of_child(const Node& node, const std::string& path, const Node&
 /// Holds what the readers of all sections share.
 struct ReadContext {
   std::string file;
-  std::filesystem::path directory;  // of the case
-  std::vector<std::string> files;   // that the case names: AttachedFile::fingerprint of each, in its order
+  CaseSource* source = nullptr;    // of the files that the case names
+  std::vector<std::string> files;  // that the case names: AttachedFile::fingerprint of each, in its order
   Units units;
   bool units_known = true;  // else nothing that depends on a scale is judged
   std::vector<Diagnostic> errors;

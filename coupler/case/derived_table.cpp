@@ -7,6 +7,8 @@
 
 #include "coupler/case/body_check.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/fill_room.hpp"
+#include "coupler/case/lattice.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -126,6 +128,14 @@ void add_kind(const Case& scene, Table& table, const std::string& name, const Ki
              fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
 }
 
+/// As many as asked for, else as there are sites, of which some may turn out not to be free.
+std::int64_t most_bodies_of(const Case& scene, std::size_t fill) {
+  const FillSpec& spec = scene.fills[fill];
+  if (spec.count > 0) return spec.count;
+  return static_cast<std::int64_t>(
+      lattice_of(scene, fill, bounding_ball(scene.shapes[spec.shape]).radius).total());
+}
+
 void add_bodies(const Case& scene, Table& table) {
   if (!scene.has_bodies()) {
     table.heading("bodies: none");
@@ -149,9 +159,10 @@ void add_bodies(const Case& scene, Table& table) {
     table.line("", fmt::format("and {} more entries", entries.size() - most_lines));
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
+    const std::int64_t count = most_bodies_of(scene, i);
     add_kind(scene, table, fmt::format("fill[{}] {}", i, scene.kind_names[fill.kind]),
-             {fill.count, fill.shape, fill.density, true});
-    volume += fill.count * rigid::mass_properties(scene.shapes[fill.shape]).volume;
+             {count, fill.shape, fill.density, true});
+    volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[fill.shape]).volume;
   }
   const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
   table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / cells));

@@ -209,6 +209,24 @@ void read_box(TableReader& table, const std::array<int, 3>& cells, Vec3& lower, 
     table.refuse("box", "two corners, [lower, upper], the upper above the lower in each direction");
 }
 
+namespace {
+
+/// How many bodies, and where those are that do not lie at random.
+void read_sites(TableReader& table, FillSpec& fill) {
+  const bool random = fill.arrangement == Arrangement::random;
+  if (random && !table.has("count")) table.missing("count", "how many bodies to place");
+  fill.count = table.integer("count", 1, 100'000'000'000).value_or(random ? 1 : 0);
+  fill.spacing = table.quantity("spacing", dimension::length, range::above(0)).value_or(0);
+  fill.shift = table.quantity("shift", dimension::length, range::at_least(0)).value_or(0);
+  for (const char* key : {"spacing", "shift"})
+    if (random && table.has(key))
+      table.fail(key, fmt::format("{} is for sites, but {} is \"random\"; set it to \"simple-cubic\", "
+                                  "\"hexagonal\" or \"layers\", or remove the key",
+                                  table.path(key), table.path("arrangement")));
+}
+
+}  // namespace
+
 void read_fills(TableReader& root, Case& scene) {
   for (TableReader& table : root.tables("fill")) {
     FillSpec fill;
@@ -216,8 +234,8 @@ void read_fills(TableReader& root, Case& scene) {
     fill.material = read_material_name(table, scene.material_names);
     fill.kind = read_kind(table, fill.shape, scene);
     fill.density = read_density(table);
-    if (!table.has("count")) table.missing("count", "how many bodies to place");
-    fill.count = static_cast<int>(table.integer("count", 1, 100'000'000).value_or(1));
+    fill.arrangement = table.choice("arrangement", arrangement_names).value_or(fill.arrangement);
+    read_sites(table, fill);
     fill.gap = table.quantity("gap", dimension::length, range::at_least(0)).value_or(fill.gap);
     fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
     fill.random_orientation =

@@ -8,8 +8,8 @@
 
 #include "adapters/qhull/convex_hull.hpp"
 #include "adapters/stl/stl_polyhedron.hpp"
-#include "coupler/case/attached_file.hpp"
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/case_source.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -84,7 +84,7 @@ Mesh body_of_file(TableReader& table) {
   if (!name) return {};
   ReadContext& context = table.context();
   try {
-    const AttachedFile file = read_attached(context.directory, *name);
+    const AttachedFile& file = context.source->file_named(*name);
     context.files.push_back(file.fingerprint);
     return adapters::stl_polyhedron(file.bytes, scale / context.units.cell_size);
   } catch (const std::invalid_argument& error) {

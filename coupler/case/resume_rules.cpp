@@ -80,8 +80,7 @@ void require_same_files(const CaseOrigin& origin, const Case& now) {
 
 }  // namespace
 
-Case case_to_resume(const CaseOrigin& origin, const std::filesystem::path& directory,
-                    const std::vector<std::string>& overrides) {
+Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vector<std::string>& overrides) {
   auto all = origin.overrides;
   for (const std::string& o : overrides) {
     const std::string key = o.substr(0, o.find('='));
@@ -92,7 +91,7 @@ Case case_to_resume(const CaseOrigin& origin, const std::filesystem::path& direc
                                   key));
     all.push_back(o);
   }
-  Case scene = read_case(directory, all);
+  Case scene = read_case(source, all);
   require_same_text(origin, scene);
   require_same_files(origin, scene);
   return scene;

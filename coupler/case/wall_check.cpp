@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/speed_check.hpp"
 #include "rigid/collision/tube_contacts.hpp"
@@ -16,10 +17,6 @@ using rigid::Vec3;
 
 std::string key_of(std::size_t wall, const char* key) {
   return fmt::format("walls[{}].{}", wall, key);
-}
-
-std::string shown_length(const Case& scene, double x) {
-  return shown(x * scene.units.cell_size);
 }
 
 /// How far the axis of a tube passes the domain at; 0: through it. By going to and fro between the two.
@@ -78,22 +75,20 @@ void find_wall_faults(const Case& scene, Findings& findings) {
   }
 }
 
-bool check_in_walls(const Case& scene, Findings& findings, const BodySpec& body, const std::string& key,
-                    double allowed) {
+std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const std::string& key,
+                                  double allowed) {
   for (const CurvedWall& wall : scene.walls) {
     const rigid::Tube tube{wall.tube.radius};
     const double gap =
         rigid::gap_in_tube(scene.shapes[body.shape], body.pose, tube, rigid::pose_of(wall.tube));
     if (gap >= -allowed) continue;
-    const Vec3& x = body.pose.position;
-    findings.error(
-        key, fmt::format("{} is [{}, {}, {}]: the body reaches {} into the wall '{}', a tube of radius {}; "
-                         "move it towards the tube's axis",
-                         key, shown_length(scene, x[0]), shown_length(scene, x[1]), shown_length(scene, x[2]),
-                         shown_length(scene, -gap), wall.name, shown_length(scene, wall.tube.radius)));
-    return false;
+    return fmt::format(
+        "{} is {}: the body reaches {} into the wall '{}', a tube of radius {}; move it towards the tube's "
+        "axis",
+        key, shown_point(scene, body.pose.position), shown_length(scene, -gap), wall.name,
+        shown_length(scene, wall.tube.radius));
   }
-  return true;
+  return "";
 }
 
 }  // namespace silt::coupler

@@ -200,13 +200,22 @@ std::uint64_t hash_of(const rigid::BodyRecord& r) {
   return h.value();
 }
 
-OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
-  std::uint64_t mine[2] = {bodies.owned, 0}, all[2];
+namespace {
+OwnedBodies owned_here(const rigid::BodySet& bodies) {
+  OwnedBodies here{bodies.owned, 0};
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     Hash h;
     h.add(bodies.id[row]);
-    mine[1] += h.value();
+    here.ids += h.value();
   }
+  return here;
+}
+}  // namespace
+
+OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
+  const OwnedBodies here = owned_here(bodies);
+  const std::uint64_t mine[2] = {here.count, here.ids};
+  std::uint64_t all[2];
   MPI_Allreduce(mine, all, 2, MPI_UINT64_T, MPI_SUM, comm);
   return {all[0], all[1]};
 }
@@ -227,6 +236,26 @@ void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& 
     throw_first(exchange.comm(), lost_or_doubled(exchange, bodies, expected->count), step);
   throw_first(exchange.comm(), misplaced(exchange, bodies), step);
   throw_first(exchange.comm(), copies_that_differ(exchange, bodies), step);
+}
+
+void CheckUnderWay::start(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                          std::int64_t step) {
+  Finding found = misplaced(exchange, bodies);
+  const Finding differs = copies_that_differ(exchange, bodies);
+  if (differs.id < found.id) found = differs;
+  bad_ = found.id, text_ = found.text, step_ = step;
+  const OwnedBodies here = owned_here(bodies);
+  sums_.start(exchange.comm(),
+              {std::int64_t(here.count), std::bit_cast<std::int64_t>(here.ids), found.id != Finding::nobody});
+}
+
+void CheckUnderWay::finish(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                           const OwnedBodies& expected) {
+  if (!sums_.under_way()) return;
+  const std::vector<std::int64_t>& all = sums_.finish();
+  if (OwnedBodies{std::uint64_t(all[0]), std::bit_cast<std::uint64_t>(all[1])} != expected)
+    throw_first(exchange.comm(), lost_or_doubled(exchange, bodies, expected.count), step_);
+  if (all[2] > 0) throw_first(exchange.comm(), {bad_, text_}, step_);
 }
 
 }  // namespace silt::coupler

@@ -4,8 +4,10 @@
 #include <mpi.h>
 
 #include <optional>
+#include <string>
 
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/exchange/sums_under_way.hpp"
 
 namespace silt::coupler {
 
@@ -29,5 +31,22 @@ std::uint64_t records_hash(MPI_Comm, const rigid::BodySet&, bool stored_impulses
 /// (where not negative), the body and the ranks. Collective. Call after a synchronisation.
 void check_exchange(const ParallelBodyExchange&, const rigid::BodySet&,
                     const std::optional<OwnedBodies>& expected = {}, std::int64_t step = -1);
+
+/// The same check without a wait for all ranks: begun after one step, ended in a later one.
+class CheckUnderWay {
+ public:
+  /// Looks at this rank's bodies, with messages to ranks that hold their copies, and starts the sums that
+  /// tell whether all is well. Collective, but waits for nobody else.
+  void start(const ParallelBodyExchange&, const rigid::BodySet&, std::int64_t step);
+  /// Throws what check_exchange would have thrown then; the bodies are those of now. Nothing, if no check is
+  /// under way. Collective.
+  void finish(const ParallelBodyExchange&, const rigid::BodySet&, const OwnedBodies& expected);
+
+ private:
+  SumsUnderWay sums_;
+  rigid::BodyId bad_ = 0;  // on this rank, and what is wrong with it
+  std::string text_;
+  std::int64_t step_ = 0;
+};
 
 }  // namespace silt::coupler

@@ -1,6 +1,8 @@
 #include "coupler/exchange/distribution.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 
 namespace silt::coupler {
@@ -10,8 +12,34 @@ using rigid::BodySet;
 
 namespace {
 
-bool is_zero(const rigid::FixedVec3& f) {
-  return f.q[0] == 0 && f.q[1] == 0 && f.q[2] == 0;
+/// Half a cell more or less than a whole number, so that of two blocks each finds the other.
+double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
+  constexpr double furthest_in_a_step = 2;  // cells, at least
+  double largest = 0;
+  for (const double radius : world.bounding_radii) largest = std::max(largest, radius);
+  int thinnest = std::numeric_limits<int>::max();
+  for (const lbm::BlockPlace& block : domain.blocks())
+    for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, block.box.size[d]);
+  return std::max(std::ceil(rim + largest + furthest_in_a_step) + 0.5, thinnest - 0.5);
+}
+
+std::vector<int> ranks_around(const lbm::Domain& domain, int rank, double reach) {
+  const Holders holders(domain, reach);
+  std::vector<int> all, of_block;
+  for (const int b : domain.blocks_of(rank)) {
+    const lbm::CellBox& box = domain.blocks()[b].box;
+    rigid::BoundingBox bounds;
+    for (int d = 0; d < 3; ++d) {
+      bounds.lower[d] = box.lower[d];
+      bounds.upper[d] = box.lower[d] + box.size[d];
+    }
+    holders.ranks_of(bounds, of_block);
+    all.insert(all.end(), of_block.begin(), of_block.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::erase(all, rank);
+  return all;
 }
 
 template <class T>
@@ -20,6 +48,15 @@ std::span<T> row_of(std::span<T> rows, std::size_t row, int width) {
 }
 
 }  // namespace
+
+ParallelBodyExchange::Distribution::Distribution(MPI_Comm comm, int rank, const lbm::Domain& domain,
+                                                 const rigid::World& world, double rim)
+    : rank(rank),
+      world(world),
+      holders(domain, rim),
+      messages(comm),
+      reach(reach_of(domain, world, rim)),
+      around(ranks_around(domain, rank, reach)) {}
 
 const std::vector<int>& ParallelBodyExchange::Distribution::those_that(std::vector<BodyId> Tie::*have) {
   ranks_.clear();
@@ -49,34 +86,6 @@ void ParallelBodyExchange::Distribution::tie(const BodySet& bodies) {
     with(owner(bodies.id[row])).taken.push_back(bodies.id[row]);
 }
 
-/// Sends only what is not zero; the sums are of integers, so their order does not matter.
-void ParallelBodyExchange::Distribution::sum_forces(BodySet& bodies) {
-  for (const Tie& t : ties) {
-    if (t.taken.empty()) continue;
-    Bytes& message = messages.to(t.rank);
-    for (const BodyId id : t.taken) {
-      const std::size_t row = bodies.row_of(id);
-      if (row >= bodies.size() || (is_zero(bodies.force[row]) && is_zero(bodies.torque[row]))) continue;
-      put(message, id);
-      put(message, bodies.force[row].q);
-      put(message, bodies.torque[row].q);
-    }
-  }
-  for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row)
-    bodies.force[row] = bodies.torque[row] = {};
-  messages.with_partners(those_that(&Tie::given));
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) {
-      const std::size_t row = bodies.row_of(reader.take<BodyId>());
-      rigid::FixedVec3 force, torque;
-      force.q = reader.take<decltype(force.q)>();
-      torque.q = reader.take<decltype(torque.q)>();
-      if (row >= bodies.size()) continue;  // taken out of the simulation since
-      bodies.force[row].add(force);
-      bodies.torque[row].add(torque);
-    }
-}
-
 void ParallelBodyExchange::Distribution::sum_to_owners(const BodySet& bodies, std::span<std::int64_t> rows,
                                                        int width) {
   for (const Tie& t : ties)
@@ -100,14 +109,18 @@ void ParallelBodyExchange::Distribution::sum_to_owners(const BodySet& bodies, st
 
 void ParallelBodyExchange::Distribution::share_with_copies(const BodySet& bodies, std::span<double> rows,
                                                            int width) {
+  std::vector<double> none(width, 0.0);  // of a body taken out of the simulation since
+  const auto values_of = [&](BodyId id) {
+    const std::size_t row = bodies.row_of(id);
+    return row < bodies.size() ? row_of(rows, row, width) : std::span(none);
+  };
   for (const Tie& t : ties)
-    for (const BodyId id : t.given)
-      put(messages.to(t.rank), std::span<const double>(row_of(rows, bodies.row_of(id), width)));
+    for (const BodyId id : t.given) put(messages.to(t.rank), std::span<const double>(values_of(id)));
   messages.with_partners(those_that(&Tie::taken));
   for (const Messages::Message& m : messages.received()) {
     ByteReader reader(m.bytes);
     const auto t = std::find_if(ties.begin(), ties.end(), [&](const Tie& t) { return t.rank == m.rank; });
-    for (const BodyId id : t->taken) reader.take(row_of(rows, bodies.row_of(id), width));
+    for (const BodyId id : t->taken) reader.take(values_of(id));
   }
 }
 

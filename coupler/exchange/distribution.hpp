@@ -3,9 +3,10 @@
 //
 // Each rank remembers, as of the last synchronisation, which ranks hold a copy of its bodies and which rank
 // owns each of its copies. Both ends of such a tie know it, hence forces, contacts and the sweeps' velocities
-// go between ties without asking anyone: a contact found here concerns only owners of bodies held here. Only
-// the synchronisation itself can reach a rank that does not expect it (a body now overlaps it, or was set
-// down in it, from any distance): that is a round of unannounced messages, see messages.hpp.
+// go between ties without asking anyone: a contact found here concerns only owners of bodies held here. The
+// synchronisation can reach ranks without a tie, which a body now overlaps: there is one message between any
+// two ranks around each other, as far as a body can come to reach in a step. A body set down anywhere needs a
+// round of unannounced messages, see messages.hpp.
 #include <unordered_map>
 
 #include "coupler/exchange/holders.hpp"
@@ -31,21 +32,25 @@ struct Traveller {
 };
 
 struct ParallelBodyExchange::Distribution {
-  Distribution(MPI_Comm comm, int rank, const lbm::Domain& domain, const rigid::World& world, double rim)
-      : rank(rank), world(world), holders(domain, rim), messages(comm) {}
+  /// Where the owners of bodies may be after a synchronisation.
+  enum class Owners { stay, next_to_each_other, anywhere };
+
+  Distribution(MPI_Comm comm, int rank, const lbm::Domain& domain, const rigid::World& world, double rim);
 
   // ---- synchronise_bodies.cpp ----
-  void synchronise(rigid::BodySet&);
+  void synchronise(rigid::BodySet&, Owners);
+  void sum_forces(rigid::BodySet&);
   void distribute(rigid::BodySet&);
   /// Ranks that hold a body, its owner among them, sorted.
   void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
 
   // ---- exchange_contacts.cpp ----
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
-  void share(std::span<double> rows, int width);
+  void share(std::span<double> rows, int width, std::span<int> least, bool changed);
+  /// Whether a body here has a contact with one that another rank owns.
+  bool shares() const { return !velocity_messages_.empty(); }
 
   // ---- distribution.cpp ----
-  void sum_forces(rigid::BodySet&);
   void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width);
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width);
   /// Renews the ties after held_by or owner_of changed.
@@ -56,6 +61,9 @@ struct ParallelBodyExchange::Distribution {
   const rigid::World& world;
   Holders holders;
   Messages messages;
+  const double reach;  // cells around the blocks of a rank
+  const std::vector<int>
+      around;  // other ranks that have a block within reach of one here, sorted: they agree
   ExchangeCounters counters;
   // look-ups only, nothing runs through them in their order
   std::unordered_map<rigid::BodyId, std::vector<int>>
@@ -71,11 +79,15 @@ struct ParallelBodyExchange::Distribution {
                              // of ids
     int rank;
     std::vector<std::size_t> given, taken;
+    Bytes outgoing, incoming;
   };
   struct Arrivals;
-  void announce(rigid::BodySet&);
-  void announce_body(const rigid::BodySet&, std::size_t row);
+  void announce(rigid::BodySet&, Owners);
+  void announce_body(const rigid::BodySet&, std::size_t row, Owners);
+  void require_around(rigid::BodyId, int to) const;
+  void expect_all_around();
   void send_forces_of_copies(rigid::BodySet&);
+  void add_forces(rigid::BodySet&, const Arrivals&) const;
   void read(rigid::BodySet&, Arrivals&);
   bool settle(rigid::BodySet&, Arrivals&);
   bool drop_visitors(rigid::BodySet&);
@@ -87,6 +99,8 @@ struct ParallelBodyExchange::Distribution {
   std::vector<int> ranks_;                           // scratch
   std::vector<std::size_t> departures_;              // owned rows that are handed over
   std::vector<VelocityMessages> velocity_messages_;  // by rank
+  std::vector<MPI_Request> share_requests_;          // scratch, as its statuses
+  std::vector<MPI_Status> share_statuses_;
 };
 
 }  // namespace silt::coupler

@@ -144,7 +144,7 @@ void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& b
                                      [](const VelocityMessages& s, int r) { return s.rank < r; });
     return at != velocity_messages_.end() && at->rank == other
                ? *at
-               : *velocity_messages_.insert(at, {other, {}, {}});
+               : *velocity_messages_.insert(at, {other, {}, {}, {}, {}});
   };
   for (const Contact& c : contacts) {
     if (rigid::is_wall(c.b)) continue;
@@ -165,18 +165,37 @@ void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& b
     }
 }
 
-void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width) {
-  ranks_.clear();
-  for (const VelocityMessages& sweep : velocity_messages_) {
-    Bytes& message = messages.to(sweep.rank);
-    for (const std::size_t row : sweep.given)
-      put(message, std::span<const double>(rows.subspan(row * width, width)));
-    ranks_.push_back(sweep.rank);
+/// A message is what is said of rest, then the rows if any has changed; its length tells. How long it may be
+/// both ends know, so receives are posted before anything is sent.
+void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width, std::span<int> least,
+                                               bool changed) {
+  constexpr int tag = 3;
+  std::vector<MPI_Request>& requests = share_requests_;
+  requests.clear();
+  for (VelocityMessages& with : velocity_messages_) {
+    with.incoming.resize(least.size_bytes() + with.taken.size() * width * sizeof(double));
+    MPI_Irecv(with.incoming.data(), static_cast<int>(with.incoming.size()), MPI_BYTE, with.rank, tag,
+              messages.comm(), &requests.emplace_back());
   }
-  messages.with_partners(ranks_);
-  for (std::size_t k = 0; k < velocity_messages_.size(); ++k) {  // both sorted by rank
-    ByteReader reader(messages.received()[k].bytes);
-    for (const std::size_t row : velocity_messages_[k].taken) reader.take(rows.subspan(row * width, width));
+  for (VelocityMessages& with : velocity_messages_) {
+    with.outgoing.clear();
+    put(with.outgoing, std::span<const int>(least));
+    if (changed)
+      for (const std::size_t row : with.given)
+        put(with.outgoing, std::span<const double>(rows.subspan(row * width, width)));
+    MPI_Isend(with.outgoing.data(), static_cast<int>(with.outgoing.size()), MPI_BYTE, with.rank, tag,
+              messages.comm(), &requests.emplace_back());
+  }
+  share_statuses_.resize(requests.size());
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), share_statuses_.data());
+  for (std::size_t k = 0; k < velocity_messages_.size(); ++k) {
+    const VelocityMessages& with = velocity_messages_[k];
+    int size = 0;
+    MPI_Get_count(&share_statuses_[k], MPI_BYTE, &size);
+    ByteReader reader(std::span(with.incoming).first(size));
+    for (int& x : least) x = std::min(x, reader.take<int>());
+    if (reader.done()) continue;
+    for (const std::size_t row : with.taken) reader.take(rows.subspan(row * width, width));
   }
 }
 

@@ -34,13 +34,13 @@ int Holders::Axis::block_at(double x) const {
   return static_cast<int>(std::upper_bound(cuts.begin(), cuts.end(), static_cast<int>(x)) - cuts.begin()) - 1;
 }
 
-int Holders::rank_at(const rigid::Vec3& x) const {
+int Holders::block_at(const rigid::Vec3& x) const {
   int index = 0;
   for (int d = 2; d >= 0; --d) {
     const Axis& axis = axes_[d];
     index = index * axis.blocks() + axis.block_at(axis.periodic ? wrapped(x[d], axis.cuts.back()) : x[d]);
   }
-  return domain_.blocks()[index].rank;
+  return index;
 }
 
 Holders::Run Holders::met_by(const Axis& axis, double lower, double upper) const {

@@ -15,9 +15,10 @@ class Holders {
   /// rim: cells by which blocks are grown on all sides.
   Holders(const lbm::Domain&, double rim);
 
-  /// Rank of the block that contains x: half-open boxes, x wrapped along periodic axes and clamped along
-  /// others.
-  int rank_at(const rigid::Vec3& x_W) const;
+  /// The block that contains x, and its rank: half-open boxes, x wrapped along periodic axes and clamped
+  /// along others.
+  int block_at(const rigid::Vec3& x_W) const;
+  int rank_at(const rigid::Vec3& x_W) const { return domain_.blocks()[block_at(x_W)].rank; }
   /// Fills ranks, sorted, with those one of whose grown blocks meets the box, whatever its size.
   void ranks_of(const rigid::BoundingBox& box_W, std::vector<int>& ranks) const;
 

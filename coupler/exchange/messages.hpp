@@ -74,7 +74,7 @@ class Messages {
   Messages& operator=(const Messages&) = delete;
 
   MPI_Comm comm() const { return comm_; }
-  /// What is to be sent to a rank other than this one; at the start of a round nothing.
+  /// What is to be sent to a rank; at the start of a round nothing. To this one only in unannounced rounds.
   Bytes& to(int rank);
   /// Sends what to() was called for, and receives one message, possibly empty, from each of the sources.
   void with_partners(std::span<const int> sources);

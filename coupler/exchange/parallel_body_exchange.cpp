@@ -2,6 +2,7 @@
 
 #include "coupler/exchange/check_exchange.hpp"
 #include "coupler/exchange/distribution.hpp"
+#include "coupler/exchange/traffic.hpp"
 
 namespace silt::coupler {
 
@@ -32,21 +33,34 @@ ParallelBodyExchange::ParallelBodyExchange(MPI_Comm comm, const lbm::Domain& dom
   if (ranks_ > 1) distribution_ = std::make_shared<Distribution>(comm_, rank_, domain_, world_, rim_);
 }
 
-void ParallelBodyExchange::sum_forces(rigid::BodySet& bodies) {
-  if (distribution_) distribution_->sum_forces(bodies);
+void ParallelBodyExchange::update_copies(rigid::BodySet& bodies) {
+  wrap_positions(bodies);
+  if (distribution_) distribution_->synchronise(bodies, Distribution::Owners::stay);
 }
 
 void ParallelBodyExchange::synchronise(rigid::BodySet& bodies) {
-  rigid::BodyExchange::synchronise(bodies);
+  wrap_positions(bodies);
   if (!distribution_) return;
   OwnedBodies before;
   if (asserts) before = count_owned(comm_, bodies);
-  distribution_->synchronise(bodies);
+  distribution_->synchronise(bodies, Distribution::Owners::next_to_each_other);
   if (asserts) check_exchange(*this, bodies, before);
 }
 
+/// Forces first, while every copy is near its owner.
+void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
+  wrap_positions(bodies);
+  if (!distribution_) return;
+  distribution_->sum_forces(bodies);
+  distribution_->synchronise(bodies, Distribution::Owners::anywhere);
+}
+
+double ParallelBodyExchange::reach() const {
+  return distribution_ ? distribution_->reach : 0;
+}
+
 void ParallelBodyExchange::distribute(rigid::BodySet& bodies) {
-  rigid::BodyExchange::synchronise(bodies);
+  wrap_positions(bodies);
   if (distribution_) distribution_->distribute(bodies);
 }
 
@@ -72,8 +86,14 @@ void ParallelBodyExchange::exchange_contacts(rigid::BodySet& bodies, std::vector
   if (distribution_) distribution_->exchange_contacts(bodies, contacts);
 }
 
-void ParallelBodyExchange::share(rigid::BodySet&, std::span<double> rows, int width) {
-  if (distribution_) distribution_->share(rows, width);
+void ParallelBodyExchange::share(rigid::BodySet&, std::span<double> rows, int width, std::span<int> least,
+                                 bool changed) {
+  if (distribution_) distribution_->share(rows, width, least, changed);
+}
+
+/// Of ranks in a chain the first and the last are one less apart than there are.
+int ParallelBodyExchange::shares_to_all() const {
+  return distribution_ && distribution_->shares() ? ranks_ - 1 : 0;
 }
 
 void ParallelBodyExchange::sum_to_owners(const rigid::BodySet& bodies, std::span<std::int64_t> rows,
@@ -86,11 +106,8 @@ void ParallelBodyExchange::share_with_copies(const rigid::BodySet& bodies, std::
   if (distribution_) distribution_->share_with_copies(bodies, rows, width);
 }
 
-double ParallelBodyExchange::maximum(double x) const {
-  if (!distribution_) return x;
-  double largest = x;
-  MPI_Allreduce(&x, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
-  return largest;
+double ParallelBodyExchange::waited() const {
+  return traffic().waited;
 }
 
 const ExchangeCounters& ParallelBodyExchange::counters() const {

@@ -3,8 +3,9 @@
 //
 // The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
 // whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy. Messages
-// go to those ranks only. Who they are both ends know from the last synchronisation (distribution.hpp); a
-// synchronisation itself may reach ranks that do not expect it (messages.hpp).
+// go to those ranks only. Who they are both ends know from the last synchronisation (distribution.hpp). A
+// synchronisation itself goes to all ranks that a body may come to reach in a step, each of which expects one
+// message; only a body set down anywhere reaches ranks that do not expect it (messages.hpp).
 #include <mpi.h>
 
 #include <memory>
@@ -27,12 +28,15 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   /// margin.
   ParallelBodyExchange(MPI_Comm, const lbm::Domain&, const rigid::World&, double rim);
 
-  void sum_forces(rigid::BodySet&) override;
+  /// std::runtime_error on a rank one of whose bodies went further than to the ranks around it (reach()).
+  void update_copies(rigid::BodySet&) override;
   void synchronise(rigid::BodySet&) override;
   bool owns_contact_at(const rigid::Vec3& x_W) const override;
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&) override;
-  void share(rigid::BodySet&, std::span<double> rows, int width) override;
-  double maximum(double) const override;
+  void share(rigid::BodySet&, std::span<double> rows, int width, std::span<int> least = {},
+             bool changed = true) override;
+  int shares_to_all() const override;
+  double waited() const override;
 
   MPI_Comm comm() const { return comm_; }
   const rigid::World& world() const { return world_; }
@@ -45,6 +49,10 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   int owner_of(const rigid::BodySet&, std::size_t row) const;
   /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
   std::vector<int> holders(int shape, const rigid::Pose&) const;
+  /// Synchronises bodies that may have been set down anywhere. Collective: every rank hears of every other.
+  void relocate(rigid::BodySet&);
+  /// How far around its blocks a rank's bodies may reach, cells: at least as far as the next blocks.
+  double reach() const;
   /// From a body set in which every rank has every body as `owned` (as at the start of a run) to a
   /// distributed one.
   void distribute(rigid::BodySet&);

@@ -4,18 +4,28 @@
 
 namespace silt::coupler {
 
-/// A 128-bit sum goes as four limbs of 32 bits, each with room for the carries of 2^32 ranks.
+Limbs limbs_of(rigid::FixedSum sum) {
+  Limbs limbs;
+  for (int k = 0; k < 4; ++k)
+    limbs[k] = static_cast<std::uint32_t>(static_cast<unsigned __int128>(sum) >> (32 * k));
+  return limbs;
+}
+
+rigid::FixedSum sum_of(const Limbs& limbs) {
+  unsigned __int128 sum = 0;
+  for (int k = 0; k < 4; ++k) sum += static_cast<unsigned __int128>(limbs[k]) << (32 * k);
+  return static_cast<rigid::FixedSum>(sum);
+}
+
 void sum_over_ranks(MPI_Comm comm, std::span<rigid::FixedSum> sums) {
-  std::vector<std::uint64_t> limbs;
-  for (const rigid::FixedSum s : sums)
-    for (int k = 0; k < 4; ++k)
-      limbs.push_back(static_cast<std::uint32_t>(static_cast<unsigned __int128>(s) >> (32 * k)));
-  sum_over_ranks(comm, limbs);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    unsigned __int128 sum = 0;
-    for (int k = 0; k < 4; ++k) sum += static_cast<unsigned __int128>(limbs[4 * i + k]) << (32 * k);
-    sums[i] = static_cast<rigid::FixedSum>(sum);
+  std::vector<std::uint64_t> all;
+  for (const rigid::FixedSum s : sums) {
+    const Limbs limbs = limbs_of(s);
+    all.insert(all.end(), limbs.begin(), limbs.end());
   }
+  sum_over_ranks(comm, all);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    sums[i] = sum_of(Limbs{all[4 * i], all[4 * i + 1], all[4 * i + 2], all[4 * i + 3]});
 }
 
 void sum_over_ranks(MPI_Comm comm, std::span<std::uint64_t> sums) {
@@ -28,6 +38,11 @@ void max_over_ranks(MPI_Comm comm, std::span<double> values) {
 
 double max_over_ranks(MPI_Comm comm, double x) {
   max_over_ranks(comm, std::span(&x, 1));
+  return x;
+}
+
+std::uint64_t least_over_ranks(MPI_Comm comm, std::uint64_t x) {
+  MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_UINT64_T, MPI_MIN, comm);
   return x;
 }
 

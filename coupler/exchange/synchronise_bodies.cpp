@@ -5,7 +5,7 @@
 //   update    a rank that had a copy and keeps it: the state
 //   copy      a rank that had none: everything
 //   handover  the new owner: everything, forces, stored impulses, and which ranks hold a copy
-//   force     what a program added to a copy since the forces were summed: to its owner
+//   force     what acts on a copy: to its owner
 // A copy that nobody updates is dropped. The rank that hands a body over keeps a copy until the next time,
 // whether it overlaps or not, so that a force on its way to the old owner is not lost.
 #include <algorithm>
@@ -130,22 +130,44 @@ void ParallelBodyExchange::Distribution::find_holders(int shape, const rigid::Po
   include(ranks, owner);
 }
 
-void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies, Owners owners) {
   bool rows_changed = drop_visitors(bodies);
-  announce(bodies);
-  messages.unannounced();
+  announce(bodies, owners);
+  if (owners == Owners::anywhere)
+    messages.unannounced();
+  else
+    messages.with_partners(around);
   Arrivals arrivals;
   arrivals.updated.assign(bodies.copies, 0);
   read(bodies, arrivals);
   rows_changed = settle(bodies, arrivals) || rows_changed;
   if (rows_changed) bodies.reindex();
+  add_forces(bodies, arrivals);
+  tie(bodies);
+}
+
+/// Those on copies go to the owners, and nothing else.
+void ParallelBodyExchange::Distribution::sum_forces(BodySet& bodies) {
+  expect_all_around();
+  send_forces_of_copies(bodies);
+  messages.with_partners(around);
+  Arrivals arrivals;
+  read(bodies, arrivals);
+  add_forces(bodies, arrivals);
+}
+
+void ParallelBodyExchange::Distribution::add_forces(BodySet& bodies, const Arrivals& arrivals) const {
   for (const Arrivals::Push& p : arrivals.pushes) {
     const std::size_t row = bodies.row_of(p.id);
     if (row >= bodies.size()) continue;  // taken out of the simulation since
     bodies.force[row].add(p.force);
     bodies.torque[row].add(p.torque);
   }
-  tie(bodies);
+}
+
+/// Each of them waits for a message, if only an empty one.
+void ParallelBodyExchange::Distribution::expect_all_around() {
+  for (const int other : around) messages.to(other);
 }
 
 bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
@@ -159,13 +181,22 @@ bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
   return true;
 }
 
-void ParallelBodyExchange::Distribution::announce(BodySet& bodies) {
+void ParallelBodyExchange::Distribution::announce(BodySet& bodies, Owners owners) {
   departures_.clear();
-  for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row);
+  if (owners != Owners::anywhere) expect_all_around();
+  for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row, owners);
   send_forces_of_copies(bodies);
 }
 
-void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row) {
+void ParallelBodyExchange::Distribution::require_around(BodyId id, int to) const {
+  if (std::binary_search(around.begin(), around.end(), to)) return;
+  throw std::runtime_error("body " + std::to_string(id) + " has come from rank " + std::to_string(rank) +
+                           " to rank " + std::to_string(to) + " at once, further than " +
+                           std::to_string(reach) + " cells: use a smaller units.time_step, or fewer ranks");
+}
+
+void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row,
+                                                       Owners owners) {
   const BodyId id = bodies.id[row];
   const auto known = held_by.find(id);
   find_holders(bodies.shape[row], bodies.pose(row), ranks_);
@@ -173,11 +204,12 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
     if (known != held_by.end()) held_by.erase(known);
     return;
   }
-  const int owner = holders.rank_at(bodies.position[row]);
+  const int owner = owners == Owners::stay ? rank : holders.rank_at(bodies.position[row]);
   include(ranks_, rank);
   const BodyRecord record = bodies.record(row);
   for (const int to : ranks_) {
     if (to == rank) continue;
+    if (owners != Owners::anywhere) require_around(id, to);
     Bytes& message = messages.to(to);
     const bool has_copy =
         known != held_by.end() && std::binary_search(known->second.begin(), known->second.end(), to);
@@ -204,7 +236,9 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
 void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) {
   for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row) {
     if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
-    Bytes& message = messages.to(owner(bodies.id[row]));
+    const int to = owner(bodies.id[row]);
+    require_around(bodies.id[row], to);
+    Bytes& message = messages.to(to);
     put(message, Item::force);
     put(message, bodies.id[row]);
     put(message, bodies.force[row].q);

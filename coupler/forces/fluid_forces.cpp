@@ -31,18 +31,13 @@ void add_sums(const SurfaceLinks<T>& surface, bool stiffness, RowSums& sums) {
   for (int e = 0; e < RowSums::stiffness_width; ++e) h[e] += surface.stiffness.h[e];
 }
 
-/// On every rank alike: throws if some body's sums left the range of the fixed point, or are not numbers.
-void require_in_range(MPI_Comm comm, rigid::BodyId bad) {
-  std::uint64_t mine = bad, first = 0;
-  MPI_Allreduce(&mine, &first, 1, MPI_UINT64_T, MPI_MIN, comm);
-  if (first != std::numeric_limits<std::uint64_t>::max())
-    throw std::overflow_error(
-        "the force on body " + std::to_string(first) +
-        " is not a number or above 64 lattice units on one link; the flow around it has become "
-        "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time");
-}
-
 }  // namespace
+
+ForceOutOfRange::ForceOutOfRange(rigid::BodyId id)
+    : std::overflow_error(
+          "the force on body " + std::to_string(id) +
+          " is not a number or above 64 lattice units on one link; the flow around it has become "
+          "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time") {}
 
 template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange& exchange, int substeps,
@@ -133,11 +128,10 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
     lbm::correct_cut_links<T>({block, slots, surface.links, group}, increment, surface.sums);
 }
 
-/// Returns the mass that this rank's fluid gained through all links so far.
+/// Returns what all links so far have done.
 template <class T>
-std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
-  std::int64_t mass = 0;
-  rigid::BodyId bad = std::numeric_limits<rigid::BodyId>::max();
+LinkOutcome FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
+  LinkOutcome outcome;
   for (std::size_t b = 0; b < links.size(); ++b) {
     const auto& rim = links[b].rim;
     for (std::size_t k = 0; k < rim.size(); ++k) {
@@ -147,20 +141,21 @@ std::int64_t FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLin
             links[b].next_group(rim, k, rim.size()));
     }
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
-      mass += surface.sums.mass;
-      if (surface.sums.invalid) bad = std::min(bad, bodies_->id[surface.row]);
+      outcome.mass_gain += surface.sums.mass;
+      if (surface.sums.invalid)
+        outcome.out_of_range = std::min(outcome.out_of_range, bodies_->id[surface.row]);
     }
   }
-  require_in_range(exchange_.comm(), bad);
-  return mass;
+  return outcome;
 }
 
-/// Adds what all blocks have of the bodies that are not finished, at their owners.
+/// Adds what all blocks have of the bodies that are not finished, at their owners; without what is out of
+/// range (the run ends in the next step).
 template <class T>
 void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::BodySet& bodies) {
   for (const BlockLinks<T>& block : links)
     for (const SurfaceLinks<T>& surface : block.surfaces)
-      if (!surface.finished) add_sums(surface, implicit_.has_value(), sums_);
+      if (!surface.finished && !surface.sums.invalid) add_sums(surface, implicit_.has_value(), sums_);
   wall_loads_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
     std::copy_n(sums_.force(bodies.first_wall() + w), RowSums::force_width, wall_loads_[w].begin());
@@ -227,15 +222,15 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
 }
 
 template <class T>
-std::int64_t FluidForces<T>::finish(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
-                                    rigid::BodySet& bodies) {
-  std::int64_t mass = apply_rims(fluid, links);
+LinkOutcome FluidForces<T>::finish(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
+                                   rigid::BodySet& bodies) {
+  LinkOutcome outcome = apply_rims(fluid, links);
   gather(links, bodies);
   if (implicit_)
-    mass += move_implicitly(fluid, links, bodies);
+    outcome.mass_gain += move_implicitly(fluid, links, bodies);
   else
     move_explicitly(bodies);
-  return mass;
+  return outcome;
 }
 
 template class FluidForces<float>;

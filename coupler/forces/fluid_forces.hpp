@@ -6,8 +6,10 @@
 //
 // There is no history besides the state of bodies (with their stored impulses and debts) and populations.
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include "coupler/case/coupling_spec.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
@@ -18,6 +20,19 @@
 #include "lbm/fluid.hpp"
 
 namespace silt::coupler {
+
+/// ForceOutOfRange says that the sums of a body's links are no numbers, or beyond the range of the fixed
+/// point.
+struct ForceOutOfRange : std::overflow_error {
+  explicit ForceOutOfRange(rigid::BodyId);
+};
+
+/// What this rank's links did in a step.
+struct LinkOutcome {
+  static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
+  std::int64_t mass_gain = 0;           // density that fluid cells gained, in mass quanta
+  rigid::BodyId out_of_range = nobody;  // the least id of bodies whose sums are
+};
 
 template <class T>
 class FluidForces {
@@ -44,10 +59,9 @@ class FluidForces {
     return std::size_t(part) + 1 < links.first_inner.size() &&
            links.first_inner[part] < links.first_inner[part + 1];
   }
-  /// Applies all other links and solves for all other bodies, after the halo exchange. Collective. Returns
-  /// the density that fluid cells of this rank gained through links, in mass quanta. std::overflow_error, on
-  /// every rank, if a body's sums are out of range.
-  std::int64_t finish(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
+  /// Applies all other links and solves for all other bodies, after the halo exchange, with messages between
+  /// ranks that hold a body. What is out of range is left out of the sums: its step means nothing.
+  LinkOutcome finish(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
 
   /// Force and torque of the last step on a wall (0: the first of the walls' rows), torque about its
   /// position, from this rank's blocks; in quanta of lbm::link_quantum.
@@ -58,7 +72,7 @@ class FluidForces {
              const lbm::NextGroup<T>&) const;
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);
-  std::int64_t apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
+  LinkOutcome apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
   void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void move_explicitly(rigid::BodySet&);
   std::int64_t move_implicitly(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);

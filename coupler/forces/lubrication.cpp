@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "coupler/forces/gap_cells.hpp"
+#include "lbm/collision_model.hpp"
+#include "lbm/wall_scheme.hpp"
 
 namespace silt::coupler {
 
@@ -33,13 +35,22 @@ double log_excess(double width, double cutoff) {
   return std::max(0.0, std::log(cutoff / width));
 }
 
+ResolvedFlow mean(double share, const ResolvedFlow& a, const ResolvedFlow& b) {
+  const auto of = [&](double ResolvedFlow::*x) { return share * a.*x + (1 - share) * b.*x; };
+  return {of(&ResolvedFlow::base), of(&ResolvedFlow::width), of(&ResolvedFlow::cells),
+          of(&ResolvedFlow::slip_gap), of(&ResolvedFlow::rolling_gap)};
+}
+
 }  // namespace
 
-ResolvedFlows resolved_flows(WallScheme scheme) {
+ResolvedFlows resolved_flows(WallScheme scheme, double share) {
   if (scheme == WallScheme::parabolic)
     return {{0.370, 0.838, 3.405, 0.503, 0.328}, {0, 2.121, 4.465, 0.503, 0.328}};
-  if (scheme == WallScheme::multireflection)
-    return {{0.702, 0.421, 2.610, 0.494, 0.326}, {0.918, 1.169, 0.698, 0.494, 0.326}};
+  if (scheme == WallScheme::multireflection) {
+    const ResolvedFlows whole{{0.702, 0.421, 2.610, 0.494, 0.326}, {0.918, 1.169, 0.698, 0.494, 0.326}},
+        rest = resolved_flows(WallScheme::cli);
+    return {mean(share, whole.bodies, rest.bodies), mean(share, whole.side, rest.side)};
+  }
   if (scheme == WallScheme::cli)
     return {{0.510, 0.739, 2.688, 0.487, 0.329}, {0.560, 1.383, 1.658, 0.487, 0.329}};
   return {{1.063, 0.286, 1.491, 0.401, 0.264}, {0.612, 1.389, 1.592, 0.401, 0.264}};
@@ -72,9 +83,11 @@ rigid::LubricationResistance Lubrication::operator()(const rigid::LubricatedGap&
           2 * drag * log_excess(width, of.slip_gap), 1.2 * drag * log_excess(width, of.rolling_gap)};
 }
 
-std::shared_ptr<const rigid::LubricationLaw> make_lubrication(double viscosity,
+std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const FluidSpec& fluid,
                                                               const CouplingSpec& coupling) {
-  return std::make_shared<Lubrication>(viscosity, resolved_flows(coupling.wall_scheme),
+  const lbm::CollisionSpec collision{fluid.relaxation_time, fluid.magic, fluid.collision, {}};
+  const double share = lbm::stable_share(fluid.relaxation_time, collision.magic_in_effect());
+  return std::make_shared<Lubrication>(fluid.kinematic_viscosity, resolved_flows(coupling.wall_scheme, share),
                                        coupling.lubrication_min_gap);
 }
 

@@ -18,6 +18,7 @@
 #include <memory>
 
 #include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "rigid/bodies/lubrication.hpp"
 
 namespace silt::coupler {
@@ -31,7 +32,9 @@ struct ResolvedFlow {
 struct ResolvedFlows {
   ResolvedFlow bodies, side;
 };
-ResolvedFlows resolved_flows(WallScheme);
+/// `share` of multireflection, the rest is `cli` (lbm/README.md, equation 20); without effect on other
+/// schemes.
+ResolvedFlows resolved_flows(WallScheme, double share = 1);
 
 class Lubrication final : public rigid::LubricationLaw {
  public:
@@ -50,6 +53,6 @@ class Lubrication final : public rigid::LubricationLaw {
 };
 
 /// Returns the law of a fluid of this kinematic viscosity, for what the wall scheme leaves unresolved.
-std::shared_ptr<const rigid::LubricationLaw> make_lubrication(double viscosity, const CouplingSpec&);
+std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const FluidSpec&, const CouplingSpec&);
 
 }  // namespace silt::coupler

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/body_records.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/fill.hpp"
+#include "coupler/case/case_extent.hpp"
 #include "coupler/exchange/reduce.hpp"
+#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_bodies.hpp"
+#include "coupler/placement/start_positions.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -60,12 +62,18 @@ Vec3 unwrapped(const BodySet& bodies, std::size_t row, const Vec3& period) {
   return x;
 }
 
-/// Every body of the case as it is at the start, in the order of ids, not wrapped.
-BodySet bodies_at_start(const Case& scene) {
+/// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.
+BodySet bodies_at_start(const Scene& scene) {
+  const Case& setup = scene.setup;
+  const auto shapes = centred_shapes(setup);
+  const PlacedBodies placed = place_bodies(setup, scene.domain, scene.comm);
   BodySet bodies;
-  for (const rigid::BodyRecord& r : body_records(scene, centred_shapes(scene))) bodies.add(r);
-  for (std::size_t row = 0; row < bodies.owned; ++row)
+  bodies.resize(placed.size());
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    const std::size_t row = bodies.owned++;
+    bodies.assign(row, body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
     bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
+  });
   return bodies;
 }
 
@@ -75,10 +83,11 @@ void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, 
   const Case& scene = simulation.setup();
   const BodySet& bodies = simulation.bodies();
   const Vec3 period = extent_of(scene).size;
-  const auto start = body_records(scene, centred_shapes(scene));
+  const auto start = start_positions(scene, simulation.scene().domain, simulation.scene().comm,
+                                     std::span(bodies.id).first(bodies.owned));
   for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (q.is_about(bodies.kind[row]) && bodies.id[row] <= start.size())
-      visit(row, unwrapped(bodies, row, period) - Eigen::Map<const Vec3>{start[bodies.id[row] - 1].position});
+    if (q.is_about(bodies.kind[row]) && !start[row].hasNaN())
+      visit(row, unwrapped(bodies, row, period) - start[row]);
 }
 
 // ---- what free motion keeps ----
@@ -109,7 +118,7 @@ Totals totals_now(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 Totals totals_at_start(const Simulation& simulation, const QuantitySpec& q) {
-  return totals_of(simulation.setup(), MPI_COMM_SELF, bodies_at_start(simulation.setup()), q);
+  return totals_of(simulation.setup(), simulation.scene().comm, bodies_at_start(simulation.scene()), q);
 }
 
 double relative(double change, double start) {

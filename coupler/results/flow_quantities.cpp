@@ -5,10 +5,10 @@
 #include <numbers>
 
 #include "coupler/analytic_flow.hpp"
-#include "coupler/body_records.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/for_each_cell.hpp"
+#include "coupler/placement/body_records.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "rigid/shapes/shape.hpp"
 

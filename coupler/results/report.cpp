@@ -1,7 +1,10 @@
 #include "coupler/results/report.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
@@ -20,19 +23,25 @@ using adapters::Json;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();  // null in the file
 
-Json spread(const Simulation& simulation, double mine) {
+/// Over the ranks.
+struct Spread {
+  double least, mean, most;
+  Json json() const { return Json::object({{"min", least}, {"avg", mean}, {"max", most}}); }
+};
+
+Spread spread(const Simulation& simulation, double mine) {
   const MPI_Comm comm = simulation.scene().comm;
   double most[2] = {mine, -mine}, sum = mine;
   max_over_ranks(comm, most);
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
-  return Json::object({{"min", -most[1]}, {"avg", sum / simulation.scene().ranks}, {"max", most[0]}});
+  return {-most[1], sum / simulation.scene().ranks, most[0]};
 }
 
 Json stage_seconds(const Simulation& simulation) {
   Json stages = Json::object();
   for (int s = 0; s < int(Stage::count); ++s)
     if (has_stage(simulation.scene(), Stage(s)))
-      stages[stage_names[s]] = spread(simulation, simulation.stage_seconds()[s]);
+      stages[stage_names[s]] = spread(simulation, simulation.stage_seconds()[s]).json();
   return stages;
 }
 
@@ -142,6 +151,40 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
   report["stage_seconds"] = stage_seconds(simulation);
 }
 
+/// A rank and step, since this start: the mean over the ranks, of the collectives the most.
+Json traffic_of(const Simulation& simulation, double steps) {
+  const Traffic& mine = simulation.traffic_in_steps();
+  const auto a_step = [&](std::uint64_t n) { return spread(simulation, steps > 0 ? double(n) / steps : 0); };
+  return Json::object({{"blocking_collectives_per_step", a_step(mine.blocking_collectives).most},
+                       {"messages_per_step", a_step(mine.messages).mean},
+                       {"empty_messages", a_step(mine.empty_messages).mean},
+                       {"bytes_per_step", a_step(mine.bytes).mean}});
+}
+
+/// What the ranks do in the stages without their waits: how evenly it is shared.
+Json work_of(const Simulation& simulation) {
+  const auto sum = [](const StageSeconds& stages) {
+    return std::accumulate(stages.begin(), stages.end(), 0.0);
+  };
+  const double waits = sum(simulation.stage_waits());
+  const Spread work = spread(simulation, sum(simulation.stage_seconds()) - waits);
+  return Json::object({{"max_over_mean", work.mean > 0 ? work.most / work.mean : unknown},
+                       {"seconds", work.json()},
+                       {"wait_seconds", spread(simulation, waits).json()}});
+}
+
+Json peak_memory_of(const Simulation& simulation) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return spread(simulation, 1024.0 * double(usage.ru_maxrss)).json();
+}
+
+void add_parallel(const Simulation& simulation, const RunStatus& status, Json& report) {
+  report["traffic"] = traffic_of(simulation, double(simulation.steps_done() - status.first_step));
+  report["work"] = work_of(simulation);
+  report["memory_peak_bytes"] = peak_memory_of(simulation);
+}
+
 }  // namespace
 
 Json report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
@@ -156,6 +199,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   add_scene(simulation, report);
   report["state_hash"] = status.state_is_sound ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);
+  add_parallel(simulation, status, report);
   report["skipped"] = skipped_passes(scene, scene.setup.fluid, scene.setup.output);
   report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
   if (status.state_is_sound) add_balance(simulation, report);

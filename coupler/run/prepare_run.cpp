@@ -8,6 +8,8 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/derived_table.hpp"
+#include "coupler/placement/place_bodies.hpp"
+#include "coupler/placement/start_check.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/result_folder.hpp"
 
@@ -17,13 +19,33 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Throws what building the scene would throw, while all ranks still hear of it.
-void require_buildable(const Case& scene, MPI_Comm comm) {
+int ranks_of(MPI_Comm comm) {
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
-  make_domain(scene, ranks);
+  return ranks;
+}
+
+/// Throws what building the scene would throw, while all ranks still hear of it.
+void require_buildable(const Case& scene, MPI_Comm comm) {
+  make_domain(scene, ranks_of(comm));
   adapters::make_backend(scene.contacts.backend);
   adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
+}
+
+/// Collective. Reads a case on rank 0, whose files then go to all, and there from what came.
+template <class Read>
+std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&& read) {
+  CaseSource source;
+  std::unique_ptr<Case> scene;
+  adapters::on_rank_0(comm, [&] {
+    source = read_source(directory);
+    scene = std::make_unique<Case>(read(source));
+  });
+  broadcast(comm, source);
+  adapters::together(comm, [&] {
+    if (!scene) scene = std::make_unique<Case>(read(source));
+  });
+  return scene;
 }
 
 }  // namespace
@@ -31,6 +53,9 @@ void require_buildable(const Case& scene, MPI_Comm comm) {
 std::string examine_case(const RunOptions& options) {
   const Case scene = read_case(options.directory, options.overrides);
   const auto warnings = require_runnable(scene);
+  const lbm::Domain domain = make_domain(scene, 1);
+  require_sound_start(scene, domain, MPI_COMM_SELF);
+  place_bodies(scene, domain, MPI_COMM_SELF);
   return derived_table(scene) + listed(warnings);
 }
 
@@ -42,16 +67,17 @@ fs::path result_folder(const RunOptions& options) {
 
 PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   PreparedRun prepared;
-  std::unique_ptr<Case> scene;
+  const auto scene = read_once(options.directory, comm,
+                               [&](CaseSource& source) { return read_case(source, options.overrides); });
   adapters::together(comm, [&] {
-    scene = std::make_unique<Case>(read_case(options.directory, options.overrides));
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     if (scene->steady) prepared.steady.emplace(scene->steady->change);
     require_buildable(*scene, comm);
   });
+  require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
+  prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
   adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
-  prepared.simulation = std::make_unique<Simulation>(*scene, comm);
   return prepared;
 }
 
@@ -64,16 +90,18 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   const adapters::CheckpointReader reader(
       comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
   PreparedRun prepared;
-  std::unique_ptr<Case> scene;
+  const auto scene = read_once(options.directory, comm, [&](CaseSource& source) {
+    return case_to_resume(read_origin(reader), source, options.overrides);
+  });
   adapters::together(comm, [&] {
-    scene = std::make_unique<Case>(case_to_resume(read_origin(reader), options.directory, options.overrides));
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     prepared.quantities->set_history(read_history(reader, *scene));
     prepared.steady = read_steady_watch(reader, *scene);
     require_buildable(*scene, comm);
   });
-  prepared.simulation = std::make_unique<Simulation>(*scene, comm, read_state(reader, *scene));
+  const SavedState state = read_state(reader, *scene);
+  prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm, state);
   return prepared;
 }
 

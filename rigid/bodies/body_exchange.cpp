@@ -18,7 +18,7 @@ void Extent::wrap(Vec3& x, std::array<std::int32_t, 3>& image) const {
   }
 }
 
-void BodyExchange::synchronise(BodySet& bodies) {
+void BodyExchange::wrap_positions(BodySet& bodies) const {
   for (std::size_t row = 0; row < bodies.owned; ++row) extent_.wrap(bodies.position[row], bodies.image[row]);
 }
 

@@ -25,21 +25,32 @@ class BodyExchange {
   virtual ~BodyExchange() = default;
 
   const Extent& extent() const { return extent_; }
-  /// Line 1: forces and torques on copies are added at the owner and cleared on the copies.
-  virtual void sum_forces(BodySet&) {}
-  /// Lines 6 and 23: wraps positions, hands over ownership, makes, updates and drops copies; visitors go.
-  /// With the ownership go the stored impulses, and the force and torque (the kick comes after line 13).
-  virtual void synchronise(BodySet&);
+  /// Lines 1 and 6: wraps positions, makes, updates and drops copies; visitors go. Forces and torques on
+  /// copies go to the owner, with the same messages, and are cleared on the copies. No body changes its
+  /// owner.
+  virtual void update_copies(BodySet& bodies) { wrap_positions(bodies); }
+  /// Line 23: the same, and bodies are handed over to the rank that has their centre. With the ownership go
+  /// the stored impulses, and the force and torque.
+  virtual void synchronise(BodySet& bodies) { wrap_positions(bodies); }
   /// Does this rank create the contact whose point is x_W? (Exactly one rank does.)
   virtual bool owns_contact_at(const Vec3& x_W) const { return (void)x_W, true; }
   /// Line 13: contacts go to the owners of their bodies; those of owned bodies come back, sorted by key, and
   /// every partner of an owned body has a row (a visitor if it was not held before).
   virtual void exchange_contacts(BodySet&, std::vector<Contact>&);
-  /// In the sweeps: overwrites `width` doubles of each not-owned partner's row by its owner's.
-  virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/) {}
-  virtual double maximum(double x) const { return x; }
+  /// In the sweeps, with the ranks that own a partner of a body owned here: overwrites `width` doubles of
+  /// each not-owned partner's row by its owner's, and each of `least` by the least of this rank's and theirs.
+  /// Not `changed`: no row owned here has changed since the last share, and only `least` goes.
+  virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/,
+                     std::span<int> /*least*/ = {}, bool /*changed*/ = true) {}
+  /// Shares after which word of this rank has come to all ranks that contacts connect it with, directly or
+  /// over others, at most; the same on all of them. 0: there is none.
+  virtual int shares_to_all() const { return 0; }
+  /// Seconds that this rank has waited for others since the program began.
+  virtual double waited() const { return 0; }
 
  protected:
+  void wrap_positions(BodySet&) const;
+
   Extent extent_;
 };
 

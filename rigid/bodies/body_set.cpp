@@ -108,6 +108,8 @@ void BodySet::assign(std::size_t row, const BodyRecord& r) {
 
 void BodySet::insert(std::size_t row, const BodyRecord& r) {
   for_each_array(*this, [&](auto& array) {
+    if (array.size() == array.capacity())
+      array.reserve(array.size() + array.size() / 8 + 16);  // not the double
     array.insert(array.begin() + row, blank<typename std::decay_t<decltype(array)>::value_type>());
   });
   assign(row, r);

@@ -90,7 +90,8 @@ class CarryOn {
       old_t_[k] = load(contacts[k].tangential_impulse);
     }
   }
-  void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask on) const {
+  void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion,
+                  const LanesToSolve& lanes) const {
     if (!used_) return;
     Real8 led_wrong{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -99,7 +100,8 @@ class CarryOn {
       led_wrong += (old_n_[k] - c.normal_impulse) * (c.normal_impulse - c.last_normal) +
                    dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
     }
-    const Real8 beta = momentum(g.age, led_wrong, on & goes_on(g.bodies));
+    const Mask on = lanes.on;
+    const Real8 beta = momentum(g.age, led_wrong, lanes.to_carry);
     g.carried = on ? beta : g.carried;
     for (std::uint32_t k = 0; k < g.count; ++k) {
       BlockContact& c = contacts[k];
@@ -139,18 +141,18 @@ void prepare_blocks(BlockGroup* groups, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) set_inverse_mobility(groups[k]);
 }
 
-double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
-                    const BlockLubrication* all_lubrication, const BodyState* state,
-                    const ContactSweep& sweep) {
-  double residual = 0;
+SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
+                          const BlockLubrication* all_lubrication, const BodyState* state,
+                          const ContactSweep& sweep) {
+  Outcome outcome;
   for (std::size_t k = 0; k < count; ++k) {
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
-    const Mask solved = to_solve(g.bodies, g.carried, state, sweep);
+    const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
     g.relative_change = Real8{} - 1;
-    if (!any(solved)) continue;
+    if (!any(lanes.on)) continue;
     const CarryOn carry_on(g, contacts);
-    Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), solved};
+    Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), lanes.on};
     rounds.lubrication = g.first_lubrication != no_lubrication && !sweep.push
                              ? all_lubrication + g.first_lubrication
                              : nullptr;
@@ -162,13 +164,12 @@ double sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_con
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     rounds.run(g, contacts, sweep.push ? converged_push : converged,
                sweep.number <= few_sweeps ? few_rounds : most_rounds);
-    g.carried = solved ? Real8{} : g.carried;
-    if (!sweep.plain) carry_on(g, contacts, rounds.motion, solved);
-    finish(g, rounds, solved, sweep.tolerance);
-    for (int l = 0; l < lane_count; ++l)
-      if (g.bodies.again[l] && g.relative_change[l] > residual) residual = g.relative_change[l];
+    g.carried = lanes.on ? Real8{} : g.carried;
+    if (!sweep.plain) carry_on(g, contacts, rounds.motion, lanes);
+    finish(g, rounds, lanes.on, sweep.tolerance);
+    outcome.add(g, g.relative_change);
   }
-  return residual;
+  return outcome.all();
 }
 
 }  // namespace silt::rigid::SILT_ISA

@@ -13,7 +13,8 @@ struct CentralChange {
 /// none of the eight has friction; their tangential impulses are zero and stay so, and the bits are those of
 /// `rubs`.
 template <bool rubs>
-CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, Mask on, bool plain) {
+CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const LanesToSolve& lanes) {
+  const Mask on = lanes.on;
   const Vector n = load(g.normal), u = b.v - a.v;
   const Real8 old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
   const Real8 found_n = larger(Real8{}, old_n + (g.target - u_n) * g.inverse_k_n);
@@ -28,7 +29,7 @@ CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, Mask on, bo
     on_t = found_t - last_t;
     led_wrong += dot(old_t - found_t, on_t);
   }
-  const Real8 beta = plain ? Real8{} : momentum(g.age, led_wrong, on & goes_on(g.bodies));
+  const Real8 beta = momentum(g.age, led_wrong, lanes.to_carry);
   g.carried = on ? beta : g.carried;
   const Real8 p_n = found_n + beta * on_n, d_n = on ? p_n - old_n : Real8{}, step_n = found_n - old_n;
   g.normal_impulse = on ? p_n : old_n;
@@ -81,28 +82,26 @@ void add_to_bodies(const CentralGroup& g, const CentralChange& change, Mask on, 
 }
 
 template <bool rubs>
-Real8 sweep_group(CentralGroup& g, Mask on, const BodyState* state, BodySum* sums,
+Real8 sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
                   const ContactSweep& sweep) {
-  const CentralChange change =
-      solve<rubs>(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), on, sweep.plain);
-  add_to_bodies<rubs>(g, change, on, sweep.tolerance, sums);
+  const CentralChange change = solve<rubs>(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), lanes);
+  add_to_bodies<rubs>(g, change, lanes.on, sweep.tolerance, sums);
   return change.relative;
 }
 
 }  // namespace
 
-double sweep_central(CentralGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
-                     const ContactSweep& sweep) {
-  Real8 residual{};
+SweepOutcome sweep_central(CentralGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
+                           const ContactSweep& sweep) {
+  Outcome outcome;
   for (std::size_t k = 0; k < count; ++k) {
     CentralGroup& g = groups[k];
-    const Mask on = to_solve(g.bodies, g.carried, state, sweep);
-    if (!any(on)) continue;
-    const Real8 relative = any(g.friction > 0) ? sweep_group<true>(g, on, state, sums, sweep)
-                                               : sweep_group<false>(g, on, state, sums, sweep);
-    residual = goes_on(g.bodies) & (relative > residual) ? relative : residual;
+    const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
+    if (!any(lanes.on)) continue;
+    outcome.add(g, any(g.friction > 0) ? sweep_group<true>(g, lanes, state, sums, sweep)
+                                       : sweep_group<false>(g, lanes, state, sums, sweep));
   }
-  return largest(residual);
+  return outcome.all();
 }
 
 }  // namespace silt::rigid::SILT_ISA

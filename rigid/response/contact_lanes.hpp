@@ -102,19 +102,26 @@ struct alignas(64) BlockLubrication {
 /// A ContactSweep says how the groups are swept.
 struct ContactSweep {
   int number;        // from 1; the first solves every pair, later ones those of which a body changed
-  bool plain;        // not accelerated: impulses stay as found
+  bool plain;        // not accelerated: all impulses stay as found
   bool push;         // position correction: solved less exactly
   double tolerance;  // a relative change above it marks both bodies as changed
 };
 
-// The kernels. A sweep goes once over its groups and returns the largest relative change of a pair that is
-// not final; blocks are prepared once a step, after the groups are filled.
-using SweepCentral = double(CentralGroup*, std::size_t groups, const BodyState*, BodySum*,
-                            const ContactSweep&);
-using SweepLubricated = double(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*,
-                               const ContactSweep&);
-using SweepBlocks = double(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*,
-                           const BodyState*, const ContactSweep&);
+/// This is what a sweep found.
+struct SweepOutcome {
+  double residual = 0;   // largest relative change of a pair that is not final
+  bool solved = false;   // any pair
+  bool carried = false;  // some impulses have been carried on: the next sweep has to solve for them
+};
+
+// The kernels. A sweep goes once over its groups; blocks are prepared once a step, after the groups are
+// filled.
+using SweepCentral = SweepOutcome(CentralGroup*, std::size_t groups, const BodyState*, BodySum*,
+                                  const ContactSweep&);
+using SweepLubricated = SweepOutcome(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*,
+                                     const ContactSweep&);
+using SweepBlocks = SweepOutcome(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*,
+                                 const BodyState*, const ContactSweep&);
 using PrepareBlocks = void(BlockGroup*, std::size_t groups);
 
 namespace portable {

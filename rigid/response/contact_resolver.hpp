@@ -28,11 +28,11 @@ struct ResolverSettings {
 
 struct ResolverStatistics {
   std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
-  int sweeps = 0;
+  int sweeps = 0;              // the last that solved a pair of this rank
   int impact_sweeps = 0;
-  double residual = 0;           // largest relative impulse change of the last sweep
-  double penetration = 0;        // deepest overlap met, lattice units
-  double cone_excess = 0;        // largest |p_t| - mu p_n, relative to p_n
+  double residual = 0;     // largest relative impulse change in the last sweep allowed; 0: at rest before
+  double penetration = 0;  // deepest overlap met, lattice units
+  double cone_excess = 0;  // largest |p_t| - mu p_n, relative to p_n
   std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found
 
   /// Adds a later sub-step: sums of what is done, extremes of what is met; contacts are those of the last

@@ -149,7 +149,7 @@ ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Conta
   ResolverStatistics statistics;
   velocities.push_v.clear();
   velocities.push_w.clear();
-  if (exchange.maximum(contacts.empty() ? 0.0 : 1.0) == 0) return statistics;
+  if (contacts.empty()) return statistics;
   state_.resize(bodies.size() * width);
   for (const std::size_t row : velocities.rows) {
     Eigen::Map<Vec3>{state_.data() + row* width} = velocities.v[row];

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/response/common_rest.hpp"
+
 namespace silt::rigid {
 
 namespace {
 
-constexpr int width = 7;                     // doubles a body in a share: v, w, number of pairs
+constexpr int width = 8;                     // doubles a body in a share: v, w and the two that follow
+constexpr int number = 6;                    // of its pairs that collide in the round
+constexpr int word = 7;                      // what the stage at hand has to tell its partners
 constexpr double negligible = 1e-12;         // approach in a step, relative to the lever arms: none
 constexpr double sweep_tolerance = 1e-13;    // change of a pair's impulses, relative to the largest
 constexpr double round_tolerance = 1e-15;    // the same inside a pair
@@ -88,9 +92,9 @@ void write(std::vector<double>& state, std::size_t row, const Twist& t) {
 
 }  // namespace
 
-/// Marks the contacts that approach and touch, or would within the step. 0: none.
-double ImpactPhase::largest_approaching_restitution(double dt) {
-  double largest = 0;
+/// Marks the contacts that approach and touch, or would within the step. Returns whether there are any.
+bool ImpactPhase::mark_approaching(double dt) {
+  bool any = false;
   for (Pair& p : pairs_) {
     const Twist a = read(state_, bodies_[p.a].row), b = read(state_, bodies_[p.b].row);
     p.collides = false;
@@ -101,24 +105,41 @@ double ImpactPhase::largest_approaching_restitution(double dt) {
       c.approaching = speed < -least && (c.gap <= 0 || c.gap + dt * speed < 0);
       p.collides = p.collides || c.approaching;
     }
-    if (p.collides) largest = std::max(largest, p.restitution);
+    any = any || p.collides;
   }
-  return largest;
+  return any;
 }
 
-/// Picks the round's pairs, counts them at their bodies and splits the masses accordingly.
-void ImpactPhase::begin_round(BodySet& bodies, BodyExchange& exchange, double restitution) {
+double& ImpactPhase::shared(const Body& b, int which) {
+  return state_[b.row * width + which];
+}
+
+/// Picks the round's pairs: those whose restitution no approaching pair of either body exceeds.
+void ImpactPhase::choose_pairs(BodySet& bodies, BodyExchange& exchange) {
+  for (const Body& b : bodies_) shared(b, word) = 0;
+  for (const Pair& p : pairs_)
+    for (const std::size_t end : {p.a, p.b})
+      if (p.collides && bodies_[end].inverse_mass > 0)
+        shared(bodies_[end], word) = std::max(shared(bodies_[end], word), p.restitution);
+  exchange.share(bodies, state_, width);
+  for (Pair& p : pairs_)
+    p.collides = p.collides && p.restitution >= shared(bodies_[p.a], word) &&
+                 p.restitution >= shared(bodies_[p.b], word);
+}
+
+/// Counts the round's pairs at their bodies and splits the masses accordingly.
+void ImpactPhase::begin_round(BodySet& bodies, BodyExchange& exchange) {
+  choose_pairs(bodies, exchange);
   for (Body& b : bodies_) {
     b.pairs = 0;
     b.start = read(state_, b.row);
   }
-  for (Pair& p : pairs_) {
-    p.collides = p.collides && p.restitution == restitution;
+  for (const Pair& p : pairs_) {
     if (!p.collides) continue;
     ++bodies_[p.a].pairs;
     ++bodies_[p.b].pairs;
   }
-  for (const Body& b : bodies_) state_[b.row * width + 6] = b.pairs;
+  for (const Body& b : bodies_) shared(b, number) = b.pairs;
   exchange.share(bodies, state_, width);
   for (Pair& p : pairs_)
     if (p.collides) split_masses(p);
@@ -126,7 +147,7 @@ void ImpactPhase::begin_round(BodySet& bodies, BodyExchange& exchange, double re
 
 void ImpactPhase::split_masses(Pair& p) {
   const Body &a = bodies_[p.a], &b = bodies_[p.b];
-  const double n_a = state_[a.row * width + 6], n_b = state_[b.row * width + 6];
+  const double n_a = shared(a, number), n_b = shared(b, number);
   p.alone = (n_a == 1 || a.inverse_mass == 0) && (n_b == 1 || b.inverse_mass == 0);
   for (std::size_t k = p.first; k < p.last; ++k) {
     ImpactContact& c = contacts_[k];
@@ -146,7 +167,7 @@ void ImpactPhase::split_masses(Pair& p) {
 /// largest.
 double ImpactPhase::solve(const Pair& p, Stage stage) {
   const Body &body_a = bodies_[p.a], &body_b = bodies_[p.b];
-  const double n_a = state_[body_a.row * width + 6], n_b = state_[body_b.row * width + 6];
+  const double n_a = shared(body_a, number), n_b = shared(body_b, number);
   Sides sides{read(state_, body_a.row),  read(state_, body_b.row),     n_a * body_a.inverse_mass,
               n_b * body_b.inverse_mass, n_a * body_a.inverse_inertia, n_b * body_b.inverse_inertia};
   old_.clear();
@@ -188,6 +209,7 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
 /// Adds what the pair's impulses changed by to its two bodies.
 void ImpactPhase::take_impulses(const Pair& p, const std::vector<std::array<double, 3>>& old) {
   Body &a = bodies_[p.a], &b = bodies_[p.b];
+  a.pushed = b.pushed = true;
   for (std::size_t k = p.first; k < p.last; ++k) {
     const ImpactContact& c = contacts_[k];
     Vec3 impulse = Vec3::Zero();
@@ -203,45 +225,80 @@ void ImpactPhase::take_impulses(const Pair& p, const std::vector<std::array<doub
 /// Bodies take the impulses with their true masses.
 void ImpactPhase::apply() {
   for (Body& b : bodies_) {
-    if (b.moves && b.pairs > 0) {
+    if (b.moves && b.pushed) {
       Twist t = read(state_, b.row);
       t.v += b.inverse_mass * b.impulse;
       t.w += b.inverse_inertia * b.angular_impulse;
       write(state_, b.row, t);
     }
     b.impulse = b.angular_impulse = Vec3::Zero();
+    b.pushed = false;
   }
 }
 
-double ImpactPhase::sweep(Stage stage) {
-  double residual = 0;
+/// Whether a pair is solved in this sweep: in the first, and whenever one of its bodies has changed since.
+bool ImpactPhase::is_to_solve(const Pair& p, Stage stage, int sweep) {
+  if (!p.collides || (stage == Stage::tangential && contacts_[p.first].friction <= 0)) return false;
+  return sweep == 1 || (!p.alone && (shared(bodies_[p.a], word) != 0 || shared(bodies_[p.b], word) != 0));
+}
+
+/// Returns whether a pair has changed. The bodies of those that have tell their partners.
+bool ImpactPhase::sweep(Stage stage, int sweep) {
+  bool moving = false;
+  for (Body& b : bodies_) b.changed = false;
   for (const Pair& p : pairs_) {
-    if (!p.collides) continue;
-    const double change = solve(p, stage);
-    if (!p.alone) residual = std::max(residual, change);
+    if (!is_to_solve(p, stage, sweep)) continue;
+    const bool changed = solve(p, stage) > sweep_tolerance && !p.alone;
+    for (const std::size_t end : {p.a, p.b}) bodies_[end].changed = bodies_[end].changed || changed;
+    moving = moving || changed;
     take_impulses(p, old_);
   }
   apply();
-  return residual;
+  for (const Body& b : bodies_) shared(b, word) = b.moves && b.changed;
+  return moving;
 }
 
-/// At least one sweep, at most `most`. Returns how many.
-int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage stage, int most,
-                               bool& converged) {
+/// At least one sweep, at most most_sweeps_: then they are cut short, and bodies that have not come to rest
+/// tell by their word. Returns how many.
+int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage stage) {
+  CommonRest rest(exchange);
   for (int i = 1;; ++i) {
-    converged = exchange.maximum(sweep(stage)) <= sweep_tolerance;
-    exchange.share(bodies, state_, width);
-    if (converged || i >= most) return i;
+    const bool at_rest = rest.reached(sweep(stage, i));
+    rest.share(bodies, state_, width);
+    cut_short_ = !at_rest;
+    if (at_rest || i >= most_sweeps_) return i;
   }
 }
 
-/// The plastic impulses times the factor, from the velocities at the start of the round.
-void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange, double factor) {
+/// What one body of a cluster of colliding ones says, all of them say: until all have heard it.
+void ImpactPhase::spread_word(BodySet& bodies, BodyExchange& exchange) {
+  CommonRest rest(exchange);
+  for (bool at_rest = false; !at_rest;) {
+    bool moving = false;
+    for (const Pair& p : pairs_) {
+      const double heard = std::max(shared(bodies_[p.a], word), shared(bodies_[p.b], word));
+      for (const std::size_t end : {p.a, p.b}) {
+        if (!p.collides || !bodies_[end].moves || shared(bodies_[end], word) == heard) continue;
+        shared(bodies_[end], word) = heard;
+        moving = true;
+      }
+    }
+    at_rest = rest.reached(moving);
+    rest.share(bodies, state_, width);
+  }
+}
+
+/// The plastic impulses times 1 + e, from the velocities at the start of the round; as they are in a cluster
+/// some of whose pairs have not come to rest.
+void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange) {
+  if (cut_short_) spread_word(bodies, exchange);
   for (const Body& b : bodies_)
     if (b.moves) write(state_, b.row, b.start);
   for (const Pair& p : pairs_) {
     if (!p.collides) continue;
-    for (std::size_t k = p.first; k < p.last; ++k) contacts_[k].impulse[0] *= factor;
+    const bool settled = shared(bodies_[p.a], word) == 0 && shared(bodies_[p.b], word) == 0;
+    for (std::size_t k = p.first; k < p.last; ++k)
+      contacts_[k].impulse[0] *= settled ? 1 + p.restitution : 1.0;
     take_impulses(p, {});
   }
   apply();
@@ -260,15 +317,12 @@ int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contact
   for (const Body& b : bodies_)
     write(state_, b.row, {velocities.before_v[b.row], velocities.before_w[b.row]});
   int sweeps = 0;
-  while (sweeps < most_sweeps_) {
-    const double restitution = exchange.maximum(largest_approaching_restitution(dt));
-    if (restitution == 0) break;
-    begin_round(bodies, exchange, restitution);
-    bool converged = false;
-    sweeps += sweep_to_rest(bodies, exchange, Stage::normal, most_sweeps_ - sweeps, converged);
-    rebound(bodies, exchange, converged ? 1 + restitution : 1.0);
-    if (exchange.maximum(rubs() ? 1.0 : 0.0) > 0)
-      sweeps += sweep_to_rest(bodies, exchange, Stage::tangential, most_sweeps_ - sweeps, converged);
+  for (int round = 0; round < most_sweeps_; ++round) {
+    if (!on_any(bodies, exchange, mark_approaching(dt))) break;
+    begin_round(bodies, exchange);
+    sweeps += sweep_to_rest(bodies, exchange, Stage::normal);
+    rebound(bodies, exchange);
+    if (on_any(bodies, exchange, rubs())) sweeps += sweep_to_rest(bodies, exchange, Stage::tangential);
   }
   for (const Body& b : bodies_) {
     const Twist now = read(state_, b.row);

@@ -2,15 +2,16 @@
 // Impacts before the contacts of a step (rigid/README.md, C8): how one runs through bodies that touch, which
 // the simultaneous law of sFFD does not give (Newton's cradle).
 //
-// In rounds: of the pairs with e > 0 that approach now, those with the largest e collide, all at once. Their
-// normal impulses are those of a plastic collision (the least kinetic energy without approach) times 1 + e;
-// then friction brakes with these normal impulses given. New approaches are the next round's business. The
-// rounds are the generalized reflections of Smith, Kaufman, Vouga, Tamstorf, Grinspun (2012), "Reflections on
-// simultaneous impact"; one e a round is ours, as is friction.
+// In rounds: of the pairs with e > 0 that approach now, those collide, all at once, whose e is the largest at
+// either of their bodies; so colliding pairs that have a body in common have the same e. Their normal
+// impulses are those of a plastic collision (the least kinetic energy without approach) times 1 + e; then
+// friction brakes with these normal impulses given. New approaches are the next round's business. The rounds
+// are the generalized reflections of Smith, Kaufman, Vouga, Tamstorf, Grinspun (2012), "Reflections on
+// simultaneous impact"; one e a cluster and round is ours, as is friction.
 //
 // Kinetic energy never grows. With plastic impulses p, velocities u of the colliding contacts and their
 // matrix K: p (u + K p) = 0, so that (1+e) p u + (1+e)^2 p K p / 2 = -(1 - e^2) p K p / 2. (With an e for
-// each contact the sum could be positive, hence one e a round.) Friction lowers it further. Momentum is
+// each contact the sum could be positive, hence one e a cluster.) Friction lowers it further. Momentum is
 // exact: both bodies take the same impulse.
 //
 // The plastic impulses come from sweeps as in sffd_resolver.hpp, masses split over the pairs of the round.
@@ -24,11 +25,12 @@ namespace silt::rigid {
 
 class ImpactPhase {
  public:
-  /// most_sweeps: of all rounds of a step together. A round they cut short counts as plastic.
+  /// most_sweeps: of the normal and of the tangential impulses of a round, and most rounds of a step.
+  /// Impulses of a cluster that they cut short count as plastic.
   explicit ImpactPhase(int most_sweeps) : most_sweeps_(most_sweeps) {}
 
   /// Changes velocities.before_v and before_w of every row, v and w of owned rows by as much. contacts: as
-  /// for a resolver. The same number of sweeps, which it returns, on every rank.
+  /// for a resolver. Returns how many sweeps this rank took part in.
   int operator()(BodySet&, const std::vector<Contact>& contacts, double dt, StepVelocities&, BodyExchange&);
 
  private:
@@ -37,8 +39,10 @@ class ImpactPhase {
     bool moves;  // owned and free
     double inverse_mass;
     Mat3 inverse_inertia;
-    int pairs = 0;  // in this round
-    Twist start;    // of the round
+    int pairs = 0;         // in this round
+    bool pushed = false;   // by a pair, since it last took its impulses
+    bool changed = false;  // a pair of it, in this sweep
+    Twist start;           // of the round
     Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();
   };
   struct ImpactContact {  // a contact
@@ -60,24 +64,29 @@ class ImpactPhase {
 
   void collect(const BodySet&, const std::vector<Contact>&);
   std::size_t involve(const BodySet&, std::size_t row);
-  double largest_approaching_restitution(double dt);
-  void begin_round(BodySet&, BodyExchange&, double restitution);
+  bool mark_approaching(double dt);
+  double& shared(const Body&, int which);
+  void choose_pairs(BodySet&, BodyExchange&);
+  void begin_round(BodySet&, BodyExchange&);
   void split_masses(Pair&);
-  int sweep_to_rest(BodySet&, BodyExchange&, Stage, int most, bool& converged);
-  double sweep(Stage);
+  int sweep_to_rest(BodySet&, BodyExchange&, Stage);
+  bool is_to_solve(const Pair&, Stage, int sweep);
+  bool sweep(Stage, int sweep);
   double solve(const Pair&, Stage);
   void take_impulses(const Pair&, const std::vector<std::array<double, 3>>& old);
   void apply();
-  void rebound(BodySet&, BodyExchange&, double factor);
+  void spread_word(BodySet&, BodyExchange&);
+  void rebound(BodySet&, BodyExchange&);
   bool rubs() const;
 
   int most_sweeps_;
+  bool cut_short_ = false;  // the last sweeps, by their number
   std::vector<Body> bodies_;
   std::vector<Pair> pairs_;
   std::vector<ImpactContact> contacts_;
   std::vector<std::array<double, 3>> old_;  // impulses before a pair is solved
   std::vector<std::int32_t> index_;         // of a row of the BodySet in bodies_, -1: takes no part
-  std::vector<double> state_;               // a row of the BodySet: v, w, number of pairs of the round
+  std::vector<double> state_;               // a row of the BodySet: v, w, and what else is shared
 };
 
 /// sffd after an impact phase: the contacts then no longer bounce.

@@ -62,18 +62,21 @@ inline Vector times(const Real8* m, const Vector& a) {
           m[4] * a.x + m[5] * a.y + m[2] * a.z};
 }
 
-/// Real8 to be solved: all in the first sweep, then those of which a body changed, or that a plain sweep has
-/// to bring back.
-inline Mask to_solve(const LaneBodies& bodies, Real8 carried, const BodyState* state,
-                     const ContactSweep& sweep) {
-  Mask on;
+/// The lanes of a group in a sweep.
+struct LanesToSolve {
+  Mask on;  // all in the first sweep, then those of which a body changed or whose impulses were carried on
+  Mask to_carry;  // of them, whose impulses are then carried on: not those at rest but for being carried
+};
+inline LanesToSolve to_solve(const LaneBodies& bodies, Real8 carried, const BodyState* state,
+                             const ContactSweep& sweep) {
+  LanesToSolve lanes;
   const bool first = sweep.number == 1;
   for (int l = 0; l < lane_count; ++l) {
     const bool woken = bodies.again[l] && (state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0);
-    const bool back = sweep.plain && carried[l] != 0;
-    on[l] = first || woken || back ? -1 : 0;
+    lanes.on[l] = first || woken || carried[l] != 0 ? -1 : 0;
+    lanes.to_carry[l] = bodies.again[l] && (first || woken) && !sweep.plain ? -1 : 0;
   }
-  return on;
+  return lanes;
 }
 
 /// Velocity and angular velocity of eight bodies.
@@ -107,6 +110,23 @@ inline Mask goes_on(const LaneBodies& bodies) {
   for (int l = 0; l < lane_count; ++l) on[l] = bodies.again[l] ? -1 : 0;
   return on;
 }
+
+/// What the groups of a sweep have found.
+class Outcome {
+ public:
+  template <class Group>
+  void add(const Group& g, Real8 relative_change) {
+    residual_ = goes_on(g.bodies) & (relative_change > residual_) ? relative_change : residual_;
+    carried_ = carried_ | (g.carried != 0);
+    solved_ = true;
+  }
+  SweepOutcome all() const { return {largest(residual_), solved_, any(carried_)}; }
+
+ private:
+  Real8 residual_{};
+  Mask carried_{};
+  bool solved_ = false;
+};
 
 /// Tangential impulses brought back into the cone.
 inline Vector into_cone(const Vector& q, Real8 limit) {

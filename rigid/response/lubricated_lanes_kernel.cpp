@@ -66,10 +66,11 @@ struct LubricatedChange {
 };
 
 /// The pair, carried on along its last change (rigid/README.md, a sweep).
-LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, Mask on, bool plain) {
+LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, const LanesToSolve& lanes) {
+  const Mask on = lanes.on;
   const LubricatedImpulse old = impulse_of(g), last = last_of(g), found = find(g, old, a, b),
                           on_by = found - last;
-  const Real8 beta = plain ? Real8{} : momentum(g.age, dot(old - found, on_by), on & goes_on(g.bodies));
+  const Real8 beta = momentum(g.age, dot(old - found, on_by), lanes.to_carry);
   g.carried = on ? beta : g.carried;
   const LubricatedImpulse p = found + on_by * beta, d = choose(on, p - old, LubricatedImpulse{}),
                           step = found - old;
@@ -111,19 +112,18 @@ void add_to_bodies(const LubricatedGroup& g, const LubricatedChange& change, Mas
 
 }  // namespace
 
-double sweep_lubricated(LubricatedGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
-                        const ContactSweep& sweep) {
-  Real8 residual{};
+SweepOutcome sweep_lubricated(LubricatedGroup* groups, std::size_t count, const BodyState* state,
+                              BodySum* sums, const ContactSweep& sweep) {
+  Outcome outcome;
   for (std::size_t k = 0; k < count; ++k) {
     LubricatedGroup& g = groups[k];
-    const Mask on = to_solve(g.bodies, g.carried, state, sweep);
-    if (!any(on)) continue;
-    const LubricatedChange change =
-        solve(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), on, sweep.plain);
-    add_to_bodies(g, change, on, sweep.tolerance, sums);
-    residual = goes_on(g.bodies) & (change.relative > residual) ? change.relative : residual;
+    const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
+    if (!any(lanes.on)) continue;
+    const LubricatedChange change = solve(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), lanes);
+    add_to_bodies(g, change, lanes.on, sweep.tolerance, sums);
+    outcome.add(g, change.relative);
   }
-  return largest(residual);
+  return outcome.all();
 }
 
 }  // namespace silt::rigid::SILT_ISA

@@ -261,16 +261,22 @@ void PairLanes::prepare() {
   kernels().prepare_blocks(blocks_.data(), blocks_.size());
 }
 
-double PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
-                        const ContactSweep& sweep) {
+SweepOutcome PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
+                              const ContactSweep& sweep) {
   const LaneKernels k = kernels();
-  const double central = k.sweep_central(central_.data(), central_.size(), state.data(), sums.data(), sweep);
-  const double lubricated =
-      k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep);
-  const double blocks = k.sweep_blocks(blocks_.data(), blocks_.size(), block_contacts_.data(),
-                                       block_lubrication_.data(), state.data(), sweep);
+  const SweepOutcome of_kinds[] = {
+      k.sweep_central(central_.data(), central_.size(), state.data(), sums.data(), sweep),
+      k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep),
+      k.sweep_blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), block_lubrication_.data(),
+                     state.data(), sweep)};
   sum_blocks(sums, sweep.tolerance);
-  return std::max({central, lubricated, blocks});
+  SweepOutcome all;
+  for (const SweepOutcome& of : of_kinds) {
+    all.residual = std::max(all.residual, of.residual);
+    all.solved |= of.solved;
+    all.carried |= of.carried;
+  }
+  return all;
 }
 
 void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {

@@ -48,8 +48,7 @@ class PairLanes {
   void prepare();
   /// One sweep of all pairs from the same velocities. Adds to the bodies' sums in an order
   /// that only the keys decide, and marks a body as changed where a relative change exceeds the tolerance.
-  /// Returns the largest relative change of a pair that is not final.
-  double sweep(std::span<const BodyState>, std::span<BodySum>, const ContactSweep&);
+  SweepOutcome sweep(std::span<const BodyState>, std::span<BodySum>, const ContactSweep&);
 
   void read_impulses(const Place&, std::span<ContactImpulse>) const;
   /// Starts over for the position correction: zero impulses, no friction, the target of each contact of the

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/response/common_rest.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -200,19 +202,24 @@ void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const 
         angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), number);
 }
 
-/// Sweeps until the impulses are at rest, with the same number of sweeps, shares and maxima on every rank.
-/// Returns that number.
+/// Sweeps until the impulses are at rest, here and on the ranks that contacts connect this one with. Returns
+/// the number of the last sweep that solved anything here.
 int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
                                 double tolerance, bool push, double& residual) {
-  bool settled = false;
+  CommonRest rest(exchange);
+  int last = 0;
   for (int i = 1;; ++i) {
-    const bool plain = settled || i >= std::min(settings_.max_sweeps, accelerated_sweeps);
-    for (const std::size_t row : involved_) sums_[row] = {};
-    residual = exchange.maximum(lanes_.sweep(state, sums_, {i, plain, push, tolerance}));
-    for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
-    if (i >= settings_.max_sweeps || (residual <= tolerance && (plain || i == 1))) return i;
-    settled = residual <= tolerance;
-    exchange.share(bodies, as_doubles(state), width);
+    SweepOutcome found;
+    if (!rest.idle()) {
+      for (const std::size_t row : involved_) sums_[row] = {};
+      const bool plain = i >= std::min(settings_.max_sweeps, accelerated_sweeps);
+      found = lanes_.sweep(state, sums_, {i, plain, push, tolerance});
+      for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
+    }
+    if (found.solved) last = i;
+    residual = i >= settings_.max_sweeps ? found.residual : 0;
+    if (rest.reached(found.residual > tolerance || found.carried) || i >= settings_.max_sweeps) return last;
+    rest.share(bodies, as_doubles(state), width);
   }
 }
 
@@ -225,7 +232,10 @@ void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
       const double u =
           c.normal.dot(velocity_at(state_[p.row_b], c.r_b) - velocity_at(state_[p.row_a], c.r_a));
       const double overlap = settings_.correction * (-c.gap - settings_.slop) / dt - std::max(0.0, u);
-      targets_[k] = c.gap > 0 ? std::min(0.0, -(c.gap / dt + u)) : std::max(0.0, overlap);
+      if (c.gap > 0)
+        targets_[k] = std::min(0.0, -(c.gap / dt + u));
+      else
+        targets_[k] = is_correctable(c) ? std::max(0.0, overlap) : 0;
     }
     lanes_.aim(p.place, {targets_.data() + p.first, p.last - p.first},
                p.reduced_mass * push_rounding * lever_arms(contacts[p.first]) / dt);
@@ -239,12 +249,16 @@ void SffdResolver::report_impact(BodySet& bodies, const Pair& p, std::size_t con
   (*settings_.impacts)(bodies, {p.row_a, p.row_b, normal, impulse});
 }
 
-/// Reads the impulses, for the next step and for the statistics. Returns the deepest overlap that a
-/// correction is worth, of the pairs solved here; 0: none.
-double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
-                            ResolverStatistics& statistics) {
+/// An overlap that a correction is worth.
+bool SffdResolver::is_correctable(const Contact& c) const {
+  return settings_.correction > 0 && -c.gap > settings_.slop &&
+         -c.gap > settings_.slop + negligible_overlap * lever_arms(c);
+}
+
+/// Reads the impulses, for the next step and for the statistics.
+void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
+                          ResolverStatistics& statistics) {
   for (std::size_t row = 0; row < bodies.owned; ++row) bodies.stored_impulses[row].clear();
-  double correctable = 0;
   for (const Pair& p : pairs_) {  // in key order, so each body's list comes out sorted
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     const std::span impulses(impulses_.data() + p.first, of_pair.size());
@@ -260,8 +274,6 @@ double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contact
         report_impact(bodies, p, p.first + k, c.normal);
       if (c.lubrication && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
         impulses[k] = {};  // mostly an impact, which does not last
-      if (-c.gap > settings_.slop && -c.gap > settings_.slop + negligible_overlap * lever_arms(c))
-        correctable = std::max(correctable, -c.gap);
     }
     if (!settings_.warm_start) continue;
     if (bodies_[p.row_a].moves)
@@ -269,7 +281,14 @@ double SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contact
     if (bodies_[p.row_b].moves)
       remember_impulses(of_pair, impulses, of_pair[0].a, bodies.stored_impulses[p.row_b]);
   }
-  return correctable;
+}
+
+/// Whether an overlap here is to be corrected, or may be on a rank that contacts connect this one with.
+/// (Where none is, a correction changes nothing.)
+bool SffdResolver::is_to_correct(const std::vector<Contact>& contacts, const BodyExchange& exchange) const {
+  if (settings_.correction <= 0) return false;
+  return exchange.shares_to_all() > 0 ||
+         std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) { return is_correctable(c); });
 }
 
 /// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
@@ -296,7 +315,7 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   velocities.push_v.clear();
   velocities.push_w.clear();
   statistics.contacts = collect_pairs(bodies, contacts);
-  if (exchange.maximum(contacts.empty() ? 0.0 : 1.0) == 0) {
+  if (contacts.empty()) {
     finish(bodies, contacts, statistics);
     return statistics;
   }
@@ -305,14 +324,13 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   lay_out(contacts, dt);
   statistics.sweeps =
       sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
-  const double correctable = finish(bodies, contacts, statistics);
+  finish(bodies, contacts, statistics);
   for (const std::size_t row : involved_) {
     if (!bodies_[row].moves) continue;
     velocities.v[row] = velocity(state_[row]);
     velocities.w[row] = angular_velocity(state_[row]);
   }
-  if (settings_.correction > 0 && exchange.maximum(correctable) > 0)
-    correct_positions(bodies, contacts, dt, velocities, exchange);
+  if (is_to_correct(contacts, exchange)) correct_positions(bodies, contacts, dt, velocities, exchange);
   return statistics;
 }
 

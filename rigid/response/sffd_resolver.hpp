@@ -47,7 +47,9 @@ class SffdResolver : public ContactResolver {
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
                     double& residual);
   void aim_push(const std::vector<Contact>&, double dt);
-  double finish(BodySet&, const std::vector<Contact>&, ResolverStatistics&);
+  bool is_correctable(const Contact&) const;
+  bool is_to_correct(const std::vector<Contact>&, const BodyExchange&) const;
+  void finish(BodySet&, const std::vector<Contact>&, ResolverStatistics&);
   void correct_positions(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&, BodyExchange&);
 
   ResolverSettings settings_;

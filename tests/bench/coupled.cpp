@@ -46,12 +46,12 @@ struct Plan {
     std::vector<Layers> all;
     for (const char name : {'a', 'b'}) {
       for (const int edge : {large, 80, 40})
-        for (const char* scheme : {"cli", "parabolic", "bouzidi", "bounce-back"}) {
+        for (const char* scheme : {"multireflection", "cli", "parabolic", "bouzidi", "bounce-back"}) {
           all.push_back({name, "d6", edge, scheme});
           if (edge == large) all.push_back({name, "d6", edge, scheme, "explicit"});
         }
       for (const char* body : {"d10", "d20", "box", "capsule", "star"})
-        for (const char* scheme : {"cli", "parabolic"}) all.push_back({name, body, large, scheme});
+        for (const char* scheme : {"multireflection", "cli"}) all.push_back({name, body, large, scheme});
       all.push_back({name, "d10", large, "cli", "explicit"});
       for (const char* body : {"d6", "d10"})
         for (const char* time : {"implicit", "explicit"})

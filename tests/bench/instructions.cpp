@@ -36,8 +36,11 @@ coupler::Simulation scene(const std::string& scheme, const std::string& time) {
   return coupler::testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
 }
 
-constexpr std::pair<const char*, const char*> couplings[] = {
-    {"bounce-back", "explicit"}, {"cli", "explicit"}, {"cli", "implicit"}, {"parabolic", "implicit"}};
+constexpr std::pair<const char*, const char*> couplings[] = {{"bounce-back", "explicit"},
+                                                             {"cli", "explicit"},
+                                                             {"cli", "implicit"},
+                                                             {"parabolic", "implicit"},
+                                                             {"multireflection", "implicit"}};
 
 void pieces() {
   count_kernel<float>("cell.single", {});

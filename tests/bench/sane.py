@@ -24,7 +24,7 @@ expected = {
              {"fluid.two_rank_efficiency": busy},
     "coupled": {f"coupled.a.cli{body}.{k}": r for body in ("", ".box")
                 for k, r in (("over_fluid", (0.5, 200)), ("ns_per_link", (-math.inf, math.inf)))},
-    "links": {f"links.{scheme}.{k}": anything for scheme in ("bounce-back", "cli", "parabolic")
+    "links": {f"links.{scheme}.{k}": anything for scheme in ("bounce-back", "cli", "parabolic", "multireflection")
               for k in ("at_hand", "fetched", "waited_for")},
     "bed": {f"bed.{n}.{p}.mlups": anything for n in (63, 225) for p in ("single", "double")},
     # populations alone: 76 bytes; a small block has much padding

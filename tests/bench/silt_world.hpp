@@ -53,7 +53,7 @@ class SiltWorld {
     step_ = std::make_unique<rigid::RigidStep>(world_, *backend_, *resolver_, exchange_);
   }
   rigid::RigidStepReport step(double dt) { return (*step_)(bodies_, dt); }
-  const rigid::RigidClock::Seconds& seconds() const { return step_->seconds(); }
+  const rigid::RigidClock::Seconds& seconds() const { return step_->clock().seconds(); }
   std::vector<rigid::Pose> poses() const {
     std::vector<rigid::Pose> poses;
     for (std::size_t row = 0; row < bodies_.owned; ++row) poses.push_back(bodies_.pose(row));

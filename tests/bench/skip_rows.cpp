@@ -38,7 +38,7 @@ Simulation simulation_of(const SceneText& t) {
 std::string spheres(int count, const std::string& box, const std::string& more = "") {
   return "[[shapes]]\nname = \"sphere\"\ntype = \"sphere\"\ndiameter = 6\n[[fill]]\nshape = "
          "\"sphere\"\ndensity = 1.5\ncount = " +
-         std::to_string(count) + "\nseed = 1\ngap = 3\nbox = " + box + "\n" + more;
+         std::to_string(count) + "\nseed = 1\ngap = 2\nbox = " + box + "\n" + more;
 }
 std::string fixed_sphere(const std::string& at) {
   return "[[bodies]]\nshape = \"sphere\"\ndensity = 1\nmotion = \"fixed\"\nposition = " + at + "\n";
@@ -169,7 +169,7 @@ std::function<void()> free_motion(const SceneText& text, Forces&& act) {
     coupler::Scene& s = passes->scene;
     std::vector<rigid::Contact> none;
     rigid::drift(s.bodies, 0.5);
-    s.exchange->synchronise(s.bodies);
+    s.exchange->update_copies(s.bodies);
     (*detect)(s.world, s.bodies, *s.exchange, *s.backend, 1.0, none);
     act(s);
     rigid::drift(s.bodies, 0.5);

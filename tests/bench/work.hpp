@@ -22,6 +22,7 @@ struct Counted {
   constexpr Counted(double value) : x(value) {}
   friend Counted operator+(Counted a, Counted b) { return ++operations, a.x + b.x; }
   friend Counted operator-(Counted a, Counted b) { return ++operations, a.x - b.x; }
+  friend Counted operator-(Counted a) { return ++operations, -a.x; }
   friend Counted operator*(Counted a, Counted b) { return ++operations, a.x * b.x; }
   friend Counted operator/(Counted a, Counted b) { return ++operations, a.x / b.x; }
   friend constexpr bool operator<(Counted a, Counted b) { return a.x < b.x; }
@@ -45,8 +46,9 @@ struct LinkWork {
 /// correction. (The stiffness is part of the object mapping.)
 inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t bytes_of_a_population) {
   using enum lbm::WallScheme;
-  const bool behind = scheme != "bounce-back";
-  const double coefficients = scheme == "cli"         ? operations_of_coefficients<cli>()
+  const bool behind = scheme != "bounce-back", beyond = scheme == "multireflection";
+  const double coefficients = beyond                  ? operations_of_coefficients<multireflection>()
+                              : scheme == "cli"       ? operations_of_coefficients<cli>()
                               : scheme == "parabolic" ? operations_of_coefficients<parabolic>()
                               : scheme == "bouzidi"   ? operations_of_coefficients<bouzidi>()
                                                       : operations_of_coefficients<bounce_back>();
@@ -55,7 +57,10 @@ inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t by
   const double entry = 4 + double(bytes_of_a_population), value = double(bytes_of_a_population);
   LinkWork work{arm + velocity + along + weight + coefficients + back + (behind ? from_behind : 0) +
                     exchange + torque + sums + in_range,
-                entry + (behind ? 4 : 2) * value};
+                entry + (beyond   ? 6
+                         : behind ? 4
+                                  : 2) *
+                            value};
   if (implicit) {
     work.flops += arm + velocity + along + weight + coefficients + change + mass;
     work.bytes += entry + 2 * value;

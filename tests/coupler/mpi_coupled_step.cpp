@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/mapping/for_cells.hpp"
 #include "coupler/simulation.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/wall_scheme.hpp"
@@ -47,6 +49,35 @@ CrowdResult run_crowd(const Overrides& overrides, MPI_Comm comm) {
 std::uint64_t reference_hash() {
   static const std::uint64_t hash = tests::alone([] { return run_crowd({}, MPI_COMM_SELF).hash; });
   return hash;
+}
+
+/// What a call says when it stops.
+template <class Call>
+std::string stop_of(Call&& call) {
+  try {
+    call();
+  } catch (const GuardStop& stop) {
+    return stop.what();
+  }
+  return "";
+}
+
+/// Populations of 100 at the cells of one rank: what it finds all ranks say, in the next step or at the next
+/// look.
+TEST(CoupledStep, AForceOutOfRangeStopsEveryRankOneStepLater) {
+  for (const bool look : {false, true}) {
+    Simulation s = crowd().start(MPI_COMM_WORLD);
+    Flow& flow = *s.scene().flow;
+    for (int b = 0; tests::rank() == tests::ranks() - 1 && b < flow.blocks(); ++b)
+      for_cells({}, flow.block(b).size, [&](lbm::Int3 x) {
+        for (int i = 1; i < lbm::directions; ++i) flow.set_arriving(b, x, i, 100);
+      });
+    EXPECT_EQ(stop_of([&] { s.step(); }), "");
+    const std::string text = stop_of([&] { look ? (void)s.look_at_flow() : s.step(); });
+    EXPECT_NE(text.find("step 1: a force on a body is out of range (the force on body "), std::string::npos)
+        << text;
+    EXPECT_EQ(tests::alone([&] { return std::hash<std::string>()(text); }), std::hash<std::string>()(text));
+  }
 }
 
 TEST(CoupledStep, SameBitsOnAnyNumberOfRanksAndBlocks) {

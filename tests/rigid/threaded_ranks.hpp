@@ -4,7 +4,11 @@
 // contacts need.
 #include <algorithm>
 #include <barrier>
+#include <condition_variable>
+#include <deque>
 #include <map>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include "rigid/bodies/body_exchange.hpp"
@@ -12,15 +16,42 @@
 
 namespace silt::rigid::testing {
 
+/// What one rank tells another in a share.
+struct Parcel {
+  std::vector<int> least;
+  std::map<BodyId, std::vector<double>> rows;
+};
+
+/// Parcels on their way from one rank to another.
+class Mail {
+ public:
+  void send(const Parcel& parcel) {
+    const std::lock_guard lock(mutex_);
+    parcels_.push_back(parcel);
+    arrived_.notify_one();
+  }
+  Parcel take() {
+    std::unique_lock lock(mutex_);
+    arrived_.wait(lock, [&] { return !parcels_.empty(); });
+    Parcel parcel = std::move(parcels_.front());
+    parcels_.pop_front();
+    return parcel;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<Parcel> parcels_;
+};
+
 struct SharedMemory {
   explicit SharedMemory(int ranks)
-      : ranks(ranks), barrier(ranks), sets(ranks), contacts(ranks), arrays(ranks), values(ranks) {}
+      : ranks(ranks), barrier(ranks), sets(ranks), contacts(ranks), mail(ranks * ranks) {}
   const int ranks;
   std::barrier<> barrier;
   std::vector<BodySet*> sets;
   std::vector<const std::vector<Contact>*> contacts;
-  std::vector<double*> arrays;
-  std::vector<double> values;
+  std::vector<Mail> mail;  // from a rank to another
 };
 
 class ThreadedExchange : public BodyExchange {
@@ -29,7 +60,12 @@ class ThreadedExchange : public BodyExchange {
       : BodyExchange(extent), world_(world), memory_(memory), rank_(rank) {}
   std::size_t visitors_seen = 0;
 
-  void sum_forces(BodySet& bodies) override {
+  void update_copies(BodySet& bodies) override {
+    sum_forces(bodies);
+    synchronise(bodies);
+  }
+
+  void sum_forces(BodySet& bodies) {
     publish(bodies);
     for (std::size_t row = 0; row < bodies.owned; ++row)
       for (int r = 0; r < memory_.ranks; ++r) {
@@ -47,7 +83,7 @@ class ThreadedExchange : public BodyExchange {
   }
 
   void synchronise(BodySet& bodies) override {
-    BodyExchange::synchronise(bodies);
+    wrap_positions(bodies);
     publish(bodies);
     std::map<BodyId, Body> all;
     for (const BodySet* set : memory_.sets)
@@ -83,6 +119,7 @@ class ThreadedExchange : public BodyExchange {
     for (const Contact& c : mine)
       for (BodyId id : {c.a, c.b})
         if (bodies.row_of(id) == bodies.size()) missing[id] = owners_record(id);
+    find_partners(mine);
     wait();
     for (auto& [id, record] : missing)
       bodies.insert(bodies.owned + bodies.copies + bodies.visitors++, record);
@@ -92,25 +129,22 @@ class ThreadedExchange : public BodyExchange {
     wait();
   }
 
-  void share(BodySet& bodies, std::span<double> array, int width) override {
-    memory_.arrays[rank_] = array.data();
-    publish(bodies);
-    for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row)
-      for (int r = 0; r < memory_.ranks; ++r) {
-        const std::size_t at = memory_.sets[r]->row_of(bodies.id[row]);
-        if (at < memory_.sets[r]->owned)
-          std::copy_n(memory_.arrays[r] + at * width, width, array.data() + row * width);
-      }
-    wait();
+  /// Only the ranks that own a partner of a body owned here are waited for.
+  void share(BodySet& bodies, std::span<double> array, int width, std::span<int> least,
+             bool changed) override {
+    Parcel mine{{least.begin(), least.end()}, {}};
+    for (std::size_t row = 0; changed && row < bodies.owned; ++row)
+      mine.rows[bodies.id[row]] = {array.begin() + row * width, array.begin() + (row + 1) * width};
+    for (const int r : partners_) memory_.mail[rank_ * memory_.ranks + r].send(mine);
+    for (const int r : partners_) {
+      const Parcel theirs = memory_.mail[r * memory_.ranks + rank_].take();
+      for (std::size_t k = 0; k < least.size(); ++k) least[k] = std::min(least[k], theirs.least[k]);
+      for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row)
+        if (const auto found = theirs.rows.find(bodies.id[row]); found != theirs.rows.end())
+          std::copy(found->second.begin(), found->second.end(), array.data() + row * width);
+    }
   }
-
-  double maximum(double x) const override {
-    memory_.values[rank_] = x;
-    memory_.barrier.arrive_and_wait();
-    const double largest = *std::max_element(memory_.values.begin(), memory_.values.end());
-    memory_.barrier.arrive_and_wait();
-    return largest;
-  }
+  int shares_to_all() const override { return partners_.empty() ? 0 : memory_.ranks - 1; }
 
  private:
   struct Body {
@@ -119,6 +153,14 @@ class ThreadedExchange : public BodyExchange {
     std::vector<StoredImpulse> impulses;
   };
   void wait() { memory_.barrier.arrive_and_wait(); }
+  void find_partners(const std::vector<Contact>& contacts) {
+    partners_.clear();
+    for (const Contact& c : contacts)
+      for (const BodyId id : {c.a, c.b})
+        for (int r = 0; r < memory_.ranks; ++r)
+          if (!is_wall(id) && r != rank_ && memory_.sets[r]->row_of(id) < memory_.sets[r]->owned)
+            partners_.insert(r);
+  }
   void publish(BodySet& bodies) {
     memory_.sets[rank_] = &bodies;
     wait();
@@ -150,6 +192,7 @@ class ThreadedExchange : public BodyExchange {
   const World& world_;
   SharedMemory& memory_;
   const int rank_;
+  std::set<int> partners_;  // ranks that own a partner of a body owned here
 };
 
 }  // namespace silt::rigid::testing

@@ -4,6 +4,9 @@
 
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
+#include "coupler/flow.hpp"
+#include "coupler/placement/place_bodies.hpp"
+#include "coupler/placement/start_check.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/simulation.hpp"
 
@@ -35,12 +38,35 @@ Simulation simulation_of(const std::string& text, MPI_Comm comm, const Overrides
   return {read_case_text(text, "case.toml", overrides), comm};
 }
 
+std::vector<Diagnostic> judgement(const Case& scene, MPI_Comm comm) {
+  auto list = check_case(scene);
+  if (has_errors(list)) return list;
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  const lbm::Domain domain = make_domain(scene, ranks);
+  try {
+    require_sound_start(scene, domain, comm);
+    place_bodies(scene, domain, comm);
+  } catch (const CaseError& error) {
+    list.insert(list.end(), error.diagnostics().begin(), error.diagnostics().end());
+  }
+  return list;
+}
+
+std::string fault_of(const Case& scene, MPI_Comm comm) {
+  auto list = judgement(scene, comm);
+  std::erase_if(list, [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::warning; });
+  return list.empty() ? "" : CaseError(std::move(list)).what();
+}
+
 Case CaseText::read(const Overrides& overrides) const {
   return read_case_text(text(), "case.toml", overrides);
 }
 
 std::string CaseText::fault(const Overrides& overrides) const {
-  return error_of([&] { require_runnable(read(overrides)); });
+  std::string text;
+  const std::string unread = error_of([&] { text = fault_of(read(overrides)); });
+  return unread + text;
 }
 
 Simulation CaseText::start(MPI_Comm comm, const Overrides& overrides) const {

@@ -30,6 +30,12 @@ std::string sphere_of(const std::string& name, double diameter);
 std::string body_of(const std::string& shape, double density, const std::string& lines);
 std::string fill_of(const std::string& shape, double density, int count, const std::string& lines);
 
+/// Returns everything that is wrong or doubtful about a case: what it alone tells, then, if that lets it run,
+/// what is found where its bodies are placed.
+std::vector<Diagnostic> judgement(const Case&, MPI_Comm = MPI_COMM_SELF);
+/// Returns the errors among them, as a run would give them, or "".
+std::string fault_of(const Case&, MPI_Comm = MPI_COMM_SELF);
+
 /// Starts what a text describes.
 Simulation simulation_of(const std::string& text, MPI_Comm = MPI_COMM_SELF, const Overrides& = {});
 

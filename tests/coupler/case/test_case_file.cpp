@@ -281,7 +281,7 @@ TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
     SCOPED_TRACE(entry.path().string());
     ++count;
     const Case scene = read_case(entry.path());
-    EXPECT_EQ(listed(check_case(scene)), "");
+    EXPECT_EQ(listed(judgement(scene)), "");
     EXPECT_FALSE(scene.title.empty());
     EXPECT_NE(derived_table(scene).find("cells"), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(entry.path() / "README.md"));

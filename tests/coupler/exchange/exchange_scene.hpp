@@ -32,6 +32,12 @@ inline std::uint64_t sum_of(MPI_Comm comm, std::uint64_t x) {
   return all;
 }
 
+inline int max_of(MPI_Comm comm, int x) {
+  int most = 0;
+  MPI_Allreduce(&x, &most, 1, MPI_INT, MPI_MAX, comm);
+  return most;
+}
+
 /// Bodies, walls and laws; knows nothing of ranks.
 struct Scene {
   lbm::Int3 cells{24, 24, 24};

@@ -13,9 +13,11 @@ void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, Blocks
                                 double dt) {
   SceneRun<Witness> parallel(MPI_COMM_WORLD, scene, law, blocks), serial(MPI_COMM_SELF, scene, law, blocks);
   const OwnedBodies all = count_owned(MPI_COMM_SELF, serial.bodies());
+  std::uint64_t most_sweeps = 0;  // of the rank with most, each step
   for (int i = 0; i < steps; ++i) {
     parallel.advance(dt);
     serial.advance(dt);
+    most_sweeps += max_of(MPI_COMM_WORLD, parallel.report.resolver.sweeps);
     ASSERT_EQ(count_owned(MPI_COMM_WORLD, parallel.bodies()), all) << "step " << i;
     if (i % 50 != 0) continue;
     ASSERT_EQ(parallel.hash(), serial.hash()) << "step " << i;
@@ -23,7 +25,7 @@ void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, Blocks
   }
   EXPECT_EQ(parallel.hash(), serial.hash());
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.contacts), serial.contacts);
-  EXPECT_EQ(parallel.sweeps, serial.sweeps);
+  EXPECT_EQ(most_sweeps, serial.sweeps);
   EXPECT_TRUE(parallel.exchange.in_order);
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.exchange.at_first), serial.exchange.at_first);
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.exchange.at_second), serial.exchange.at_second);

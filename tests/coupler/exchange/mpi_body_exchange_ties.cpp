@@ -175,7 +175,7 @@ TEST(BodyExchangeTies, ForcesOnCopiesAddUpToTheSameBits) {
       run.bodies().add_torque(row, p.torque);
     }
     if (step % 2) {
-      run.exchange.sum_forces(run.bodies());
+      run.exchange.update_copies(run.bodies());
       for (std::size_t row = 0; row < run.bodies().first_wall(); ++row) {
         const std::size_t there = serial.bodies().row_of(run.bodies().id[row]);
         const bool own = row < run.bodies().owned;
@@ -215,7 +215,7 @@ TEST(BodyExchangeTies, PosesAndVelocitiesSetBetweenSteps) {
   for (int step = 0; step < 120; ++step) {
     meddle(run.bodies(), run.exchange, step);
     meddle(serial.bodies(), serial.exchange, step);
-    for (auto* r : {&run, &serial}) r->exchange.synchronise(r->bodies());
+    for (auto* r : {&run, &serial}) r->exchange.relocate(r->bodies());
     ASSERT_NO_THROW(check_exchange(run.exchange, run.bodies()));
     ASSERT_EQ(run.hash(), serial.hash()) << "step " << step;
     run.advance();
@@ -248,7 +248,7 @@ TEST(BodyExchangeTies, HandoverCarriesEverything) {
   for (const double x : {1.0, 23.5, 12.2, 1.0}) {
     const std::size_t at = bodies.row_of(17);
     if (at < bodies.owned) bodies.set_pose(at, {{x, 5, 5}, bodies.orientation[at]});
-    run.exchange.synchronise(bodies);
+    run.exchange.relocate(bodies);
     ASSERT_EQ(sum_of(MPI_COMM_WORLD, bodies.owned), 1u);
     const int owner = run.exchange.rank_at({x, 5, 5});
     ASSERT_EQ(bodies.owned, rank() == owner ? 1u : 0u);
@@ -290,7 +290,9 @@ TEST(BodyExchangeTies, SumsAndSharesOfRows) {
   }
 }
 
-TEST(BodyExchangeTies, OneRankSendsNothingAndNobodyWritesToTheUninvolved) {
+/// A step has two messages with each rank around: of eight slabs of 3 cells those within 3.5 cells, the
+/// largest reach of a body and what it may move by. Nothing else goes to ranks without a body.
+TEST(BodyExchangeTies, OneRankSendsNothingAndOthersHearOnlyOfRanksAround) {
   SceneRun<> alone(MPI_COMM_SELF, gas(1), "sffd", Blocks{{6, 6, 6}});
   for (int i = 0; i < 50; ++i) alone.advance();
   EXPECT_EQ(alone.exchange.counters().messages, 0u);
@@ -301,8 +303,12 @@ TEST(BodyExchangeTies, OneRankSendsNothingAndNobodyWritesToTheUninvolved) {
   pair.add(1, ball, {0.9, 1, 1}, {0.001, 0, 0});
   pair.add(2, ball, {2.0, 1, 1}, {-0.001, 0, 0});
   SceneRun<> run(MPI_COMM_WORLD, pair, "sffd", Blocks{{3, 24, 24}});
-  for (int i = 0; i < 50; ++i) run.advance();
-  EXPECT_EQ(sum_of(MPI_COMM_WORLD, run.exchange.counters().messages), 0u);
+  constexpr int steps = 50;
+  for (int i = 0; i < steps; ++i) run.advance();
+  EXPECT_EQ(run.exchange.reach(), ranks() > 1 ? 3.5 : 0);
+  const int slabs = 8 / ranks(), around = std::min(2 * ((2 + slabs - 1) / slabs), ranks() - 1);
+  EXPECT_EQ(run.exchange.counters().messages, std::uint64_t(steps * 2 * around));
+  EXPECT_EQ(run.exchange.counters().bytes, 0u);
 }
 
 }  // namespace

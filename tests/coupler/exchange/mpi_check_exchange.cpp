@@ -19,14 +19,23 @@ void expect_text(const std::string& whole, const std::string& part) {
   EXPECT_NE(whole.find(part), std::string::npos) << "\"" << part << "\" is not in \"" << whole << '"';
 }
 
-/// The text of the error on this rank; none: "".
+/// The text of the error on this rank; none: "". The check that is begun now and ended later finds the same.
 std::string error_of(SceneRun<>& run, const OwnedBodies& all) {
+  CheckUnderWay check;
+  check.start(run.exchange, run.bodies(), 300);
+  std::string later, at_once;
+  try {
+    check.finish(run.exchange, run.bodies(), all);
+  } catch (const std::logic_error& error) {
+    later = error.what();
+  }
   try {
     check_exchange(run.exchange, run.bodies(), all, 300);
   } catch (const std::logic_error& error) {
-    return error.what();
+    at_once = error.what();
   }
-  return "";
+  EXPECT_EQ(later, at_once);
+  return at_once;
 }
 
 /// On the first rank that has a copy: its number there, and the copy's place; on others nobody.

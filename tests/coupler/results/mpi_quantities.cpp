@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/case/case.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"

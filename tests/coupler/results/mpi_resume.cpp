@@ -17,6 +17,12 @@ namespace {
 
 using tests::rank, tests::ranks, tests::Scratch;
 
+Case resumed(const adapters::CheckpointReader& reader, const std::filesystem::path& directory,
+             const Overrides& overrides) {
+  CaseSource source = read_source(directory);
+  return case_to_resume(read_origin(reader), source, overrides);
+}
+
 TEST(Resume, AChangedCaseIsNotResumed) {
   const Scratch scratch;
   CaseText text;
@@ -32,12 +38,10 @@ TEST(Resume, AChangedCaseIsNotResumed) {
   const auto path =
       write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const Case again = case_to_resume(read_origin(reader), directory, {"run.steps=900"});
+  const Case again = resumed(reader, directory, {"run.steps=900"});
   EXPECT_EQ(again.steps, 900);
   EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
-  EXPECT_NE(error_of([&] {
-              case_to_resume(read_origin(reader), directory, {"contacts.friction=0.5"});
-            }).find("cannot change"),
+  EXPECT_NE(error_of([&] { resumed(reader, directory, {"contacts.friction=0.5"}); }).find("cannot change"),
             std::string::npos);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank() == 0) {
@@ -46,7 +50,7 @@ TEST(Resume, AChangedCaseIsNotResumed) {
     std::ofstream(directory / "case.toml") << changed;
   }
   MPI_Barrier(MPI_COMM_WORLD);
-  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
+  const std::string error = error_of([&] { resumed(reader, directory, {}); });
   EXPECT_NE(error.find("has changed"), std::string::npos) << error;
   EXPECT_NE(error.find("radius = 4"), std::string::npos) << error;
 }
@@ -82,16 +86,38 @@ TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
   const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
                                      provenance_of(scene, tests::ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  EXPECT_EQ(case_to_resume(read_origin(reader), directory, {}).files, scene.files);
+  EXPECT_EQ(resumed(reader, directory, {}).files, scene.files);
   std::string changed = tetrahedron_stl;
   changed.replace(changed.find("0 0 8"), 5, "0 0 7");
   while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
   write(changed);
-  const std::string error = error_of([&] { case_to_resume(read_origin(reader), directory, {}); });
+  const std::string error = error_of([&] { resumed(reader, directory, {}); });
   EXPECT_NE(error.find("a file has changed since the checkpoint was written: it was " + scene.files[0] +
                        "; it is "),
             std::string::npos)
       << error;
+}
+
+/// What rank 0 has read is all that the others need.
+TEST(CaseSource, IsReadOnce) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  CaseSource source;
+  if (tests::rank() == 0) {
+    std::filesystem::create_directory(directory);
+    CaseText c;
+    c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rock.stl\"\n";
+    std::ofstream(directory / "case.toml") << c.text();
+    std::ofstream(directory / "rock.stl") << tetrahedron_stl;
+    source = read_source(directory);
+    read_case(source);
+    std::filesystem::remove_all(directory);
+  }
+  broadcast(MPI_COMM_WORLD, source);
+  const Case scene = read_case(source);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 8 * 8 * 8 / 6., 1e-12);
+  ASSERT_EQ(scene.files.size(), 1u);
+  EXPECT_TRUE(scene.files[0].starts_with("rock.stl: ")) << scene.files[0];
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "coupler/case/case.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"

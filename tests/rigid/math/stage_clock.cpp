@@ -57,5 +57,19 @@ TEST(StageClock, EndsAStageThatThrows) {
   EXPECT_EQ(outer(clock), before);
 }
 
+TEST(StageClock, KnowsWhatOfAStageWentByInWaiting) {
+  double waited = 3;  // before the clock was made
+  StageClock<Stage> clock([&] { return waited; });
+  clock.timed(Stage::outer, [&] {
+    waited += 0.25;
+    clock.timed(Stage::inner, [&] { waited += 1; });
+    waited += 0.5;
+  });
+  waited += 7;  // between stages
+  clock.timed(Stage::inner, [] {});
+  EXPECT_EQ(clock.waits()[int(Stage::outer)], 0.75);
+  EXPECT_EQ(clock.waits()[int(Stage::inner)], 1);
+}
+
 }  // namespace
 }  // namespace silt::rigid

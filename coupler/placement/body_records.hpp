@@ -2,6 +2,7 @@
 // The bodies of a case as what the rigid bodies are made of: shapes on their centres of mass, and records.
 #include <vector>
 
+#include "coupler/case/body_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -18,8 +19,8 @@ struct CentredShape {
 };
 std::vector<CentredShape> centred_shapes(const Case&);
 
-/// The bodies of a case as records: ids from 1 in the order of the case, poses of the centres of mass
-/// (unwrapped).
-std::vector<rigid::BodyRecord> body_records(const Case&, const std::vector<CentredShape>&);
+/// Returns a body as a record: the pose is that of its centre of mass, not wrapped; in a fluid of density 1
+/// it has buoyancy.
+rigid::BodyRecord body_record(rigid::BodyId, const BodySpec&, const CentredShape&, bool in_fluid);
 
 }  // namespace silt::coupler

@@ -1,4 +1,4 @@
-#include "coupler/case/overlap.hpp"
+#include "coupler/placement/overlap.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,24 @@
+#include "coupler/case/case_extent.hpp"
+
+#include <cmath>
+
+#include "coupler/case/case.hpp"
+
+namespace silt::coupler {
+
+rigid::Extent extent_of(const Case& scene) {
+  rigid::Extent extent;
+  for (int d = 0; d < 3; ++d) {
+    extent.size[d] = scene.cells[d];
+    extent.periodic[d] = scene.periodic(d);
+  }
+  return extent;
+}
+
+rigid::Vec3 nearest_image(rigid::Vec3 d, const rigid::Extent& extent) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (extent.periodic[axis]) d[axis] -= extent.size[axis] * std::round(d[axis] / extent.size[axis]);
+  return d;
+}
+
+}  // namespace silt::coupler

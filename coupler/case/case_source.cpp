@@ -1,0 +1,85 @@
+#include "coupler/case/case_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "coupler/case/case_error.hpp"
+
+namespace silt::coupler {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Directories with a case.toml beside the one asked for, or below the place it was asked from.
+std::vector<std::string> cases_near(const fs::path& directory) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  const fs::path parent = directory.has_parent_path() ? directory.parent_path() : fs::path(".");
+  for (const auto& entry : fs::directory_iterator(parent, ignored))
+    if (fs::exists(entry.path() / "case.toml", ignored)) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string text_of(const fs::path& directory, const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (stream && fs::is_regular_file(file)) return {std::istreambuf_iterator<char>(stream), {}};
+  const auto names = cases_near(directory);
+  throw CaseError(
+      Place{file.string()},
+      fmt::format("there is no such file, or it cannot be read; a case is a directory with a case.toml{}",
+                  names.empty() ? "" : suggestion(directory.filename().string(), names)));
+}
+
+/// From rank 0; in pieces, for MPI counts in int.
+void broadcast(MPI_Comm comm, std::string& text) {
+  constexpr std::uint64_t piece = 1 << 30;
+  std::uint64_t size = text.size();
+  MPI_Bcast(&size, 1, MPI_UINT64_T, 0, comm);
+  text.resize(size);
+  for (std::uint64_t done = 0; done < size; done += piece)
+    MPI_Bcast(text.data() + done, static_cast<int>(std::min(piece, size - done)), MPI_CHAR, 0, comm);
+}
+
+}  // namespace
+
+const AttachedFile& CaseSource::file_named(const std::string& name) {
+  const auto found = attached.find(name);
+  if (found != attached.end()) return found->second;
+  return attached.emplace(name, read_attached(directory(), name)).first->second;
+}
+
+CaseSource read_source(const fs::path& directory) {
+  const bool is_file = directory.extension() == ".toml";
+  const fs::path folder = is_file                    ? directory
+                          : directory.has_filename() ? directory
+                                                     : directory.parent_path();
+  const fs::path file = is_file ? directory : folder / "case.toml";
+  return {file.string(), text_of(folder, file), {}};
+}
+
+void broadcast(MPI_Comm comm, CaseSource& source) {
+  broadcast(comm, source.file);
+  broadcast(comm, source.text);
+  std::uint64_t files = source.attached.size();
+  MPI_Bcast(&files, 1, MPI_UINT64_T, 0, comm);
+  auto next = source.attached.begin();
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  for (std::uint64_t i = 0; i < files; ++i) {
+    std::string name;
+    AttachedFile file;
+    if (rank == 0) std::tie(name, file) = *next++;
+    broadcast(comm, name);
+    broadcast(comm, file.bytes);
+    broadcast(comm, file.fingerprint);
+    if (rank != 0) source.attached[name] = std::move(file);
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,45 @@
+#include "coupler/placement/body_records.hpp"
+
+#include "coupler/case/case.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::Vec3;
+
+void store(const Vec3& v, double* to) {
+  Eigen::Map<Vec3>{to} = v;
+}
+
+}  // namespace
+
+std::vector<CentredShape> centred_shapes(const Case& scene) {
+  std::vector<CentredShape> shapes;
+  for (const rigid::Shape& given : scene.shapes) {
+    const rigid::MassProperties mass = rigid::mass_properties(given);
+    CentredShape s{rigid::recentred(given, mass.centre), mass.volume, 0, mass.centre, mass.inertia};
+    s.bounding_radius = rigid::bounding_radius(s.shape);
+    shapes.push_back(std::move(s));
+  }
+  return shapes;
+}
+
+rigid::BodyRecord body_record(rigid::BodyId id, const BodySpec& body, const CentredShape& shape,
+                              bool in_fluid) {
+  rigid::BodyRecord r;
+  r.id = id;
+  r.shape = body.shape, r.material = body.material, r.kind = body.kind;
+  r.motion = body.motion;
+  r.mass = body.density * shape.volume;
+  r.weight_in_fluid = in_fluid ? 1 - 1 / body.density : 1;
+  Eigen::Map<rigid::Mat3>{r.inertia_B} = body.density * shape.inertia;
+  const rigid::Quat q = body.pose.orientation.normalized();
+  store(body.pose.to_world(shape.centre), r.position);
+  r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
+  store(body.velocity, r.velocity);
+  store(body.angular_velocity, r.angular_velocity);
+  return r;
+}
+
+}  // namespace silt::coupler

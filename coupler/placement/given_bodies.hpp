@@ -1,0 +1,24 @@
+#pragma once
+// The bodies that a case gives one by one, on the ranks they concern.
+#include <vector>
+
+#include "coupler/case/body_spec.hpp"
+#include "coupler/placement/surroundings.hpp"
+
+namespace silt::coupler {
+
+struct GivenBody {
+  rigid::BodyId id;
+  BodySpec spec;
+  bool own;  // its centre of mass is here
+};
+
+/// Returns the given bodies that this rank owns or that reach near it, in the order of ids: from 1 on, in the
+/// order of the case.
+std::vector<GivenBody> given_bodies(const Case&, Surroundings&);
+/// Returns how many there are on all ranks.
+std::uint64_t count_given(const Case&);
+/// Returns which entry of [[bodies]] gave one.
+int entry_of(const Case&, rigid::BodyId);
+
+}  // namespace silt::coupler

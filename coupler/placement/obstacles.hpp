@@ -1,0 +1,46 @@
+#pragma once
+// What may be in the way of a body that is to be placed: curved walls, given bodies, and what has been placed
+// before it, here and near this rank.
+#include <span>
+#include <vector>
+
+#include "coupler/placement/given_bodies.hpp"
+#include "coupler/placement/neighbour_grid.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/tube.hpp"
+
+namespace silt::coupler {
+
+class Obstacles {
+ public:
+  /// The given bodies stay where they are; reach: the furthest anything is asked about.
+  Obstacles(const Case&, const rigid::Extent&, std::span<const GivenBody>, double reach);
+
+  /// Begins with balls of another radius, in an order of falling radii.
+  void begin_balls(double radius, double gap);
+  void add_ball(const rigid::Vec3& centre);
+  /// Says whether a ball with a gap around it meets nothing.
+  bool is_free(const rigid::Vec3& centre, double radius, double gap) const;
+
+ private:
+  struct PlacedTube {
+    rigid::Tube tube;
+    rigid::Pose pose;
+  };
+  struct Balls {
+    double radius;
+    NeighbourGrid grid;
+    std::vector<rigid::Vec3> centres;
+  };
+  bool clear_of_walls(const rigid::Vec3& centre, double distance) const;
+  bool clear_of_given(const rigid::Vec3& centre, double distance) const;
+
+  const Case& scene_;
+  const rigid::Extent extent_;
+  const std::span<const GivenBody> given_;
+  std::vector<PlacedTube> walls_;
+  NeighbourGrid given_grid_;
+  std::vector<Balls> balls_;
+};
+
+}  // namespace silt::coupler

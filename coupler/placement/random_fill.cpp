@@ -1,0 +1,295 @@
+#include "coupler/placement/random_fill.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_extent.hpp"
+#include "coupler/placement/rain.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::BoundingBox;
+using rigid::Vec3;
+
+constexpr double points_a_body = 20000;  // that found no room before the box counts as full
+constexpr double bodies_a_cell = 4;
+
+enum class State : std::uint8_t { open, stays, goes };
+
+struct Point {
+  std::uint64_t number;
+  Vec3 centre;
+  bool own = true, shared = false, told = false;
+  State state = State::open;
+  bool waits = false;  // in this round of messages, for another rank
+};
+
+/// A point as others see it.
+struct Seen {
+  std::uint64_t number;
+  double centre[3];
+};
+struct Decided {
+  std::uint64_t number, stays;
+};
+
+class RandomFill {
+ public:
+  RandomFill(const Case& scene, std::size_t fill, double radius, const BoundingBox& room,
+             Surroundings& around, Obstacles& obstacles)
+      : scene_(scene),
+        index_(fill),
+        spec_(scene.fills[fill]),
+        radius_(radius),
+        distance_(2 * radius + spec_.gap),
+        around_(around),
+        obstacles_(obstacles),
+        rain_(room, spec_.seed, fill,
+              std::min(static_cast<double>(spec_.count) / bodies_a_cell, Rain::most_cells / 2)) {}
+
+  std::vector<FilledBody> bodies();
+  std::uint64_t range() const { return rain_.range(); }
+
+ private:
+  struct Tally {
+    std::uint64_t fallen, stay;
+  };
+  void let_fall(std::uint64_t first_round, std::uint64_t rounds);
+  void let_fall_on(int block, std::uint64_t first_round, std::uint64_t rounds);
+  std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const;
+  void tell_neighbours();
+  void decide();
+  State judge(Point&, const NeighbourGrid&);
+  void decide_what_can_be(const NeighbourGrid&);
+  void hear_decisions();
+  Tally tally() const;
+  std::uint64_t time_of_last(std::uint64_t wanted) const;
+  void keep(std::uint64_t last_time);
+  std::uint64_t next_rounds(std::uint64_t rounds, const Tally&, std::uint64_t missing) const;
+  [[noreturn]] void refuse(std::uint64_t placed) const;
+
+  const Case& scene_;
+  const std::size_t index_;
+  const FillSpec& spec_;
+  const double radius_, distance_;  // least one of two centres
+  Surroundings& around_;
+  Obstacles& obstacles_;
+  const Rain rain_;
+  std::uint64_t fallen_ = 0;  // of this batch of rounds, here
+  // of this batch: those that meet nothing placed earlier; by number, so that memory is near where space is
+  std::vector<Point> points_;
+  std::vector<FilledBody> placed_;
+};
+
+std::vector<FilledBody> RandomFill::bodies() {
+  std::uint64_t missing = spec_.count, round = 0, rounds = bodies_a_cell;
+  for (;;) {
+    let_fall(round, rounds);
+    tell_neighbours();
+    decide();
+    const Tally all = tally();
+    const bool enough = all.stay >= missing;
+    keep(enough ? time_of_last(missing) : std::numeric_limits<std::uint64_t>::max());
+    if (enough) break;
+    missing -= all.stay;
+    round += rounds;
+    if (static_cast<double>(all.fallen) >= points_a_body * static_cast<double>(all.stay + 1) ||
+        round >= Rain::most_rounds)
+      refuse(spec_.count - missing);
+    rounds = std::min(next_rounds(rounds, all, missing), Rain::most_rounds - round);
+  }
+  std::sort(placed_.begin(), placed_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+  return std::move(placed_);
+}
+
+/// As many as the last ones suggest are needed; of a full box not too many at a time.
+std::uint64_t RandomFill::next_rounds(std::uint64_t rounds, const Tally& last, std::uint64_t missing) const {
+  const auto cells = static_cast<double>(rain_.total_cells());
+  const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);
+  const double wanted = 1.1 * a_body * static_cast<double>(missing);
+  const double most = std::max(2 * points_a_body, 16 * static_cast<double>(spec_.count));
+  const double next = std::ceil(std::min(wanted, most) / cells);
+  return static_cast<std::uint64_t>(std::clamp(next, 1.0, 16.0 * static_cast<double>(rounds)));
+}
+
+void RandomFill::let_fall(std::uint64_t first_round, std::uint64_t rounds) {
+  fallen_ = 0;
+  points_.clear();
+  for (const int block : around_.domain.blocks_of(around_.rank)) let_fall_on(block, first_round, rounds);
+}
+
+/// A cell across blocks is drawn for each of them, a point kept for the one in which it lies.
+void RandomFill::let_fall_on(int block, std::uint64_t first_round, std::uint64_t rounds) {
+  const lbm::CellBox& box = around_.domain.blocks()[block].box;
+  const auto along_x = cells_met(0, box), along_y = cells_met(1, box), along_z = cells_met(2, box);
+  const auto take = [&](std::uint64_t number) {
+    Vec3 centre = rain_.point(number);
+    std::array<std::int32_t, 3> image{};
+    around_.extent.wrap(centre, image);
+    if (around_.holders.block_at(centre) != block) return;
+    ++fallen_;
+    if (obstacles_.is_free(centre, radius_, spec_.gap)) points_.push_back({number, centre});
+  };
+  for (const std::int64_t z : along_z)
+    for (const std::int64_t y : along_y)
+      for (const std::int64_t x : along_x)
+        for (std::uint64_t round = first_round; round < first_round + rounds; ++round)
+          rain_.for_points({x, y, z}, round, take);
+}
+
+/// The cells of an axis that a block meets, in any periodic image; blocks at a wall reach beyond it.
+std::vector<std::int64_t> RandomFill::cells_met(int axis, const lbm::CellBox& box) const {
+  constexpr double slack = 1e-6, infinity = std::numeric_limits<double>::infinity();
+  const double length = around_.extent.size[axis];
+  const bool periodic = around_.extent.periodic[axis];
+  double lower = box.lower[axis] - slack, upper = box.lower[axis] + box.size[axis] + slack;
+  if (!periodic && lower < 0) lower = -infinity;
+  if (!periodic && upper > length) upper = infinity;
+  std::vector<std::int64_t> met;
+  for (std::int64_t i = 0; i < rain_.cells()[axis]; ++i)
+    for (const double shift : {0.0, -length, length}) {
+      if (shift != 0 && !periodic) continue;
+      if (rain_.side(axis, i) + shift > upper || rain_.side(axis, i + 1) + shift < lower) continue;
+      met.push_back(i);
+      break;
+    }
+  return met;
+}
+
+void RandomFill::tell_neighbours() {
+  for (Point& p : points_)
+    for (const int rank : around_.ranks_near({p.centre, p.centre})) {
+      if (rank == around_.rank) continue;
+      p.shared = true;
+      put(around_.messages.to(rank), Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
+    }
+  around_.messages.unannounced();
+  for (const Messages::Message& m : around_.messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) {
+      const auto seen = reader.take<Seen>();
+      points_.push_back({seen.number, Eigen::Map<const Vec3>{seen.centre}, false});
+    }
+  std::sort(points_.begin(), points_.end(),
+            [](const Point& a, const Point& b) { return a.number < b.number; });
+}
+
+void RandomFill::decide() {
+  NeighbourGrid grid(around_.extent, distance_);
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    grid.insert(static_cast<int>(i), {points_[i].centre, points_[i].centre});
+  do {
+    decide_what_can_be(grid);
+    hear_decisions();
+  } while (around_.sum(std::count_if(points_.begin(), points_.end(),
+                                     [](const Point& p) { return p.own && p.state == State::open; })) > 0);
+}
+
+/// All that does not wait for another rank; tells who shares it.
+void RandomFill::decide_what_can_be(const NeighbourGrid& grid) {
+  for (Point& p : points_) p.waits = false;
+  for (Point& p : points_) {
+    if (!p.own || p.state != State::open) continue;
+    judge(p, grid);
+  }
+  for (Point& p : points_) {
+    if (!p.shared || p.told || p.state == State::open) continue;
+    p.told = true;
+    for (const int rank : around_.ranks_near({p.centre, p.centre}))
+      if (rank != around_.rank) put(around_.messages.to(rank), Decided{p.number, p.state == State::stays});
+  }
+}
+
+/// Decides a point of this rank, and before it the earlier ones too close to it.
+State RandomFill::judge(Point& p, const NeighbourGrid& grid) {
+  const std::uint64_t time = rain_.time_of(p.number);
+  State state = State::stays;
+  grid.visit(BoundingBox::around(p.centre, Vec3::Constant(distance_)), [&](int i) {
+    Point& other = points_[i];
+    if (other.state == State::goes || rain_.time_of(other.number) >= time) return true;
+    if (nearest_image(other.centre - p.centre, around_.extent).norm() >= distance_) return true;
+    const bool known = other.state != State::open || !other.own || other.waits;
+    const State found = known ? other.state : judge(other, grid);
+    if (found == State::stays) state = State::goes;
+    if (found == State::open) state = State::open;
+    return state != State::goes;
+  });
+  p.waits = state == State::open;
+  return p.state = state;
+}
+
+void RandomFill::hear_decisions() {
+  around_.messages.unannounced();
+  for (const Messages::Message& m : around_.messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) {
+      const auto decided = reader.take<Decided>();
+      const auto at =
+          std::lower_bound(points_.begin(), points_.end(), decided.number,
+                           [](const Point& p, std::uint64_t number) { return p.number < number; });
+      at->state = decided.stays ? State::stays : State::goes;
+    }
+}
+
+RandomFill::Tally RandomFill::tally() const {
+  std::uint64_t counts[2] = {fallen_, 0};
+  for (const Point& p : points_) counts[1] += p.own && p.state == State::stays;
+  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_UINT64_T, MPI_SUM, around_.comm());
+  return {counts[0], counts[1]};
+}
+
+/// The time at which the wanted number has been placed, of the points of this batch, on all ranks: its bytes
+/// one after the other.
+std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
+  std::uint64_t time = 0, known = 0;  // known: mask of the bytes found
+  for (int shift = 56; shift >= 0; shift -= 8) {
+    std::array<std::uint64_t, 256> counts{};
+    for (const Point& p : points_)
+      if (const std::uint64_t t = rain_.time_of(p.number);
+          p.own && p.state == State::stays && (t & known) == time)
+        ++counts[t >> shift & 255];
+    MPI_Allreduce(MPI_IN_PLACE, counts.data(), 256, MPI_UINT64_T, MPI_SUM, around_.comm());
+    std::uint64_t byte = 0;
+    for (; counts[byte] < wanted; ++byte) wanted -= counts[byte];
+    time |= byte << shift;
+    known |= std::uint64_t{255} << shift;
+  }
+  return time;
+}
+
+void RandomFill::keep(std::uint64_t last_time) {
+  for (const Point& p : points_) {
+    if (p.state != State::stays || rain_.time_of(p.number) > last_time) continue;
+    obstacles_.add_ball(p.centre);
+    if (!p.own) continue;
+    placed_.push_back({p.number, p.centre, rigid::Quat::Identity()});
+    if (spec_.random_orientation) placed_.back().orientation = rain_.orientation(p.number);
+  }
+}
+
+void RandomFill::refuse(std::uint64_t placed) const {
+  const double ball = 4. / 3 * std::numbers::pi * std::pow(radius_ + spec_.gap / 2, 3);
+  const double share = static_cast<double>(spec_.count) * ball / (spec_.upper - spec_.lower).prod();
+  throw CaseError(
+      scene_.place(fmt::format("fill[{}].count", index_)),
+      fmt::format("fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
+                  "would take {:.0f} % of the box, and random places run out near 35 % of what other "
+                  "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
+                  index_, spec_.count, placed, 100 * share));
+}
+
+}  // namespace
+
+std::vector<FilledBody> fill_at_random(const Case& scene, std::size_t fill, double radius,
+                                       const BoundingBox& room, Surroundings& around, Obstacles& obstacles,
+                                       std::uint64_t& range) {
+  RandomFill random(scene, fill, radius, room, around, obstacles);
+  range = random.range();
+  return random.bodies();
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,124 @@
+#include "coupler/placement/start_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "coupler/case/body_check.hpp"
+#include "coupler/case/body_text.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_extent.hpp"
+#include "coupler/case/wall_check.hpp"
+#include "coupler/placement/first_faults.hpp"
+#include "coupler/placement/given_bodies.hpp"
+#include "coupler/placement/neighbour_grid.hpp"
+#include "coupler/placement/overlap.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Motion;
+using rigid::Vec3;
+
+constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
+
+std::string in_the_domain(const Case& scene, const std::string& key, const Vec3& x) {
+  return fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
+                     shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size));
+}
+
+/// What is wrong with where a body is, "" if nothing: its centre must be in the domain, and if it moves it
+/// must not reach into a wall.
+std::string fault_of_place(const Case& scene, const BodySpec& body) {
+  const Vec3 size = extent_of(scene).size;
+  const Vec3& x = body.pose.position;
+  const std::string key = position_key(scene, body.entry);
+  for (int d = 0; d < 3; ++d)
+    if (!(x[d] >= 0 && x[d] <= size[d])) return in_the_domain(scene, key, x);
+  if (body.motion == Motion::fixed) return "";
+  const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
+  for (int d = 0; d < 3; ++d) {
+    if (scene.periodic(d)) continue;
+    const double low = scene.boundary[2 * d].solid_for_bodies ? -box.lower[d] : 0;
+    const double high = scene.boundary[2 * d + 1].solid_for_bodies ? box.upper[d] - size[d] : 0;
+    if (std::max(low, high) <= start_overlap) continue;
+    const double allowed_low = x[d] - box.lower[d], allowed_high = size[d] - (box.upper[d] - x[d]);
+    return fmt::format(
+        "{} is {}: the body reaches {} into the {} wall of {}; its {} must be between {} and {}", key,
+        shown_point(scene, x), shown_length(scene, std::max(low, high)), low > high ? "lower" : "upper",
+        "xyz"[d], "xyz"[d], shown_length(scene, allowed_low), shown_length(scene, allowed_high));
+  }
+  return fault_in_curved_walls(scene, body, key, start_overlap);
+}
+
+std::vector<BodyFault> faults_of_places(const Case& scene, const std::vector<GivenBody>& bodies) {
+  std::vector<BodyFault> faults;
+  for (const GivenBody& body : bodies) {
+    if (!body.own || faults.size() >= most_messages) continue;
+    if (std::string text = fault_of_place(scene, body.spec); !text.empty())
+      faults.push_back({body.id, 0, std::move(text)});
+  }
+  return faults;
+}
+
+std::string text_of_overlap(const Case& scene, const BodySpec& a, const BodySpec& b, double depth) {
+  return fmt::format(
+      "{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; move them apart",
+      position_key(scene, b.entry), shown_point(scene, b.pose.position), shown_point(scene, a.pose.position),
+      a.entry, shown_length(scene, depth));
+}
+
+double mean_width(const Case& scene, const std::vector<GivenBody>& bodies) {
+  double sum = 0;
+  for (const GivenBody& body : bodies) sum += 2 * rigid::bounding_radius(scene.shapes[body.spec.shape]);
+  return bodies.empty() ? 1 : std::max(1.0, sum / static_cast<double>(bodies.size()));
+}
+
+/// Of two bodies that overlap some rank has both near it: the one where they do.
+std::vector<BodyFault> faults_of_pairs(const Case& scene, const std::vector<GivenBody>& bodies) {
+  const rigid::Extent extent = extent_of(scene);
+  NeighbourGrid grid(extent, mean_width(scene, bodies));
+  std::vector<BodyFault> faults;
+  std::vector<int> partners;
+  for (std::size_t j = 0; j < bodies.size() && faults.size() < most_messages; ++j) {
+    const BodySpec& b = bodies[j].spec;
+    const auto box = rigid::bounding_box(scene.shapes[b.shape], b.pose);
+    partners.clear();
+    grid.visit(box, [&](int i) { return partners.push_back(i), true; });
+    std::sort(partners.begin(), partners.end());
+    partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
+    for (const int i : partners) {
+      const BodySpec& a = bodies[i].spec;
+      if (a.motion != Motion::free && b.motion != Motion::free) continue;
+      const double depth =
+          overlap_depth(scene.shapes[a.shape], a.pose, scene.shapes[b.shape], b.pose, extent);
+      if (depth > start_overlap)
+        faults.push_back({bodies[j].id, bodies[i].id, text_of_overlap(scene, a, b, depth)});
+    }
+    grid.insert(static_cast<int>(j), box);
+  }
+  return faults;
+}
+
+}  // namespace
+
+std::vector<Diagnostic> find_start_faults(const Case& scene, const lbm::Domain& domain, MPI_Comm comm) {
+  Surroundings around(scene, domain, comm, 1);
+  const std::vector<GivenBody> bodies = given_bodies(scene, around);
+  std::vector<BodyFault> faults = first_faults(comm, faults_of_places(scene, bodies), most_messages);
+  if (faults.empty()) faults = first_faults(comm, faults_of_pairs(scene, bodies), most_messages);
+  std::vector<Diagnostic> list;
+  for (const BodyFault& fault : faults)
+    list.push_back({Diagnostic::Severity::error,
+                    scene.place(position_key(scene, entry_of(scene, fault.body))), fault.text});
+  return list;
+}
+
+void require_sound_start(const Case& scene, const lbm::Domain& domain, MPI_Comm comm) {
+  auto faults = find_start_faults(scene, domain, comm);
+  if (!faults.empty()) throw CaseError(std::move(faults));
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,68 @@
+#include "coupler/placement/start_positions.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "coupler/case/case.hpp"
+#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_bodies.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::BodyId;
+using rigid::Vec3;
+
+struct Start {
+  BodyId id;
+  double position[3];
+};
+
+/// The starts of those bodies whose meeting place this rank is, in the order of ids.
+std::vector<Start> starts_met_here(const Case& scene, const lbm::Domain& domain, Messages& messages,
+                                   int ranks) {
+  const auto shapes = centred_shapes(scene);
+  place_bodies(scene, domain, messages.comm()).for_each([&](BodyId id, const BodySpec& body) {
+    const Vec3 x = body.pose.to_world(shapes[body.shape].centre);
+    put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
+  });
+  messages.unannounced();
+  std::vector<Start> starts;
+  for (const Messages::Message& m : messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) starts.push_back(reader.take<Start>());
+  std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
+  return starts;
+}
+
+Start found(const std::vector<Start>& starts, BodyId id) {
+  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+  const auto at = std::lower_bound(starts.begin(), starts.end(), id,
+                                   [](const Start& s, BodyId wanted) { return s.id < wanted; });
+  return at != starts.end() && at->id == id ? *at : Start{id, {nowhere, nowhere, nowhere}};
+}
+
+}  // namespace
+
+std::vector<Vec3> start_positions(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
+                                  std::span<const BodyId> ids) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  Messages messages(comm);
+  const std::vector<Start> starts = starts_met_here(scene, domain, messages, ranks);
+  for (const BodyId id : ids) put(messages.to(static_cast<int>(id % ranks)), id);
+  messages.unannounced();
+  std::vector<std::pair<int, BodyId>> asked;
+  for (const Messages::Message& m : messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) asked.emplace_back(m.rank, reader.take<BodyId>());
+  for (const auto& [rank, id] : asked) put(messages.to(rank), found(starts, id));
+  messages.unannounced();
+  std::vector<Start> answers;
+  for (const Messages::Message& m : messages.received())
+    for (ByteReader reader(m.bytes); !reader.done();) answers.push_back(reader.take<Start>());
+  std::sort(answers.begin(), answers.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
+  std::vector<Vec3> positions;
+  for (const BodyId id : ids) positions.push_back(Eigen::Map<const Vec3>{found(answers, id).position});
+  return positions;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,147 @@
+// Fills on sites: how many, how far apart, and what is left out.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "coupler/case/case_extent.hpp"
+#include "tests/coupler/placement/placed.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+
+CaseText sites(const std::string& lines, const std::string& boundary = "\"periodic\"") {
+  CaseText c;
+  c.fluid = "";
+  c.domain = domain_of({40, 40, 40}, boundary);
+  c.shapes = sphere_of("ball", 4);
+  c.bodies = "[[fill]]\nshape = \"ball\"\ndensity = 1\n" + lines;
+  return c;
+}
+
+std::vector<Vec3> centres_of(const CaseText& c, const Overrides& overrides = {}) {
+  std::vector<Vec3> centres;
+  for (const BodySpec& body : bodies_of(c.read(overrides))) centres.push_back(body.pose.position);
+  return centres;
+}
+
+/// The distances from one body to the others, the least first.
+std::vector<double> distances(const std::vector<Vec3>& centres, std::size_t from, const Case& scene) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    if (i != from) all.push_back(nearest_image(centres[i] - centres[from], extent_of(scene)).norm());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+double least_distance(const std::vector<Vec3>& centres, const Case& scene) {
+  double least = 1e9;
+  for (std::size_t i = 0; i < centres.size(); ++i) least = std::min(least, distances(centres, i, scene)[0]);
+  return least;
+}
+
+TEST(LatticeFill, SimpleCubicFillsAPeriodicBox) {
+  const CaseText c = sites("arrangement = \"simple-cubic\"\nspacing = 4.9\n");
+  const auto centres = centres_of(c);
+  ASSERT_EQ(centres.size(), 512u);
+  for (const std::size_t i : {0, 100, 511}) {
+    const auto d = distances(centres, i, c.read());
+    for (int k = 0; k < 6; ++k) EXPECT_NEAR(d[k], 5, 1e-12);
+    EXPECT_NEAR(d[6], 5 * std::numbers::sqrt2, 1e-12);
+  }
+}
+
+TEST(LatticeFill, SimpleCubicStandsInTheMiddleBetweenWalls) {
+  const auto centres =
+      centres_of(sites("arrangement = \"simple-cubic\"\nspacing = 5\ngap = 0.5\n", "\"no-slip\""));
+  ASSERT_EQ(centres.size(), 512u);  // 35 cells for centres: 8 sites
+  EXPECT_NEAR((centres.front() - Vec3::Constant(2.5)).norm(), 0, 1e-12);
+  EXPECT_NEAR((centres.back() - Vec3::Constant(37.5)).norm(), 0, 1e-12);
+  EXPECT_NEAR((centres[1] - centres[0] - Vec3(5, 0, 0)).norm(), 0, 1e-12) << "ids go along x first";
+}
+
+/// Twelve neighbours touch; a large box is 74 % full.
+TEST(LatticeFill, HexagonalIsTheClosestPacking) {
+  CaseText c = sites("arrangement = \"hexagonal\"\n", "\"no-slip\"");
+  const auto centres = centres_of(c);
+  const Case scene = c.read();
+  EXPECT_NEAR(least_distance(centres, scene), 4, 1e-9);
+  std::size_t inner = 0;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    if ((centres[i] - Vec3::Constant(20)).cwiseAbs().maxCoeff() > 13) continue;
+    const auto d = distances(centres, i, scene);
+    EXPECT_NEAR(d[11], 4, 1e-9);
+    EXPECT_NEAR(d[12], 4 * std::numbers::sqrt2, 1e-9);
+    ++inner;
+  }
+  EXPECT_GT(inner, 200u);
+  c.domain = domain_of({200, 194, 196});  // 50 bodies a row, 56 rows a layer, 60 layers
+  const double filled = centres_of(c).size() * 4. / 3 * std::numbers::pi * 8 / (200. * 194 * 196);
+  EXPECT_NEAR(filled, std::numbers::pi / std::sqrt(18), 1e-3);
+}
+
+TEST(LatticeFill, LayersAreShiftedEachAsAWhole) {
+  const CaseText c = sites("arrangement = \"layers\"\nspacing = 5\n");
+  const auto centres = centres_of(c);
+  ASSERT_EQ(centres.size(), 512u);
+  std::set<double> offsets;
+  for (std::size_t layer = 0; layer < 8; ++layer) {
+    const Vec3& first = centres[64 * layer];
+    for (std::size_t i = 64 * layer; i < 64 * (layer + 1); ++i) {
+      EXPECT_NEAR(centres[i][2], 2.5 + 5. * layer, 1e-12);
+      for (int d = 0; d < 2; ++d) {
+        const double steps = (centres[i][d] - first[d]) / 5;
+        EXPECT_NEAR(steps, std::round(steps), 1e-12);
+      }
+    }
+    offsets.insert(std::fmod(first[0], 5));
+  }
+  EXPECT_EQ(offsets.size(), 8u);
+  EXPECT_NE(centres, centres_of(c, {"fill[0].seed=2"}));
+}
+
+TEST(LatticeFill, ShiftedBodiesKeepTheGap) {
+  for (const char* arrangement : {"simple-cubic", "hexagonal", "layers"})
+    for (const char* boundary : {"\"periodic\"", "\"no-slip\""}) {
+      const CaseText c =
+          sites(std::string("arrangement = \"") + arrangement + "\"\ngap = 0.5\nshift = 0.7\n", boundary);
+      const auto centres = centres_of(c);
+      const double least = least_distance(centres, c.read());
+      EXPECT_GE(least, 4.5) << arrangement << boundary;
+      EXPECT_LT(least, 5.6) << "they are not shifted: " << arrangement << boundary;
+      for (const Vec3& x : centres)
+        if (boundary[1] == 'n') {
+          EXPECT_GE(x.minCoeff(), 2.5);
+          EXPECT_LE(x.maxCoeff(), 37.5);
+        }
+    }
+}
+
+TEST(LatticeFill, TakenSitesAreLeftOut) {
+  CaseText c = sites("arrangement = \"simple-cubic\"\nspacing = 5\n");
+  c.bodies = body_of("ball", 1, "position = [20, 20, 20]") + c.bodies;  // amid eight sites, 4.33 away
+  EXPECT_EQ(centres_of(c).size(), 513u);
+  EXPECT_EQ(centres_of(c, {"fill[0].gap=0.5"}).size(), 505u);
+}
+
+TEST(LatticeFill, CountTakesTheLowest) {
+  const auto centres = centres_of(sites("arrangement = \"simple-cubic\"\nspacing = 5\ncount = 70\n"));
+  ASSERT_EQ(centres.size(), 70u);
+  EXPECT_NEAR(centres.back()[2], 7.5, 1e-12);
+  EXPECT_NEAR(centres[63][2], 2.5, 1e-12);
+}
+
+TEST(LatticeFill, SaysHowManySitesThereAre) {
+  const CaseText c = sites("arrangement = \"simple-cubic\"\nspacing = 5\ncount = 513\n");
+  EXPECT_NE(c.fault().find(
+                "fill[0].count is 513, but there are only 512 free sites; lower count, gap or spacing, or "
+                "enlarge box or domain"),
+            std::string::npos)
+      << c.fault();
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
