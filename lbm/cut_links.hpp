@@ -1,7 +1,9 @@
 #pragma once
 // Cut links: a link from a fluid cell x along c_i is cut where it meets a solid surface at x + q c_i, q in
 // (0, 1]. The dense kernel ignores them; this sparse pass then overwrites what the surface returns
-// (wall_formula.hpp). One link owns the two slots it uses, so the order of links cannot matter.
+// (wall_formula.hpp). One link owns the two slots it uses, so the order of links cannot matter. But a link
+// may be cut at both ends, each of which writes what the other one reads (a group `crossing`): these groups
+// come last, for other links may read there, and the two ends are beside one another, in one vector of links.
 //
 // All links of a group are of one scheme: where x - c_i is not fluid a link is put into a group of
 // `single_cell_gap`, which does not read there.
@@ -59,6 +61,7 @@ struct LinkGroup {
   std::uint32_t opposite = 0;      // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
   bool across = false;             // x - c_i lies in another block, or beyond a period: see CutLinks::across
   std::uint32_t across_begin = 0;  // first in CutLinks::across
+  bool crossing = false;           // cut at both ends: applied after all others, see above
 };
 
 /// The frame of a surface is fixed to its reference point: the centre of block cell `cell` is at `offset`

@@ -18,7 +18,7 @@ namespace silt::lbm::SILT_ISA {
 template <class T>
 struct Lanes {
   static constexpr int count = vector_bytes / int(sizeof(T));
-  static_assert(link_lanes % count == 0);
+  static_assert(link_lanes % count == 0 && count % 2 == 0);  // two: both ends of a crossing link
   using Real = typename VectorOf<T, count>::type;
   using Whole = typename VectorOf<std::int32_t, count>::type;
   using Quanta = typename VectorOf<std::int64_t, count>::type;

@@ -214,6 +214,12 @@ void mark_parts(const BitFrame& frame, const PointInFrame& centre, const Surface
               [&](auto kind) { mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words); });
 }
 
+/// How many bits of a frame's stream a step along c_i is.
+std::ptrdiff_t step_along(const BitFrame& frame, int i) {
+  const lbm::Int3 c = lbm::c[i];
+  return c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
+}
+
 LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const LinkBits& bits,
                       std::uint32_t* place, std::uint32_t* single_cell) {
   LinkCounts n{};
@@ -222,9 +228,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
     const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
     const Words open = words_at(bits.open + at) & words_at(plane.rows);
     for (int i = 1; i < lbm::directions; ++i) {
-      const lbm::Int3 c = lbm::c[i];
-      const std::ptrdiff_t step =
-          c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
+      const std::ptrdiff_t step = step_along(frame, i);
       const Words cut = moved(bits.body + at, step) & open;
       if (!filled(cut)) continue;
       Words back{};
@@ -236,10 +240,36 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
   return n;
 }
 
+void widen(const BitFrame& frame, const std::uint64_t* from, std::uint64_t* to) {
+  for (std::size_t at = 0; at < frame.words(); at += PlaneWords::most) {
+    Words found{};
+    for (int i = 1; i < lbm::directions; ++i) found |= moved(from + at, step_along(frame, i));
+    const std::size_t left = std::min<std::size_t>(PlaneWords::most, frame.words() - at);
+    __builtin_memcpy(to + at, &found, left * sizeof *to);
+  }
+}
+
+std::uint32_t list_crossings(const BitFrame& frame, const FrameRows& wanted, const std::uint64_t* ends,
+                             const std::uint64_t* own, std::uint32_t* place) {
+  std::uint32_t n = 0;
+  for (int first = 0; first < wanted.planes * frame.plane; first += PlaneWords::most) {
+    const PlaneWords plane(frame, first, wanted);
+    const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
+    const Words begins = words_at(ends + at) & words_at(plane.rows);
+    for (int i = 1; i < lbm::directions; i += 2) {
+      const std::ptrdiff_t step = step_along(frame, i);
+      const Words in_block = words_at(own + at) | moved(own + at, step);
+      const Words found = begins & moved(ends + at, step) & in_block;
+      if (filled(found)) n += list_bits(frame, plane, found, i, place + n);
+    }
+  }
+  return n;
+}
+
 }  // namespace
 
 BitKernels bit_kernels() {
-  return {mark_sphere, mark_parts, list_links};
+  return {mark_sphere, mark_parts, list_links, widen, list_crossings};
 }
 
 }  // namespace silt::coupler::SILT_ISA

@@ -41,6 +41,13 @@ struct BitKernels {
   /// Lists the links of some rows. Both lists need link_lanes of room more than they get.
   LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
                            std::uint32_t* single_cell);
+  /// Sets in `to` the cells next to one of a stream (with margins), along any c.
+  void (*widen)(const BitFrame&, const std::uint64_t* from, std::uint64_t* to);
+  /// Lists the cells x of some rows and the directions i of one half (c_i before its opposite) such that x
+  /// and x + c_i are of `ends` and at least one of them of `own` (streams with margins). Returns how many;
+  /// the list needs link_lanes of room more.
+  std::uint32_t (*list_crossings)(const BitFrame&, const FrameRows&, const std::uint64_t* ends,
+                                  const std::uint64_t* own, std::uint32_t* place);
 };
 namespace portable {
 BitKernels bit_kernels();

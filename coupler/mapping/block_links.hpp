@@ -17,7 +17,7 @@ struct BlockLinks {
   std::vector<SurfaceLinks<T>> surfaces;
   std::vector<Group> inner;                          // groups in the order of the parts they wait for
   std::vector<std::uint32_t> first_inner;            // of a part; the last one's end
-  std::vector<Group> rim;                            // groups that wait for the halo exchange
+  std::vector<Group> rim;                            // that wait for the halo exchange, crossing ones last
   std::size_t count = 0;                             // links
   lbm::LinkSlots slots;                              // of the step under way
   SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
@@ -61,14 +61,16 @@ struct BlockLinks {
       }
     for (std::size_t part = 1; part < first_inner.size(); ++part) first_inner[part] += first_inner[part - 1];
     inner.resize(first_inner.back());
+    std::vector<Group> crossing;
     for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
       const auto& groups = surfaces[k].links.groups;
       for (std::uint32_t g = 0; g < groups.size(); ++g)
-        if (groups[g].ready < 0)
-          rim.push_back({k, g});
-        else
+        if (groups[g].ready >= 0)
           inner[first_inner[groups[g].ready + 1]++] = {k, g};
+        else
+          (groups[g].crossing ? crossing : rim).push_back({k, g});
     }
+    rim.insert(rim.end(), crossing.begin(), crossing.end());
     first_inner.pop_back();
   }
 };

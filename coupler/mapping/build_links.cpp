@@ -7,7 +7,9 @@
 #include <stdexcept>
 
 #include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/crossing_links.hpp"
 #include "coupler/mapping/surface_parts.hpp"
+#include "coupler/mapping/window_rows.hpp"
 #include "lbm/pass_order.hpp"
 #include "lbm/places_across.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -23,32 +25,6 @@ namespace {
 struct Planes {
   int z, count;
 };
-
-template <class Real, class T>
-SurfaceDistances<Real, T> distance_kernel() {
-  return chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
-                avx512::surface_distances<Real, T>)();
-}
-
-/// Reads rows of 64 bits and writes them as the rows of a window.
-template <class Row>
-void fill_rows(BitWindow& window, Int3 block, Row&& row) {
-  const BitFrame& f = window.frame();
-  const std::uint64_t width = f.pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << f.pitch) - 1;
-  for (int z = std::max(f.low.z, -1); z < std::min(f.low.z + f.size.z, block.z + 1); ++z)
-    for (int y = std::max(f.low.y, -1); y < std::min(f.low.y + f.size.y, block.y + 1); ++y) {
-      const std::size_t bit = f.row(y, z);
-      for (int x = 0; x < f.pitch; x += 64)
-        window.words()[(bit + x) >> 6] |= (row(f.low.x + x, y, z) & width) << (bit & 63);
-    }
-}
-
-/// Bits [from, to) of 64 that stand for cells from x on.
-std::uint64_t cells_between(int x, int from, int to) {
-  const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
-  if (a >= b) return 0;
-  return (~std::uint64_t{0} >> (64 - (b - a))) << a;
-}
 
 /// Whether some fluid cell next to the body may lie within `rim` cells of the block's faces, or in another
 /// block.
@@ -93,7 +69,7 @@ class LinkWriter {
     if (scheme_ != WallScheme::bounce_back) prepare_surface(shape);
     const Int3 n = map_.box.size;
     solid_.reset(frame);
-    fill_rows(solid_, n, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
+    fill_rows(solid_, n, 1, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
     const bool at_rim = touches_rim(frame, n, reach_);
     find_open(at_rim);
     constexpr int words_a_group = 8;  // of small bodies: enough links to be worth a group
@@ -107,6 +83,23 @@ class LinkWriter {
     }
     for (auto& kinds : deferred_)
       for (Deferred& deferred : kinds) end_group(deferred);
+    if (scheme_ != WallScheme::bounce_back && !is_tube_ && surface_.has_edges()) crossing_groups();
+  }
+
+  /// Each from both ends, with schemes that read no further than the cell behind, which is fluid.
+  void crossing_groups() {
+    const BitFrame& frame = mask_->frame();
+    crossings_.find_cells(map_, *mask_);
+    for (int z = 1; z < frame.size.z - 1; z += CrossingLinks<T>::planes) {
+      crossings_.list(z, links_->frame, surface_.view());
+      const std::size_t n = crossings_.place().size();
+      if (n == 0) continue;
+      make_room(n);
+      std::copy_n(crossings_.place().data(), n, place_.begin() + used_);
+      std::copy_n(crossings_.q().data(), n, q_.begin() + used_);
+      end_group(std::uint32_t(n), frame.low + Int3{0, 0, z - 1}, lbm::two_cell_gap_scheme(scheme_), -1);
+      links_->groups.back().crossing = true;
+    }
   }
 
   /// Fluid cells inside the block, those at its rim apart: within a link's reach of ghost cells. Cells of
@@ -121,11 +114,11 @@ class LinkWriter {
       return;
     }
     rim_.reset(frame);
-    fill_rows(inner_, n, [&](int x, int y, int z) {
+    fill_rows(inner_, n, 1, [&](int x, int y, int z) {
       if (y < r || z < r || y >= n.y - r || z >= n.z - r) return std::uint64_t{0};
       return ~map_.solid.from(x, y, z) & cells_between(x, r, n.x - r);
     });
-    fill_rows(rim_, n, [&](int x, int y, int z) {
+    fill_rows(rim_, n, 1, [&](int x, int y, int z) {
       if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
       const bool side = y < r || z < r || y >= n.y - r || z >= n.z - r;
       const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, r, n.x - r);
@@ -296,6 +289,7 @@ class LinkWriter {
   SurfaceParts<T> surface_;
   SurfaceParts<double> tube_;
   bool is_tube_ = false;
+  CrossingLinks<T> crossings_;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> place_, single_cell_;
   std::vector<T> q_;

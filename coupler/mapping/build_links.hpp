@@ -25,6 +25,7 @@ struct LinkRules {
 /// of `single_cell_gap`; those that would read beyond it where that is not fluid, into groups of
 /// lbm::two_cell_gap_scheme; those that would and whose cell behind is not of the block, into groups
 /// `across`, with pairs at the block's lbm::PlacesAcross.
+/// Crossing links (crossing_links.hpp) have groups `crossing`.
 template <class T>
 void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const LinkRules<T>&,
                  std::vector<SurfaceLinks<T>>&);

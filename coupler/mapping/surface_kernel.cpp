@@ -1,4 +1,5 @@
 // Built once an instruction set.
+#include "coupler/mapping/edge_lip.hpp"
 #include "coupler/mapping/surface_kernels.hpp"
 #include "lbm/link_places.hpp"
 
@@ -65,7 +66,8 @@ void set_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFra
   if (surface.count == 1)
     with_kind(part.kind, [&](auto kind) {
       set([&](const Places& at) {
-        return distance_to(LineLanes<Real, kind()>(part, at.r, at.c), part, surface.planes);
+        const LineLanes<Real, kind()> lines(part, at.r, at.c);
+        return under_lip(distance_to(lines, part, surface.planes), lines, part, surface.planes);
       });
     });
   else

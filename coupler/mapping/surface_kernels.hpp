@@ -1,11 +1,13 @@
 #pragma once
 // The kernel of wall distances, built once an instruction set.
 #include "coupler/mapping/surface_primitives.hpp"
+#include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
 
-/// Sets the wall distances of links, whole vectors of them.
+/// Sets the wall distances of links, whole vectors of them, with the lip of bodies of one part
+/// (edge_lip.hpp); 1 for a line that does not meet the surface.
 template <class Real, class T>
 using SurfaceDistances = void (*)(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&,
                                   lbm::Int3 corner, const SurfaceView<Real>&, T* q);
@@ -20,6 +22,12 @@ SurfaceDistances<Real, T> surface_distances();
 namespace avx512 {
 template <class Real, class T>
 SurfaceDistances<Real, T> surface_distances();
+}
+/// The build that runs here.
+template <class Real, class T>
+SurfaceDistances<Real, T> distance_kernel() {
+  return chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
+                avx512::surface_distances<Real, T>)();
 }
 
 }  // namespace silt::coupler

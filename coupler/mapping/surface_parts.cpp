@@ -1,5 +1,7 @@
 #include "coupler/mapping/surface_parts.hpp"
 
+#include <algorithm>
+
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -83,6 +85,14 @@ void SurfaceParts<T>::reset(const rigid::Shape& shape, const rigid::Quat& orient
   parts_.clear();
   planes_.clear();
   std::visit(Preparation<T>(orientation, parts_, planes_), shape);
+}
+
+template <class T>
+bool SurfaceParts<T>::has_edges() const {
+  return std::any_of(parts_.begin(), parts_.end(), [](const SurfacePart<T>& part) {
+    using enum PartKind;
+    return part.kind == box || part.kind == cylinder || part.kind == cone || part.planes > 1;
+  });
 }
 
 template class SurfaceParts<float>;

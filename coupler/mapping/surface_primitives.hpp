@@ -88,6 +88,10 @@ class LineLanes {
       }
   }
 
+  /// A coordinate of the points at t, and the directions.
+  V at(int k, const V& t) const { return o_[k] + t * d_[k]; }
+  const V (&direction() const)[3] { return d_; }
+
   /// Lines none of whose points 0 <= t <= 1 is in the box around the part, as one of its axes shows.
   typename L::Mask beyond(const Part& part) const {
     const auto along = [&](int k) {

@@ -28,7 +28,7 @@ QUANTITY = {"drag": "K", "torque": "torque"}
 
 GOALS = [Goal(f"accuracy.cube.{setup}.d{FINE}.error", limit) for setup in SETUPS
          for limit in [1.5 if setup.endswith("torque") else 0.8 if setup.startswith("cylinder") else 1.0]]
-SHORT_GOALS = [Goal("accuracy.cube.cube.straight.torque.d6.error", 10.0)]
+SHORT_GOALS = [Goal("accuracy.cube.cube.straight.torque.d6.error", 1.0)]
 
 
 def parts(setup):

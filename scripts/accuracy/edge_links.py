@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""What closing the edges of a body would do: drag and torque of the bodies of cube.py on a lattice of its own.
+"""What is done at the edges of bodies, piece by piece: drag and torque of the bodies of cube.py on a lattice of its own.
 
-edge_links.py [--only TEXT] [--cells N] [--places N] [--lip B] [--today] [--scheme multireflection|cli]
+edge_links.py [--only TEXT] [--cells N] [--places N] [--lip B] [--open] [--scheme multireflection|cli]
 
-The lattice is that of lbm/README.md without inertia, the walls (19) or (13) with g = 0. Two things are tried:
+The lattice is that of lbm/README.md without inertia, the walls (19) or (13) with g = 0. Two things can be tried:
 
     crossing links    between fluid cells on the two sides of an edge, whose straight line passes through the body, are cut at both ends
     a lip             the surface is moved outwards by B (1 - |2 s - 1|) cells where it is s < 1 cells from the nearest edge; the
                       wall distance stays above 0.01
 
---today leaves both out. Prints for each setup of cube.py the mean error in percent, the least and the largest, over random places.
+--open leaves both out. Prints for each setup of cube.py the mean error in percent, the least and the largest, over random places.
 """
 import argparse
 
@@ -81,9 +81,9 @@ class Lattice:
             o, d = self.arm[x] @ rotation, np.broadcast_to(C[i] @ rotation, (len(x), 3))
             enter, leave = shape.inside(o, d)
             cut = self.solid[self.at(x, 1, i)]
-            cut |= (not options.today) & (enter < leave) & (enter >= 0) & (leave <= 1)
+            cut |= (not options.open) & (enter < leave) & (enter >= 0) & (leave <= 1)
             q, o, d = enter[cut], o[cut], d[cut]
-            if not options.today:
+            if not options.open:
                 s, slope = shape.near_edge(o + q[:, None] * d, d)
                 q = q - options.lip * np.maximum(1 - np.abs(2 * s - 1), 0) / np.maximum(slope, 0.3)
             links.append((x[cut], np.full(cut.sum(), i), np.clip(q, LEAST, 1)))
@@ -145,7 +145,7 @@ def main():
     parser.add_argument("--cells", type=int, default=24, help="of the box (24)")
     parser.add_argument("--places", type=int, default=8)
     parser.add_argument("--lip", type=float, default=0.22, help="cells (0.22)")
-    parser.add_argument("--today", action="store_true")
+    parser.add_argument("--open", action="store_true")
     parser.add_argument("--scheme", choices=MAGIC, default="multireflection")
     options = parser.parse_args()
     for setup in (name for name in cube.SETUPS if options.only in name):

@@ -5,8 +5,10 @@
 
 #include <cstdio>
 #include <numbers>
+#include <string>
 
 #include "coupler/simulation.hpp"
+#include "lbm/wall_scheme.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"
 
@@ -85,6 +87,24 @@ TEST(Shapes, SameBitsOnAnyNumberOfRanksAndBlocks) {
     const auto one = tests::alone([&] { return hash("domain.blocks=\"auto\"", MPI_COMM_SELF); });
     EXPECT_EQ(hash("domain.blocks=[12,11,13]", MPI_COMM_WORLD), one) << body.type;
   }
+}
+
+// Links across its edges are cut at both ends, which may be in two blocks, or in one through a period.
+TEST(Shapes, ATurningBoxHasTheSameBitsUnderAnyWallScheme) {
+  const Body box{"box", "edges = [8, 7, 6]\n", 8 * 7 * 6};
+  for (const auto name : lbm::wall_scheme_names)
+    for (const char* precision : {"single", "double"}) {
+      const auto hash = [&](const char* blocks, MPI_Comm comm) {
+        Simulation s =
+            alone(box).start(comm, {blocks, "coupling.wall_scheme=" + std::string(name),
+                                    std::string("fluid.precision=") + precision, "coupling.force=galilean"});
+        while (s.steps_done() < 41) s.step();
+        return s.hash();
+      };
+      const auto one = tests::alone([&] { return hash("domain.blocks=\"auto\"", MPI_COMM_SELF); });
+      for (const char* blocks : {"domain.blocks=[12,11,13]", "domain.blocks=[3,22,2]"})
+        EXPECT_EQ(hash(blocks, MPI_COMM_WORLD), one) << name << " " << precision << " " << blocks;
+    }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/wall_scheme.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -81,6 +82,36 @@ TEST(BodyModes, DisturbancesDieAway) {
         const auto [early, late] = disturbances(shape, density, tau);
         EXPECT_LT(late, std::max(early, rounding)) << shape << "density " << density << ", tau " << tau;
       }
+}
+
+/// A heavy cube let go while it turns about an axis of no symmetry, its edges across many cells in a turn.
+CaseText spinning_cube(double tau, std::string_view wall_scheme) {
+  CaseText c;
+  c.domain = domain_of({18, 18, 18}, "\"no-slip\"");
+  c.fluid = fmt::format("[fluid]\nrelaxation_time = {}\n", tau);
+  c.rest = fmt::format("[coupling]\nwall_scheme = \"{}\"\n", wall_scheme);
+  c.shapes = shape_of("cube", "box", "edges = [6.2, 6.2, 6.2]");
+  c.bodies = body_of("cube", 30,
+                     "position = [9.13, 8.71, 9.37]\naxis_angle = { axis = [3, 1, -2], degrees = 67 }\n"
+                     "angular_velocity = [0.012, -0.006, 0.009]\n");
+  return c;
+}
+
+TEST(BodyModes, ASpinningCubeComesToRest) {
+  for (const auto wall_scheme : lbm::wall_scheme_names)
+    for (const double tau : {0.55, 0.8, 2.0}) {
+      SCOPED_TRACE(fmt::format("{}, tau {}", wall_scheme, tau));
+      Simulation s = spinning_cube(tau, wall_scheme).start(MPI_COMM_SELF);
+      double before = s.bodies().angular_velocity[0].norm(), turned = 0;
+      while (before > 1e-5 && s.steps_done() < 5000) {
+        for (int t = 0; t < 25; ++t) s.step(), turned += s.bodies().angular_velocity[0].norm();
+        const double now = s.bodies().angular_velocity[0].norm();
+        ASSERT_LT(now, before) << "after " << s.steps_done() << " steps";
+        before = now;
+      }
+      EXPECT_GT(turned, 0.5);
+      EXPECT_LT(s.bodies().velocity[0].norm(), 2e-4);  // it has no cause to go anywhere
+    }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/build_links.hpp"
@@ -14,6 +15,7 @@
 #include "lbm/pass_order.hpp"
 #include "lbm/places_across.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/coupler/mapping/edges_by_definition.hpp"
 
 namespace silt::coupler::testing {
 
@@ -35,24 +37,73 @@ class Geometry {
   }
   /// The row of the body that has a cell: -1 none, -2 beyond a wall.
   int owner(Int3 cell) const {
+    return once(owners_, cell, [&] { return find_owner(cell); });
+  }
+  const rigid::Shape& shape(std::size_t row) const { return world_.shapes[bodies_.shape[row]]; }
+  /// 1: the link does not meet the body.
+  double distance(std::size_t row, Int3 cell, int i) const {
+    return on_link(row, cell, i,
+                   [&](const Vec3& x, const Vec3& c) { return rigid::ray_distance(shape(row), x, c, 1.0); });
+  }
+  double distance_under_lip(std::size_t row, Int3 cell, int i) const {
+    return on_link(row, cell, i, [&](const Vec3& x, const Vec3& c) {
+      return under_lip(shape(row), x, c, rigid::ray_distance(shape(row), x, c, 1.0));
+    });
+  }
+  /// The body that a link between two fluid cells crosses, -1: none.
+  int crossed(Int3 cell, int i) const {
+    const Int3 other = cell + lbm::c[i];
+    const int row = only_neighbour(cell);
+    if (row < 0 || owner(other) != -1 || only_neighbour(other) != row || !has_edges(shape(row))) return -1;
+    const int back = lbm::opposite(i);
+    const bool meets = distance(row, cell, i) < 1 && distance(row, other, back) < 1;
+    return meets && distance(row, cell, back) == 1 && distance(row, other, i) == 1 ? row : -1;
+  }
+
+ private:
+  template <class F>
+  double on_link(std::size_t row, Int3 cell, int i, F&& f) const {
+    const rigid::Quat back = mapping_pose(bodies_, row).orientation.conjugate();
+    return f(back * arm(row, cell), back * Vec3(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z));
+  }
+  int find_owner(Int3 cell) const {
     if (!domain_.inside(domain_.wrapped(cell))) return -2;
     int found = -1;
     for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
       const rigid::Quat q = mapping_pose(bodies_, row).orientation;
-      if (rigid::contains(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell)) &&
+      if (rigid::contains(shape(row), q.conjugate() * arm(row, cell)) &&
           (found < 0 || bodies_.id[row] < bodies_.id[found]))
         found = int(row);
     }
     return found;
   }
-  double distance(std::size_t row, Int3 cell, int i) const {
-    const rigid::Quat q = mapping_pose(bodies_, row).orientation;
-    const Vec3 c(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z);
-    return rigid::ray_distance(world_.shapes[bodies_.shape[row]], q.conjugate() * arm(row, cell),
-                               q.conjugate() * c, 1.0);
+  /// The one body that has cells next to a cell; -1: none, -2: not one alone.
+  int only_neighbour(Int3 cell) const {
+    return once(neighbours_, cell, [&] {
+      int found = -1;
+      for (int i = 1; i < lbm::directions; ++i) {
+        const int row = owner(cell + lbm::c[i]);
+        if (row == -1 || row == found) continue;
+        if (row == -2 || found != -1) return -2;
+        found = row;
+      }
+      return found;
+    });
   }
 
- private:
+  /// What was found once is known.
+  using Known = std::unordered_map<std::int64_t, int>;
+  template <class Find>
+  static int once(Known& known, Int3 cell, Find&& find) {
+    const std::int64_t key = (std::int64_t(cell.z) << 20) + (std::int64_t(cell.y) << 10) + cell.x;
+    const auto at = known.find(key);
+    if (at != known.end()) return at->second;
+    const int found = find();
+    known.emplace(key, found);
+    return found;
+  }
+
+  mutable Known owners_, neighbours_;
   const rigid::World& world_;
   const rigid::BodySet& bodies_;
   const lbm::Domain& domain_;
@@ -66,12 +117,13 @@ struct Link {
   std::int64_t pair;  // place of the pair across
   double q;
   Vec3 arm;
+  bool crossing;
 };
 using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
 
 /// What a comparison came upon.
 struct LinkKinds {
-  int single_cell = 0, two_cells = 0, across = 0;
+  int single_cell = 0, two_cells = 0, across = 0, crossing = 0;
 };
 
 /// After a part of the dense pass, a cell and all that a link of it may touch have collided.
@@ -92,6 +144,28 @@ void expect_filled_up(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g) {
   }
 }
 
+/// Whether two links are the ends of one.
+template <class T>
+bool face_each_other(const lbm::CutLinks<T>& links, std::uint32_t a, std::uint32_t b) {
+  const int i = lbm::place_direction(links.place[a]);
+  return lbm::place_direction(links.place[b]) == lbm::opposite(i) &&
+         lbm::place_cell(links.place[a]) + lbm::c[i] == lbm::place_cell(links.place[b]);
+}
+
+/// Of a crossing link both ends that are in the block are beside one another, in one vector.
+template <class T>
+void expect_ends_together(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g, Int3 block) {
+  const lbm::CellBox inside{{}, block};
+  for (std::uint32_t l = 0; l < g.count; ++l) {
+    const std::uint32_t p = links.place[g.begin + l];
+    const Int3 other = g.corner + lbm::place_cell(p) + lbm::c[lbm::place_direction(p)];
+    if (inside.contains(other)) {
+      ASSERT_LT(l ^ 1, g.count);
+      EXPECT_TRUE(face_each_other(links, g.begin + l, g.begin + (l ^ 1)));
+    }
+  }
+}
+
 template <class T>
 void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>& links, WallScheme scheme,
                Links& found) {
@@ -101,18 +175,19 @@ void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>
     const lbm::SurfaceFrame& frame = links.frame;
     EXPECT_EQ(g.begin % lbm::link_lanes, 0u);
     expect_filled_up(links, g);
+    if (g.crossing) expect_ends_together(links, g, map.box.size);
     for (std::uint32_t l = 0; l < g.count; ++l) {
       const std::uint32_t p = links.place[g.begin + l];
       const Int3 x = g.corner + lbm::place_cell(p);
       bool rim = false;
       for (int d = 0; d < 3; ++d) rim |= x[d] < reach || x[d] >= map.box.size[d] - reach;
-      EXPECT_EQ(rim, g.ready < 0);
-      if (!rim) expect_all_done(sweep, x, reach, g.ready);
+      EXPECT_EQ(rim || g.crossing, g.ready < 0);
+      if (g.ready >= 0) expect_all_done(sweep, x, reach, g.ready);
       Vec3 arm;
       for (int d = 0; d < 3; ++d) arm[d] = x[d] - frame.cell[d] + frame.offset[d];
       EXPECT_LE(arm.norm(), frame.reach);
       const std::int64_t pair = g.across ? links.across[g.across_begin + l] : in_block;
-      const Link link{mask.row, g.scheme, pair, double(links.q[g.begin + l]), arm};
+      const Link link{mask.row, g.scheme, pair, double(links.q[g.begin + l]), arm, g.crossing};
       EXPECT_TRUE(found.insert({{x.x, x.y, x.z, lbm::place_direction(p)}, link}).second)
           << "a link is listed twice";
     }
@@ -152,25 +227,32 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
         if (geometry.owner(cell) != -1) continue;
         for (int i = 1; i < lbm::directions; ++i) {
           const int owner = geometry.owner(cell + lbm::c[i]);
-          if (owner < 0) continue;
+          const int crossed = scheme == WallScheme::bounce_back ? -1 : geometry.crossed(cell, i);
+          const int row = owner == -1 ? crossed : owner;
+          if (row < 0) continue;
           const auto at = left.find({x, y, z, i});
           ASSERT_NE(at, left.end()) << "no link at " << x << " " << y << " " << z << " along " << i;
           const Link& link = at->second;
-          EXPECT_EQ(int(link.row), owner);
-          EXPECT_LT((link.arm - geometry.arm(owner, cell)).norm(), 1e-12);
-          const double q = geometry.distance(owner, cell, i);
+          EXPECT_EQ(int(link.row), row);
+          EXPECT_LT((link.arm - geometry.arm(row, cell)).norm(), 1e-12);
+          EXPECT_EQ(link.crossing, owner == -1);
+          const double q = geometry.distance_under_lip(row, cell, i);
           if (scheme != WallScheme::bounce_back) {
             EXPECT_NEAR(link.q, q, rounding);
           }
-          if (scheme != WallScheme::bouzidi || std::fabs(q - 0.5) > rounding) {
+          if (link.crossing) {
+            EXPECT_EQ(link.scheme, scheme == WallScheme::multireflection ? WallScheme::cli : scheme);
+          } else if (scheme != WallScheme::bouzidi || std::fabs(q - 0.5) > rounding) {
             EXPECT_EQ(link.scheme, scheme_at(geometry, cell, i, scheme, q));
           }
           const bool across =
               link.scheme == WallScheme::multireflection && !inside.contains(at_block - lbm::c[i]);
           EXPECT_EQ(link.pair, across ? std::int64_t(pair_of(at_block, i)) : in_block);
           kinds.single_cell += link.scheme == WallScheme::single_cell_gap;
-          kinds.two_cells += link.scheme != scheme && link.scheme != WallScheme::single_cell_gap;
+          kinds.two_cells +=
+              !link.crossing && link.scheme != scheme && link.scheme != WallScheme::single_cell_gap;
           kinds.across += across;
+          kinds.crossing += link.crossing;
           left.erase(at);
         }
       }

@@ -8,6 +8,7 @@
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "cpu/isa.hpp"
+#include "tests/coupler/mapping/edges_by_definition.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::coupler {
@@ -80,7 +81,8 @@ TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
       const Vec3 r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)),
                  c = oblique.conjugate() * Vec3(i.x, i.y, i.z);
       if (!rigid::contains(shape, r)) {
-        EXPECT_NEAR(q[l], rigid::ray_distance(shape, r, c, 1), 1e-10);
+        const double hit = rigid::ray_distance(shape, r, c, 1);
+        EXPECT_NEAR(q[l], coupler::testing::under_lip(shape, r, c, hit), 1e-8);
       }
     }
   }
@@ -98,6 +100,24 @@ void expect_same_distances(const rigid::Shape& shape) {
   }
 }
 
+/// The cells next to a body, and the links between them that begin in some planes.
+struct CellsBeside {
+  BitWindow cells;
+  std::vector<std::uint32_t> links;
+  bool operator==(const CellsBeside&) const = default;
+};
+CellsBeside cells_beside(const BitWindow& body, const BitKernels& kernels) {
+  CellsBeside found;
+  const BitFrame& f = body.frame();
+  found.cells.reset(f);
+  kernels.widen(f, body.words(), found.cells.words());
+  constexpr int planes = 6;
+  found.links.resize(std::size_t(planes) * f.size.x * f.size.y * lbm::pairs + lbm::link_lanes);
+  found.links.resize(kernels.list_crossings(f, {9, planes, 1, f.size.y - 1}, found.cells.words(),
+                                            body.words(), found.links.data()));
+  return found;
+}
+
 TEST(SurfaceKernels, SameBitsOnEveryInstructionSet) {
   for (const rigid::Shape& shape : one_of_each_kind()) {
     SCOPED_TRACE(std::string(rigid::shape_name(shape)));
@@ -105,11 +125,15 @@ TEST(SurfaceKernels, SameBitsOnEveryInstructionSet) {
     expect_same_distances<double>(shape);
     const BitWindow plain = cells(shape, portable::bit_kernels().mark_parts);
     EXPECT_EQ(plain.test({0, 0, 0}), !std::holds_alternative<rigid::Tube>(shape));
+    const CellsBeside beside = cells_beside(plain, portable::bit_kernels());
+    EXPECT_GT(beside.links.size(), 50u);
     if (chosen_isa() != Isa::portable) {
       EXPECT_EQ(plain, cells(shape, avx2::bit_kernels().mark_parts));
+      EXPECT_EQ(beside, cells_beside(plain, avx2::bit_kernels()));
     }
     if (chosen_isa() == Isa::avx512) {
       EXPECT_EQ(plain, cells(shape, avx512::bit_kernels().mark_parts));
+      EXPECT_EQ(beside, cells_beside(plain, avx512::bit_kernels()));
     }
   }
 }

@@ -43,6 +43,7 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
   EXPECT_EQ(kinds.single_cell > 0, scheme != WallScheme::bounce_back);
   EXPECT_EQ(kinds.two_cells > 0, scheme == WallScheme::multireflection);
   EXPECT_EQ(kinds.across > 0, scheme == WallScheme::multireflection);
+  EXPECT_EQ(kinds.crossing > 0, scheme != WallScheme::bounce_back);
   EXPECT_GT(kept, 0);
   EXPECT_GT(spoilt, 0);
 }
