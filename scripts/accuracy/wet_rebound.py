@@ -19,7 +19,7 @@ STEEL, CARBIDE = 7800.0, 14800.0  # kg/m3; tungsten carbide: a high Stokes numbe
 # named by St*: density of the ball kg/m3, its diameter m, density of the oil kg/m3, its viscosity Pa s
 BALLS = {"st50": (STEEL, 0.003, 953, 0.020), "st90": (STEEL, 0.004, 953, 0.020), "st130": (STEEL, 0.003, 935, 0.010),
          "st160": (CARBIDE, 0.003, 953, 0.020), "st275": (CARBIDE, 0.004, 953, 0.020)}
-SIZES = (10,)              # cells across the ball
+SIZES = (10, 15)           # cells across the ball
 BOX = (4, 4, 6)            # diameters
 START = 4.5                # of the ball's lowest point over the plate, diameters
 GAP = 0.1                  # at which the velocities are taken, diameters
@@ -27,7 +27,7 @@ LATTICE_VELOCITY = 0.05    # of free fall
 SCATTER = 10
 
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
-SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d10.difference", SCATTER)]
+SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER)]
 
 
 def terminal_velocity(ball, diameter, density, mu):
@@ -57,7 +57,7 @@ def run_of(name, D):
 
 
 def runs(level):
-    return [run_of("st90", 10)] if level == "short" else [run_of(name, D) for name in BALLS for D in SIZES]
+    return [run_of("st90", 15)] if level == "short" else [run_of(name, D) for name in BALLS for D in SIZES]
 
 
 def rebound(gap, velocity):
