@@ -15,6 +15,7 @@
 #include "coupler/guard.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
+#include "rigid/response/warm_start.hpp"
 
 namespace silt::coupler {
 
@@ -196,6 +197,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
     bodies.image[row] = {};
     bodies.set_pose(row, pose);
   }
+  rigid::forget_impulses(bodies, id);
   scene_.exchange->relocate(bodies);  // it may be another rank's now
 }
 

@@ -55,6 +55,12 @@ void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
   recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
+void forget_impulses(BodySet& bodies, BodyId id) {
+  for (std::size_t row = 0; row < bodies.size(); ++row)
+    std::erase_if(bodies.stored_impulses[row],
+                  [&](const StoredImpulse& s) { return s.partner == id || bodies.id[row] == id; });
+}
+
 /// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
                        BodyId partner, std::vector<StoredImpulse>& stored) {

@@ -34,4 +34,7 @@ class Recall {
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);
 
+/// Forgets the impulses that a body and others gave each other: it is put where it no longer meets them.
+void forget_impulses(BodySet&, BodyId);
+
 }  // namespace silt::rigid

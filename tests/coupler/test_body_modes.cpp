@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
 
 #include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/stirred_fluid.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -32,16 +32,6 @@ CaseText scene(const std::string& shape, double density, double tau) {
       std::string("position = [6.13, 5.71, 6.37]\naxis_angle = { axis = [3, 1, -2], degrees = 67 }\n") +
           (density > 0 ? "" : "motion = \"fixed\"\n"));
   return c;
-}
-
-void stir(Flow& flow) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> u(-size, size);
-  for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {
-    std::array<double, 3> v;
-    for (double& component : v) component = u(random);
-    flow.set_equilibrium(b, x, 0, v);
-  });
 }
 
 /// Root mean square of the fluid's velocity about its mean, and the body's difference from it.
@@ -67,7 +57,7 @@ constexpr const char* shapes[] = {"type = \"sphere\"\ndiameter = 6\n",
 /// A disturbance after 3000 steps, when what fades quickly has, and after 4000.
 std::pair<double, double> disturbances(const std::string& shape, double density, double tau) {
   Simulation s = scene(shape, density, tau).start(MPI_COMM_SELF);
-  stir(*s.scene().flow);
+  stir(*s.scene().flow, size);
   s.run(3000);
   const double early = disturbance(s);
   s.run(1000);

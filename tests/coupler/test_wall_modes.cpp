@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/stirred_fluid.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -55,16 +55,6 @@ CaseText closed_tube() {
   return c;
 }
 
-/// Every cell gets a velocity of its own.
-void stir(Flow& flow, double speed) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> u(-speed, speed);
-  for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {
-    std::array<double, 3> v;
-    for (double& component : v) component = u(random);
-    flow.set_equilibrium(b, x, 0, v);
-  });
-}
 std::vector<Vec3> velocities(const Flow& flow) {
   std::vector<Vec3> all;
   for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {

@@ -181,6 +181,32 @@ TEST(Run, WhatAProgramDoesIsTheSameOnAnyRanks) {
   EXPECT_NE(unsteered, one);
 }
 
+/// Two balls a fifth of a cell apart, one of which is put far away: the film between them is gone, on one
+/// rank and where the other's rank no longer knows it.
+TEST(Run, ABodyMovedAwayLeavesItsFilmsBehind) {
+  CaseText text = crowd("single");
+  text.bodies.clear();
+  for (const char* x : {"5, 5, 5", "10.2, 5, 5"})
+    text.bodies += std::string("[[bodies]]\nshape = \"ball\"\ndensity = 1.5\nposition = [") + x + "]\n";
+  const auto moved_hash = [](Simulation&& simulation, MPI_Comm comm) {
+    for (int step = 0; step < 10; ++step) {
+      if (step == 5) {
+        double films = 0;
+        const rigid::BodySet& bodies = simulation.bodies();
+        for (std::size_t row = 0; row < bodies.owned; ++row)
+          films += double(bodies.stored_impulses[row].size());
+        MPI_Allreduce(MPI_IN_PLACE, &films, 1, MPI_DOUBLE, MPI_SUM, comm);
+        EXPECT_GT(films, 0);
+        simulation.set_pose(2, {Vec3(17, 17, 17), rigid::Quat::Identity()});
+      }
+      simulation.step();
+    }
+    return simulation.hash();
+  };
+  const std::uint64_t one = alone([&] { return moved_hash(text.start(MPI_COMM_SELF), MPI_COMM_SELF); });
+  EXPECT_EQ(moved_hash(text.start(MPI_COMM_WORLD, {finely_cut}), MPI_COMM_WORLD), one);
+}
+
 TEST(Run, ABodyThatIsNotThereIsAnError) {
   Simulation simulation = crowd("single").start(MPI_COMM_WORLD);
   EXPECT_THROW(simulation.add_force(21, Vec3::Zero()), std::invalid_argument);
