@@ -4,7 +4,8 @@
 
 namespace silt::coupler {
 
-CoupledStep::CoupledStep(const SceneParts& scene) : scene_(scene), clock_([] { return traffic().waited; }) {}
+CoupledStep::CoupledStep(const SceneParts& scene)
+    : scene_(scene), clock_([] { return coupler::traffic(); }) {}
 
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
   if (Flow* const flow = scene_.flow) {
@@ -28,12 +29,12 @@ StageSeconds CoupledStep::seconds() const {
   return with_bodies(clock_.seconds(), [](const rigid::RigidClock& clock) { return clock.seconds(); });
 }
 
-StageSeconds CoupledStep::waits() const {
-  return with_bodies(clock_.waits(), [](const rigid::RigidClock& clock) { return clock.waits(); });
+StageTraffic CoupledStep::traffic() const {
+  return with_bodies(clock_.readings(), [](const rigid::RigidClock& clock) { return clock.readings(); });
 }
 
-template <class Of>
-StageSeconds CoupledStep::with_bodies(StageSeconds all, Of&& of) const {
+template <class Stages, class Of>
+Stages CoupledStep::with_bodies(Stages all, Of&& of) const {
   if (!scene_.rigid_step) return all;
   using enum rigid::RigidStage;
   const auto bodies = of(scene_.rigid_step->clock());

@@ -24,14 +24,14 @@ class CoupledStep {
   explicit CoupledStep(const SceneParts&);
   /// Advances everything by one step; returns what the bodies did.
   rigid::RigidStepReport operator()(rigid::BodySet&);
-  /// Seconds of all steps so far, on this rank, by stage; and what of them it waited for others.
+  /// Seconds of all steps so far, on this rank, by stage; and what it exchanged with others in them.
   StageSeconds seconds() const;
-  StageSeconds waits() const;
+  StageTraffic traffic() const;
 
  private:
   /// The stages of the fluid with those of the bodies.
-  template <class Of>
-  StageSeconds with_bodies(StageSeconds, Of&&) const;
+  template <class Stages, class Of>
+  Stages with_bodies(Stages, Of&&) const;
 
   SceneParts scene_;
   StepClock clock_;  // of the fluid's stages

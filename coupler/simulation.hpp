@@ -79,7 +79,7 @@ class Simulation {
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
   StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
-  StageSeconds stage_waits() const { return coupled_step_.waits(); }      // local: for other ranks
+  StageTraffic stage_traffic() const { return coupled_step_.traffic(); }  // local: with other ranks
   const Traffic& traffic_in_steps() const { return traffic_; }            // local: of all steps
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row.

@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "rigid/bodies/traffic.hpp"
 #include "rigid/math/stage_clock.hpp"
 
 namespace silt::coupler {
@@ -23,7 +24,8 @@ inline constexpr std::array<std::string_view, int(Stage::count)> stage_names = {
     "object mapping", "LBM communication",   "stream collide",   "force evaluation",
     "integrate",      "collision detection", "contact response", "body synchronisation"};
 
-using StepClock = rigid::StageClock<Stage>;
+using StepClock = rigid::StageClock<Stage, rigid::Traffic>;
 using StageSeconds = StepClock::Seconds;
+using StageTraffic = StepClock::Readings;
 
 }  // namespace silt::coupler

@@ -12,7 +12,7 @@ namespace silt::rigid {
 
 /// RigidStage lists the paper's parts of the physics engine.
 enum class RigidStage { integrate, collision_detection, contact_response, synchronisation, count };
-using RigidClock = StageClock<RigidStage>;
+using RigidClock = StageClock<RigidStage, Traffic>;
 
 struct RigidStepReport {
   ResolverStatistics resolver;

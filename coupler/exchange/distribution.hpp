@@ -46,9 +46,10 @@ struct ParallelBodyExchange::Distribution {
 
   // ---- exchange_contacts.cpp ----
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
-  void share(std::span<double> rows, int width, std::span<int> least, bool changed);
-  /// Whether a body here has a contact with one that another rank owns.
-  bool shares() const { return !velocity_messages_.empty(); }
+  void share(std::span<double> rows, int width, std::span<const rigid::RankCluster::Word> said,
+             std::span<rigid::RankCluster::Word> heard, bool changed);
+  /// Ranks that own a body with a contact with one owned here, sorted.
+  std::vector<int> partners() const;
 
   // ---- distribution.cpp ----
   void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width);

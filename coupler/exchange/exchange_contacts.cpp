@@ -165,21 +165,28 @@ void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& b
     }
 }
 
-/// A message is what is said of rest, then the rows if any has changed; its length tells. How long it may be
-/// both ends know, so receives are posted before anything is sent.
-void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width, std::span<int> least,
-                                               bool changed) {
+std::vector<int> ParallelBodyExchange::Distribution::partners() const {
+  std::vector<int> ranks;
+  for (const VelocityMessages& with : velocity_messages_) ranks.push_back(with.rank);
+  return ranks;
+}
+
+/// A message is the word, then the rows if any has changed; its length tells. How long it may be both ends
+/// know, so receives are posted before anything is sent.
+void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width,
+                                               std::span<const rigid::RankCluster::Word> said,
+                                               std::span<rigid::RankCluster::Word> heard, bool changed) {
   constexpr int tag = 3;
   std::vector<MPI_Request>& requests = share_requests_;
   requests.clear();
   for (VelocityMessages& with : velocity_messages_) {
-    with.incoming.resize(least.size_bytes() + with.taken.size() * width * sizeof(double));
+    with.incoming.resize(said.size_bytes() + with.taken.size() * width * sizeof(double));
     MPI_Irecv(with.incoming.data(), static_cast<int>(with.incoming.size()), MPI_BYTE, with.rank, tag,
               messages.comm(), &requests.emplace_back());
   }
   for (VelocityMessages& with : velocity_messages_) {
     with.outgoing.clear();
-    put(with.outgoing, std::span<const int>(least));
+    put(with.outgoing, said);
     if (changed)
       for (const std::size_t row : with.given)
         put(with.outgoing, std::span<const double>(rows.subspan(row * width, width)));
@@ -193,7 +200,7 @@ void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width
     int size = 0;
     MPI_Get_count(&share_statuses_[k], MPI_BYTE, &size);
     ByteReader reader(std::span(with.incoming).first(size));
-    for (int& x : least) x = std::min(x, reader.take<int>());
+    if (!heard.empty()) reader.take(heard.subspan(k, 1));
     if (reader.done()) continue;
     for (const std::size_t row : with.taken) reader.take(rows.subspan(row * width, width));
   }

@@ -83,17 +83,15 @@ std::vector<int> ParallelBodyExchange::holders(int shape, const rigid::Pose& pos
 }
 
 void ParallelBodyExchange::exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) {
-  if (distribution_) distribution_->exchange_contacts(bodies, contacts);
+  if (!distribution_) return;
+  distribution_->exchange_contacts(bodies, contacts);
+  cluster_.begin(rank_, distribution_->partners(), ranks_);
 }
 
-void ParallelBodyExchange::share(rigid::BodySet&, std::span<double> rows, int width, std::span<int> least,
-                                 bool changed) {
-  if (distribution_) distribution_->share(rows, width, least, changed);
-}
-
-/// Of ranks in a chain the first and the last are one less apart than there are.
-int ParallelBodyExchange::shares_to_all() const {
-  return distribution_ && distribution_->shares() ? ranks_ - 1 : 0;
+void ParallelBodyExchange::share(rigid::BodySet&, std::span<double> rows, int width,
+                                 std::span<const rigid::RankCluster::Word> said,
+                                 std::span<rigid::RankCluster::Word> heard, bool changed) {
+  if (distribution_) distribution_->share(rows, width, said, heard, changed);
 }
 
 void ParallelBodyExchange::sum_to_owners(const rigid::BodySet& bodies, std::span<std::int64_t> rows,
@@ -106,8 +104,8 @@ void ParallelBodyExchange::share_with_copies(const rigid::BodySet& bodies, std::
   if (distribution_) distribution_->share_with_copies(bodies, rows, width);
 }
 
-double ParallelBodyExchange::waited() const {
-  return traffic().waited;
+rigid::Traffic ParallelBodyExchange::traffic() const {
+  return coupler::traffic();
 }
 
 const ExchangeCounters& ParallelBodyExchange::counters() const {

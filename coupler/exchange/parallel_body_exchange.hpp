@@ -33,10 +33,10 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   void synchronise(rigid::BodySet&) override;
   bool owns_contact_at(const rigid::Vec3& x_W) const override;
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&) override;
-  void share(rigid::BodySet&, std::span<double> rows, int width, std::span<int> least = {},
-             bool changed = true) override;
-  int shares_to_all() const override;
-  double waited() const override;
+  void share(rigid::BodySet&, std::span<double> rows, int width,
+             std::span<const rigid::RankCluster::Word> said = {},
+             std::span<rigid::RankCluster::Word> heard = {}, bool changed = true) override;
+  rigid::Traffic traffic() const override;
 
   MPI_Comm comm() const { return comm_; }
   const rigid::World& world() const { return world_; }

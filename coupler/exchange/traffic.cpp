@@ -63,25 +63,6 @@ void end_request(MPI_Request handle) {
 
 }  // namespace
 
-Traffic& Traffic::operator+=(const Traffic& t) {
-  messages += t.messages;
-  empty_messages += t.empty_messages;
-  bytes += t.bytes;
-  blocking_collectives += t.blocking_collectives;
-  collectives_under_way += t.collectives_under_way;
-  waited += t.waited;
-  return *this;
-}
-
-Traffic Traffic::operator-(const Traffic& t) const {
-  return {messages - t.messages,
-          empty_messages - t.empty_messages,
-          bytes - t.bytes,
-          blocking_collectives - t.blocking_collectives,
-          collectives_under_way - t.collectives_under_way,
-          waited - t.waited};
-}
-
 const Traffic& traffic() {
   return counts;
 }

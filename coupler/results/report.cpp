@@ -152,8 +152,7 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
 }
 
 /// A rank and step, since this start: the mean over the ranks, of the collectives the most.
-Json traffic_of(const Simulation& simulation, double steps) {
-  const Traffic& mine = simulation.traffic_in_steps();
+Json traffic_of(const Simulation& simulation, const Traffic& mine, double steps) {
   const auto a_step = [&](std::uint64_t n) { return spread(simulation, steps > 0 ? double(n) / steps : 0); };
   return Json::object({{"blocking_collectives_per_step", a_step(mine.blocking_collectives).most},
                        {"messages_per_step", a_step(mine.messages).mean},
@@ -161,13 +160,23 @@ Json traffic_of(const Simulation& simulation, double steps) {
                        {"bytes_per_step", a_step(mine.bytes).mean}});
 }
 
+Json traffic_by_stage(const Simulation& simulation, double steps) {
+  Json stages = Json::object();
+  for (int s = 0; s < int(Stage::count); ++s)
+    if (has_stage(simulation.scene(), Stage(s)))
+      stages[stage_names[s]] = traffic_of(simulation, simulation.stage_traffic()[s], steps);
+  return stages;
+}
+
 /// What the ranks do in the stages without their waits: how evenly it is shared.
 Json work_of(const Simulation& simulation) {
-  const auto sum = [](const StageSeconds& stages) {
-    return std::accumulate(stages.begin(), stages.end(), 0.0);
-  };
-  const double waits = sum(simulation.stage_waits());
-  const Spread work = spread(simulation, sum(simulation.stage_seconds()) - waits);
+  const StageSeconds seconds = simulation.stage_seconds();
+  const StageTraffic traffic = simulation.stage_traffic();
+  const double waits =
+      std::accumulate(traffic.begin(), traffic.end(), Traffic{}, [](Traffic sum, const Traffic& t) {
+        return sum += t;
+      }).waited;
+  const Spread work = spread(simulation, std::accumulate(seconds.begin(), seconds.end(), 0.0) - waits);
   return Json::object({{"max_over_mean", work.mean > 0 ? work.most / work.mean : unknown},
                        {"seconds", work.json()},
                        {"wait_seconds", spread(simulation, waits).json()}});
@@ -180,7 +189,9 @@ Json peak_memory_of(const Simulation& simulation) {
 }
 
 void add_parallel(const Simulation& simulation, const RunStatus& status, Json& report) {
-  report["traffic"] = traffic_of(simulation, double(simulation.steps_done() - status.first_step));
+  const double steps = double(simulation.steps_done() - status.first_step);
+  report["traffic"] = traffic_of(simulation, simulation.traffic_in_steps(), steps);
+  report["traffic"]["stages"] = traffic_by_stage(simulation, steps);
   report["work"] = work_of(simulation);
   report["memory_peak_bytes"] = peak_memory_of(simulation);
 }

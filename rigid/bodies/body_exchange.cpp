@@ -24,4 +24,12 @@ void BodyExchange::wrap_positions(BodySet& bodies) const {
 
 void BodyExchange::exchange_contacts(BodySet&, std::vector<Contact>&) {}
 
+int BodyExchange::share_in_round(BodySet& bodies, std::span<double> rows, int width, int value,
+                                 bool changed) {
+  const RankCluster::Word said = cluster_.say(value);
+  heard_.resize(cluster_.partners().size());
+  share(bodies, rows, width, {&said, 1}, heard_, changed);
+  return cluster_.hear(value, heard_);
+}
+
 }  // namespace silt::rigid

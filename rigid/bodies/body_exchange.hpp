@@ -7,6 +7,8 @@
 
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/rank_cluster.hpp"
+#include "rigid/bodies/traffic.hpp"
 
 namespace silt::rigid {
 
@@ -38,20 +40,27 @@ class BodyExchange {
   /// every partner of an owned body has a row (a visitor if it was not held before).
   virtual void exchange_contacts(BodySet&, std::vector<Contact>&);
   /// In the sweeps, with the ranks that own a partner of a body owned here: overwrites `width` doubles of
-  /// each not-owned partner's row by its owner's, and each of `least` by the least of this rank's and theirs.
-  /// Not `changed`: no row owned here has changed since the last share, and only `least` goes.
+  /// each not-owned partner's row by its owner's. `said`, if any, is one word for all of them, and `heard`
+  /// what they say, in the order of cluster().partners(). Not `changed`: no row owned here has changed since
+  /// the last share, and only the word goes.
   virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/,
-                     std::span<int> /*least*/ = {}, bool /*changed*/ = true) {}
-  /// Shares after which word of this rank has come to all ranks that contacts connect it with, directly or
-  /// over others, at most; the same on all of them. 0: there is none.
-  virtual int shares_to_all() const { return 0; }
-  /// Seconds that this rank has waited for others since the program began.
-  virtual double waited() const { return 0; }
+                     std::span<const RankCluster::Word> /*said*/ = {},
+                     std::span<RankCluster::Word> /*heard*/ = {}, bool /*changed*/ = true) {}
+  /// A share that is a round of the cluster. Returns the least of `value` here and on the partners.
+  int share_in_round(BodySet&, std::span<double> rows, int width, int value, bool changed);
+  /// The ranks that contacts connect this one with, as of the last exchange_contacts.
+  const RankCluster& cluster() const { return cluster_; }
+  /// What this rank has exchanged with others since the program began, and waited for them.
+  virtual Traffic traffic() const { return {}; }
 
  protected:
   void wrap_positions(BodySet&) const;
 
   Extent extent_;
+  RankCluster cluster_;
+
+ private:
+  std::vector<RankCluster::Word> heard_;  // scratch
 };
 
 }  // namespace silt::rigid

@@ -1,5 +1,5 @@
 #pragma once
-// Wall-clock time by the stages of a step, and what of it went by in waiting for other ranks.
+// Wall-clock time by the stages of a step, and what else is counted by stage.
 #include <array>
 #include <chrono>
 #include <functional>
@@ -8,14 +8,16 @@
 namespace silt::rigid {
 
 /// Counts the seconds that this rank spends in each stage. `Stage` is an enum class whose last enumerator is
-/// `count`. A stage that runs within another one suspends it, so no second is counted twice.
-template <class Stage>
+/// `count`. A stage that runs within another one suspends it, so no second is counted twice. A Reading is
+/// what some meter shows, a number or a set of them; it begins at zero and can be added and subtracted.
+template <class Stage, class Reading = double>
 class StageClock {
  public:
   using Seconds = std::array<double, std::size_t(Stage::count)>;
+  using Readings = std::array<Reading, std::size_t(Stage::count)>;
 
-  /// `waited` tells the seconds that this rank has waited for others since the program began; empty: never.
-  explicit StageClock(std::function<double()> waited = {}) : waited_(std::move(waited)) {}
+  /// `read` reads a meter that never goes back; empty: there is none.
+  explicit StageClock(std::function<Reading()> read = {}) : read_(std::move(read)) {}
 
   /// Runs `work` as a part of `stage`, and returns what it returns. An exception ends the stage too.
   template <class Work>
@@ -23,9 +25,9 @@ class StageClock {
     const Turn turn(*this, stage);
     return std::forward<Work>(work)();
   }
-  /// Of all stages that have ended, since the clock was made; waits are a part of them.
+  /// Of all stages that have ended, since the clock was made.
   const Seconds& seconds() const { return seconds_; }
-  const Seconds& waits() const { return waits_; }
+  const Readings& readings() const { return readings_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -45,21 +47,22 @@ class StageClock {
   /// Charges the time since the last change to the stage that ran, and returns that stage.
   Stage change_to(Stage next) {
     const Clock::time_point now = Clock::now();
-    const double waited = waited_ ? waited_() : 0;
+    const Reading reading = read_ ? read_() : Reading{};
     if (running_ != Stage::count) {
       seconds_[std::size_t(running_)] += std::chrono::duration<double>(now - changed_).count();
-      waits_[std::size_t(running_)] += waited - waited_at_change_;
+      readings_[std::size_t(running_)] += reading - at_change_;
     }
     changed_ = now;
-    waited_at_change_ = waited;
+    at_change_ = reading;
     return std::exchange(running_, next);
   }
 
-  std::function<double()> waited_;
+  std::function<Reading()> read_;
   Stage running_ = Stage::count;  // count: none
   Clock::time_point changed_;
-  double waited_at_change_ = 0;
-  Seconds seconds_{}, waits_{};
+  Reading at_change_{};
+  Seconds seconds_{};
+  Readings readings_{};
 };
 
 }  // namespace silt::rigid

@@ -23,11 +23,11 @@ class CommonRest {
   /// sweep on all ranks that contacts connect, once none of them has.
   bool reached(bool moving) {
     quiet_ = moving ? 0 : quiet_ + 1;
-    return quiet_ > exchange_.shares_to_all();
+    return quiet_ > 0 && exchange_.cluster().all_have_heard(quiet_ - 1);
   }
   /// Shares the bodies' rows, if any of them may have changed since the last time, and what is known of rest.
   void share(BodySet& bodies, std::span<double> rows, int width) {
-    exchange_.share(bodies, rows, width, {&quiet_, 1}, quiet_ < 2);
+    quiet_ = exchange_.share_in_round(bodies, rows, width, quiet_, quiet_ < 2);
   }
 
  private:
@@ -38,7 +38,8 @@ class CommonRest {
 /// Whether it is so on this rank or on any that contacts connect it with.
 inline bool on_any(BodySet& bodies, BodyExchange& exchange, bool here) {
   int nowhere = !here;
-  for (int i = 0; i < exchange.shares_to_all(); ++i) exchange.share(bodies, {}, 0, {&nowhere, 1}, false);
+  for (int rounds = 0; !exchange.cluster().all_have_heard(rounds); ++rounds)
+    nowhere = exchange.share_in_round(bodies, {}, 0, nowhere, false);
   return nowhere == 0;
 }
 

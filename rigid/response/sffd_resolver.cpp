@@ -287,7 +287,7 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
 /// (Where none is, a correction changes nothing.)
 bool SffdResolver::is_to_correct(const std::vector<Contact>& contacts, const BodyExchange& exchange) const {
   if (settings_.correction <= 0) return false;
-  return exchange.shares_to_all() > 0 ||
+  return !exchange.cluster().is_alone() ||
          std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) { return is_correctable(c); });
 }
 

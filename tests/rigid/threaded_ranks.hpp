@@ -18,7 +18,7 @@ namespace silt::rigid::testing {
 
 /// What one rank tells another in a share.
 struct Parcel {
-  std::vector<int> least;
+  std::vector<RankCluster::Word> said;
   std::map<BodyId, std::vector<double>> rows;
 };
 
@@ -130,21 +130,20 @@ class ThreadedExchange : public BodyExchange {
   }
 
   /// Only the ranks that own a partner of a body owned here are waited for.
-  void share(BodySet& bodies, std::span<double> array, int width, std::span<int> least,
-             bool changed) override {
-    Parcel mine{{least.begin(), least.end()}, {}};
+  void share(BodySet& bodies, std::span<double> array, int width, std::span<const RankCluster::Word> said,
+             std::span<RankCluster::Word> heard, bool changed) override {
+    Parcel mine{{said.begin(), said.end()}, {}};
     for (std::size_t row = 0; changed && row < bodies.owned; ++row)
       mine.rows[bodies.id[row]] = {array.begin() + row * width, array.begin() + (row + 1) * width};
     for (const int r : partners_) memory_.mail[rank_ * memory_.ranks + r].send(mine);
-    for (const int r : partners_) {
+    for (std::size_t k = 0; const int r : partners_) {
       const Parcel theirs = memory_.mail[r * memory_.ranks + rank_].take();
-      for (std::size_t k = 0; k < least.size(); ++k) least[k] = std::min(least[k], theirs.least[k]);
+      if (!heard.empty()) heard[k++] = theirs.said[0];
       for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row)
         if (const auto found = theirs.rows.find(bodies.id[row]); found != theirs.rows.end())
           std::copy(found->second.begin(), found->second.end(), array.data() + row * width);
     }
   }
-  int shares_to_all() const override { return partners_.empty() ? 0 : memory_.ranks - 1; }
 
  private:
   struct Body {
@@ -160,6 +159,7 @@ class ThreadedExchange : public BodyExchange {
         for (int r = 0; r < memory_.ranks; ++r)
           if (!is_wall(id) && r != rank_ && memory_.sets[r]->row_of(id) < memory_.sets[r]->owned)
             partners_.insert(r);
+    cluster_.begin(rank_, {partners_.begin(), partners_.end()}, memory_.ranks);
   }
   void publish(BodySet& bodies) {
     memory_.sets[rank_] = &bodies;

@@ -57,18 +57,18 @@ TEST(StageClock, EndsAStageThatThrows) {
   EXPECT_EQ(outer(clock), before);
 }
 
-TEST(StageClock, KnowsWhatOfAStageWentByInWaiting) {
-  double waited = 3;  // before the clock was made
-  StageClock<Stage> clock([&] { return waited; });
+TEST(StageClock, ReadsAMeterByStage) {
+  double read = 3;  // before the clock was made
+  StageClock<Stage> clock([&] { return read; });
   clock.timed(Stage::outer, [&] {
-    waited += 0.25;
-    clock.timed(Stage::inner, [&] { waited += 1; });
-    waited += 0.5;
+    read += 0.25;
+    clock.timed(Stage::inner, [&] { read += 1; });
+    read += 0.5;
   });
-  waited += 7;  // between stages
+  read += 7;  // between stages
   clock.timed(Stage::inner, [] {});
-  EXPECT_EQ(clock.waits()[int(Stage::outer)], 0.75);
-  EXPECT_EQ(clock.waits()[int(Stage::inner)], 1);
+  EXPECT_EQ(clock.readings()[int(Stage::outer)], 0.75);
+  EXPECT_EQ(clock.readings()[int(Stage::inner)], 1);
 }
 
 }  // namespace
