@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "lbm/block.hpp"
+#include "lbm/cut_tree.hpp"
 
 namespace silt::lbm {
 
@@ -18,28 +18,41 @@ struct SideCondition {
 };
 
 struct BlockPlace {
+  int index;
   CellBox box;
   int rank;
 };
 
+/// Cells of an axis from `first` on, inside the domain; along a periodic axis they may go on at its
+/// beginning.
+struct CellRun {
+  int first, count;
+};
+
 class Domain {
  public:
-  /// Sides are in the order x low, x high, y low, ... `block_cells` gives the cells of a block along each
-  /// axis (the last one of an axis takes the rest); without it blocks are chosen for the number of ranks.
-  /// Blocks are dealt out to ranks in contiguous runs, x fastest. Throws std::invalid_argument for fewer
-  /// blocks than ranks.
+  /// Sides are in the order x low, x high, y low, ... Each leaf of the tree is a block. Ranks have contiguous
+  /// runs of blocks, as many each but for one. Throws std::invalid_argument for fewer blocks than ranks.
+  Domain(CutTree, const std::array<SideCondition, 6>& sides, int ranks);
+  /// The same, of blocks that have about so many cells along each axis; without that one a rank, all of about
+  /// the same size (equal_cut.hpp).
   Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells, int ranks);
 
-  Int3 cells() const { return cells_; }
+  Int3 cells() const { return tree_.cells(); }
   bool periodic(int axis) const { return sides_[2 * axis].kind == SideKind::periodic; }
   const SideCondition& side(int axis, bool upper) const { return sides_[2 * axis + upper]; }
-  const std::vector<BlockPlace>& blocks() const { return blocks_; }
-  std::vector<int> blocks_of(int rank) const;
-  /// The place of every block among blocks_of(rank); -1 for those of other ranks.
-  std::vector<int> local_places(int rank) const;
+  const std::array<SideCondition, 6>& sides() const { return sides_; }
+  const CutTree& tree() const { return tree_; }
+  int ranks() const { return ranks_; }
+  int blocks() const { return tree_.leaves(); }
+  BlockPlace block(int index) const { return placed(tree_.leaf(index)); }
+  /// The blocks of a rank are first_block(rank) up to the one before first_block(rank + 1).
+  int first_block(int rank) const { return int(std::int64_t(blocks()) * rank / ranks_); }
+  std::vector<BlockPlace> blocks_of(int rank) const;
+  int rank_of(int block) const { return int(((block + std::int64_t(1)) * ranks_ - 1) / blocks()); }
   /// The block of a cell inside the domain.
-  int block_at(Int3 cell) const;
-  int rank_at(Int3 cell) const { return blocks_[block_at(cell)].rank; }
+  BlockPlace block_at(Int3 cell) const { return placed(tree_.leaf_at(cell)); }
+  int rank_at(Int3 cell) const { return rank_of(tree_.leaf_at(cell).index); }
   /// The image of a cell that lies in the domain along the periodic axes.
   Int3 wrapped(Int3 cell) const;
   bool inside(Int3 cell) const;
@@ -49,17 +62,39 @@ class Domain {
   /// velocity across it: the walls that meet there leave a corner at rest. With the lid's alone, the jets of
   /// a lid-driven square at Reynolds number 1000, 65 cells, are a tenth too weak.
   double wall_velocity_along(Int3 walls, int j) const;
-  /// The blocks that share a face, edge or corner with block b, b itself included (sorted, each once).
+  /// Calls visit(BlockPlace) for every block that has a cell in these runs, one an axis; more than once if
+  /// runs go on at the beginning of an axis.
+  template <class Visit>
+  void for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const;
+  /// The blocks that share a face, edge or corner, or a part of one, with block b, b itself included (sorted,
+  /// each once).
   std::vector<int> neighbourhood(int b) const;
   /// The neighbourhoods of all blocks of a rank together (sorted, each block once): ranks that walk them in
   /// this order agree on what messages between them hold.
   std::vector<int> neighbourhood_of_rank(int rank) const;
 
  private:
-  Int3 cells_;
+  BlockPlace placed(const CutTree::Leaf& leaf) const { return {leaf.index, leaf.box, rank_of(leaf.index)}; }
+
+  CutTree tree_;
   std::array<SideCondition, 6> sides_;
-  std::array<std::vector<int>, 3> cuts_;  // first cell of each block along an axis, then the end
-  std::vector<BlockPlace> blocks_;        // x fastest
+  int ranks_;
 };
+
+template <class Visit>
+void Domain::for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const {
+  const Int3 n = cells();
+  for (int part = 0; part < 8; ++part) {  // along each axis the cells before its end, and those that go on
+    CellBox box;
+    for (int d = 0; d < 3; ++d) {
+      const int before_end = std::min(runs[d].count, n[d] - runs[d].first);
+      const bool goes_on = part >> d & 1;
+      box.lower[d] = goes_on ? 0 : runs[d].first;
+      box.size[d] = goes_on ? runs[d].count - before_end : before_end;
+    }
+    if (box.size.x > 0 && box.size.y > 0 && box.size.z > 0)
+      tree_.for_leaves_meeting(box, [&](const CutTree::Leaf& leaf) { visit(placed(leaf)); });
+  }
+}
 
 }  // namespace silt::lbm

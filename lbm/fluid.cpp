@@ -14,20 +14,23 @@ std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   std::vector<Block<T>> blocks;
-  for (int b : domain.blocks_of(rank)) blocks.emplace_back(domain.blocks()[b].box);
+  for (const BlockPlace& place : domain.blocks_of(rank)) blocks.emplace_back(place.box);
   return blocks;
 }
 
-/// The faces of a block beyond which another rank is.
-ShellFaces shell_of(const Domain& domain, int b) {
-  const BlockPlace& place = domain.blocks()[b];
+/// The faces of a block beyond which, if only beyond a part of one, another rank is.
+ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
   ShellFaces shell;
   for (int axis = 1; axis < 3; ++axis)
     for (int high = 0; high < 2; ++high) {
       Int3 beyond = place.box.lower;
       beyond[axis] += high ? place.box.size[axis] : -1;
       beyond = domain.wrapped(beyond);
-      (axis == 1 ? shell.y : shell.z)[high] = domain.inside(beyond) && domain.rank_at(beyond) != place.rank;
+      if (!domain.inside(beyond)) continue;
+      std::array<CellRun, 3> face;
+      for (int d = 0; d < 3; ++d) face[d] = {beyond[d], d == axis ? 1 : place.box.size[d]};
+      bool& of_face = (axis == 1 ? shell.y : shell.z)[high];
+      domain.for_blocks_meeting(face, [&](const BlockPlace& there) { of_face |= there.rank != place.rank; });
     }
   return shell;
 }
@@ -37,8 +40,8 @@ std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   std::vector<PassOrder> orders;
-  for (int b : domain.blocks_of(rank))
-    orders.emplace_back(domain.blocks()[b].box.size, sizeof(T), shell_of(domain, b));
+  for (const BlockPlace& place : domain.blocks_of(rank))
+    orders.emplace_back(place.box.size, sizeof(T), shell_of(domain, place));
   return orders;
 }
 }  // namespace

@@ -145,30 +145,40 @@ template <class T>
 struct Halo<T>::Builder {
   Halo& halo;
   const Domain& domain;
-  std::vector<int> local;  // global block -> local index, or -1
+  int rank;
   std::vector<const Block<T>*> layout;
   std::span<const PassOrder> orders;
   std::map<std::pair<int, int>, Copy> copies;
   std::map<std::tuple<int, int, int, int, int>, Wall> walls;  // by block, sides met, direction
   std::map<std::tuple<int, int, bool>, Outlet> outlets;
   std::map<int, Peer> peers;
+  BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block
+
+  /// The place of a block among those of this rank, -1 for one of another.
+  int local(const BlockPlace& place) const {
+    return place.rank == rank ? place.index - domain.first_block(rank) : -1;
+  }
+  const BlockPlace& block_at(Int3 cell) {
+    if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
+    return home_block;
+  }
 
   std::uint32_t slot(int local_block, Int3 cell, int i) const {
     const Block<T>& b = *layout[local_block];
     return std::uint32_t(b.slot(i) + b.cell(cell));
   }
 
-  void add(int block, Int3 g, int j) {
-    const BlockPlace& place = domain.blocks()[block];
-    const int here = local[block];
+  void add(const BlockPlace& place, Int3 g, int j) {
+    const int here = local(place);
     if (is_row_end(domain, place.box, g, j)) return;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
       if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
       return;
     }
-    const int home_block = domain.block_at(home.cell), there = local[home_block];
-    const Int3 cell = home.cell - domain.blocks()[home_block].box.lower;
+    const BlockPlace& home_place = block_at(home.cell);
+    const int there = local(home_place);
+    const Int3 cell = home.cell - home_place.box.lower;
     if (here >= 0 && there >= 0) {
       Copy& copy = copies[{here, there}];
       copy.ghost_block = here;
@@ -176,7 +186,7 @@ struct Halo<T>::Builder {
       add_to(copy.runs, slot(here, g, j), slot(there, cell, home.direction));
     } else if (here >= 0) {
       const Int3 writer = g - c[j];
-      Peer& peer = peers[domain.blocks()[home_block].rank];
+      Peer& peer = peers[home_place.rank];
       peer.early &= orders[here].in_shell(writer.y, writer.z);
       add_to(peer.ghosts, here, slot(here, g, j));
     } else if (there >= 0) {
@@ -205,9 +215,11 @@ struct Halo<T>::Builder {
     return n;
   }
 
-  void build(int rank) {
-    for (const int b : domain.neighbourhood_of_rank(rank))
-      for_ghost_slots(domain.blocks()[b].box.size, [&](Int3 g, int j) { add(b, g, j); });
+  void build() {
+    for (const int b : domain.neighbourhood_of_rank(rank)) {
+      const BlockPlace place = domain.block(b);
+      for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
+    }
     for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
     for (auto& [key, x] : outlets) {
@@ -230,9 +242,9 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
     : comm_(comm), force_(force) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, domain.local_places(rank), {}, orders, {}, {}, {}, {}};
+  Builder builder{*this, domain, rank, {}, orders, {}, {}, {}, {}};
   for (auto& b : blocks) builder.layout.push_back(&b);
-  builder.build(rank);
+  builder.build();
   for (Block<T>& block : blocks) add_row_ends(domain, block);
   requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
 }

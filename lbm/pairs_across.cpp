@@ -50,8 +50,14 @@ struct PairsAcross<T>::Builder {
   PairsAcross& pairs;
   const Domain& domain;
   std::span<const Block<T>> blocks;
-  std::vector<int> local;  // global block -> local index, or -1
+  int rank;
   std::map<int, Peer> peers;
+  BlockPlace behind_block{-1, {}, -1};  // of the last cell behind: rows stay in one block
+
+  /// The place of a block among those of this rank, -1 for one of another.
+  int local(const BlockPlace& place) const {
+    return place.rank == rank ? place.index - domain.first_block(rank) : -1;
+  }
 
   template <class Run>
   static void add_to(std::vector<Run>& runs, const Run& one) {
@@ -75,16 +81,16 @@ struct PairsAcross<T>::Builder {
     return {block, i, std::uint32_t(b.cell(cell)), std::uint32_t(axis == 0 ? b.row_stride() : 1), 1};
   }
 
-  void add(int block, const PlacesAcross& places, Int3 x, int i, int axis) {
-    const BlockPlace& place = domain.blocks()[block];
+  void add(const BlockPlace& place, const PlacesAcross& places, Int3 x, int i, int axis) {
     const Int3 behind = domain.wrapped(place.box.lower + x - c[i]);
     if (!domain.inside(behind)) return;
-    const int owner = domain.block_at(behind), here = local[block], there = local[owner];
-    const Int3 cell = behind - domain.blocks()[owner].box.lower;
+    if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
+    const int here = local(place), there = local(behind_block);
+    const Int3 cell = behind - behind_block.box.lower;
     if (here >= 0 && there >= 0)
       add_copy(cells_at(there, cell, i, axis), {here, places(x, i), 1});
     else if (here >= 0)
-      add_to(peers[domain.blocks()[owner].rank].received, {here, places(x, i), 1});
+      add_to(peers[behind_block.rank].received, {here, places(x, i), 1});
     else if (there >= 0)
       add_to(peers[place.rank].sent, cells_at(there, cell, i, axis));
   }
@@ -96,12 +102,12 @@ struct PairsAcross<T>::Builder {
     return n;
   }
 
-  void build(int rank) {
+  void build() {
     for (const int b : domain.neighbourhood_of_rank(rank)) {
-      const Int3 size = domain.blocks()[b].box.size;
-      const PlacesAcross places(size);
-      if (local[b] >= 0) pairs.pairs_[local[b]].resize(places.count());
-      for_pairs_across(size, [&](Int3 x, int i, int axis) { add(b, places, x, i, axis); });
+      const BlockPlace place = domain.block(b);
+      const PlacesAcross places(place.box.size);
+      if (local(place) >= 0) pairs.pairs_[local(place)].resize(places.count());
+      for_pairs_across(place.box.size, [&](Int3 x, int i, int axis) { add(place, places, x, i, axis); });
     }
     for (auto& [r, peer] : peers) {
       peer.rank = r;
@@ -117,8 +123,8 @@ PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const
     : comm_(comm), pairs_(blocks.size()) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  Builder builder{*this, domain, blocks, domain.local_places(rank), {}};
-  builder.build(rank);
+  Builder builder{*this, domain, blocks, rank, {}};
+  builder.build();
   requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
 }
 

@@ -18,20 +18,20 @@ double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim
   double largest = 0;
   for (const double radius : world.bounding_radii) largest = std::max(largest, radius);
   int thinnest = std::numeric_limits<int>::max();
-  for (const lbm::BlockPlace& block : domain.blocks())
-    for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, block.box.size[d]);
+  domain.tree().for_leaves_meeting({{}, domain.cells()}, [&](const lbm::CutTree::Leaf& leaf) {
+    for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, leaf.box.size[d]);
+  });
   return std::max(std::ceil(rim + largest + furthest_in_a_step) + 0.5, thinnest - 0.5);
 }
 
 std::vector<int> ranks_around(const lbm::Domain& domain, int rank, double reach) {
   const Holders holders(domain, reach);
   std::vector<int> all, of_block;
-  for (const int b : domain.blocks_of(rank)) {
-    const lbm::CellBox& box = domain.blocks()[b].box;
+  for (const lbm::BlockPlace& place : domain.blocks_of(rank)) {
     rigid::BoundingBox bounds;
     for (int d = 0; d < 3; ++d) {
-      bounds.lower[d] = box.lower[d];
-      bounds.upper[d] = box.lower[d] + box.size[d];
+      bounds.lower[d] = place.box.lower[d];
+      bounds.upper[d] = place.box.lower[d] + place.box.size[d];
     }
     holders.ranks_of(bounds, of_block);
     all.insert(all.end(), of_block.begin(), of_block.end());

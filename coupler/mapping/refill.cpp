@@ -200,8 +200,8 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
   const RemoteMoments<T> remote(fluid, maps, cells);
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
-  std::map<int, int> local;  // global block -> local index
-  for (int b = 0; b < int(maps.size()); ++b) local[domain.block_at(maps[b].box.lower)] = b;
+  int rank = 0;
+  MPI_Comm_rank(fluid.comm(), &rank);
   std::vector<Average> averages;
   averages.reserve(cells.uncovered.size());
   constexpr std::size_t ahead = 3;  // cells: far enough for memory to answer, few enough to stay in cache
@@ -219,9 +219,9 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
         continue;
       }
       const Int3 g = domain.wrapped(map.box.lower + y);
-      const auto there = local.find(domain.block_at(g));
-      if (there != local.end())
-        mean.add(packed(fluid.moments(there->second, g - maps[there->second].box.lower)), force);
+      const lbm::BlockPlace there = domain.block_at(g);
+      if (there.rank == rank)
+        mean.add(packed(fluid.moments(there.index - domain.first_block(rank), g - there.box.lower)), force);
       else
         mean.add(remote.at(remote.index(map.box.lower + u.cell), k), force);
     }

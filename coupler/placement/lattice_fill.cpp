@@ -59,8 +59,7 @@ std::vector<FilledBody> fill_sites(const Case& scene, std::size_t index, double 
     if (fill.random_orientation) body.orientation = random.orientation();
     bodies.push_back(body);
   };
-  for (const int block : around.domain.blocks_of(around.rank)) {
-    const lbm::CellBox& box = around.domain.blocks()[block].box;
+  for (const auto& [block, box, rank] : around.domain.blocks_of(around.rank)) {
     std::array<std::vector<std::int64_t>, 3> met;
     for (int d = 0; d < 3; ++d) met[d] = sites_met(lattice, d, box, fill.shift);
     for (const std::int64_t z : met[2])

@@ -61,7 +61,7 @@ class RandomFill {
     std::uint64_t fallen, stay;
   };
   void let_fall(std::uint64_t first_round, std::uint64_t rounds);
-  void let_fall_on(int block, std::uint64_t first_round, std::uint64_t rounds);
+  void let_fall_on(const lbm::BlockPlace&, std::uint64_t first_round, std::uint64_t rounds);
   std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const;
   void tell_neighbours();
   void decide();
@@ -121,18 +121,19 @@ std::uint64_t RandomFill::next_rounds(std::uint64_t rounds, const Tally& last, s
 void RandomFill::let_fall(std::uint64_t first_round, std::uint64_t rounds) {
   fallen_ = 0;
   points_.clear();
-  for (const int block : around_.domain.blocks_of(around_.rank)) let_fall_on(block, first_round, rounds);
+  for (const lbm::BlockPlace& block : around_.domain.blocks_of(around_.rank))
+    let_fall_on(block, first_round, rounds);
 }
 
 /// A cell across blocks is drawn for each of them, a point kept for the one in which it lies.
-void RandomFill::let_fall_on(int block, std::uint64_t first_round, std::uint64_t rounds) {
-  const lbm::CellBox& box = around_.domain.blocks()[block].box;
+void RandomFill::let_fall_on(const lbm::BlockPlace& block, std::uint64_t first_round, std::uint64_t rounds) {
+  const lbm::CellBox& box = block.box;
   const auto along_x = cells_met(0, box), along_y = cells_met(1, box), along_z = cells_met(2, box);
   const auto take = [&](std::uint64_t number) {
     Vec3 centre = rain_.point(number);
     std::array<std::int32_t, 3> image{};
     around_.extent.wrap(centre, image);
-    if (around_.holders.block_at(centre) != block) return;
+    if (around_.holders.block_at(centre) != block.index) return;
     ++fallen_;
     if (obstacles_.is_free(centre, radius_, spec_.gap)) points_.push_back({number, centre});
   };

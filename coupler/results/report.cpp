@@ -78,7 +78,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   const Case& c = scene.setup;
   report["title"] = c.title;
   report["ranks"] = scene.ranks;
-  report["blocks"] = scene.domain.blocks().size();
+  report["blocks"] = scene.domain.blocks();
   report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
   report["bodies"] = simulation.body_count();
   report["backend"] = scene.backend_name();

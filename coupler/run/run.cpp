@@ -188,7 +188,7 @@ void Run::greet() {
   if (!prepared_.folder_note.empty()) progress_->say(prepared_.folder_note);
   progress_->log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
                              provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
-                             scene.domain.blocks().size(), instruction_set(), provenance_.created,
+                             scene.domain.blocks(), instruction_set(), provenance_.created,
                              derived_table(setup())));
   for (const Diagnostic& warning : prepared_.warnings) progress_->say(warning.line());
   const auto& n = setup().cells;

@@ -3,8 +3,11 @@
 
 #include <bit>
 #include <cmath>
+#include <functional>
 
+#include "lbm/equal_cut.hpp"
 #include "lbm/fluid.hpp"
+#include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 
 namespace silt::lbm {
@@ -204,15 +207,24 @@ const AcrossRows across_rows[] = {{"periodic", periodic, periodic},
                                   {"moving wall and outlet", side(SideKind::bounce, {0.001, 0.02, 0.01}),
                                    side(SideKind::pressure, {}, 1e-3)}};
 
+/// The same cells, cut for so many ranks.
+using Cutting = std::function<CutTree(Int3 cells, int ranks)>;
+Cutting blocks_of(Int3 size) {
+  return [=](Int3 cells, int) { return grid_cut(cells, size); };
+}
+Cutting oddly(int blocks_a_rank, int edge) {
+  return [=](Int3 cells, int ranks) { return tests::odd_cut(cells, blocks_a_rank * ranks, edge, ranks); };
+}
+
 /// A stirred box with walls, on the ranks of a communicator.
 template <class T>
-std::uint64_t stirred(const AcrossRows& across, Int3 cells, std::optional<Int3> blocks, int steps,
+std::uint64_t stirred(const AcrossRows& across, Int3 cells, const Cutting& cut, int steps,
                       MPI_Comm comm = MPI_COMM_WORLD) {
   int size = 1;
   MPI_Comm_size(comm, &size);
   const auto moving = side(SideKind::bounce, {0.03, 0.01, 0});
   const std::array<SideCondition, 6> s{across.low, across.high, periodic, periodic, moving, no_slip};
-  Fluid<T> fluid(Domain(cells, s, blocks, size), {0.6, 3. / 16, Collision::trt, {1e-5, 2e-5, 0}}, comm);
+  Fluid<T> fluid(Domain(cut(cells, size), s, size), {0.6, 3. / 16, Collision::trt, {1e-5, 2e-5, 0}}, comm);
   for_cells(fluid, [&](int b, Int3 x, Int3 g) {
     fluid.set_equilibrium(b, x, 1e-3 * std::sin(g.x + 2.0 * g.y),
                           {0.01 * std::sin(3.0 * g.z), 0.02 * std::cos(2.0 * g.x), 0});
@@ -226,14 +238,27 @@ TEST(Fluid, SameBitsForEveryRankCountAndLayout) {
   for (const AcrossRows& across : across_rows)
     for (int steps : {40, 41}) {
       SCOPED_TRACE(across.name);
-      const auto alone = stirred<float>(across, n, n, steps, MPI_COMM_SELF);  // one block, one rank
-      EXPECT_EQ(alone, stirred<float>(across, n, std::nullopt, steps));
-      EXPECT_EQ(alone, (stirred<float>(across, n, Int3{5, 7, 4}, steps)));
-      EXPECT_EQ(alone, (stirred<float>(across, n, Int3{21, 4, 3}, steps)));
-      EXPECT_EQ(alone, (stirred<float>(across, n, Int3{2, 3, 2}, steps, MPI_COMM_SELF)));
-      EXPECT_EQ((stirred<double>(across, n, n, steps, MPI_COMM_SELF)),
-                (stirred<double>(across, n, Int3{8, 5, 4}, steps)));
-      EXPECT_NE(alone, (stirred<float>(across, n, std::nullopt, steps + 2)));
+      const auto alone = stirred<float>(across, n, blocks_of(n), steps, MPI_COMM_SELF);
+      EXPECT_EQ(alone, stirred<float>(across, n, equal_cut, steps));
+      EXPECT_EQ(alone, stirred<float>(across, n, blocks_of({5, 7, 4}), steps));
+      EXPECT_EQ(alone, stirred<float>(across, n, blocks_of({21, 4, 3}), steps));
+      EXPECT_EQ(alone, stirred<float>(across, n, blocks_of({2, 3, 2}), steps, MPI_COMM_SELF));
+      EXPECT_EQ(stirred<double>(across, n, blocks_of(n), steps, MPI_COMM_SELF),
+                stirred<double>(across, n, blocks_of({8, 5, 4}), steps));
+      EXPECT_NE(alone, stirred<float>(across, n, equal_cut, steps + 2));
+    }
+}
+
+// A block may share any part of a face or an edge with another.
+TEST(Fluid, SameBitsForOddCuts) {
+  const Int3 n{21, 13, 16};
+  for (const AcrossRows& across : across_rows)
+    for (int steps : {40, 41}) {
+      SCOPED_TRACE(across.name);
+      const auto alone = stirred<float>(across, n, blocks_of(n), steps, MPI_COMM_SELF);
+      EXPECT_EQ(alone, stirred<float>(across, n, oddly(1, 2), steps));
+      EXPECT_EQ(alone, stirred<float>(across, n, oddly(5, 1), steps));
+      EXPECT_EQ(alone, stirred<float>(across, n, oddly(37, 1), steps, MPI_COMM_SELF));
     }
 }
 
@@ -243,8 +268,8 @@ TEST(Fluid, SameBitsForRowsOfAnyLength) {
     for (int x : {2, 7, 8, 14, 15, 16, 17, 30, 33}) {
       SCOPED_TRACE(std::string(across.name) + ", rows of " + std::to_string(x));
       const Int3 n{x, 5, 16};
-      EXPECT_EQ((stirred<float>(across, n, Int3{x, 5, 2}, 7)),
-                (stirred<float>(across, n, Int3{(x + 1) / 2, 3, 2}, 7)));
+      EXPECT_EQ(stirred<float>(across, n, blocks_of({x, 5, 2}), 7),
+                stirred<float>(across, n, blocks_of({(x + 1) / 2, 3, 2}), 7));
     }
 }
 

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <string>
 
+#include "lbm/equal_cut.hpp"
 #include "lbm/fluid.hpp"
 #include "lbm/pairs_across.hpp"
 #include "lbm/places_across.hpp"
+#include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 
 namespace silt::lbm {
@@ -107,10 +109,10 @@ Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Populati
 }
 
 template <class T>
-void every_pair_is_right(const Layout& layout) {
+void every_pair_is_right(const Layout& layout, const CutTree& cut) {
   SCOPED_TRACE(layout.name);
-  Fluid<T> fluid(Domain(layout.cells, layout.sides, layout.block_cells, ranks()),
-                 {0.8, 3. / 16, Collision::trt, {1e-4, -2e-4, 3e-4}}, MPI_COMM_WORLD);
+  Fluid<T> fluid(Domain(cut, layout.sides, ranks()), {0.8, 3. / 16, Collision::trt, {1e-4, -2e-4, 3e-4}},
+                 MPI_COMM_WORLD);
   const auto blocks = std::span<const Block<T>>(fluid.blocks());
   PairsAcross<T> pairs(fluid.domain(), fluid.comm(), blocks);
   for (int b = 0; b < int(blocks.size()); ++b)
@@ -132,8 +134,9 @@ void every_pair_is_right(const Layout& layout) {
 
 TEST(PairsAcross, AreThePopulationsAfterCollision) {
   for (const Layout& layout : layouts) {
-    every_pair_is_right<float>(layout);
-    every_pair_is_right<double>(layout);
+    every_pair_is_right<float>(layout, grid_cut(layout.cells, layout.block_cells));
+    every_pair_is_right<double>(layout, grid_cut(layout.cells, layout.block_cells));
+    every_pair_is_right<float>(layout, tests::odd_cut(layout.cells, 2 * ranks(), 1));
   }
 }
 

@@ -114,7 +114,8 @@ TEST(BodyExchangeTies, HoldersAreThoseWhoseGrownBlocksTheBoxMeets) {
         std::set<int> expected{
             domain.rank_at(lbm::Int3{int(pose.position[0]), int(pose.position[1]), int(pose.position[2])})};
         EXPECT_EQ(exchange.rank_at(pose.position), *expected.begin());
-        for (const lbm::BlockPlace& block : domain.blocks()) {
+        for (int b = 0; b < domain.blocks(); ++b) {
+          const lbm::BlockPlace block = domain.block(b);
           bool meets = true;
           for (int d = 0; d < 3; ++d) {
             bool along = false;

@@ -24,7 +24,7 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
   for (int t = 0; t < 80; ++t) s.step();
   const lbm::Domain& domain = s.scene().flow->domain();
   std::vector<lbm::CellBox> boxes;
-  for (const auto& place : domain.blocks()) boxes.push_back(place.box);
+  for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);
   MapBodies map(domain, s.scene().world, boxes, lbm::link_reach(scheme));
   std::vector<std::vector<SurfaceLinks<T>>> surfaces(boxes.size());
   LinkKinds kinds;

@@ -1,0 +1,35 @@
+#pragma once
+// Trees of cuts that look at nothing but the size of the box, and the room that any cut has to leave.
+#include "lbm/cut_tree.hpp"
+
+namespace silt::lbm {
+
+/// A part of so many cells may be cut into two with so many leaves each, across any of some axes. `edge` is
+/// the least edge of a leaf; along an axis where the part is thinner than that it is not cut.
+struct CutRoom {
+  int lower_leaves, upper_leaves, edge;
+
+  /// The positions, first to last from the lower end of the part, at which a plane leaves both parts the room
+  /// for their leaves: none if last < first.
+  struct Range {
+    int first, last;
+    bool empty() const { return last < first; }
+  };
+  Range along(int axis, Int3 size) const;
+};
+
+/// Half of the leaves below and half above, or as near to that as there is room: for leaves of at least 8
+/// cells an edge if so many of them fit, else of as many cells as do. std::invalid_argument for fewer than 2.
+CutRoom room_to_cut(Int3 size, int leaves);
+
+/// How much a cut across an axis costs, per cell of its face: across x double, as short rows are slow.
+double cost_of_face(int axis);
+
+/// So many leaves of about the same size, cut across the longest edge, and x last. std::invalid_argument
+/// where leaves would have fewer than 2 cells an edge.
+CutTree equal_cut(Int3 cells, int leaves);
+
+/// Leaves of about so many cells along each axis: a grid of boxes, the number of them given by rounding up.
+CutTree grid_cut(Int3 cells, Int3 leaf_cells);
+
+}  // namespace silt::lbm

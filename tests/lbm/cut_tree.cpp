@@ -1,0 +1,181 @@
+// Every cell is in one leaf; what is asked of a tree agrees with looking at all leaves.
+#include "lbm/cut_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "lbm/domain.hpp"
+#include "lbm/equal_cut.hpp"
+#include "tests/odd_cut.hpp"
+
+namespace silt::lbm {
+namespace {
+
+using tests::odd_cut;
+
+template <class F>
+void for_cells(const CellBox& box, F&& f) {
+  for (int z = 0; z < box.size.z; ++z)
+    for (int y = 0; y < box.size.y; ++y)
+      for (int x = 0; x < box.size.x; ++x) f(box.lower + Int3{x, y, z});
+}
+
+bool same(const CellBox& a, const CellBox& b) {
+  return a.lower == b.lower && a.size == b.size;
+}
+
+/// The box of every leaf is the one its cells say, and the leaves cover the whole.
+void expect_partition(const CutTree& tree) {
+  const Int3 n = tree.cells();
+  std::vector<char> covered(std::size_t(n.x) * n.y * n.z, 0);
+  for (int k = 0; k < tree.leaves(); ++k) {
+    const CutTree::Leaf leaf = tree.leaf(k);
+    ASSERT_EQ(leaf.index, k);
+    for_cells(leaf.box, [&](Int3 x) {
+      ASSERT_TRUE((CellBox{{}, n}.contains(x)));
+      ++covered[(std::size_t(x.z) * n.y + x.y) * n.x + x.x];
+      const CutTree::Leaf found = tree.leaf_at(x);
+      ASSERT_TRUE(found.index == k && same(found.box, leaf.box));
+    });
+  }
+  EXPECT_TRUE(std::all_of(covered.begin(), covered.end(), [](char times) { return times == 1; }));
+}
+
+bool meet(const CellBox& a, const CellBox& b) {
+  for (int d = 0; d < 3; ++d)
+    if (a.lower[d] >= b.lower[d] + b.size[d] || b.lower[d] >= a.lower[d] + a.size[d]) return false;
+  return true;
+}
+
+constexpr Int3 boxes[] = {{32, 32, 32}, {40, 9, 17}, {3, 128, 16}, {130, 1, 16}, {16, 33, 24}};
+
+TEST(CutTree, EveryCellIsInOneLeaf) {
+  for (const Int3 cells : boxes)
+    for (int leaves = 1; leaves <= 64; ++leaves) {
+      SCOPED_TRACE(testing::Message() << leaves << " of " << cells.x << " x " << cells.y << " x " << cells.z);
+      const CutTree equal = equal_cut(cells, leaves), odd = odd_cut(cells, leaves, 2, leaves);
+      EXPECT_EQ(equal.leaves(), leaves);
+      EXPECT_EQ(odd.leaves(), leaves);
+      expect_partition(equal);
+      expect_partition(odd);
+    }
+  expect_partition(grid_cut({24, 25, 7}, {6, 9, 2}));
+}
+
+TEST(CutTree, LeavesThatMeetABoxAreThoseOfItsCells) {
+  std::mt19937 random(1);
+  for (const Int3 cells : boxes)
+    for (const int leaves : {1, 2, 7, 29, 64}) {
+      const CutTree tree = odd_cut(cells, leaves, 1, leaves);
+      for (int trial = 0; trial < 100; ++trial) {
+        CellBox box;
+        for (int d = 0; d < 3; ++d) {
+          box.lower[d] = std::uniform_int_distribution<>(0, cells[d] - 1)(random);
+          box.size[d] = std::uniform_int_distribution<>(1, cells[d] - box.lower[d])(random);
+        }
+        std::vector<int> found, expected;
+        tree.for_leaves_meeting(box, [&](const CutTree::Leaf& leaf) {
+          found.push_back(leaf.index);
+          EXPECT_TRUE(same(leaf.box, tree.leaf(leaf.index).box));
+        });
+        for (int k = 0; k < leaves; ++k)
+          if (meet(tree.leaf(k).box, box)) expected.push_back(k);
+        ASSERT_EQ(found, expected);
+      }
+    }
+}
+
+TEST(CutTree, PlanesOutsideTheirPartAreRefused) {
+  const Int3 n{8, 8, 8};
+  EXPECT_NO_THROW(CutTree(n, {{0, 4, 2}, {1, 1, 1}}));
+  EXPECT_THROW(CutTree(n, {{0, 0, 1}}), std::invalid_argument);
+  EXPECT_THROW(CutTree(n, {{2, 8, 1}}), std::invalid_argument);
+  EXPECT_THROW(CutTree(n, {{3, 4, 1}}), std::invalid_argument);
+  EXPECT_THROW(CutTree(n, {{0, 4, 2}}), std::invalid_argument);
+  EXPECT_THROW(CutTree(n, {{0, 4, 2}, {0, 6, 1}}), std::invalid_argument);  // of the upper part
+}
+
+// A box of 8 cells an edge for each leaf: that many an edge they have, too; else as many as there are.
+TEST(EqualCut, LeavesHaveTheEdgesThereIsRoomFor) {
+  const auto least = [](const CutTree& tree) {
+    int edge = 1000;
+    for (int k = 0; k < tree.leaves(); ++k)
+      for (int d = 0; d < 3; ++d) edge = std::min(edge, tree.leaf(k).box.size[d]);
+    return edge;
+  };
+  for (int leaves = 1; leaves <= 64; ++leaves) EXPECT_GE(least(equal_cut({32, 32, 32}, leaves)), 8);
+  for (int leaves = 1; leaves <= 12; ++leaves) EXPECT_GE(least(equal_cut({16, 24, 16}, leaves)), 8);
+  EXPECT_GE(least(equal_cut({16, 16, 16}, 64)), 4);
+  EXPECT_EQ(least(equal_cut({16, 16, 16}, 512)), 2);
+  EXPECT_THROW(equal_cut({16, 16, 16}, 513), std::invalid_argument);
+  EXPECT_EQ(least(equal_cut({1, 16, 16}, 4)), 1);  // it has no more along x
+  EXPECT_EQ(equal_cut({1, 16, 16}, 64).leaves(), 64);
+}
+
+// Where planes may lie anywhere, leaves differ by what rounding to whole cells leaves; rows are cut last.
+TEST(EqualCut, LeavesAreOfOneSizeAndRowsStayLong) {
+  for (int leaves = 1; leaves <= 64; ++leaves) {
+    const CutTree tree = equal_cut({240, 240, 240}, leaves);
+    std::int64_t most = 0;
+    for (int k = 0; k < leaves; ++k) most = std::max(most, tree.leaf(k).box.cells());
+    EXPECT_LT(double(most) * leaves / (240. * 240 * 240), 1.04) << leaves << " leaves";
+    if (leaves <= 4) {
+      EXPECT_EQ(tree.leaf(0).box.size.x, 240);
+    }
+  }
+}
+
+TEST(GridCut, IsAGrid) {
+  const CutTree tree = grid_cut({24, 25, 7}, {6, 9, 2});
+  EXPECT_EQ(tree.leaves(), 4 * 3 * 4);
+  std::set<int> sides[3];
+  for (int k = 0; k < tree.leaves(); ++k)
+    for (int d = 0; d < 3; ++d) sides[d].insert(tree.leaf(k).box.lower[d]);
+  EXPECT_EQ(sides[0], (std::set{0, 6, 12, 18}));
+  EXPECT_EQ(sides[1], (std::set{0, 8, 16}));
+  EXPECT_EQ(sides[2], (std::set{0, 1, 3, 5}));
+}
+
+TEST(Domain, RanksHaveContiguousRunsOfBlocks) {
+  for (const int blocks : {1, 2, 7, 12, 64})
+    for (int ranks = 1; ranks <= blocks; ++ranks) {
+      const Domain domain(odd_cut({32, 32, 32}, blocks), {}, ranks);
+      EXPECT_EQ(domain.first_block(0), 0);
+      EXPECT_EQ(domain.first_block(ranks), blocks);
+      for (int rank = 0; rank < ranks; ++rank) {
+        const auto mine = domain.blocks_of(rank);
+        EXPECT_GE(int(mine.size()), blocks / ranks);
+        EXPECT_LE(int(mine.size()), (blocks + ranks - 1) / ranks);
+        for (const BlockPlace& place : mine) EXPECT_EQ(domain.rank_of(place.index), rank);
+      }
+    }
+  EXPECT_THROW(Domain(odd_cut({32, 32, 32}, 3), {}, 4), std::invalid_argument);
+}
+
+// The blocks of the 26 cells around each cell of a block, whatever part of a face they share.
+TEST(Domain, NeighboursAreTheBlocksOfNeighbouringCells) {
+  std::array<SideCondition, 6> walls;
+  walls.fill({SideKind::bounce, {}, 0});
+  std::array<SideCondition, 6> mixed = walls;
+  mixed[2] = mixed[3] = {};
+  for (const auto& sides : {std::array<SideCondition, 6>{}, walls, mixed})
+    for (const Int3 cells : {Int3{12, 13, 11}, Int3{3, 24, 8}})
+      for (const int blocks : {1, 2, 3, 11}) {
+        const Domain domain(odd_cut(cells, blocks, 1, blocks), sides, blocks);
+        for (int b = 0; b < blocks; ++b) {
+          std::set<int> expected;
+          for_cells(domain.block(b).box, [&](Int3 x) {
+            for_cells({x - Int3{1, 1, 1}, {3, 3, 3}}, [&](Int3 y) {
+              if (domain.inside(domain.wrapped(y))) expected.insert(domain.block_at(domain.wrapped(y)).index);
+            });
+          });
+          EXPECT_EQ(domain.neighbourhood(b), std::vector(expected.begin(), expected.end()));
+        }
+      }
+}
+
+}  // namespace
+}  // namespace silt::lbm
