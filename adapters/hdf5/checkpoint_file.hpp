@@ -105,10 +105,9 @@ class CheckpointReader {
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   std::size_t body_count() const;
-  /// The bodies for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the
-  /// holder state that no column names are zero.
-  Bodies bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
-                std::span<const HolderColumn> = {}) const;
+  /// Returns this rank's slice of the bodies: of n, those from n r / ranks on. Bytes of the holder state that
+  /// no column names are zero.
+  Bodies bodies(std::span<const HolderColumn> = {}) const;
 
  private:
   struct State;

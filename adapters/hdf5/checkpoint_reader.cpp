@@ -181,8 +181,7 @@ std::size_t CheckpointReader::body_count() const {
   return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
-                                                  std::span<const HolderColumn> holder) const {
+CheckpointReader::Bodies CheckpointReader::bodies(std::span<const HolderColumn> holder) const {
   std::vector<rigid::BodyRecord> records;
   std::vector<std::uint64_t> counts;
   std::vector<ImpulseRow> rows;
@@ -201,10 +200,14 @@ CheckpointReader::Bodies CheckpointReader::bodies(const std::function<bool(const
   broadcast(state_->comm, counts);
   broadcast(state_->comm, rows);
   Bodies found;
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(state_->comm, &rank);
+  MPI_Comm_size(state_->comm, &ranks);
   together(state_->comm, [&] {
     std::size_t first = 0;
+    const std::size_t from = records.size() * rank / ranks, to = records.size() * (rank + 1) / ranks;
     for (std::size_t i = 0; i < records.size(); first += counts[i++]) {
-      if (!mine(records[i])) continue;
+      if (i < from || i >= to) continue;
       found.records.push_back(records[i]);
       auto& list = found.impulses.emplace_back();
       for (std::size_t j = first; j < first + counts[i]; ++j) {

@@ -172,7 +172,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
   state.fluid_speed = reader.number("fluid_speed");
-  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; }, coupling_columns);
+  auto bodies = reader.bodies(coupling_columns);
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
   state.mass_correction = {reader.integer("mass_correction.surplus"),

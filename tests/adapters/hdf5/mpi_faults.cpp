@@ -130,7 +130,7 @@ bool is_whole(const adapters::CheckpointReader& reader, const CellBox& box) {
       wrong += in[i] != 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
     });
   });
-  const auto bodies = reader.bodies([](const auto&) { return true; });
+  const auto bodies = reader.bodies();
   return wrong == 0 && reader.integer("step") == 77 && reader.text("label") == "some text" &&
          reader.case_text() == "text\n" && bodies.records.size() == 2 && bodies.records[1].id == 1 &&
          bodies.records[1].mass == 1;
