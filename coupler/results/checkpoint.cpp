@@ -103,9 +103,10 @@ constexpr HolderColumn coupling_columns[] = {
     {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3}};
 
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
-  std::vector<rigid::BodyRecord> records;
-  for (std::size_t row = 0; row < bodies.owned; ++row) records.push_back(bodies.record(row));
-  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned), coupling_columns);
+  using Impulses = std::vector<rigid::StoredImpulse>;
+  writer.bodies({bodies.owned, [&](std::size_t row) { return bodies.record(row); },
+                 [&](std::size_t row) -> const Impulses& { return bodies.stored_impulses[row]; }},
+                coupling_columns);
 }
 
 // ---- the case ----
