@@ -83,15 +83,13 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
     take_saved_bodies(*saved);
   else
     take_placed_bodies(shapes);
+  count_bodies();
   if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
     set_mapping_pose(bodies, row, bodies.pose(row));
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
-  if (saved)
-    exchange->distribute(bodies);
-  else
-    exchange->synchronise(bodies);
+  exchange->synchronise(bodies);
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
@@ -104,17 +102,9 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
   if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
 }
 
-/// Every body of all ranks as an owned row: the exchange has still to deal them out.
 void Scene::take_saved_bodies(const SavedBodies& saved) {
-  bodies.resize(saved.records.size());
-  bodies.owned = saved.records.size();
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    bodies.assign(row, saved.records[row]);
-    bodies.stored_impulses[row] = saved.impulses[row];
-  }
-  bodies.reindex();
-  body_count = bodies.owned;
-  anything_moves = any_moves();
+  Messages messages(comm);
+  send_home(messages, Holders(domain, 0), saved, bodies);
 }
 
 /// This rank's bodies, wrapped into the domain, at rest on the lattice where they start.
@@ -132,15 +122,15 @@ void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes) {
     ++row;
   });
   bodies.reindex();
-  std::uint64_t counts[2] = {bodies.owned, any_moves()};
+}
+
+void Scene::count_bodies() {
+  const auto first = bodies.motion.begin(), last = first + static_cast<std::ptrdiff_t>(bodies.owned);
+  std::uint64_t counts[2] = {
+      bodies.owned, std::any_of(first, last, [](rigid::Motion m) { return m != rigid::Motion::fixed; })};
   sum_over_ranks(comm, std::span(counts));
   body_count = counts[0];
   anything_moves = counts[1] > 0;
-}
-
-bool Scene::any_moves() const {
-  return std::any_of(bodies.motion.begin(), bodies.motion.begin() + static_cast<std::ptrdiff_t>(bodies.owned),
-                     [](rigid::Motion m) { return m != rigid::Motion::fixed; });
 }
 
 SceneParts Scene::parts() {

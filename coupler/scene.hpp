@@ -9,6 +9,7 @@
 
 #include "coupler/coupled_step.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/exchange/send_home.hpp"
 #include "coupler/flow.hpp"
 #include "rigid/rigid_step.hpp"
 
@@ -17,20 +18,14 @@ namespace silt::coupler {
 struct Case;
 struct CentredShape;
 
-/// Bodies as a checkpoint holds them: records, and as many lists of stored impulses.
-struct SavedBodies {
-  std::vector<rigid::BodyRecord> records;
-  std::vector<std::vector<rigid::StoredImpulse>> impulses;
-};
-
 class Scene {
   std::shared_ptr<const Case> own_setup_;
 
  public:
   /// Collective. The case must have passed check_case; CaseError on every rank if a fill does not fit. With
-  /// `saved` the bodies are those (all of them on every rank) instead of the case's. std::invalid_argument
-  /// for a domain that cannot be cut for this many ranks, or an unknown backend or resolver. The flow is at
-  /// rest and not started.
+  /// `saved` the bodies are those, each of them saved on exactly one rank, whichever, instead of the case's.
+  /// std::invalid_argument for a domain that cannot be cut for this many ranks, or an unknown backend or
+  /// resolver. The flow is at rest and not started.
   Scene(Case, MPI_Comm, const SavedBodies* saved = nullptr);
 
   const Case& setup;
@@ -55,7 +50,7 @@ class Scene {
  private:
   void take_saved_bodies(const SavedBodies&);
   void take_placed_bodies(const std::vector<CentredShape>&);
-  bool any_moves() const;  // of those owned here
+  void count_bodies();
 };
 
 }  // namespace silt::coupler

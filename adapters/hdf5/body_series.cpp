@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
+#include "adapters/hdf5/order_by_id.hpp"
 #include "adapters/hdf5/table.hpp"
 #include "adapters/hdf5/together.hpp"
 
@@ -67,30 +69,18 @@ void resize(File& file, hid_t dataset, hsize_t rows) {
   file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
 }
 
-/// Selects the rows [first, first + n) of a dataset.
-Handle rows_of(const File& file, hid_t dataset, hsize_t first, hsize_t n) {
-  Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
-  std::vector<hsize_t> count = file.shape(dataset);
-  std::vector<hsize_t> start(count.size(), 0);
-  start[0] = first;
-  count[0] = n;
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  return space;
+void append_time(File& file, const TimeRow& now, hsize_t times) {
+  for (const Column& c : time_columns("")) {
+    const Handle data = file.dataset(std::string("/") + c.name);
+    resize(file, data, times + 1);
+    hdf5::write_rows(file, data, c, times, 1, hdf5::gather_column<TimeRow>(c, 1, [&](auto) { return now; }));
+  }
 }
 
-void append_columns(File& file, const std::string& group, const std::vector<Column>& columns,
-                    const void* rows, std::size_t row_bytes, hsize_t first, hsize_t n) {
-  for (const Column& c : columns) {
-    const Handle data = file.dataset(group + c.name);
-    resize(file, data, first + n);
-    if (n == 0) continue;
-    const auto values = hdf5::gather_column(c, rows, row_bytes, n);
-    const Handle space = rows_of(file, data, first, n);
-    const hsize_t numbers = n * c.components;
-    const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
-    file.check(H5Dwrite(data, c.memory_type(), memory, space, H5P_DEFAULT, values.data()),
-               "cannot append (is the disk full?)");
-  }
+int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
 }
 
 void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
@@ -129,12 +119,7 @@ std::vector<TimeRow> whole_times(const File& file) {
   for (const Column& c : time_columns("")) {
     if (times == 0) break;
     const Handle data = file.dataset(c.name);
-    std::vector<std::byte> values(times * c.bytes());
-    const Handle space = rows_of(file, data, 0, times);
-    const Handle memory(H5Screate_simple(1, &times, nullptr), H5Sclose, file.path(), "memory shape");
-    file.check(H5Dread(data, c.memory_type(), memory, space, H5P_DEFAULT, values.data()),
-               "cannot read the times");
-    hdf5::scatter_column(c, values, table.data(), sizeof(TimeRow));
+    hdf5::scatter_column(c, hdf5::read_rows(file, data, c, 0, times), table.data(), sizeof(TimeRow));
   }
   std::size_t whole = 0;
   std::uint64_t next = 0;
@@ -173,28 +158,47 @@ BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::pat
   return series;
 }
 
-void BodySeries::append(std::int64_t step, double time, std::span<const BodyRow> mine) {
-  std::vector<BodyRow> rows = hdf5::gather_rows(comm_, mine);
-  on_rank_0(comm_, [&] {
-    if (step <= last_step_)
+void BodySeries::append(std::int64_t step, double time, std::size_t n,
+                        const std::function<BodyRow(std::size_t)>& row) {
+  std::vector<std::uint64_t> ids;
+  together(comm_, [&] {
+    if (rank_of(comm_) == 0 && step <= last_step_)
       throw hdf5::Error(path_.string() + ": step " + std::to_string(step) + " does not come after step " +
                         std::to_string(last_step_));
-    std::sort(rows.begin(), rows.end(), [](const BodyRow& a, const BodyRow& b) { return a.id < b.id; });
-    const auto twice = std::adjacent_find(rows.begin(), rows.end(),
-                                          [](const BodyRow& a, const BodyRow& b) { return a.id == b.id; });
-    if (twice != rows.end())
-      throw hdf5::Error(path_.string() + ": body " + std::to_string(twice->id) + " has two owners in step " +
-                        std::to_string(step));
-    hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(rows.size()));
-    File file = File::open(path_, true);
-    // Rows first and on their way to the file, then the time that makes them count.
-    append_columns(file, "/bodies/", body_columns(), rows.data(), sizeof(BodyRow), rows_, rows.size());
-    file.flush();
-    const TimeRow now{time, step, rows_, rows.size()};
-    append_columns(file, "/", time_columns(""), &now, sizeof now, times_, 1);
-    file.close();
+    for (std::size_t i = 0; i < n; ++i) ids.push_back(row(i).id);
+  });
+  const hdf5::IdOrder order = hdf5::order_by_id(comm_, ids);
+  if (order.twice)
+    throw hdf5::Error(path_.string() + ": body " + std::to_string(*order.twice) + " has two owners in step " +
+                      std::to_string(step));
+  const hdf5::SliceExchange slices(comm_, order.total, order.places);
+  std::optional<File> file;  // on rank 0
+  on_rank_0(comm_, [&] {
+    hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(order.total));
+    file.emplace(File::open(path_, true));
+  });
+  // Rows first and on their way to the file, then the time that makes them count.
+  for (const Column& c : body_columns()) {
+    Handle data;
+    on_rank_0(comm_, [&] {
+      data = file->dataset(std::string("/bodies/") + c.name);
+      resize(*file, data, rows_ + order.total);
+    });
+    const auto slice = slices.to_slice(
+        c.bytes(), hdf5::gather_column<BodyRow>(c, n, [&](std::size_t k) { return row(order.rows[k]); }));
+    together(comm_, [&] {
+      slices.hand_to_rank_0(c.bytes(), slice,
+                            [&](std::uint64_t first, std::uint64_t count, const auto& values) {
+                              hdf5::write_rows(*file, data, c, rows_ + first, count, values);
+                            });
+    });
+  }
+  on_rank_0(comm_, [&] {
+    file->flush();
+    append_time(*file, {time, step, rows_, order.total}, times_);
+    file->close();
     ++times_;
-    rows_ += rows.size();
+    rows_ += order.total;
     last_step_ = step;
   });
 }

@@ -13,7 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <span>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -51,9 +51,11 @@ class BodySeries {
   /// Opens a series to continue it: drops what was written after `step` and any unfinished rest.
   static BodySeries open_for_append(MPI_Comm, const std::filesystem::path&, std::int64_t step);
 
-  /// Appends one time: `mine` are the rows of the bodies this rank owns, in any order. An id that two ranks
-  /// hand over is an error. Steps must increase.
-  void append(std::int64_t step, double time, std::span<const BodyRow> mine);
+  /// Appends one time: row(i) makes the row of the i-th of the n bodies that this rank owns, in any order,
+  /// and is asked for it more than once. An id that two ranks hand over is an error. Steps must increase. The
+  /// ranks sort slices of the rows, a column at a time, and rank 0 writes them in pieces: it holds no more
+  /// than its own slice and a piece.
+  void append(std::int64_t step, double time, std::size_t n, const std::function<BodyRow(std::size_t)>& row);
 
   /// Returns the number of times in the file (rank 0 knows it; 0 elsewhere).
   std::size_t times() const { return times_; }

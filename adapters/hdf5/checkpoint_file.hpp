@@ -6,7 +6,8 @@
 //   /bodies/...    the columns of BodyRecord, sorted by id, and those of its HolderState; impulse_count
 //   /impulses/...  the columns of StoredImpulse, body after body
 //   /provenance
-// HDF5 guards its own metadata with checksums in this file; each dataset carries one of its content.
+// HDF5 guards its own metadata with checksums in this file; each dataset carries one of its content. The file
+// is the same, to the byte, from any number of ranks.
 #include <mpi.h>
 
 #include <array>
@@ -25,7 +26,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 5;
+inline constexpr std::int64_t checkpoint_format_version = 6;
 
 /// A member of what the caller keeps in rigid::HolderState: the name of its dataset in /bodies, its offset in
 /// bytes, and how many numbers of which type it is.
@@ -34,6 +35,14 @@ struct HolderColumn {
   std::size_t offset;
   enum Type { int64, float64 } type;
   int components;
+};
+
+/// The bodies that a rank owns, in any order. Rows are made when they are asked for, more than once: no
+/// second list of all is needed.
+struct OwnedRows {
+  std::size_t n;
+  std::function<rigid::BodyRecord(std::size_t)> record;
+  std::function<const std::vector<rigid::StoredImpulse>&(std::size_t)> impulses;
 };
 
 /// CheckpointWriter writes one checkpoint under a temporary name (PATH.part) and gives it its name once it
@@ -58,10 +67,9 @@ class CheckpointWriter {
              const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, T* out)>& fill);
 
-  /// Writes the bodies that this rank owns, in any order, and their stored impulses (one list a record); of
-  /// their holder state what the columns name.
-  void bodies(std::span<const rigid::BodyRecord>, std::span<const std::vector<rigid::StoredImpulse>>,
-              std::span<const HolderColumn> = {});
+  /// Writes the bodies of all ranks and their stored impulses; of their holder state what the columns name.
+  /// Each rank sorts and writes a slice of them, a column at a time.
+  void bodies(const OwnedRows&, std::span<const HolderColumn> = {});
 
   /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0:
   /// keeps all) of those with a step up to this one's.
@@ -105,10 +113,9 @@ class CheckpointReader {
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   std::size_t body_count() const;
-  /// The bodies for which `mine` is true (e.g. whose position lies in this rank's blocks). Bytes of the
-  /// holder state that no column names are zero.
-  Bodies bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
-                std::span<const HolderColumn> = {}) const;
+  /// Returns this rank's slice of the bodies: of n, those from n r / ranks on. Bytes of the holder state that
+  /// no column names are zero.
+  Bodies bodies(std::span<const HolderColumn> = {}) const;
 
  private:
   struct State;

@@ -1,17 +1,15 @@
 #include <algorithm>
 #include <optional>
 
-#include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/body_tables.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
 #include "adapters/hdf5/together.hpp"
 #include "adapters/hdf5/verify_checkpoint.hpp"
 
 namespace silt::adapters {
 
-using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
-using hdf5::ImpulseRow;
 using hdf5::SlabExchange;
 
 struct CheckpointReader::State {
@@ -53,33 +51,6 @@ bool is_stored_as<double>(hid_t d) {
 template <>
 bool is_stored_as<std::uint8_t>(hid_t d) {
   return same_type(d, H5T_STD_U8LE);
-}
-
-/// Reads and checks the rows of one table, whose columns lie in a group.
-template <class Row>
-std::vector<Row> read_columns(const File& file, const std::string& group,
-                              const std::vector<Column>& columns) {
-  std::vector<Row> rows(file.shape(file.dataset(group + columns[0].name))[0]);
-  for (const Column& c : columns) {
-    const auto values = hdf5::read_checked(file, group + c.name, c.memory_type(), c.bytes());
-    if (values.size() != rows.size() * c.bytes())
-      throw hdf5::Error(file.path().string() + ": the columns of " + group + " differ in length");
-    hdf5::scatter_column(c, values, rows.data(), sizeof(Row));
-  }
-  return rows;
-}
-
-/// Sends rank 0's rows to every rank.
-template <class Row>
-void broadcast(MPI_Comm comm, std::vector<Row>& rows) {
-  std::uint64_t n = rows.size();
-  MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
-  rows.resize(n);
-  MPI_Datatype type;
-  MPI_Type_contiguous(sizeof(Row), MPI_BYTE, &type);
-  MPI_Type_commit(&type);
-  MPI_Bcast(rows.data(), static_cast<int>(n), type, 0, comm);
-  MPI_Type_free(&type);
 }
 
 }  // namespace
@@ -181,42 +152,8 @@ std::size_t CheckpointReader::body_count() const {
   return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(const std::function<bool(const rigid::BodyRecord&)>& mine,
-                                                  std::span<const HolderColumn> holder) const {
-  std::vector<rigid::BodyRecord> records;
-  std::vector<std::uint64_t> counts;
-  std::vector<ImpulseRow> rows;
-  on_rank_0(state_->comm, [&] {
-    const File& file = *state_->file;
-    if (!file.exists("/bodies")) return;
-    records = read_columns<rigid::BodyRecord>(file, "/bodies/", hdf5::record_columns(holder));
-    rows = read_columns<ImpulseRow>(file, "/impulses/", hdf5::impulse_columns());
-    counts = read_columns<std::uint64_t>(file, "/bodies/", {{"impulse_count", 0, Column::uint64}});
-    std::uint64_t sum = 0;
-    for (const auto c : counts) sum += c;
-    if (counts.size() != records.size() || sum != rows.size())
-      throw hdf5::Error(state_->path.string() + ": bodies and impulses do not fit together");
-  });
-  broadcast(state_->comm, records);
-  broadcast(state_->comm, counts);
-  broadcast(state_->comm, rows);
-  Bodies found;
-  together(state_->comm, [&] {
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < records.size(); first += counts[i++]) {
-      if (!mine(records[i])) continue;
-      found.records.push_back(records[i]);
-      auto& list = found.impulses.emplace_back();
-      for (std::size_t j = first; j < first + counts[i]; ++j) {
-        const ImpulseRow& r = rows[j];
-        list.push_back({r.partner,
-                        {r.image[0], r.image[1], r.image[2]},
-                        r.feature,
-                        rigid::Vec3(r.impulse[0], r.impulse[1], r.impulse[2])});
-      }
-    }
-  });
-  return found;
+CheckpointReader::Bodies CheckpointReader::bodies(std::span<const HolderColumn> holder) const {
+  return hdf5::read_body_tables(state_->comm, *state_->file, holder);
 }
 
 }  // namespace silt::adapters

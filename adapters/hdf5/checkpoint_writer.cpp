@@ -1,26 +1,22 @@
-#include <algorithm>
 #include <map>
-#include <numeric>
 #include <optional>
 
-#include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/body_tables.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
 #include "adapters/hdf5/together.hpp"
 #include "adapters/hdf5/verify_checkpoint.hpp"
 
 namespace silt::adapters {
 
-using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
-using hdf5::ImpulseRow;
 using hdf5::SlabExchange;
 
 struct CheckpointWriter::State {
   MPI_Comm comm;
   hdf5::Path path;
   hdf5::TemporaryFile temporary;
-  std::map<std::string, std::uint64_t> checksums;  // of the cell datasets, rank 0
+  std::map<std::string, std::uint64_t> checksums;  // of datasets, rank 0
 
   const hdf5::Path& part() const { return temporary.path(); }
   /// Opens the file on rank 0, with room for so many bytes of data more.
@@ -151,84 +147,9 @@ template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, in
                                       const std::vector<CellBox>&,
                                       const std::function<void(int, std::size_t, std::uint8_t*)>&);
 
-namespace {
-
-template <class T>
-std::vector<T> in_order(const std::vector<T>& rows, const std::vector<std::size_t>& order) {
-  std::vector<T> sorted;
-  sorted.reserve(rows.size());
-  for (const std::size_t i : order) sorted.push_back(rows[i]);
-  return sorted;
-}
-
-void write_columns(File& file, const std::string& group, const std::vector<Column>& columns, const void* rows,
-                   std::size_t row_bytes, std::size_t n) {
-  file.group(group, true);
-  for (const Column& c : columns) {
-    const auto values = hdf5::gather_column(c, rows, row_bytes, n);
-    std::vector<hsize_t> shape{n};
-    if (c.components > 1) shape.push_back(c.components);
-    hdf5::write_checked(file, group + "/" + c.name, c.memory_type(), shape, values.data(), values.size());
-  }
-}
-
-/// Puts impulses (body after body, in rank order) into the order of the bodies.
-std::vector<ImpulseRow> reordered(const std::vector<ImpulseRow>& rows,
-                                  const std::vector<std::uint64_t>& counts,
-                                  const std::vector<std::size_t>& order) {
-  std::vector<std::size_t> first(counts.size() + 1, 0);
-  std::partial_sum(counts.begin(), counts.end(), first.begin() + 1);
-  std::vector<ImpulseRow> sorted;
-  sorted.reserve(rows.size());
-  for (const std::size_t i : order)
-    sorted.insert(sorted.end(), rows.begin() + first[i], rows.begin() + first[i + 1]);
-  return sorted;
-}
-
-}  // namespace
-
-void CheckpointWriter::bodies(std::span<const rigid::BodyRecord> records,
-                              std::span<const std::vector<rigid::StoredImpulse>> impulses,
-                              std::span<const HolderColumn> holder) {
-  std::vector<std::uint64_t> my_counts;
-  std::vector<ImpulseRow> my_rows;
-  together(state_->comm, [&] {
-    if (records.size() != impulses.size())
-      throw std::invalid_argument("a checkpoint needs one list of impulses a body record");
-    for (const auto& list : impulses) {
-      my_counts.push_back(list.size());
-      for (const rigid::StoredImpulse& s : list)
-        my_rows.push_back({s.partner,
-                           {s.image.x, s.image.y, s.image.z},
-                           s.feature,
-                           {s.impulse[0], s.impulse[1], s.impulse[2]}});
-    }
-  });
-  const auto all = hdf5::gather_rows(state_->comm, records);
-  const auto counts = hdf5::gather_rows(state_->comm, std::span<const std::uint64_t>(my_counts));
-  const auto rows = hdf5::gather_rows(state_->comm, std::span<const ImpulseRow>(my_rows));
-  on_rank_0(state_->comm, [&] {
-    std::vector<std::size_t> order(all.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return all[a].id < all[b].id; });
-    for (std::size_t i = 1; i < order.size(); ++i)
-      if (all[order[i]].id == all[order[i - 1]].id)
-        throw hdf5::Error(state_->path.string() + ": body " + std::to_string(all[order[i]].id) +
-                          " has two owners");
-    const auto sorted = in_order(all, order);
-    const auto sorted_counts = in_order(counts, order);
-    const auto sorted_rows = reordered(rows, counts, order);
-    File file = state_->open_to_add(sorted.size() * sizeof(rigid::BodyRecord) +
-                                    sorted_rows.size() * sizeof(ImpulseRow));
-    write_columns(file, "/bodies", hdf5::record_columns(holder), sorted.data(), sizeof(rigid::BodyRecord),
-                  sorted.size());
-    hdf5::write_checked(file, "/bodies/impulse_count", H5T_STD_U64LE, {sorted_counts.size()},
-                        sorted_counts.data(), sorted_counts.size() * sizeof(std::uint64_t));
-    write_columns(file, "/impulses", hdf5::impulse_columns(), sorted_rows.data(), sizeof(ImpulseRow),
-                  sorted_rows.size());
-    file.close();
-  });
+void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const HolderColumn> holder) {
+  const auto open = [&](std::uint64_t bytes) { return state_->open_to_add(bytes); };
+  state_->checksums.merge(hdf5::write_body_tables(state_->comm, state_->part(), open, owned, holder));
 }
 
 void CheckpointWriter::commit(int keep) {

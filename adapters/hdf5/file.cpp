@@ -42,6 +42,15 @@ Handle access_list(const Path& file) {
   return list;
 }
 
+/// Makes a creation list of an object that does not remember when it was made or changed: the same data is
+/// the same file, to the byte.
+Handle without_times(hid_t kind, const Path& file) {
+  quiet();
+  Handle list(H5Pcreate(kind), H5Pclose, file, "creation list");
+  H5Pset_obj_track_times(list, false);
+  return list;
+}
+
 }  // namespace
 
 void fail(const Path& file, const std::string& what) {
@@ -54,7 +63,8 @@ File File::create(const Path& path, Format format) {
   const Handle access = access_list(path);
   if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_file_locking(access, false, true);
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path,
+  const Handle creation = without_times(H5P_FILE_CREATE, path);
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, path,
               "cannot create the file");
   return File(path, std::move(file), true);
 }
@@ -120,7 +130,8 @@ bool File::exists(const std::string& name) const {
 }
 
 Handle File::group(const std::string& name, bool create) {
-  const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)
+  const Handle list = without_times(H5P_GROUP_CREATE, path_);
+  const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, list, H5P_DEFAULT)
                           : H5Gopen2(handle_, name.c_str(), H5P_DEFAULT);
   return {id, H5Gclose, path_, (create ? "cannot create group " : "has no group ") + name};
 }
@@ -132,8 +143,7 @@ Handle File::dataset(const std::string& name) const {
 Handle File::create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path_,
                      "shape of " + name);
-  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
-  H5Pset_obj_track_times(list, false);  // the same data is the same file, to the byte
+  const Handle list = without_times(H5P_DATASET_CREATE, path_);
   H5Pset_layout(list, H5D_CONTIGUOUS);
   H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
@@ -147,8 +157,7 @@ Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsi
   for (auto* v : {&now, &most, &chunk}) v->insert(v->end(), row.begin(), row.end());
   const int rank = static_cast<int>(now.size());
   const Handle space(H5Screate_simple(rank, now.data(), most.data()), H5Sclose, path_, "shape of " + name);
-  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
-  H5Pset_obj_track_times(list, false);
+  const Handle list = without_times(H5P_DATASET_CREATE, path_);
   H5Pset_chunk(list, rank, chunk.data());
   return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
           "cannot create dataset " + name};
@@ -267,8 +276,7 @@ void File::write_provenance(const Provenance& p) {
   const Handle type = string_type(p.case_text.size(), path_);
   mark_utf8(type, p.case_text);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, path_, "scalar");
-  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path_, "creation list");
-  H5Pset_obj_track_times(list, false);
+  const Handle list = without_times(H5P_DATASET_CREATE, path_);
   const Handle text(H5Dcreate2(g, "case_text", type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
                     "cannot create the case text");
   check(H5Dwrite(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, p.case_text.empty() ? "\0" : p.case_text.data()),

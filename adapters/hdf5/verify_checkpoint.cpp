@@ -1,43 +1,12 @@
 #include "adapters/hdf5/verify_checkpoint.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <optional>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "adapters/hdf5/together.hpp"
 
 namespace silt::adapters::hdf5 {
-
-std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
-  using R = rigid::BodyRecord;
-  std::vector<Column> columns{{"id", offsetof(R, id), Column::uint64},
-                              {"shape", offsetof(R, shape), Column::int32},
-                              {"material", offsetof(R, material), Column::int32},
-                              {"kind", offsetof(R, kind), Column::int32},
-                              {"motion", offsetof(R, motion), Column::uint8},
-                              {"mass", offsetof(R, mass), Column::float64},
-                              {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
-                              {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
-                              {"position", offsetof(R, position), Column::float64, 3},
-                              {"orientation", offsetof(R, orientation), Column::float64, 4},
-                              {"image", offsetof(R, image), Column::int32, 3},
-                              {"velocity", offsetof(R, velocity), Column::float64, 3},
-                              {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
-                              {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3}};
-  for (const HolderColumn& c : holder)
-    columns.push_back({c.name, offsetof(R, holder_state) + c.offset,
-                       c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.components});
-  return columns;
-}
-
-const std::vector<Column>& impulse_columns() {
-  static const std::vector<Column> columns{{"partner", offsetof(ImpulseRow, partner), Column::uint64},
-                                           {"image", offsetof(ImpulseRow, image), Column::int8, 3},
-                                           {"feature", offsetof(ImpulseRow, feature), Column::uint64},
-                                           {"impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
-  return columns;
-}
 
 std::vector<std::string> dataset_names(const File& file, const std::string& group) {
   std::vector<std::string> names;
@@ -49,28 +18,6 @@ std::vector<std::string> dataset_names(const File& file, const std::string& grou
   };
   file.check(H5Literate(g, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), "cannot list " + group);
   return names;
-}
-
-void write_checked(File& file, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
-                   const void* data, std::size_t bytes) {
-  const Handle d = file.create_contiguous(name, type, shape);
-  if (bytes > 0) file.check(H5Dwrite(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "cannot write " + name);
-  file.attribute(d, "checksum", block_checksum(data, bytes));
-}
-
-std::vector<std::byte> read_checked(const File& file, const std::string& name, hid_t type,
-                                    std::size_t bytes_a_row) {
-  const Handle d = file.dataset(name);
-  const auto shape = file.shape(d);
-  std::vector<std::byte> data((shape.empty() ? 1 : shape[0]) * bytes_a_row);
-  const Handle stored(H5Dget_type(d), H5Tclose, file.path(), "type of " + name);
-  if (H5Dget_storage_size(d) != data.size() || H5Tequal(stored, type) <= 0)
-    throw Error(file.path().string() + ": " + name + " has another type or size than this version writes");
-  if (!data.empty())
-    file.check(H5Dread(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), "cannot read " + name);
-  if (block_checksum(data.data(), data.size()) != file.uint_attribute(d, "checksum"))
-    throw Error(file.path().string() + ": the content of " + name + " does not match its checksum (altered)");
-  return data;
 }
 
 namespace {
@@ -115,59 +62,78 @@ void verify_metadata(const File& file) {
              "the file's structure is altered");
 }
 
-/// Whatever its type and the number of values a row.
-void verify_column(const File& file, const std::string& name) {
+/// The case text is small: one rank reads it whole.
+void verify_case_text(const File& file) {
+  const std::string name = "/provenance/case_text";
   const Handle d = file.dataset(name);
   const Handle type(H5Dget_type(d), H5Tclose, file.path(), "type of " + name);
-  const auto shape = file.shape(d);
-  std::size_t bytes = H5Tget_size(type);
-  for (std::size_t k = 1; k < shape.size(); ++k) bytes *= shape[k];
-  read_checked(file, name, type, bytes);
+  std::vector<std::byte> data(H5Tget_size(type));
+  if (H5Dget_storage_size(d) != data.size())
+    throw Error(file.path().string() + ": " + name + " has another size than this version writes");
+  file.check(H5Dread(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data.data()), "cannot read " + name);
+  if (block_checksum(data.data(), data.size()) != file.uint_attribute(d, "checksum"))
+    throw Error(file.path().string() + ": the content of " + name + " does not match its checksum (altered)");
 }
 
-void verify_tables(const File& file) {
-  for (const auto& [group, columns] :
-       {std::pair{std::string("/bodies"), record_columns()}, {std::string("/impulses"), impulse_columns()}}) {
-    if (!file.exists(group)) continue;
-    for (const Column& c : columns) read_checked(file, group + '/' + c.name, c.memory_type(), c.bytes());
-    for (const std::string& name : dataset_names(file, group)) verify_column(file, group + '/' + name);
+/// A dataset as leading x planes x values: [q][z][y][x] and [z][y][x] of cells, [row][component] of tables.
+struct Planes {
+  hsize_t leading = 1, planes = 0, values = 1;  // values: of a plane
+  std::vector<hsize_t> shape;
+
+  explicit Planes(std::vector<hsize_t> of) : shape(std::move(of)) {
+    const std::size_t axis = shape.size() == 4 ? 1 : 0;
+    if (axis == 1) leading = shape[0];
+    planes = shape[axis];
+    for (std::size_t k = axis + 1; k < shape.size(); ++k) values *= shape[k];
   }
-  const Handle text = file.dataset("/provenance/case_text");
-  const Handle type(H5Dget_type(text), H5Tclose, file.path(), "type of the case text");
-  read_checked(file, "/provenance/case_text", type, H5Tget_size(type));
-}
+  /// Selects n planes.
+  Handle select(const File& file, hid_t dataset, hsize_t q, hsize_t first, hsize_t n) const {
+    Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
+    std::vector<hsize_t> start(shape.size(), 0), count = shape;
+    const std::size_t axis = shape.size() == 4 ? 1 : 0;
+    if (axis == 1) start[0] = q, count[0] = 1;
+    start[axis] = first;
+    count[axis] = n;
+    file.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+               "cannot select planes");
+    return space;
+  }
+};
 
-/// Returns this rank's share of a cell dataset's checksum, that of every `ranks`-th piece of consecutive
-/// planes.
-std::uint64_t partial_checksum(const File& file, const std::string& name, int rank, int ranks) {
-  constexpr std::size_t piece_bytes = std::size_t{32} << 20;
-  const Handle d = file.dataset(name);
-  const Handle type(H5Dget_type(d), H5Tclose, file.path(), "type of " + name);
-  const std::size_t value = H5Tget_size(type);
-  auto shape = file.shape(d);
-  if (shape.size() == 3) shape.insert(shape.begin(), 1);
-  const std::size_t plane = shape[2] * shape[3], planes = shape[1];
-  const std::size_t step =
-      std::clamp<std::size_t>(piece_bytes / std::max<std::size_t>(plane * value, 1), 1, planes);
-  std::vector<std::byte> data;
-  std::uint64_t sum = 0, piece = 0;
-  for (std::size_t q = 0; q < shape[0]; ++q)
-    for (std::size_t z = 0; z < planes; z += step, ++piece) {
-      if (piece % ranks != static_cast<std::uint64_t>(rank)) continue;
-      const hsize_t n = std::min(step, planes - z);
-      const hsize_t values = n * plane;
-      const Handle space(H5Dget_space(d), H5Sclose, file.path(), "shape of " + name);
-      std::vector<hsize_t> start{q, z, 0, 0}, count{1, n, shape[2], shape[3]};
-      const std::size_t skip = 4 - H5Sget_simple_extent_ndims(space);
-      H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data() + skip, nullptr, count.data() + skip, nullptr);
-      const Handle memory(H5Screate_simple(1, &values, nullptr), H5Sclose, file.path(), "memory shape");
-      data.resize(values * value);
-      file.check(H5Dread(d, type, memory, space, H5P_DEFAULT, data.data()),
-                 "cannot read " + name + " (truncated?)");
-      sum += run_checksum(value, data.data(), values, (q * planes + z) * plane);
-    }
-  return sum;
-}
+/// Adds up checksums of pieces, of which each rank takes every `ranks`-th, whatever dataset they belong to.
+class PieceSums {
+ public:
+  PieceSums(const File& file, int rank, int ranks) : file_(file), rank_(rank), ranks_(ranks) {}
+
+  /// Returns this rank's share of a dataset's checksum.
+  std::uint64_t of(const std::string& name) {
+    constexpr std::size_t piece_bytes = std::size_t{8} << 20;
+    const Handle d = file_.dataset(name);
+    const Handle type(H5Dget_type(d), H5Tclose, file_.path(), "type of " + name);
+    const std::size_t value = H5Tget_size(type);
+    const Planes all(file_.shape(d));
+    const hsize_t step = std::max<hsize_t>(1, piece_bytes / std::max<hsize_t>(all.values * value, 1));
+    std::uint64_t sum = 0;
+    for (hsize_t q = 0; q < all.leading; ++q)
+      for (hsize_t first = 0; first < all.planes; first += step) {
+        if (piece_++ % ranks_ != static_cast<std::uint64_t>(rank_)) continue;
+        const hsize_t n = std::min(step, all.planes - first), values = n * all.values;
+        const Handle space = all.select(file_, d, q, first, n);
+        const Handle memory(H5Screate_simple(1, &values, nullptr), H5Sclose, file_.path(), "memory shape");
+        data_.resize(values * value);
+        file_.check(H5Dread(d, type, memory, space, H5P_DEFAULT, data_.data()),
+                    "cannot read " + name + " (truncated?)");
+        sum += run_checksum(value, data_.data(), values, (q * all.planes + first) * all.values);
+      }
+    return sum;
+  }
+
+ private:
+  const File& file_;
+  int rank_, ranks_;
+  std::uint64_t piece_ = 0;
+  std::vector<std::byte> data_;
+};
 
 }  // namespace
 
@@ -181,23 +147,28 @@ void verify_checkpoint(MPI_Comm comm, const Path& path) {
     file.emplace(File::open(path, false));
     verify_head(*file);
     verify_metadata(*file);
-    verify_tables(*file);
+    verify_case_text(*file);
   });
   together(comm, [&] {
     if (!file) file.emplace(File::open(path, false));
   });
   std::vector<std::string> names;
-  together(comm, [&] { names = dataset_names(*file, "/cells"); });
-  for (const std::string& name : names) {
-    std::uint64_t mine = 0, sum = 0;
-    together(comm, [&] { mine = partial_checksum(*file, "/cells/" + name, rank, ranks); });
-    MPI_Reduce(&mine, &sum, 1, MPI_UINT64_T, MPI_SUM, 0, comm);
-    on_rank_0(comm, [&] {
-      if (sum != file->uint_attribute(file->dataset("/cells/" + name), "checksum"))
-        throw Error(path.string() + ": the content of /cells/" + name +
+  std::vector<std::uint64_t> mine, sums;
+  together(comm, [&] {
+    for (const char* group : {"/cells", "/bodies", "/impulses"})
+      for (const std::string& name : dataset_names(*file, group))
+        names.push_back(std::string(group) + '/' + name);
+    PieceSums pieces(*file, rank, ranks);
+    for (const std::string& name : names) mine.push_back(pieces.of(name));
+  });
+  sums.resize(mine.size());
+  MPI_Reduce(mine.data(), sums.data(), static_cast<int>(mine.size()), MPI_UINT64_T, MPI_SUM, 0, comm);
+  on_rank_0(comm, [&] {
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (sums[k] != file->uint_attribute(file->dataset(names[k]), "checksum"))
+        throw Error(path.string() + ": the content of " + names[k] +
                     " does not match its checksum (altered)");
-    });
-  }
+  });
 }
 
 }  // namespace silt::adapters::hdf5

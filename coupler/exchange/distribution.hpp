@@ -40,7 +40,6 @@ struct ParallelBodyExchange::Distribution {
   // ---- synchronise_bodies.cpp ----
   void synchronise(rigid::BodySet&, Owners);
   void sum_forces(rigid::BodySet&);
-  void distribute(rigid::BodySet&);
   /// Ranks that hold a body, its owner among them, sorted.
   void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
 

@@ -59,11 +59,6 @@ double ParallelBodyExchange::reach() const {
   return distribution_ ? distribution_->reach : 0;
 }
 
-void ParallelBodyExchange::distribute(rigid::BodySet& bodies) {
-  wrap_positions(bodies);
-  if (distribution_) distribution_->distribute(bodies);
-}
-
 int ParallelBodyExchange::rank_at(const rigid::Vec3& x_W) const {
   return distribution_ ? distribution_->holders.rank_at(x_W) : 0;
 }

@@ -53,9 +53,6 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   void relocate(rigid::BodySet&);
   /// How far around its blocks a rank's bodies may reach, cells: at least as far as the next blocks.
   double reach() const;
-  /// From a body set in which every rank has every body as `owned` (as at the start of a run) to a
-  /// distributed one.
-  void distribute(rigid::BodySet&);
 
   /// Sums `width` integers a row from copies into their owners' rows (exact in any order); copies' entries
   /// become zero.

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "coupler/exchange/distribution.hpp"
+#include "coupler/exchange/impulse_bytes.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -53,13 +54,6 @@ void assign(BodySet& bodies, std::size_t row, const State& s) {
   std::copy_n(s.image, 3, bodies.image[row].begin());
 }
 
-struct PackedImpulse {
-  BodyId partner;
-  std::uint64_t feature;
-  double impulse[3];
-  std::int8_t image[8];
-};
-
 void put_handover(Bytes& to, const BodySet& bodies, std::size_t row, const std::vector<int>& holders,
                   int owner) {
   put(to, bodies.force[row].q);
@@ -69,13 +63,7 @@ void put_handover(Bytes& to, const BodySet& bodies, std::size_t row, const std::
     if (r != owner) others.push_back(r);
   put(to, static_cast<std::uint64_t>(others.size()));
   put(to, std::span<const int>(others));
-  const auto& impulses = bodies.stored_impulses[row];
-  put(to, static_cast<std::uint64_t>(impulses.size()));
-  for (const rigid::StoredImpulse& s : impulses)
-    put(to, PackedImpulse{s.partner,
-                          s.feature,
-                          {s.impulse[0], s.impulse[1], s.impulse[2]},
-                          {s.image.x, s.image.y, s.image.z}});
+  put_impulses(to, bodies.stored_impulses[row]);
 }
 
 void take_handover(ByteReader& from, Traveller& t) {
@@ -83,14 +71,7 @@ void take_handover(ByteReader& from, Traveller& t) {
   t.torque.q = from.take<decltype(t.torque.q)>();
   t.holders.resize(from.take<std::uint64_t>());
   from.take(std::span(t.holders));
-  t.impulses.resize(from.take<std::uint64_t>());
-  for (rigid::StoredImpulse& s : t.impulses) {
-    const auto p = from.take<PackedImpulse>();
-    s = {p.partner,
-         {p.image[0], p.image[1], p.image[2]},
-         p.feature,
-         {p.impulse[0], p.impulse[1], p.impulse[2]}};
-  }
+  t.impulses = take_impulses(from);
 }
 
 void include(std::vector<int>& sorted, int rank) {
@@ -307,49 +288,6 @@ bool ParallelBodyExchange::Distribution::settle(BodySet& bodies, Arrivals& arriv
     ++counters.copies_made;
   }
   return changed;
-}
-
-/// Every rank has everything: each keeps its part.
-void ParallelBodyExchange::Distribution::distribute(BodySet& bodies) {
-  held_by.clear();
-  owner_of.clear();
-  velocity_messages_.clear();
-  std::vector<std::size_t> own, copies;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const int owner = holders.rank_at(bodies.position[row]);
-    find_holders(bodies.shape[row], bodies.pose(row), ranks_);
-    if (!std::binary_search(ranks_.begin(), ranks_.end(), rank)) continue;
-    if (owner != rank) {
-      copies.push_back(row);
-      owner_of[bodies.id[row]] = owner;
-      continue;
-    }
-    own.push_back(row);
-    if (ranks_.size() == 1) continue;
-    std::erase(ranks_, rank);
-    held_by[bodies.id[row]] = ranks_;
-  }
-  BodySet kept;
-  kept.resize(own.size() + copies.size() + bodies.walls);
-  kept.owned = own.size();
-  kept.copies = copies.size();
-  kept.walls = bodies.walls;
-  std::size_t to = 0;
-  for (const auto* rows : {&own, &copies})
-    for (const std::size_t row : *rows) {
-      kept.assign(to, bodies.record(row));
-      if (rows == &own) {
-        kept.force[to] = bodies.force[row];
-        kept.torque[to] = bodies.torque[row];
-        kept.stored_impulses[to] = std::move(bodies.stored_impulses[row]);
-      }
-      ++to;
-    }
-  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
-    kept.assign(to++, bodies.record(row));
-  bodies = std::move(kept);
-  bodies.reindex();
-  tie(bodies);
 }
 
 }  // namespace silt::coupler

@@ -103,9 +103,10 @@ constexpr HolderColumn coupling_columns[] = {
     {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3}};
 
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
-  std::vector<rigid::BodyRecord> records;
-  for (std::size_t row = 0; row < bodies.owned; ++row) records.push_back(bodies.record(row));
-  writer.bodies(records, std::span(bodies.stored_impulses).first(bodies.owned), coupling_columns);
+  using Impulses = std::vector<rigid::StoredImpulse>;
+  writer.bodies({bodies.owned, [&](std::size_t row) { return bodies.record(row); },
+                 [&](std::size_t row) -> const Impulses& { return bodies.stored_impulses[row]; }},
+                coupling_columns);
 }
 
 // ---- the case ----
@@ -172,7 +173,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
   state.fluid_speed = reader.number("fluid_speed");
-  auto bodies = reader.bodies([](const rigid::BodyRecord&) { return true; }, coupling_columns);
+  auto bodies = reader.bodies(coupling_columns);
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
   state.mass_correction = {reader.integer("mass_correction.surplus"),

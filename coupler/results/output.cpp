@@ -198,11 +198,9 @@ void BodyOutput::append(const Simulation& simulation) {
   const rigid::BodySet& bodies = simulation.bodies();
   const Units& units = simulation.setup().units;
   const auto loads = simulation.last_loads();
-  std::vector<adapters::BodyRow> rows;
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    rows.push_back(body_row(bodies, row, loads[row], units));
   const std::int64_t step = simulation.steps_done();
-  series_->append(step, static_cast<double>(step) * units.time_step, rows);
+  series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned,
+                  [&](std::size_t row) { return body_row(bodies, row, loads[row], units); });
 }
 
 }  // namespace silt::coupler

@@ -52,11 +52,15 @@ std::vector<BodyRow> bodies(int step, int rank, int ranks) {
   return rows;
 }
 
+void append(BodySeries& series, std::int64_t step, double time, const std::vector<BodyRow>& rows) {
+  series.append(step, time, rows.size(), [&](std::size_t i) { return rows[i]; });
+}
+
 void append(MPI_Comm comm, BodySeries& series, int first, int last) {
   int r = 0, n = 1;
   MPI_Comm_rank(comm, &r);
   MPI_Comm_size(comm, &n);
-  for (int step = first; step <= last; ++step) series.append(10 * step, 0.5 * step, bodies(step, r, n));
+  for (int step = first; step <= last; ++step) append(series, 10 * step, 0.5 * step, bodies(step, r, n));
 }
 
 TEST(BodySeries, is_the_same_on_any_number_of_ranks) {
@@ -88,9 +92,9 @@ TEST(BodySeries, errors_reach_every_rank) {
   auto series = BodySeries::create(MPI_COMM_WORLD, scratch / "b.h5", info, {});
   std::vector<BodyRow> twice(2);
   for (BodyRow& row : twice) row.id = 5;
-  EXPECT_TEXT(error_of([&] { series.append(0, 0, twice); }), "body 5 has two owners in step 0");
-  series.append(3, 0, {});
-  EXPECT_TEXT(error_of([&] { series.append(3, 0, {}); }), "step 3 does not come after step 3");
+  EXPECT_TEXT(error_of([&] { append(series, 0, 0, twice); }), "body 5 has two owners in step 0");
+  append(series, 3, 0, {});
+  EXPECT_TEXT(error_of([&] { append(series, 3, 0, {}); }), "step 3 does not come after step 3");
   EXPECT_TEXT(error_of([&] { BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "c.h5", 0); }), "c.h5");
   EXPECT_TEXT(error_of([&] { BodySeries::create(MPI_COMM_WORLD, scratch / "no" / "b.h5", info, {}); }),
               "cannot open or create: No such file or directory");

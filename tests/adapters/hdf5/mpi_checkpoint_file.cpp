@@ -17,7 +17,6 @@ using adapters::CheckpointReader;
 using adapters::CheckpointWriter;
 using rigid::BodyRecord;
 using rigid::StoredImpulse;
-using Impulses = std::vector<std::vector<StoredImpulse>>;
 
 constexpr std::array<int, 3> cells{11, 6, 9};
 constexpr int populations = 19, bodies_in_all = 37;
@@ -151,13 +150,12 @@ void write(const Layout& layout, const std::filesystem::path& path, int keep = 0
   int r = 0, n = 1;
   MPI_Comm_rank(layout.comm, &r);
   MPI_Comm_size(layout.comm, &n);
-  std::vector<BodyRecord> records;
-  Impulses lists;
+  BodyList owned;
   for (int id = bodies_in_all - r; id > 0; id -= n) {
-    records.push_back(record(id));
-    lists.push_back(impulses(id));
+    owned.records.push_back(record(id));
+    owned.impulses.push_back(impulses(id));
   }
-  writer.bodies(records, lists, kept_columns);
+  writer.bodies(owned.rows(), kept_columns);
   writer.commit(keep);
 }
 
@@ -180,10 +178,14 @@ void expect_whole(const Layout& layout, const std::filesystem::path& path) {
   });
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(reader.body_count(), std::size_t(bodies_in_all));
-  const auto found = reader.bodies([](const BodyRecord& r) { return r.id % 2 == 1; }, kept_columns);
-  ASSERT_EQ(found.records.size(), std::size_t(bodies_in_all + 1) / 2);
+  const auto found = reader.bodies(kept_columns);
+  int r = 0, n = 1;
+  MPI_Comm_rank(layout.comm, &r);
+  MPI_Comm_size(layout.comm, &n);
+  const std::size_t first = bodies_in_all * r / n;
+  ASSERT_EQ(found.records.size(), std::size_t(bodies_in_all * (r + 1) / n) - first);
   for (std::size_t i = 0; i < found.records.size(); ++i) {
-    const std::uint64_t id = 2 * i + 1;
+    const std::uint64_t id = first + i + 1;
     expect_equal(found.records[i], record(id));
     const auto expected = impulses(id);
     ASSERT_EQ(found.impulses[i].size(), expected.size());
@@ -338,10 +340,64 @@ TEST(Checkpoint, asks_for_the_precision_it_was_written_in) {
 
 TEST(Checkpoint, an_owner_too_many_is_an_error) {
   const Scratch scratch;
-  const std::vector<BodyRecord> records(2, record(7));
-  const Impulses lists(2);
-  CheckpointWriter writer(MPI_COMM_WORLD, adapters::checkpoint_path(scratch.path(), 1), {});
-  EXPECT_TEXT(error_of([&] { writer.bodies(records, lists); }), "body 7 has two owners");
+  const auto error = [&](const BodyList& owned) {
+    CheckpointWriter writer(MPI_COMM_WORLD, adapters::checkpoint_path(scratch.path(), 1), {});
+    return error_of([&] { writer.bodies(owned.rows()); });
+  };
+  EXPECT_TEXT(error({std::vector<BodyRecord>(2, record(7)), {{}, {}}}), "body 7 has two owners");
+  // on the first and the last rank, among many: the least is named
+  BodyList owned;
+  for (int i = 0; i < 100; ++i) owned.records.push_back(record(1 + 100 * rank() + i));
+  for (const int id : {90, 60})
+    if (rank() == ranks() - 1) owned.records.push_back(record(id));
+  owned.impulses.resize(owned.records.size());
+  EXPECT_TEXT(error(owned), "body 60 has two owners");
+}
+
+/// Ids that leave gaps, one of them far from all others, on any number of ranks; a rank without any.
+TEST(Checkpoint, is_the_same_file_from_any_number_of_ranks) {
+  const Scratch scratch;
+  const auto write_all = [&](MPI_Comm comm, const char* name) {
+    int r = 0, n = 1;
+    MPI_Comm_rank(comm, &r);
+    MPI_Comm_size(comm, &n);
+    BodyList owned;
+    for (std::uint64_t k = 0; k < 1000; ++k) {
+      const std::uint64_t id =
+          k == 999 ? std::uint64_t{1} << 40 : 5 + k * k % 997 + 1000 * (k % 7) + 10000 * k;
+      if (int(id % (n > 2 ? n - 1 : n)) != r) continue;
+      owned.records.push_back(record(id));
+      owned.impulses.push_back(impulses(id));
+    }
+    const std::vector<CellBox> boxes = blocks_of(r, n, cells, {4, 6, 5});
+    CheckpointWriter writer(comm, scratch / name,
+                            {"0.1.0", "abc", "t", "text", 3, "auto", "g++", "host", "now"});
+    writer.set("step", std::int64_t{7});
+    write_populations<float>(writer, boxes);
+    writer.bodies(owned.rows(), kept_columns);
+    writer.commit(0);
+    usleep(1100000);  // the time of day must not be in it either
+  };
+  write_all(MPI_COMM_WORLD, "many.h5");
+  if (rank() == 0) {
+    write_all(MPI_COMM_SELF, "one.h5");
+    EXPECT_GT(content(scratch / "one.h5").size(), 1000u * 400);
+    EXPECT_TRUE(content(scratch / "one.h5") == content(scratch / "many.h5"));
+  }
+}
+
+TEST(Checkpoint, of_no_bodies) {
+  const Scratch scratch;
+  const auto path = scratch / "none.h5";
+  {
+    CheckpointWriter writer(MPI_COMM_WORLD, path, {});
+    const BodyList none;
+    writer.bodies(none.rows());
+    writer.commit(0);
+  }
+  const CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_EQ(reader.body_count(), 0u);
+  EXPECT_TRUE(reader.bodies().records.empty());
 }
 
 // For killed_checkpoint.py, which sets the variable.

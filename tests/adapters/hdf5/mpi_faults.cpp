@@ -49,10 +49,10 @@ void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const st
   });
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  std::vector<rigid::BodyRecord> records(2);
-  const std::vector<std::vector<rigid::StoredImpulse>> impulses(2);
-  for (int i = 0; i < 2; ++i) records[i].id = 2 * rank + i;
-  writer.bodies(records, impulses);
+  BodyList owned{std::vector<rigid::BodyRecord>(2), {{}, {}}};
+  for (int i = 0; i < 2; ++i) owned.records[i].id = 2 * rank + i;
+  owned.impulses[1] = {{7, {1, 0, -1}, 3, rigid::Vec3(1, 2, 3)}};
+  writer.bodies(owned.rows());
   writer.commit(1);
 }
 
@@ -107,19 +107,24 @@ TEST(FullDisk, is_told_of_a_field_file) {
 TEST(FullDisk, leaves_a_series_that_goes_on_when_there_is_room) {
   const Scratch scratch;
   auto series = adapters::BodySeries::create(MPI_COMM_WORLD, scratch / "bodies.h5", {}, {});
-  std::vector<adapters::BodyRow> rows(100);
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].id = 100 * rank() + i;
+  const auto append = [&](adapters::BodySeries& to, int step) {
+    to.append(step, 0, 100, [](std::size_t i) {
+      adapters::BodyRow row{};
+      row.id = 100 * rank() + i;
+      return row;
+    });
+  };
   int step = 0;
   std::string error;
   {
     const FullDisk full(std::filesystem::file_size(scratch / "bodies.h5") + 2000000);
-    while (error.empty() && step < 1000) error = error_of([&] { series.append(step++, 0, rows); });
+    while (error.empty() && step < 1000) error = error_of([&] { append(series, step++); });
   }
   EXPECT_TEXT(error, "bodies.h5: cannot");
   const int whole = step - 1;
   auto resumed = adapters::BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "bodies.h5", 1000);
   EXPECT_TRUE(rank() != 0 || resumed.times() == std::size_t(whole)) << resumed.times() << " of " << whole;
-  resumed.append(step, 0, rows);
+  append(resumed, step);
 }
 
 /// Whether a checkpoint says what write_checkpoint wrote.
@@ -130,10 +135,11 @@ bool is_whole(const adapters::CheckpointReader& reader, const CellBox& box) {
       wrong += in[i] != 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
     });
   });
-  const auto bodies = reader.bodies([](const auto&) { return true; });
+  const auto bodies = reader.bodies();
   return wrong == 0 && reader.integer("step") == 77 && reader.text("label") == "some text" &&
          reader.case_text() == "text\n" && bodies.records.size() == 2 && bodies.records[1].id == 1 &&
-         bodies.records[1].mass == 1;
+         bodies.records[1].mass == 1 && bodies.impulses[0].empty() && bodies.impulses[1].size() == 1 &&
+         bodies.impulses[1][0].impulse == rigid::Vec3(1, 2, 3);
 }
 
 TEST(Damage, of_a_single_byte_is_found_or_harmless) {

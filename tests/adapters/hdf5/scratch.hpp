@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "adapters/hdf5/boxes.hpp"
+#include "adapters/hdf5/checkpoint_file.hpp"
 #include "tests/world.hpp"
 
 namespace silt::tests {
@@ -66,6 +67,17 @@ inline std::vector<adapters::CellBox> blocks_of(int rank, int ranks, std::array<
     if ((in_turn ? i % ranks : i * ranks / n) == rank) mine.push_back(all[i]);
   return mine;
 }
+
+/// Bodies with their impulses, for a checkpoint.
+struct BodyList {
+  std::vector<rigid::BodyRecord> records;
+  std::vector<std::vector<rigid::StoredImpulse>> impulses;
+
+  adapters::OwnedRows rows() const {
+    return {records.size(), [this](std::size_t i) { return records[i]; },
+            [this](std::size_t i) -> const std::vector<rigid::StoredImpulse>& { return impulses[i]; }};
+  }
+};
 
 /// Calls f(x, y, z, i) for every cell of a box, i counting them with x fastest.
 template <class F>

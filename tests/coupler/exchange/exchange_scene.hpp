@@ -1,6 +1,6 @@
 #pragma once
-// Dry scenes for the tests of the body exchange: the same bodies on every rank to start with, to be run on
-// all ranks or, as the reference, by each rank alone.
+// Dry scenes for the tests of the body exchange: described alike on every rank, to be run on all ranks or, as
+// the reference, by each rank alone.
 #include <algorithm>
 #include <bit>
 #include <memory>
@@ -152,7 +152,8 @@ struct SceneRun {
         backend(std::move(collision)),
         resolver(rigid::make_resolver(law, scene.settings)),
         step(scene.world, *backend, *resolver, exchange) {
-    exchange.distribute(scene.bodies);
+    drop_others();
+    exchange.synchronise(scene.bodies);
   }
   rigid::BodySet& bodies() { return scene.bodies; }
   void advance(double dt = 1) {
@@ -162,6 +163,15 @@ struct SceneRun {
     sweeps += report.resolver.sweeps;
   }
   std::uint64_t hash() { return records_hash(comm, scene.bodies); }
+
+ private:
+  /// Bodies whose centres other ranks hold.
+  void drop_others() {
+    rigid::BodySet& b = scene.bodies;
+    for (std::size_t row = b.owned; row-- > 0;)
+      if (exchange.rank_at(b.position[row]) != exchange.rank()) b.erase(row), --b.owned;
+    b.reindex();
+  }
 };
 
 /// Spheres of three sizes and boxes on a lattice of places, all of them moving: a gas that never rests.

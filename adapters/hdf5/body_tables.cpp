@@ -1,0 +1,274 @@
+#include "adapters/hdf5/body_tables.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+
+#include "adapters/hdf5/checksum.hpp"
+#include "adapters/hdf5/order_by_id.hpp"
+#include "adapters/hdf5/together.hpp"
+
+namespace silt::adapters::hdf5 {
+
+std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
+  using R = rigid::BodyRecord;
+  std::vector<Column> columns{{"id", offsetof(R, id), Column::uint64},
+                              {"shape", offsetof(R, shape), Column::int32},
+                              {"material", offsetof(R, material), Column::int32},
+                              {"kind", offsetof(R, kind), Column::int32},
+                              {"motion", offsetof(R, motion), Column::uint8},
+                              {"mass", offsetof(R, mass), Column::float64},
+                              {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
+                              {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
+                              {"position", offsetof(R, position), Column::float64, 3},
+                              {"orientation", offsetof(R, orientation), Column::float64, 4},
+                              {"image", offsetof(R, image), Column::int32, 3},
+                              {"velocity", offsetof(R, velocity), Column::float64, 3},
+                              {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
+                              {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3}};
+  for (const HolderColumn& c : holder)
+    columns.push_back({c.name, offsetof(R, holder_state) + c.offset,
+                       c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.components});
+  return columns;
+}
+
+const std::vector<Column>& impulse_columns() {
+  static const std::vector<Column> columns{{"partner", offsetof(ImpulseRow, partner), Column::uint64},
+                                           {"image", offsetof(ImpulseRow, image), Column::int8, 3},
+                                           {"feature", offsetof(ImpulseRow, feature), Column::uint64},
+                                           {"impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
+  return columns;
+}
+
+const Column& impulse_count_column() {
+  static const Column column{"impulse_count", 0, Column::uint64};
+  return column;
+}
+
+namespace {
+
+const std::string bodies_group = "/bodies", impulses_group = "/impulses";
+
+IdOrder order_of(MPI_Comm comm, const Path& path, const OwnedRows& owned) {
+  std::vector<std::uint64_t> ids;
+  together(comm, [&] {
+    for (std::size_t i = 0; i < owned.n; ++i) ids.push_back(owned.record(i).id);
+  });
+  IdOrder order = order_by_id(comm, ids);
+  if (order.twice) throw Error(path.string() + ": body " + std::to_string(*order.twice) + " has two owners");
+  return order;
+}
+
+std::vector<std::uint64_t> as_numbers(const std::vector<std::byte>& bytes) {
+  std::vector<std::uint64_t> numbers(bytes.size() / sizeof(std::uint64_t));
+  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  return numbers;
+}
+std::vector<std::byte> as_bytes(const std::vector<std::uint64_t>& numbers) {
+  const auto bytes = std::as_bytes(std::span(numbers));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Where the impulses of this rank's bodies go: before each body's come those of all smaller ids.
+struct ImpulseOrder {
+  std::vector<std::uint64_t> counts;
+  std::vector<SliceExchange::Run> places;
+  std::uint64_t total = 0;
+};
+
+ImpulseOrder impulse_order_of(MPI_Comm comm, const OwnedRows& owned, const IdOrder& order,
+                              const SliceExchange& bodies) {
+  ImpulseOrder impulses;
+  for (const std::size_t i : order.rows) impulses.counts.push_back(owned.impulses(i).size());
+  constexpr std::size_t width = sizeof(std::uint64_t);
+  std::vector<std::uint64_t> slice = as_numbers(bodies.to_slice(width, as_bytes(impulses.counts)));
+  std::uint64_t mine = std::accumulate(slice.begin(), slice.end(), std::uint64_t{0}), before = 0;
+  MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, comm);
+  MPI_Allreduce(&mine, &impulses.total, 1, MPI_UINT64_T, MPI_SUM, comm);
+  std::exclusive_scan(slice.begin(), slice.end(), slice.begin(), before);
+  const auto first = as_numbers(bodies.from_slice(width, as_bytes(slice)));
+  for (std::size_t k = 0; k < first.size(); ++k)
+    if (impulses.counts[k] > 0) impulses.places.push_back({first[k], impulses.counts[k]});
+  return impulses;
+}
+
+ImpulseRow row_of(const rigid::StoredImpulse& s) {
+  ImpulseRow r{};
+  r.partner = s.partner;
+  r.image[0] = s.image.x, r.image[1] = s.image.y, r.image[2] = s.image.z;
+  r.feature = s.feature;
+  for (int d = 0; d < 3; ++d) r.impulse[d] = s.impulse[d];
+  return r;
+}
+
+std::vector<std::byte> gather_impulses(const Column& c, const OwnedRows& owned, const IdOrder& order) {
+  std::vector<std::byte> packed;
+  for (const std::size_t i : order.rows) {
+    const auto& list = owned.impulses(i);
+    const auto more =
+        gather_column<ImpulseRow>(c, list.size(), [&](std::size_t k) { return row_of(list[k]); });
+    packed.insert(packed.end(), more.begin(), more.end());
+  }
+  return packed;
+}
+
+void create_table(File& file, const std::string& group, const std::vector<Column>& columns,
+                  std::uint64_t rows) {
+  file.group(group, true);
+  for (const Column& c : columns) {
+    std::vector<hsize_t> shape{rows};
+    if (c.components > 1) shape.push_back(c.components);
+    file.create_contiguous(group + '/' + c.name, c.memory_type(), shape);
+  }
+}
+
+std::uint64_t bytes_of(const std::vector<Column>& columns, std::uint64_t rows) {
+  std::uint64_t bytes = 0;
+  for (const Column& c : columns) bytes += c.bytes() * rows;
+  return bytes;
+}
+
+/// Writes columns slice by slice, and adds up their checksums.
+class ColumnWriter {
+ public:
+  ColumnWriter(MPI_Comm comm, const Path& path) : comm_(comm) {
+    together(comm_, [&] { file_.emplace(File::open_parallel(comm_, path, true)); });
+  }
+  void write(const std::string& group, const Column& c, const SliceExchange& slices,
+             const std::vector<std::byte>& values) {
+    Handle dataset;
+    together(comm_, [&] { dataset = file_->dataset(group + '/' + c.name); });
+    const auto slice = slices.to_slice(c.bytes(), values);
+    together(comm_,
+             [&] { write_rows(*file_, dataset, c, slices.slice_begin(), slices.slice_size(), slice); });
+    names_.push_back(group + '/' + c.name);
+    sums_.push_back(run_checksum(c.value_bytes(), slice.data(), slices.slice_size() * c.components,
+                                 slices.slice_begin() * c.components));
+  }
+  std::map<std::string, std::uint64_t> close() {
+    together(comm_, [&] { file_->close(); });
+    std::vector<std::uint64_t> all(sums_.size());
+    MPI_Reduce(sums_.data(), all.data(), static_cast<int>(all.size()), MPI_UINT64_T, MPI_SUM, 0, comm_);
+    std::map<std::string, std::uint64_t> checksums;
+    for (std::size_t k = 0; k < all.size(); ++k) checksums[names_[k]] = all[k];
+    return checksums;
+  }
+
+ private:
+  MPI_Comm comm_;
+  std::optional<File> file_;
+  std::vector<std::string> names_;
+  std::vector<std::uint64_t> sums_;
+};
+
+}  // namespace
+
+std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path& path,
+                                                       const std::function<File(std::uint64_t bytes)>& open,
+                                                       const OwnedRows& owned,
+                                                       std::span<const HolderColumn> holder) {
+  const IdOrder order = order_of(comm, path, owned);
+  const SliceExchange bodies(comm, order.total, order.places);
+  const ImpulseOrder impulse_order = impulse_order_of(comm, owned, order, bodies);
+  const SliceExchange impulses(comm, impulse_order.total, impulse_order.places);
+  const std::vector<Column> columns = record_columns(holder);
+  on_rank_0(comm, [&] {
+    File file = open(bytes_of(columns, order.total) + sizeof(std::uint64_t) * order.total +
+                     bytes_of(impulse_columns(), impulse_order.total));
+    create_table(file, bodies_group, columns, order.total);
+    file.create_contiguous(bodies_group + '/' + impulse_count_column().name,
+                           impulse_count_column().memory_type(), {order.total});
+    create_table(file, impulses_group, impulse_columns(), impulse_order.total);
+    file.close();
+  });
+  ColumnWriter writer(comm, path);
+  for (const Column& c : columns)
+    writer.write(bodies_group, c, bodies, gather_column<rigid::BodyRecord>(c, owned.n, [&](std::size_t k) {
+                   return owned.record(order.rows[k]);
+                 }));
+  writer.write(bodies_group, impulse_count_column(), bodies, as_bytes(impulse_order.counts));
+  for (const Column& c : impulse_columns())
+    writer.write(impulses_group, c, impulses, gather_impulses(c, owned, order));
+  return writer.close();
+}
+
+namespace {
+
+/// Calls take(column, values) for the rows [first, first + n) of each column.
+template <class Take>
+void read_columns(const File& file, const std::string& group, const std::vector<Column>& columns,
+                  std::uint64_t rows, std::uint64_t first, std::uint64_t n, Take&& take) {
+  for (const Column& c : columns) {
+    const Handle dataset = file.dataset(group + '/' + c.name);
+    std::vector<hsize_t> shape{rows};
+    if (c.components > 1) shape.push_back(c.components);
+    if (file.shape(dataset) != shape)
+      throw Error(file.path().string() + ": " + group + '/' + c.name +
+                  " has another shape than this version writes");
+    take(c, read_rows(file, dataset, c, first, n));
+  }
+}
+
+std::uint64_t rows_in(const File& file, const std::string& group, const Column& c) {
+  return file.shape(file.dataset(group + '/' + c.name))[0];
+}
+
+/// The impulses of bodies that have so many, from row `first` on.
+std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const File& file,
+                                                             const std::vector<std::uint64_t>& counts,
+                                                             std::uint64_t first, std::uint64_t n) {
+  std::vector<ImpulseRow> rows(n);
+  const auto& columns = impulse_columns();
+  read_columns(file, impulses_group, columns, rows_in(file, impulses_group, columns[0]), first, n,
+               [&](const Column& c, const auto& values) {
+                 scatter_column(c, values, rows.data(), sizeof(ImpulseRow));
+               });
+  std::vector<std::vector<rigid::StoredImpulse>> lists(counts.size());
+  const ImpulseRow* r = rows.data();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    lists[i].reserve(counts[i]);
+    for (std::uint64_t k = 0; k < counts[i]; ++k, ++r)
+      lists[i].push_back({r->partner,
+                          {r->image[0], r->image[1], r->image[2]},
+                          r->feature,
+                          rigid::Vec3(r->impulse[0], r->impulse[1], r->impulse[2])});
+  }
+  return lists;
+}
+
+}  // namespace
+
+CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
+                                          std::span<const HolderColumn> holder) {
+  CheckpointReader::Bodies found;
+  if (!file.exists(bodies_group)) return found;
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  std::vector<std::uint64_t> counts;
+  std::uint64_t n[2] = {0, 0}, first[2] = {0, 0}, all = 0;  // bodies, impulses
+  together(comm, [&] {
+    const std::uint64_t total = rows_in(file, bodies_group, impulse_count_column());
+    first[0] = total * rank / ranks;
+    n[0] = total * (rank + 1) / ranks - first[0];
+    found.records.resize(n[0]);
+    read_columns(file, bodies_group, record_columns(holder), total, first[0], n[0],
+                 [&](const Column& c, const auto& values) {
+                   scatter_column(c, values, found.records.data(), sizeof(rigid::BodyRecord));
+                 });
+    read_columns(file, bodies_group, {impulse_count_column()}, total, first[0], n[0],
+                 [&](const Column&, const auto& values) { counts = as_numbers(values); });
+    n[1] = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  });
+  MPI_Exscan(&n[1], &first[1], 1, MPI_UINT64_T, MPI_SUM, comm);
+  MPI_Allreduce(&n[1], &all, 1, MPI_UINT64_T, MPI_SUM, comm);
+  together(comm, [&] {
+    if (all != rows_in(file, impulses_group, impulse_columns()[0]))
+      throw Error(file.path().string() + ": bodies and impulses do not fit together");
+    found.impulses = read_impulses(file, counts, first[1], n[1]);
+  });
+  return found;
+}
+
+}  // namespace silt::adapters::hdf5

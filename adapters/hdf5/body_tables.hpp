@@ -1,0 +1,37 @@
+#pragma once
+// Private to adapters/hdf5: the tables of a checkpoint, /bodies by id and /impulses body after body, written
+// and read by all ranks, each a slice of the rows.
+#include <map>
+#include <span>
+#include <string>
+
+#include "adapters/hdf5/checkpoint_file.hpp"
+#include "adapters/hdf5/file.hpp"
+#include "adapters/hdf5/table.hpp"
+
+namespace silt::adapters::hdf5 {
+
+/// ImpulseRow is a stored impulse as a plain row, in the order of the bodies.
+struct ImpulseRow {
+  rigid::BodyId partner;
+  std::int8_t image[3];
+  std::uint64_t feature;
+  double impulse[3];
+};
+
+/// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
+std::vector<Column> record_columns(std::span<const HolderColumn> = {});
+const Column& impulse_count_column();          // in /bodies, of one std::uint64_t a row
+const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
+
+/// Writes both tables; collective. open(bytes) opens the file on rank 0, with room for so many bytes more, to
+/// create the datasets. Returns the datasets' checksums (rank 0; elsewhere undefined) by name. Throws on
+/// every rank, a body that is there twice among the reasons.
+std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm, const Path&,
+                                                       const std::function<File(std::uint64_t bytes)>& open,
+                                                       const OwnedRows&, std::span<const HolderColumn>);
+
+/// Returns this rank's slice of the bodies; collective. The file is open on each rank.
+CheckpointReader::Bodies read_body_tables(MPI_Comm, const File&, std::span<const HolderColumn>);
+
+}  // namespace silt::adapters::hdf5

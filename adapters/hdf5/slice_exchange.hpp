@@ -1,0 +1,57 @@
+#pragma once
+// Private to adapters/hdf5: values of a long array, scattered over the ranks, on the ranks that write or read
+// its slices: rank r has the r-th of equal slices in one piece.
+#include <cstdint>
+#include <functional>
+
+#include "adapters/hdf5/sparse_messages.hpp"
+
+namespace silt::adapters::hdf5 {
+
+class SliceExchange {
+ public:
+  /// Run is a number of consecutive elements of the array.
+  struct Run {
+    std::uint64_t first, length;
+  };
+
+  /// Plans the exchange; collective. The runs are those of which this rank has (or wants) the values, in
+  /// ascending order; to write, no element may be in the runs of two ranks. Slices are cut between groups of
+  /// `grain` elements. A rank remembers its runs, those of its slice, and the ranks they are on.
+  /// std::length_error on every rank where two ranks share 2^31 elements or more.
+  SliceExchange(MPI_Comm, std::uint64_t elements, const std::vector<Run>& runs, std::uint64_t grain = 1);
+
+  std::uint64_t slice_begin() const { return begin_; }
+  std::uint64_t slice_size() const { return size_; }
+
+  /// Returns this rank's slice, zero where no rank has a value. `values`: those of the runs, one after the
+  /// other, of so many bytes each. Collective.
+  std::vector<std::byte> to_slice(std::size_t element, const std::vector<std::byte>& values) const;
+  /// Returns the values of this rank's runs, from everybody's slices. Collective.
+  std::vector<std::byte> from_slice(std::size_t element, const std::vector<std::byte>& slice) const;
+  /// Collective. Calls take(first, n, values) on rank 0 for all slices, in order and in pieces of at most
+  /// `piece` elements. If take throws, rank 0 throws in the end: wrap it in together().
+  using Take =
+      std::function<void(std::uint64_t first, std::uint64_t n, const std::vector<std::byte>& values)>;
+  void hand_to_rank_0(std::size_t element, const std::vector<std::byte>& slice, const Take& take,
+                      std::uint64_t piece = 1 << 16) const;
+
+ private:
+  struct Partner {
+    int rank;
+    std::size_t first, count;  // elements, among all that go to or come from partners
+  };
+  int slice_of(std::uint64_t element) const;
+  std::uint64_t begin_of(int rank) const;
+  void add_pieces(const std::vector<SparseMessages::Message>&);
+  std::vector<std::byte> swap(std::size_t element, const std::vector<Partner>& from,
+                              const std::vector<Partner>& to, const std::vector<std::byte>& values) const;
+
+  SparseMessages messages_;
+  int ranks_ = 1;
+  std::uint64_t groups_, grain_, begin_ = 0, size_ = 0;
+  std::vector<Partner> slices_, holders_;  // that have slices of the runs here; runs of the slice here
+  std::vector<Run> pieces_;                // of this slice, counted from its start, holder by holder
+};
+
+}  // namespace silt::adapters::hdf5

@@ -1,0 +1,51 @@
+#include "coupler/exchange/send_home.hpp"
+
+#include <algorithm>
+
+#include "coupler/exchange/impulse_bytes.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::BodyRecord;
+
+std::uint64_t most_over_ranks(MPI_Comm comm, std::uint64_t mine) {
+  std::uint64_t most = 0;
+  MPI_Allreduce(&mine, &most, 1, MPI_UINT64_T, MPI_MAX, comm);
+  return most;
+}
+
+void add(rigid::BodySet& bodies, const BodyRecord& record, std::vector<rigid::StoredImpulse> impulses) {
+  bodies.add(record);
+  bodies.stored_impulses[bodies.owned - 1] = std::move(impulses);
+}
+
+}  // namespace
+
+void send_home(Messages& messages, const Holders& holders, const SavedBodies& saved, rigid::BodySet& bodies,
+               std::size_t at_once) {
+  int rank = 0;
+  MPI_Comm_rank(messages.comm(), &rank);
+  const std::size_t n = saved.records.size(), most = most_over_ranks(messages.comm(), n);
+  for (std::size_t first = 0; first < most; first += at_once) {
+    for (std::size_t i = first; i < std::min(first + at_once, n); ++i) {
+      const BodyRecord& record = saved.records[i];
+      const int owner = holders.rank_at(Eigen::Map<const rigid::Vec3>{record.position});
+      if (owner == rank) {
+        add(bodies, record, saved.impulses[i]);
+        continue;
+      }
+      put(messages.to(owner), record);
+      put_impulses(messages.to(owner), saved.impulses[i]);
+    }
+    messages.unannounced();
+    for (const Messages::Message& m : messages.received())
+      for (ByteReader reader(m.bytes); !reader.done();) {
+        const auto record = reader.take<BodyRecord>();
+        add(bodies, record, take_impulses(reader));
+      }
+  }
+  bodies.reindex();
+}
+
+}  // namespace silt::coupler
