@@ -44,13 +44,14 @@ struct Layers {
   std::string body = "d6";
   int edge = 32;  // cells, about
   std::string scheme = "cli", time = "implicit";
-  double speed = 0.01;  // cells a step
+  double speed = 0.01;                   // cells a step
+  std::array<int, 3> boxes = {1, 1, 1};  // of that edge, beside one another
 
   /// How often the arrangement is repeated along an axis, and in how many cells.
   std::array<int, 3> periods() const {
     const double scale = layer_body(body).diameter / 6, across = (name == 'a' ? 16 : 9) * scale;
     const auto fitting = [&](double period) { return std::max(1, int(std::lround(edge / period))); };
-    return {fitting(across), fitting(across), fitting(7 * scale)};
+    return {boxes[0] * fitting(across), boxes[1] * fitting(across), boxes[2] * fitting(7 * scale)};
   }
   lbm::Int3 cells() const {
     const double scale = layer_body(body).diameter / 6, across = (name == 'a' ? 16 : 9) * scale;
