@@ -47,13 +47,6 @@ std::vector<SparseMessages::Message> answers(const std::vector<Asked>& asked, st
   return sent;
 }
 
-void add_place(std::vector<SliceExchange::Run>& runs, std::uint64_t place) {
-  if (!runs.empty() && runs.back().first + runs.back().length == place)
-    ++runs.back().length;
-  else
-    runs.push_back({place, 1});
-}
-
 }  // namespace
 
 IdOrder order_by_id(MPI_Comm comm, std::span<const std::uint64_t> ids) {
@@ -91,7 +84,7 @@ IdOrder order_by_id(MPI_Comm comm, std::span<const std::uint64_t> ids) {
     for (std::size_t at = 0; at < m.bytes.size(); at += sizeof(std::uint64_t)) {
       std::uint64_t place = 0;
       std::memcpy(&place, m.bytes.data() + at, sizeof place);
-      add_place(result.places, place);
+      append_run(result.places, {place, 1});
     }
   return result;
 }

@@ -3,14 +3,18 @@
 //
 // Blocks are scattered over the file in short rows. MPI-IO can sort that out by itself (two-phase I/O), but
 // spends several times the time of the disk on it. So the ranks first swap rows such that each holds a slab
-// of whole planes, and then each writes (reads) its slab in one piece:
+// of whole rows of the lattice, one after the other, and then each writes (reads) its slab in at most three
+// pieces:
 //
-//   boxes  --pack-->  rows by z, y, x  --MPI_Alltoallv-->  planes nz r / ranks .. nz (r + 1) / ranks
+//   boxes  --pack-->  rows by z, y, x  --SliceExchange-->  lattice rows ny nz r / ranks .. ny nz (r + 1) /
+//   ranks
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "adapters/hdf5/boxes.hpp"
 #include "adapters/hdf5/file.hpp"
+#include "adapters/hdf5/slice_exchange.hpp"
 
 namespace silt::adapters::hdf5 {
 
@@ -44,25 +48,19 @@ class SlabExchange {
     int z, y, x;
     std::size_t length, box, offset;  // offset: in cells, within the box
   };
-  struct Piece {                // of a row, in the slab
-    std::size_t first, length;  // cells
-  };
   void list_rows();
-  void swap_pieces();
-  int slab_begin(int rank) const { return static_cast<int>(std::int64_t{lattice_[2]} * rank / ranks_); }
-  std::size_t slab_cells() const;
-  /// Moves a value a cell: from boxes to slabs, or back.
-  std::vector<std::byte> swap(bool to_slabs, std::size_t element, const std::vector<std::byte>&) const;
-  Handle file_space(const File&, hid_t dataset, int leading) const;
+  std::vector<SliceExchange::Run> runs() const;
+  /// Calls act(memory, space, first) for the pieces of the slab: a part of a plane, whole planes, a part of a
+  /// plane; `first` is the first cell in the slab.
+  template <class Act>
+  void for_pieces(const File&, hid_t dataset, int leading, Act&&) const;
 
   MPI_Comm comm_;
-  int rank_ = 0, ranks_ = 1;
   std::array<int, 3> lattice_;
   std::vector<CellBox> boxes_;
-  std::vector<Row> rows_;  // by z, y, x: so they are also by the rank whose slab they go to
+  std::vector<Row> rows_;  // by z, y, x
   std::size_t cells_ = 0;
-  std::vector<int> sent_, received_;  // cells to and from each rank
-  std::vector<Piece> pieces_;         // of the slab, rank by rank in the order they arrive
+  std::optional<SliceExchange> slices_;
 };
 
 }  // namespace silt::adapters::hdf5

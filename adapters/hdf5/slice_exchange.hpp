@@ -54,4 +54,12 @@ class SliceExchange {
   std::vector<Run> pieces_;                // of this slice, counted from its start, holder by holder
 };
 
+/// Adds a run to ascending ones: to the last of them, if it goes on there.
+inline void append_run(std::vector<SliceExchange::Run>& runs, SliceExchange::Run more) {
+  if (!runs.empty() && runs.back().first + runs.back().length == more.first)
+    runs.back().length += more.length;
+  else
+    runs.push_back(more);
+}
+
 }  // namespace silt::adapters::hdf5
