@@ -27,6 +27,8 @@ expected = {
     "links": {f"links.{scheme}.{k}": anything for scheme in ("bounce-back", "cli", "parabolic", "multireflection")
               for k in ("at_hand", "fetched", "waited_for")},
     "bed": {f"bed.{n}.{p}.mlups": anything for n in (63, 225) for p in ("single", "double")},
+    # what ranks send is what is counted on paper, to the byte
+    "scaling": {"model.message_error": (-1e-15, 1e-15), "scaling.weak.fluid.n40": (0.05, 20), "scaling.weak.b.n40": (0.05, 20)},
     # populations alone: 76 bytes; a small block has much padding
     "memory": {"memory.bytes_per_cell": (76, 400), "memory.population_bytes_per_cell": (76, 200)},
 }
@@ -40,7 +42,7 @@ if shutil.which("valgrind"):  # instructions are the same on every machine: here
 only = {"skip": ["--instructions"], "coupled": ["--only", "coupled.a.cli$,coupled.a.cli.box$"]}
 
 on_two_ranks = ["mpirun", "-n", "2", "--oversubscribe", "--quiet", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]
-start = {"fluid": on_two_ranks}
+start = {"fluid": on_two_ranks, "scaling": on_two_ranks}
 
 table = {}
 with tempfile.TemporaryDirectory() as scratch:

@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "coupler/case/case.hpp"
 #include "lbm/cut_links.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/layers.hpp"

@@ -91,7 +91,7 @@ def plot_stages(rows, path):
     axes.set_yticks(range(len(timed)), [f"{r['study']}, {r['ranks']}" for r in timed])
     axes.invert_yaxis()
     axes.set_xlabel("share of the step")
-    figure.legend(loc="outside upper center", ncols=4, fontsize=8)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1), ncols=4, fontsize=8)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
