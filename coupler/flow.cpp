@@ -129,8 +129,10 @@ class FlowOf final : public Flow {
   }
   Load wall_load(std::size_t wall) const override {
     if (!stepped_) return {};
-    auto sums = forces_.wall_load(wall);
-    MPI_Allreduce(MPI_IN_PLACE, sums.data(), 6, MPI_INT64_T, MPI_SUM, fluid_.comm());
+    const auto mine = forces_.wall_load(wall);
+    std::array<rigid::FixedSum, 6> sums;
+    std::copy(mine.begin(), mine.end(), sums.begin());
+    sum_over_ranks(fluid_.comm(), sums);
     Load load;
     for (int d = 0; d < 3; ++d) {
       load.force[d] = double(sums[d]) * lbm::link_quantum;
@@ -145,12 +147,16 @@ class FlowOf final : public Flow {
   void leave_under_way(const LinkOutcome& links) {
     out_of_range_ = links.out_of_range;
     const MassCorrection::Gain gain = correction_.take_gain(links.mass_gain);
-    std::vector<std::int64_t> mine = {gain.link_mass, gain.cell_mass, gain.cells,
-                                      links.out_of_range != LinkOutcome::nobody};
+    std::vector<std::int64_t> mine = {links.out_of_range != LinkOutcome::nobody, gain.cells};
+    const auto put = [&](rigid::FixedSum sum) {
+      for (const std::uint64_t limb : limbs_of(sum)) mine.push_back(std::int64_t(limb));
+    };
+    put(gain.link_mass);
+    put(gain.cell_mass);
     if (corrects_mass_ && correction_.recount_is_due()) {
       const FlowSums now = flow_sums<T>(fluid_, map_.blocks());
+      put(now.mass());
       mine.push_back(std::int64_t(now.count()));
-      for (const std::uint64_t limb : limbs_of(now.mass())) mine.push_back(std::int64_t(limb));
     }
     sums_.start(fluid_.comm(), std::move(mine));
   }
@@ -159,15 +165,17 @@ class FlowOf final : public Flow {
   void settle() const {
     if (!sums_.under_way()) return;
     const std::vector<std::int64_t>& all = sums_.finish();
-    if (all[3] > 0) throw ForceOutOfRange(least_over_ranks(fluid_.comm(), out_of_range_));
+    if (all[0] > 0) throw ForceOutOfRange(least_over_ranks(fluid_.comm(), out_of_range_));
     if (!corrects_mass_) return;
-    correction_.end_step({all[0], all[1], all[2]});
-    if (all.size() == 4) return;
+    const auto sum_at = [&](std::size_t k) {
+      return sum_of({std::uint64_t(all[k]), std::uint64_t(all[k + 1]), std::uint64_t(all[k + 2]),
+                     std::uint64_t(all[k + 3])});
+    };
+    correction_.end_step({sum_at(2), sum_at(6), all[1]});
+    if (all.size() == 10) return;
     FlowTotals counted;
-    counted.fluid_cells = std::uint64_t(all[4]);
-    const Limbs mass{std::uint64_t(all[5]), std::uint64_t(all[6]), std::uint64_t(all[7]),
-                     std::uint64_t(all[8])};
-    counted.mass_deviation = double(sum_of(mass)) * lbm::mass_quantum;
+    counted.mass_deviation = double(sum_at(10)) * lbm::mass_quantum;
+    counted.fluid_cells = std::uint64_t(all[14]);
     correction_.recount(counted);
   }
 

@@ -3,16 +3,19 @@
 // fluid. What is known to have been gained is taken out of all cells alike (README.md, equations 17 and 18).
 #include <cstdint>
 
+#include "rigid/math/fixed_point.hpp"
+
 namespace silt::coupler {
 
 struct FlowTotals;
 
-/// What the correction remembers between steps; masses in lbm::mass_quantum. The same on every rank.
+/// What the correction remembers between steps; masses in lbm::mass_quantum, in 128 bits: those of 1e12 cells
+/// a thousandth off are 1e9, where 64 bits end at 8e6. The same on every rank.
 struct MassCorrectionState {
-  std::int64_t surplus = 0;  // sum of the density deviations of all fluid cells; 0 without a correction
+  rigid::FixedSum surplus = 0;  // sum of the density deviations of all fluid cells; 0 without a correction
   std::int64_t fluid_cells = 0;
-  std::int64_t link_gain = 0;  // through links in the last step, which is what the next one will bring
-  std::int64_t steps = 0;      // since the simulation began
+  rigid::FixedSum link_gain = 0;  // through links in the last step, which is what the next one will bring
+  std::int64_t steps = 0;         // since the simulation began
 };
 
 class MassCorrection {
@@ -30,7 +33,8 @@ class MassCorrection {
   /// What all ranks gained in a step, or one of them: mass through links and by cells that changed sides, and
   /// cells.
   struct Gain {
-    std::int64_t link_mass = 0, cell_mass = 0, cells = 0;
+    rigid::FixedSum link_mass = 0, cell_mass = 0;
+    std::int64_t cells = 0;
   };
   /// Returns what this rank gained in the step that ends, and begins to count anew.
   Gain take_gain(std::int64_t link_mass);
@@ -39,13 +43,14 @@ class MassCorrection {
   /// Ends a step with what all ranks gained in it.
   void end_step(const Gain& of_all);
   /// Sets the account to what there is. Populations in single precision round, so what is known differs from
-  /// it by some 1e-13 a cell and step. std::overflow_error if the mass is beyond the range of the account.
+  /// it by some 1e-13 a cell and step.
   void recount(const FlowTotals&);
 
  private:
   MassCorrectionState state_;
-  double source_ = 0;                                // density added to every cell in this step
-  std::int64_t mass_gained_ = 0, cells_gained_ = 0;  // this rank's in this step, by cells that changed sides
+  double source_ = 0;                // density added to every cell in this step
+  rigid::FixedSum mass_gained_ = 0;  // this rank's in this step, by cells that changed sides
+  std::int64_t cells_gained_ = 0;
 };
 
 }  // namespace silt::coupler

@@ -1,6 +1,9 @@
 #include "coupler/exchange/messages.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace silt::coupler {
 
@@ -48,6 +51,9 @@ void Messages::send_all(int tag, bool synchronous) {
   for (std::size_t k = 0; k < sent_.size(); ++k) {
     const Message& m = sent_[k];
     const auto send = synchronous ? MPI_Issend : MPI_Isend;
+    if (m.bytes.size() > std::numeric_limits<int>::max())
+      throw std::length_error("a message of " + std::to_string(m.bytes.size()) + " bytes to rank " +
+                              std::to_string(m.rank) + " is longer than MPI can send: use more ranks");
     send(m.bytes.data(), static_cast<int>(m.bytes.size()), MPI_BYTE, m.rank, tag, comm_, &requests_[k]);
     ++messages_sent_;
     bytes_sent_ += m.bytes.size();

@@ -45,6 +45,16 @@ struct Read {
   void operator()(const CounterName& name, auto& x) const { (*this)(name.checkpoint, x); }
 };
 
+/// 128 bits as two numbers of 64.
+void write_sum(CheckpointWriter& writer, const std::string& name, rigid::FixedSum sum) {
+  writer.set(name + ".low", static_cast<std::int64_t>(sum));
+  writer.set(name + ".high", static_cast<std::int64_t>(sum >> 64));
+}
+rigid::FixedSum read_sum(const CheckpointReader& reader, const std::string& name) {
+  const auto low = static_cast<std::uint64_t>(reader.integer(name + ".low"));
+  return (rigid::FixedSum(reader.integer(name + ".high")) << 64) | low;
+}
+
 std::string history_name(const QuantitySpec& q, int k) {
   return fmt::format("quantity.{}#{}", q.name, k);
 }
@@ -149,9 +159,9 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
     const MassCorrectionState& correction = flow->mass_correction();
-    writer.set("mass_correction.surplus", correction.surplus);
+    write_sum(writer, "mass_correction.surplus", correction.surplus);
     writer.set("mass_correction.fluid_cells", correction.fluid_cells);
-    writer.set("mass_correction.link_gain", correction.link_gain);
+    write_sum(writer, "mass_correction.link_gain", correction.link_gain);
     if (scene.fluid->precision == Precision::double_)
       write_populations<double>(writer, scene, *flow);
     else
@@ -176,9 +186,9 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   auto bodies = reader.bodies(coupling_columns);
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
-  state.mass_correction = {reader.integer("mass_correction.surplus"),
+  state.mass_correction = {read_sum(reader, "mass_correction.surplus"),
                            reader.integer("mass_correction.fluid_cells"),
-                           reader.integer("mass_correction.link_gain")};
+                           read_sum(reader, "mass_correction.link_gain")};
   const bool is_double = scene.fluid->precision == Precision::double_;
   state.set_populations = [&reader, is_double](Flow& flow) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);

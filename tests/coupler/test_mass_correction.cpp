@@ -1,0 +1,52 @@
+// The account of the fluid's mass, by arithmetic, in a box larger than any machine here holds.
+#include "coupler/mass_correction.hpp"
+
+#include <gtest/gtest.h>
+
+#include "coupler/flow_totals.hpp"
+#include "lbm/cut_links.hpp"
+
+namespace silt::coupler {
+namespace {
+
+constexpr std::uint64_t cells = 1'000'000'000'000;
+
+rigid::FixedSum quanta(double mass) {
+  return rigid::FixedSum(mass / lbm::mass_quantum);
+}
+
+/// 2^63 quanta are 8.4e6: 64 bits would have turned the sign.
+TEST(MassCorrection, TakesOutASurplusOfAThousandthOfATrillionCells) {
+  MassCorrection correction;
+  FlowTotals totals;
+  totals.fluid_cells = cells;
+  totals.mass_deviation = 1e9;
+  correction.recount(totals);
+  EXPECT_DOUBLE_EQ(correction.take_surplus(), -1e-3);
+  EXPECT_EQ(correction.state().surplus, 0);
+}
+
+TEST(MassCorrection, SumsWhatLinksAndCellsOfATrillionBring) {
+  MassCorrection correction;
+  FlowTotals totals;
+  totals.fluid_cells = cells;
+  correction.recount(totals);
+  correction.end_step({quanta(3e8), quanta(-1e8), -1'000'000'000});
+  EXPECT_EQ(correction.state().surplus, quanta(2e8));
+  EXPECT_EQ(correction.state().fluid_cells, std::int64_t(cells) - 1'000'000'000);
+  // what is known, and as much again as links brought in the last step
+  EXPECT_DOUBLE_EQ(correction.take_surplus(), -5e8 / double(cells - 1'000'000'000));
+}
+
+TEST(MassCorrection, CountsACellAsItsDensity) {
+  MassCorrection correction;
+  correction.cell_uncovered(0.25);
+  correction.cell_covered(-0.5);
+  const MassCorrection::Gain gain = correction.take_gain(7);
+  EXPECT_EQ(gain.cell_mass, quanta(0.75));
+  EXPECT_EQ(gain.link_mass, 7);
+  EXPECT_EQ(gain.cells, 0);
+}
+
+}  // namespace
+}  // namespace silt::coupler
