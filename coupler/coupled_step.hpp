@@ -16,7 +16,7 @@ struct SceneParts {
   bool surfaces = false;  // of bodies, fixed ones included, or of curved walls
   /// Is called when the fluid's forces stand in the rows' accumulators and nothing has consumed them; may be
   /// empty.
-  std::function<void(const rigid::BodySet&)> forces_seen;
+  std::function<void(rigid::BodySet&)> forces_seen;
 };
 
 class CoupledStep {

@@ -53,10 +53,23 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
   bodies_at_start_ = count_owned(scene_.comm, scene_.bodies);
 }
 
+namespace {
+
+/// Notes with each body what acts on it now: it stays with the body if another rank becomes its owner.
+void see_forces(rigid::BodySet& bodies) {
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const Vec3 force = bodies.force[row].value(), torque = bodies.torque[row].value();
+    double* seen = coupling_state(bodies, row).seen_load;
+    std::copy_n(force.data(), 3, seen);
+    std::copy_n(torque.data(), 3, seen + 3);
+  }
+}
+
+}  // namespace
+
 SceneParts Simulation::observed_parts() {
   SceneParts parts = scene_.parts();
-  if (parts.flow && parts.surfaces)
-    parts.forces_seen = [this](const rigid::BodySet& bodies) { see_forces(bodies); };
+  if (parts.flow && parts.surfaces) parts.forces_seen = see_forces;
   return parts;
 }
 
@@ -95,14 +108,6 @@ void Simulation::run(std::int64_t steps) {
   for (std::int64_t i = 0; i < steps; ++i) {
     step();
     if (scene_.flow && step_ % guard_interval == 0) look_at_flow();
-  }
-}
-
-void Simulation::see_forces(const rigid::BodySet& bodies) {
-  seen_loads_.resize(bodies.owned);
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const Vec3 force = bodies.force[row].value(), torque = bodies.torque[row].value();
-    seen_loads_[row] = {bodies.id[row], {force[0], force[1], force[2], torque[0], torque[1], torque[2]}};
   }
 }
 
@@ -255,28 +260,14 @@ std::uint64_t Simulation::contacts_now() const {
   return n;
 }
 
-/// Bodies that changed hands since: what their former owners saw goes to everybody (they are few).
 std::vector<BodyLoad> Simulation::last_loads() const {
   const rigid::BodySet& bodies = scene_.bodies;
-  std::vector<BodyLoad> loads(bodies.owned);
-  const auto take = [&](const SeenLoad& seen) {
-    const std::size_t row = bodies.row_of(seen.id);
-    if (row >= bodies.owned) return false;
-    loads[row] = {Vec3(seen.load[0], seen.load[1], seen.load[2]),
-                  Vec3(seen.load[3], seen.load[4], seen.load[5])};
-    return true;
-  };
-  std::vector<SeenLoad> gone;
-  for (const SeenLoad& seen : seen_loads_)
-    if (!take(seen)) gone.push_back(seen);
-  if (scene_.ranks == 1) return loads;
-  const int mine = static_cast<int>(gone.size() * sizeof(SeenLoad));
-  std::vector<int> bytes(scene_.ranks), offset(scene_.ranks, 0);
-  MPI_Allgather(&mine, 1, MPI_INT, bytes.data(), 1, MPI_INT, scene_.comm);
-  for (int r = 1; r < scene_.ranks; ++r) offset[r] = offset[r - 1] + bytes[r - 1];
-  std::vector<SeenLoad> all((offset.back() + bytes.back()) / sizeof(SeenLoad));
-  MPI_Allgatherv(gone.data(), mine, MPI_BYTE, all.data(), bytes.data(), offset.data(), MPI_BYTE, scene_.comm);
-  for (const SeenLoad& seen : all) take(seen);
+  std::vector<BodyLoad> loads;
+  loads.reserve(bodies.owned);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const double* seen = coupling_state(bodies, row).seen_load;
+    loads.push_back({Vec3(seen[0], seen[1], seen[2]), Vec3(seen[3], seen[4], seen[5])});
+  }
   return loads;
 }
 

@@ -82,19 +82,14 @@ class Simulation {
   StageTraffic stage_traffic() const { return coupled_step_.traffic(); }  // local: with other ranks
   const Traffic& traffic_in_steps() const { return traffic_; }            // local: of all steps
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
-  /// Returns the force and torque that the fluid had on each owned body in the last step, by row.
+  /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
   std::uint64_t body_count() const;    // that have an owner on any rank, counted
   std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
  private:
-  struct SeenLoad {
-    rigid::BodyId id;
-    double load[6];
-  };
   Simulation(Case&&, MPI_Comm, const SavedState*);
   SceneParts observed_parts();
-  void see_forces(const rigid::BodySet&);
   void count(const rigid::RigidStepReport&);
   template <class Work>
   auto guarded(Work&&);
@@ -110,7 +105,6 @@ class Simulation {
   CheckUnderWay check_;
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;
-  std::vector<SeenLoad> seen_loads_;  // of the bodies owned when forces were evaluated
 };
 
 }  // namespace silt::coupler

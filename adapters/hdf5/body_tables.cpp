@@ -136,10 +136,10 @@ class ColumnWriter {
     together(comm_, [&] { file_.emplace(File::open_parallel(comm_, path, true)); });
   }
   void write(const std::string& group, const Column& c, const SliceExchange& slices,
-             const std::vector<std::byte>& values) {
+             std::vector<std::byte> values) {
     Handle dataset;
     together(comm_, [&] { dataset = file_->dataset(group + '/' + c.name); });
-    const auto slice = slices.to_slice(c.bytes(), values);
+    const auto slice = slices.to_slice(c.bytes(), std::move(values));
     together(comm_,
              [&] { write_rows(*file_, dataset, c, slices.slice_begin(), slices.slice_size(), slice); });
     names_.push_back(group + '/' + c.name);

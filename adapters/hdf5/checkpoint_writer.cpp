@@ -128,7 +128,7 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
       });
     });
     together(comm, [&] {
-      slabs.write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, sizeof(T), packed);
+      slabs.write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, sizeof(T), std::move(packed));
     });
   }
   dataset.close();

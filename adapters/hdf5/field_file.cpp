@@ -150,7 +150,7 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::v
     together(comm, [&] { values = packed_values(slabs, q); });
     together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
     const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-    together(comm, [&] { slabs.write(*file, dataset, type, -1, cell_bytes(q), values); });
+    together(comm, [&] { slabs.write(*file, dataset, type, -1, cell_bytes(q), std::move(values)); });
   }
   together(comm, [&] { file->close(); });
   on_rank_0(comm, [&] {

@@ -96,8 +96,8 @@ void SlabExchange::for_pieces(const File& file, hid_t dataset, int leading, Act&
 }
 
 void SlabExchange::write(const File& file, hid_t dataset, hid_t type, int leading, std::size_t element,
-                         const std::vector<std::byte>& packed) const {
-  const auto slab = slices_->to_slice(element, packed);
+                         std::vector<std::byte> packed) const {
+  const auto slab = slices_->to_slice(element, std::move(packed));
   for_pieces(file, dataset, leading, [&](hid_t memory, hid_t space, std::size_t first) {
     file.check(H5Dwrite(dataset, type, memory, space, H5P_DEFAULT, slab.data() + first * element),
                "cannot write (is the disk full?)");

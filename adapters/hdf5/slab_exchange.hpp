@@ -39,7 +39,7 @@ class SlabExchange {
   /// with such a first axis, -1: none. Cells that no rank holds become zero. The error of a full disk is this
   /// rank's own: wrap it in together().
   void write(const File&, hid_t dataset, hid_t type, int leading, std::size_t element,
-             const std::vector<std::byte>& packed) const;
+             std::vector<std::byte> packed) const;
   /// Reads what unpack takes; collective.
   std::vector<std::byte> read(const File&, hid_t dataset, hid_t type, int leading, std::size_t element) const;
 

@@ -88,9 +88,9 @@ std::vector<std::byte> SliceExchange::swap(std::size_t element, const std::vecto
   return swapped;
 }
 
-std::vector<std::byte> SliceExchange::to_slice(std::size_t element,
-                                               const std::vector<std::byte>& values) const {
+std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<std::byte> values) const {
   const auto arrived = swap(element, slices_, holders_, values);
+  std::vector<std::byte>().swap(values);  // the memory goes to the slice
   std::vector<std::byte> slice(size_ * element);
   const std::byte* in = arrived.data();
   for (const Run& p : pieces_) {

@@ -26,7 +26,7 @@ class SliceExchange {
 
   /// Returns this rank's slice, zero where no rank has a value. `values`: those of the runs, one after the
   /// other, of so many bytes each. Collective.
-  std::vector<std::byte> to_slice(std::size_t element, const std::vector<std::byte>& values) const;
+  std::vector<std::byte> to_slice(std::size_t element, std::vector<std::byte> values) const;
   /// Returns the values of this rank's runs, from everybody's slices. Collective.
   std::vector<std::byte> from_slice(std::size_t element, const std::vector<std::byte>& slice) const;
   /// Collective. Calls take(first, n, values) on rank 0 for all slices, in order and in pieces of at most

@@ -6,23 +6,62 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <stdexcept>
+#include <vector>
+
+#include "coupler/case/position_file.hpp"
 
 namespace silt::coupler {
 
 namespace fs = std::filesystem;
 
-AttachedFile read_attached(const fs::path& directory, const std::string& name) {
-  const fs::path relative = name;
+namespace {
+
+/// Opens a file beside the case.
+std::ifstream opened(const fs::path& directory, const fs::path& relative) {
   if (relative.is_absolute() || std::count(relative.begin(), relative.end(), fs::path("..")))
     throw std::invalid_argument(
         "it must lie in the directory of the case, which holds all that a run needs: copy it there");
   std::ifstream stream(directory / relative, std::ios::binary);
   if (!stream || !fs::is_regular_file(directory / relative))
     throw std::invalid_argument("there is no such file in the directory of the case, or it cannot be read");
-  AttachedFile file{{std::istreambuf_iterator<char>(stream), {}}, ""};
-  file.fingerprint = fmt::format("{}: {} bytes, XXH3 {:016x}", name, file.bytes.size(),
-                                 XXH3_64bits(file.bytes.data(), file.bytes.size()));
+  return stream;
+}
+
+std::string fingerprint_of(const std::string& name, std::uint64_t bytes, XXH64_hash_t hash) {
+  return fmt::format("{}: {} bytes, XXH3 {:016x}", name, bytes, hash);
+}
+
+}  // namespace
+
+AttachedFile read_attached(const fs::path& directory, const std::string& name) {
+  std::ifstream stream = opened(directory, name);
+  AttachedFile file{{std::istreambuf_iterator<char>(stream), {}}, "", 0};
+  file.fingerprint =
+      fingerprint_of(name, file.bytes.size(), XXH3_64bits(file.bytes.data(), file.bytes.size()));
+  return file;
+}
+
+AttachedFile look_at_positions(const fs::path& directory, const std::string& name) {
+  const PositionFile positions = position_file(name);
+  std::ifstream stream = opened(directory, positions.file);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  std::vector<char> piece(std::size_t{1} << 20);
+  std::uint64_t bytes = 0;
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0) {
+    bytes += static_cast<std::uint64_t>(stream.gcount());
+    XXH3_64bits_update(state.get(), piece.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  AttachedFile file;
+  file.fingerprint = fingerprint_of(name, bytes, XXH3_64bits_digest(state.get()));
+  try {
+    file.points = count_points(directory, positions);
+  } catch (const std::runtime_error& error) {
+    throw std::invalid_argument(error.what());
+  }
+  if (file.points == 0) throw std::invalid_argument("there is no point in it");
   return file;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // A file that a case names, beside its case.toml: its bytes, and what a checkpoint remembers of it.
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -7,11 +8,15 @@ namespace silt::coupler {
 
 struct AttachedFile {
   std::string bytes;
-  std::string fingerprint;  // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
+  std::string fingerprint;   // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
+  std::uint64_t points = 0;  // of a file of positions, whose bytes stay where they are
 };
 
 /// Reads the file `name`, which is relative to the directory of the case and may not lead out of it.
 /// std::invalid_argument says what is wrong with it.
 AttachedFile read_attached(const std::filesystem::path& directory, const std::string& name);
+
+/// Looks at positions, "cloud.csv" or "cloud.h5:/points", without keeping them; errors alike.
+AttachedFile look_at_positions(const std::filesystem::path& directory, const std::string& name);
 
 }  // namespace silt::coupler

@@ -50,14 +50,14 @@ void check_size(const Case& scene, Findings& findings, int shape, Motion motion,
 
 void check_sizes(const Case& scene, Findings& findings) {
   std::set<int> seen;
-  for (const BodySpec& body : scene.bodies) {
-    if (!seen.insert(body.entry).second) continue;
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
+    if (!seen.insert(body.entry).second) return;
     check_size(scene, findings, body.shape, body.motion, entry_key(body.entry) + ".shape");
     if (!(body.density > 0))
       findings.error(
           entry_key(body.entry) + ".density",
           fmt::format("{}.density is {}; it must be above 0", entry_key(body.entry), shown(body.density)));
-  }
+  });
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
     check_size(scene, findings, fill.shape, Motion::free, of_fill(i, "shape"));
@@ -85,10 +85,10 @@ struct Use {
 
 std::vector<Use> uses_of(const Case& scene) {
   std::vector<Use> uses(scene.shapes.size());
-  for (const BodySpec& body : scene.bodies) {
-    ++uses[body.shape].count;
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t count) {
+    uses[body.shape].count += static_cast<std::int64_t>(count);
     uses[body.shape].free |= body.motion == Motion::free;
-  }
+  });
   for (const FillSpec& fill : scene.fills) {
     uses[fill.shape].count += fill.count > 0 ? fill.count : 2;  // of sites there are many
     uses[fill.shape].free = true;
@@ -158,8 +158,7 @@ void check_fill_rooms(const Case& scene, Findings& findings) {
 }
 
 void check_falling(const Case& scene, Findings& findings) {
-  const bool something_fixed = std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                                           [](const BodySpec& b) { return b.motion != Motion::free; });
+  const bool something_fixed = scene.any_given([](const BodySpec& b) { return b.motion != Motion::free; });
   const bool walls = !scene.walls.empty() ||
                      std::any_of(scene.boundary.begin(), scene.boundary.end(),
                                  [](const BoundarySpec& b) { return b.kind != BoundaryKind::periodic; });
@@ -178,13 +177,14 @@ void Findings::add(Diagnostic::Severity severity, const std::string& key, const 
 void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
   check_sizes(scene, findings);
-  for (const BodySpec& body : scene.bodies)
-    if (std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) {
-      findings.error(entry_key(body.entry) + ".shape", entry_key(body.entry) +
-                                                           ": a body cannot be a half-space; walls come from "
-                                                           "domain.boundary");
-      return;
-    }
+  const auto is_half_space = [&](const BodySpec& body) {
+    if (!std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) return false;
+    findings.error(entry_key(body.entry) + ".shape", entry_key(body.entry) +
+                                                         ": a body cannot be a half-space; walls come from "
+                                                         "domain.boundary");
+    return true;
+  };
+  if (scene.any_given(is_half_space)) return;
   check_backend(scene, findings);
   check_fill_volumes(scene, findings);
   if (!has_errors(findings.list)) check_fill_rooms(scene, findings);

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "coupler/case/name_table.hpp"
+#include "coupler/case/position_file.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
@@ -11,12 +12,20 @@ inline constexpr auto motion_names = names_of<rigid::Motion>("free", "fixed", "p
 
 struct BodySpec {  // one body
   int shape = 0, material = 0;
-  int kind = 0;        // index into Case::kind_names
-  int entry = -1;      // which [[bodies]] entry gave it; -1: a [[fill]]
-  double density = 1;  // relative to the fluid's (lattice)
+  int kind = 0;             // index into Case::kind_names
+  int entry = -1;           // which [[bodies]] entry gave it; -1: a [[fill]]
+  std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: the case says where it is
+  double density = 1;       // relative to the fluid's (lattice)
   rigid::Motion motion = rigid::Motion::free;
   rigid::Pose pose;  // of the shape as the case gives it, not of its centre of mass
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+};
+
+/// Bodies of one [[bodies]] entry whose positions stand in a file.
+struct FiledBodies {
+  BodySpec alike;  // but for the position
+  PositionFile positions;
+  std::uint64_t count = 0;
 };
 
 enum class Arrangement { random, simple_cubic, hexagonal, layers };

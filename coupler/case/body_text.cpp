@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "coupler/case/case.hpp"
 
 namespace silt::coupler {
@@ -13,6 +15,14 @@ std::string entry_key(int entry) {
 std::string position_key(const Case& scene, int entry) {
   const std::string key = entry_key(entry);
   return key + (scene.places.count(key + ".positions") ? ".positions" : ".position");
+}
+
+std::string position_text(const Case& scene, const BodySpec& body) {
+  const std::string key = position_key(scene, body.entry);
+  if (body.point == 0) return key;
+  const auto filed = std::find_if(scene.filed.begin(), scene.filed.end(),
+                                  [&](const FiledBodies& f) { return f.alike.entry == body.entry; });
+  return fmt::format("{}, point {} of {}", key, body.point, filed->positions.name());
 }
 
 std::string shown_point(const Case& scene, const rigid::Vec3& x) {

@@ -46,6 +46,7 @@ struct Case {
   rigid::ShapeList shapes;                      // as given (a compound need not be centred)
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
+  std::vector<FiledBodies> filed;
   std::vector<FillSpec> fills;
   std::vector<CurvedWall> walls;  // besides the sides of the domain
   // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
@@ -60,7 +61,20 @@ struct Case {
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
   /// Where a key stands; if it is not in the file, where the table that would hold it does.
   Place place(std::string path) const;
-  bool has_bodies() const { return !bodies.empty() || !fills.empty(); }
+  bool has_bodies() const { return !bodies.empty() || !filed.empty() || !fills.empty(); }
+  /// Calls f(body, count) for every given body, and once for all of a file, of which the position is not
+  /// known.
+  template <class F>
+  void for_each_given(F&& f) const {
+    for (const BodySpec& body : bodies) f(body, std::uint64_t{1});
+    for (const FiledBodies& file : filed) f(file.alike, file.count);
+  }
+  template <class Test>
+  bool any_given(Test&& test) const {
+    bool any = false;
+    for_each_given([&](const BodySpec& body, std::uint64_t) { any = any || test(body); });
+    return any;
+  }
   bool has_lubrication() const {
     return fluid && coupling.lubrication && rigid::resolver_model(contacts.resolver).lubricates;
   }

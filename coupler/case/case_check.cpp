@@ -168,16 +168,16 @@ void check_margin(const Case& scene, Findings& findings, const std::string& key,
 
 void check_body_speeds(const Case& scene, Findings& findings) {
   std::vector<int> seen;
-  for (const BodySpec& body : scene.bodies) {
-    if (std::count(seen.begin(), seen.end(), body.entry)) continue;  // one message an entry
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
+    if (std::count(seen.begin(), seen.end(), body.entry)) return;  // one message an entry
     seen.push_back(body.entry);
     const double rim = rigid::bounding_radius(scene.shapes[body.shape]) * body.angular_velocity.norm();
     const std::string entry = fmt::format("bodies[{}]", std::max(0, body.entry));
     check_margin(scene, findings, entry + ".velocity", body.velocity.norm());
-    if (!scene.fluid) continue;
+    if (!scene.fluid) return;
     check_speed(scene.units, findings, entry + ".velocity", body.velocity.norm());
     if (rim > 0) check_speed(scene.units, findings, entry + ".angular_velocity", rim);
-  }
+  });
 }
 
 void check_steady(const Case& scene, Findings& findings) {
@@ -227,8 +227,8 @@ std::string lacking(const Case& scene, const QuantityType& type) {
   if (type.asks_for(Q::fluid) && !scene.fluid) return "the case has no [fluid]";
   if (type.asks_for(Q::bodies) && !scene.has_bodies()) return "the case has no bodies";
   if (type.asks_for(Q::gravity) && scene.gravity.norm() == 0) return "the case has no [gravity]";
-  const bool driven = std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                                  [](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+  const bool driven =
+      scene.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
   if (type.asks_for(Q::undriven) && driven)
     return "the case has a body of prescribed motion, which drives the others";
   return "";

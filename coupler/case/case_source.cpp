@@ -54,6 +54,12 @@ const AttachedFile& CaseSource::file_named(const std::string& name) {
   return attached.emplace(name, read_attached(directory(), name)).first->second;
 }
 
+const AttachedFile& CaseSource::positions_named(const std::string& name) {
+  const auto found = attached.find(name);
+  if (found != attached.end()) return found->second;
+  return attached.emplace(name, look_at_positions(directory(), name)).first->second;
+}
+
 CaseSource read_source(const fs::path& directory) {
   const bool is_file = directory.extension() == ".toml";
   const fs::path folder = is_file                    ? directory
@@ -78,6 +84,7 @@ void broadcast(MPI_Comm comm, CaseSource& source) {
     broadcast(comm, name);
     broadcast(comm, file.bytes);
     broadcast(comm, file.fingerprint);
+    MPI_Bcast(&file.points, 1, MPI_UINT64_T, 0, comm);
     if (rank != 0) source.attached[name] = std::move(file);
   }
 }

@@ -18,6 +18,8 @@ struct CaseSource {
   std::filesystem::path directory() const { return std::filesystem::path(file).parent_path(); }
   /// Returns a file that the case names, read where it is not at hand; errors are those of read_attached.
   const AttachedFile& file_named(const std::string& name);
+  /// Returns what there is to know of a file of positions; errors are those of look_at_positions.
+  const AttachedFile& positions_named(const std::string& name);
 };
 
 /// Reads case.toml of a directory, or the .toml file itself. CaseError.

@@ -95,7 +95,8 @@ void add_fluid(const Case& scene, Table& table) {
   table.line("storage", std::string(precision_names[fluid.precision]));
   double fastest = fluid.initial == InitialFlow::rest ? 0 : fluid.initial_velocity.norm();
   for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
-  for (const BodySpec& body : scene.bodies) fastest = std::max(fastest, body.velocity.norm());
+  scene.for_each_given(
+      [&](const BodySpec& body, std::uint64_t) { fastest = std::max(fastest, body.velocity.norm()); });
   if (fastest > 0) {
     table.quantity("largest given speed", fastest, dimension::velocity, "m/s", "cells/step");
     table.line("  its Mach number", "", shown(fastest * std::sqrt(3.)));
@@ -145,13 +146,13 @@ void add_bodies(const Case& scene, Table& table) {
   if (scene.gravity.norm() > 0)
     table.quantity("gravity", scene.gravity.norm(), dimension::acceleration, "m/s2", "cells/step2");
   double volume = 0;
-  for (const BodySpec& body : scene.bodies) volume += rigid::mass_properties(scene.shapes[body.shape]).volume;
   std::vector<std::pair<int, KindSummary>> entries;  // by [[bodies]] entry
-  for (const BodySpec& body : scene.bodies) {
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t count) {
     if (entries.empty() || entries.back().first != body.entry)
       entries.push_back({body.entry, {0, body.shape, body.density, body.motion == rigid::Motion::free}});
-    ++entries.back().second.count;
-  }
+    entries.back().second.count += static_cast<std::int64_t>(count);
+    volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[body.shape]).volume;
+  });
   constexpr std::size_t most_lines = 12;
   for (std::size_t i = 0; i < std::min(entries.size(), most_lines); ++i)
     add_kind(scene, table, fmt::format("bodies[{}]", entries[i].first), entries[i].second);

@@ -7,6 +7,7 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/case_source.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -100,6 +101,20 @@ double read_density(TableReader& table) {
   return table.quantity("density", dimension::density, range::above(0)).value_or(1);
 }
 
+/// Positions in a file: only how many there are is looked at.
+void read_filed_bodies(TableReader& table, const BodySpec& alike, Case& scene) {
+  ReadContext& context = table.context();
+  const auto name = table.string("positions");
+  if (!name) return;
+  try {
+    const AttachedFile& file = context.source->positions_named(*name);
+    context.files.push_back(file.fingerprint);
+    scene.filed.push_back({alike, position_file(*name), file.points});
+  } catch (const std::invalid_argument& error) {
+    table.fail("positions", fmt::format("{}: '{}': {}", table.path("positions"), *name, error.what()));
+  }
+}
+
 std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
   std::vector<Vec3> positions;
   const std::string given = table.one_of({"position", "positions"}, true, "where the body is");
@@ -108,7 +123,7 @@ std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
   } else if (given == "positions") {
     const Node* node = table.find(given);
     if (node->kind != Node::Kind::array || node->children.empty()) {
-      table.refuse(given, "a list of positions, [[x, y, z], ...]");
+      table.refuse(given, "a list of positions, [[x, y, z], ...], or the name of a file of them");
       return positions;
     }
     for (std::size_t i = 0; i < node->children.size(); ++i)
@@ -182,6 +197,11 @@ void read_bodies(TableReader& root, Case& scene) {
       body.velocity = table.vector("velocity", dimension::velocity).value_or(body.velocity);
       body.angular_velocity =
           table.vector("angular_velocity", dimension::angular_velocity).value_or(body.angular_velocity);
+    }
+    const Node* positions = table.find("positions");
+    if (positions && positions->kind == Node::Kind::string && !table.has("position")) {
+      read_filed_bodies(table, body, scene);
+      continue;
     }
     for (const Vec3& position : read_positions(table, scene.units)) {
       body.pose.position = position;

@@ -15,6 +15,9 @@ struct CouplingState {
   std::int64_t impulse_debt[6];
   // impulse that impacts gave to the fluid around the body, still to be passed on by the body
   double pending_impact[3];
+  // force and torque about the centre of mass that the fluid had on the body when they were last evaluated,
+  // for output; not in checkpoints
+  double seen_load[6];
 };
 static_assert(sizeof(CouplingState) == rigid::HolderState::size);
 

@@ -3,16 +3,29 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
+#include "coupler/placement/filed_bodies.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
 std::uint64_t count_given(const Case& scene) {
-  return scene.bodies.size();
+  std::uint64_t n = scene.bodies.size();
+  for (const FiledBodies& filed : scene.filed) n += filed.count;
+  return n;
+}
+
+double mean_width(const Case& scene, std::span<const GivenBody> bodies) {
+  double sum = 0;
+  for (const GivenBody& body : bodies) sum += 2 * rigid::bounding_radius(scene.shapes[body.spec.shape]);
+  return bodies.empty() ? 1 : std::max(1.0, sum / static_cast<double>(bodies.size()));
 }
 
 int entry_of(const Case& scene, rigid::BodyId id) {
-  return scene.bodies[id - 1].entry;
+  if (id <= scene.bodies.size()) return scene.bodies[id - 1].entry;
+  id -= scene.bodies.size();
+  auto filed = scene.filed.begin();
+  for (; id > filed->count; ++filed) id -= filed->count;
+  return filed->alike.entry;
 }
 
 std::vector<GivenBody> given_bodies(const Case& scene, Surroundings& around) {
@@ -26,6 +39,7 @@ std::vector<GivenBody> given_bodies(const Case& scene, Surroundings& around) {
     if (own || std::binary_search(near.begin(), near.end(), around.rank))
       bodies.push_back({i + 1, spec, own});
   }
+  add_filed_bodies(scene, around, bodies);
   return bodies;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // The bodies that a case gives one by one, on the ranks they concern.
+#include <span>
 #include <vector>
 
 #include "coupler/case/body_spec.hpp"
@@ -13,9 +14,11 @@ struct GivenBody {
   bool own;  // its centre of mass is here
 };
 
-/// Returns the given bodies that this rank owns or that reach near it, in the order of ids: from 1 on, in the
-/// order of the case.
+/// Collective. Returns the given bodies that this rank owns or that reach near it, in the order of ids: from
+/// 1 on, first those whose positions the case says, then those of files, each in the order of the case.
 std::vector<GivenBody> given_bodies(const Case&, Surroundings&);
+/// Returns the mean diameter of their bounding spheres, at least a cell: what suits a grid of them.
+double mean_width(const Case&, std::span<const GivenBody>);
 /// Returns how many there are on all ranks.
 std::uint64_t count_given(const Case&);
 /// Returns which entry of [[bodies]] gave one.

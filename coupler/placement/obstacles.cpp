@@ -15,7 +15,10 @@ using rigid::Vec3;
 
 Obstacles::Obstacles(const Case& scene, const rigid::Extent& extent, std::span<const GivenBody> given,
                      double reach)
-    : scene_(scene), extent_(extent), given_(given), given_grid_(extent, std::max(1.0, reach)) {
+    : scene_(scene),
+      extent_(extent),
+      given_(given),
+      given_grid_(extent, std::max(reach, mean_width(scene, given))) {
   for (const CurvedWall& wall : scene.walls)
     walls_.push_back({{wall.tube.radius}, rigid::pose_of(wall.tube)});
   for (std::size_t i = 0; i < given.size(); ++i)

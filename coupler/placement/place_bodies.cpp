@@ -111,7 +111,7 @@ PlacedBodies place_bodies(const Case& scene, const lbm::Domain& domain, MPI_Comm
   Surroundings around(scene, domain, comm, reach);
   PlacedBodies placed;
   placed.given = given_bodies(scene, around);
-  {
+  if (!scene.fills.empty()) {
     Obstacles obstacles(scene, around.extent, placed.given, reach);
     placed.filled.resize(scene.fills.size());
     for (const std::size_t i : by_size(balls)) placed.filled[i] = fill(scene, i, balls[i], around, obstacles);

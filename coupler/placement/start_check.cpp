@@ -34,7 +34,7 @@ std::string in_the_domain(const Case& scene, const std::string& key, const Vec3&
 std::string fault_of_place(const Case& scene, const BodySpec& body) {
   const Vec3 size = extent_of(scene).size;
   const Vec3& x = body.pose.position;
-  const std::string key = position_key(scene, body.entry);
+  const std::string key = position_text(scene, body);
   for (int d = 0; d < 3; ++d)
     if (!(x[d] >= 0 && x[d] <= size[d])) return in_the_domain(scene, key, x);
   if (body.motion == Motion::fixed) return "";
@@ -66,14 +66,8 @@ std::vector<BodyFault> faults_of_places(const Case& scene, const std::vector<Giv
 std::string text_of_overlap(const Case& scene, const BodySpec& a, const BodySpec& b, double depth) {
   return fmt::format(
       "{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; move them apart",
-      position_key(scene, b.entry), shown_point(scene, b.pose.position), shown_point(scene, a.pose.position),
+      position_text(scene, b), shown_point(scene, b.pose.position), shown_point(scene, a.pose.position),
       a.entry, shown_length(scene, depth));
-}
-
-double mean_width(const Case& scene, const std::vector<GivenBody>& bodies) {
-  double sum = 0;
-  for (const GivenBody& body : bodies) sum += 2 * rigid::bounding_radius(scene.shapes[body.spec.shape]);
-  return bodies.empty() ? 1 : std::max(1.0, sum / static_cast<double>(bodies.size()));
 }
 
 /// Of two bodies that overlap some rank has both near it: the one where they do.

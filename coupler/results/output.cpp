@@ -128,7 +128,8 @@ adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& worl
     for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape]))
       k.parts.push_back(tessellation(part, cell));
   };
-  for (const BodySpec& body : scene.bodies) describe(body.kind, body.shape, body.density);
+  scene.for_each_given(
+      [&](const BodySpec& body, std::uint64_t) { describe(body.kind, body.shape, body.density); });
   for (const FillSpec& fill : scene.fills) describe(fill.kind, fill.shape, fill.density);
   return info;
 }

@@ -2,6 +2,7 @@
 // be.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
@@ -77,6 +78,32 @@ TEST(CoupledStep, AForceOutOfRangeStopsEveryRankOneStepLater) {
     EXPECT_NE(text.find("step 1: a force on a body is out of range (the force on body "), std::string::npos)
         << text;
     EXPECT_EQ(tests::alone([&] { return std::hash<std::string>()(text); }), std::hash<std::string>()(text));
+  }
+}
+
+/// Sums hashes of every body's load after every step: this rank's share.
+std::uint64_t loads_of_crowd(MPI_Comm comm, std::uint64_t& migrations) {
+  std::uint64_t sum = 0;
+  const CrowdResult r = run_crowd({"contacts.substeps=2"}, comm, [&](Simulation& s) {
+    const auto loads = s.last_loads();
+    for (std::size_t row = 0; row < loads.size(); ++row) {
+      std::uint64_t hash = s.bodies().id[row];
+      for (const Vec3& v : {loads[row].force, loads[row].torque})
+        for (int d = 0; d < 3; ++d) hash = 0x9E3779B97F4A7C15u * (hash ^ std::bit_cast<std::uint64_t>(v[d]));
+      sum += hash;
+    }
+  });
+  migrations = r.counters.migrations;
+  return sum;
+}
+
+TEST(CoupledStep, LoadsStayWithBodiesThatChangeHands) {
+  std::uint64_t migrations = 0, none = 0, all = 0;
+  const std::uint64_t mine = loads_of_crowd(MPI_COMM_WORLD, migrations);
+  MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+  EXPECT_EQ(all, tests::alone([&] { return loads_of_crowd(MPI_COMM_SELF, none); }));
+  if (tests::ranks() > 1) {
+    EXPECT_GT(migrations, 0u);
   }
 }
 
