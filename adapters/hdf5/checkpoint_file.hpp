@@ -7,7 +7,7 @@
 //   /impulses/...  the columns of StoredImpulse, body after body
 //   /provenance
 // HDF5 guards its own metadata with checksums in this file; each dataset carries one of its content. The file
-// is the same, to the byte, from any number of ranks.
+// is the same, to the byte, from any number of ranks that are given the same provenance.
 #include <mpi.h>
 
 #include <array>

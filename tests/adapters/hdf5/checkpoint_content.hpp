@@ -1,0 +1,120 @@
+#pragma once
+// What the tests of checkpoints write: populations of any bits, bodies unlike each other.
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/adapters/hdf5/scratch.hpp"
+
+namespace silt::tests {
+
+using adapters::CellBox;
+using adapters::CheckpointReader;
+using adapters::CheckpointWriter;
+using rigid::BodyRecord;
+using rigid::StoredImpulse;
+
+inline constexpr std::array<int, 3> cells{11, 6, 9};
+inline constexpr int populations = 19, bodies_in_all = 37;
+
+template <class T>
+using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+
+/// Any bits at all, among them -0.0, denormals, infinities and NaNs with a payload.
+template <class T>
+Bits<T> bits_of(int q, int x, int y, int z) {
+  const std::uint64_t n = ((q * 100ull + z) * 100 + y) * 100 + x;
+  const Bits<T> sign = Bits<T>{1} << (8 * sizeof(T) - 1);
+  switch (n % 7) {
+    case 0:
+      return sign;  // -0.0
+    case 1:
+      return static_cast<Bits<T>>(n + 1);  // denormal
+    case 2:
+      return std::bit_cast<Bits<T>>(std::numeric_limits<T>::signaling_NaN()) | Bits<T>(n);  // NaN, payload
+    case 3:
+      return 0;
+    case 4:
+      return std::bit_cast<Bits<T>>(-std::numeric_limits<T>::infinity());
+    default:
+      return std::bit_cast<Bits<T>>(static_cast<T>(std::sin(double(n))));
+  }
+}
+
+template <class T>
+void write_populations(CheckpointWriter& writer, const std::vector<CellBox>& boxes) {
+  writer.cells<T>("populations", cells, populations, boxes, [&](int q, std::size_t box, T* out) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+      const auto bits = bits_of<T>(q, x, y, z);
+      std::memcpy(&out[i], &bits, sizeof bits);
+    });
+  });
+}
+
+template <class T>
+std::size_t wrong_populations(const CheckpointReader& reader, const std::vector<CellBox>& boxes) {
+  std::size_t wrong = 0;
+  reader.cells<T>("populations", boxes, [&](int q, std::size_t box, const T* in) {
+    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+      const auto bits = bits_of<T>(q, x, y, z);
+      wrong += std::memcmp(&in[i], &bits, sizeof bits) != 0;
+    });
+  });
+  return wrong;
+}
+
+inline std::uint8_t flag(int x, int y, int z) {
+  return (x * 7 + y * 3 + z) % 5 == 0;
+}
+
+/// What a holder might keep.
+struct Kept {
+  double number[2];
+  std::int64_t whole[3];
+};
+inline constexpr adapters::HolderColumn kept_columns[] = {
+    {"kept_number", offsetof(Kept, number), adapters::HolderColumn::float64, 2},
+    {"kept_whole", offsetof(Kept, whole), adapters::HolderColumn::int64, 3}};
+
+inline BodyRecord record(std::uint64_t id) {
+  BodyRecord r;
+  r.id = id;
+  r.shape = int(id % 3);
+  r.kind = -int(id);
+  r.motion = static_cast<rigid::Motion>(id % 3);
+  r.mass = std::nextafter(double(id), 0);
+  for (int d = 0; d < 3; ++d) {
+    r.position[d] = std::sin(id + d);
+    r.image[d] = int(id) - d;
+    r.velocity[d] = -0.0;
+    r.angular_momentum[d] = 5e-324 * double(id);
+  }
+  Kept& kept = r.holder_state.as<Kept>();
+  kept.number[1] = 0.1 * double(id);
+  for (int d = 0; d < 3; ++d) kept.whole[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
+  return r;
+}
+
+inline std::vector<StoredImpulse> impulses(std::uint64_t id) {
+  std::vector<StoredImpulse> list;
+  for (std::uint64_t i = 0; i < id % 4; ++i)
+    list.push_back({id + 1 + i,
+                    {std::int8_t(i % 3 - 1), 0, 1},
+                    id << 32 | i,
+                    rigid::Vec3(0.1 * double(i), -0.0, 1.0 / id)});
+  return list;
+}
+
+inline void expect_equal(const BodyRecord& a, const BodyRecord& b) {
+  const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
+  EXPECT_TRUE(same(a.id, b.id) && same(a.shape, b.shape) && same(a.material, b.material) &&
+              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.mass, b.mass) &&
+              same(a.weight_in_fluid, b.weight_in_fluid) && same(a.inertia_B, b.inertia_B) &&
+              same(a.position, b.position) && same(a.orientation, b.orientation) && same(a.image, b.image) &&
+              same(a.velocity, b.velocity) && same(a.angular_velocity, b.angular_velocity) &&
+              same(a.angular_momentum, b.angular_momentum) && same(a.holder_state, b.holder_state))
+      << "body " << b.id;
+}
+
+}  // namespace silt::tests
