@@ -22,6 +22,8 @@ struct SceneParts {
 class CoupledStep {
  public:
   explicit CoupledStep(const SceneParts&);
+  /// Goes on with other parts; the seconds so far stay.
+  void renew(const SceneParts& scene) { scene_ = scene; }
   /// Advances everything by one step; returns what the bodies did.
   rigid::RigidStepReport operator()(rigid::BodySet&);
   /// Seconds of all steps so far, on this rank, by stage; and what it exchanged with others in them.

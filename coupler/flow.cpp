@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "coupler/balance/body_work.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/exchange/reduce.hpp"
@@ -15,6 +16,7 @@
 #include "coupler/side_force.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/move_populations.hpp"
 #include "lbm/pairs_across.hpp"
 
 namespace silt::coupler {
@@ -117,6 +119,14 @@ class FlowOf final : public Flow {
     if (restarted_) return;
     forces_.start(map_.blocks(), bodies);
     if (corrects_mass_) correction_.recount(totals());
+  }
+
+  void take_over(const Flow& other) override {
+    lbm::move_populations(static_cast<const FlowOf&>(other).fluid_, fluid_);
+    set_mass_correction(other.mass_correction());
+  }
+  void add_work(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) const override {
+    for (const BlockMap& map : map_.blocks()) add_mapped(map, bodies, costs, work);
   }
 
   FlowTotals totals() const override {

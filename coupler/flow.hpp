@@ -17,7 +17,9 @@
 namespace silt::coupler {
 
 class ParallelBodyExchange;
+class WorkMap;
 struct Case;
+struct WorkCosts;
 
 /// Cells that changed sides on this rank in the last mapping (ghost cells not counted), and cut links held.
 struct MappingCounts {
@@ -71,6 +73,11 @@ class Flow {
   /// mapping poses (fresh bodies: their poses). After a restart: set_arriving everything and
   /// set_mass_correction first.
   virtual void start(rigid::BodySet&) = 0;
+  /// Collective, before start() and in the place of set_arriving and set_mass_correction: takes over from the
+  /// same fluid in other blocks.
+  virtual void take_over(const Flow&) = 0;
+  /// Adds the work that the bodies of a set make in the blocks of this rank, as they are mapped.
+  virtual void add_work(const rigid::BodySet&, const WorkCosts&, WorkMap&) const = 0;
   virtual FlowTotals totals() const = 0;  // collective; ForceOutOfRange as of stream_collide
   /// hash_fluid of this rank (state_hash.hpp).
   virtual std::uint64_t hash() const = 0;

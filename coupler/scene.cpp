@@ -90,6 +90,7 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
     set_mapping_pose(bodies, row, bodies.pose(row));
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
   exchange->synchronise(bodies);
+  if (may_be_cut_anew()) cut_for_bodies();
   if (anything_moves) {
     backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
@@ -100,6 +101,31 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
   if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
+}
+
+bool Scene::may_be_cut_anew() const {
+  return ranks > 1 && !setup.block_cells;
+}
+
+/// From the cut by size alone to one for the work that the bodies will make, where that is clearly better.
+void Scene::cut_for_bodies() {
+  constexpr double clearly = 0.05;  // of the mean work of a rank
+  const CutComparison cuts = compare_cuts(*this);
+  evenness_at_start.before = evenness_at_start.after = cuts.present.largest_over_mean();
+  if (cuts.present.largest_over_mean() - cuts.better.largest_over_mean() <= clearly) return;
+  evenness_at_start.after = cuts.better.largest_over_mean();
+  domain = lbm::Domain(cuts.better.tree, domain.sides(), ranks);
+  exchange->cut_anew(bodies);
+}
+
+void Scene::cut_anew(const lbm::CutTree& tree) {
+  domain = lbm::Domain(tree, domain.sides(), ranks);
+  exchange->cut_anew(bodies);
+  if (!flow) return;
+  auto moved = make_flow(setup, domain, comm, *exchange);
+  moved->take_over(*flow);
+  flow = std::move(moved);
+  flow->start(bodies);
 }
 
 void Scene::take_saved_bodies(const SavedBodies& saved) {

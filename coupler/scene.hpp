@@ -11,6 +11,7 @@
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/exchange/send_home.hpp"
 #include "coupler/flow.hpp"
+#include "coupler/load_balance.hpp"
 #include "rigid/rigid_step.hpp"
 
 namespace silt::coupler {
@@ -42,6 +43,14 @@ class Scene {
   std::unique_ptr<rigid::ContactResolver> resolver;
   std::unique_ptr<rigid::RigidStep> rigid_step;
   std::unique_ptr<Flow> flow;  // null: no [fluid]
+  Evenness evenness_at_start;  // of the work of ranks, under the equal cut and the one taken
+
+  /// Whether the domain may be cut as the work is shared best.
+  bool may_be_cut_anew() const;
+  /// Collective, between steps, once the flow has started: goes over to another cut, of a leaf a rank or
+  /// more. Bodies and populations move to the ranks it gives; the flow and the parts that refer to it are new
+  /// ones.
+  void cut_anew(const lbm::CutTree&);
 
   std::string backend_name() const { return backend ? std::string(backend->name()) : "none"; }
   /// The passes of a coupled step for this scene.
@@ -51,6 +60,7 @@ class Scene {
   void take_saved_bodies(const SavedBodies&);
   void take_placed_bodies(const std::vector<CentredShape>&);
   void count_bodies();
+  void cut_for_bodies();
 };
 
 }  // namespace silt::coupler

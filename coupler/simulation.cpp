@@ -83,8 +83,36 @@ auto Simulation::guarded(Work&& work) {
   }
 }
 
+void Simulation::cut_anew(const lbm::CutTree& tree) {
+  guarded([&] { scene_.cut_anew(tree); });
+  coupled_step_.renew(observed_parts());
+}
+
+/// Before a step, so that all that a step leaves to be asked is of one cut.
+void Simulation::balance_work() {
+  const std::int64_t every = setup().balance_every;
+  if (every == 0 || step_ == 0 || step_ % every != 0 || !scene_.may_be_cut_anew()) return;
+  const auto begin = std::chrono::steady_clock::now();
+  const CutComparison cuts = compare_cuts(scene_);
+  ++balance_.looks;
+  balance_.last.before = balance_.last.after = cuts.present.largest_over_mean();
+  if (cuts.worth_moving(every)) {
+    cut_anew(cuts.better.tree);
+    ++balance_.moves;
+    balance_.last.after = cuts.better.largest_over_mean();
+  }
+  balance_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+BalanceRecord Simulation::balance_record() const {
+  BalanceRecord record = balance_;
+  record.at_start = scene_.evenness_at_start;
+  return record;
+}
+
 void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
+  balance_work();
   const Traffic before = traffic();
   begin_step_of_traffic();
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies); });

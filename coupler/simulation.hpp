@@ -47,9 +47,11 @@ class Simulation {
   Simulation(Case, MPI_Comm, const SavedState&);
   Simulation(const Simulation&) = delete;
 
-  /// Does one step. GuardStop and std::overflow_error may come on some ranks only: the others then wait for
-  /// ever, so a program on several ranks ends with MPI_Abort after saying what happened. That the fluid's
-  /// force on a body is out of range all ranks find, in the next step or at the next look.
+  /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
+  /// and moves to a better cut (scene().flow and what it holds are then new ones). GuardStop and
+  /// std::overflow_error may come on some ranks only: the others then wait for ever, so a program on several
+  /// ranks ends with MPI_Abort after saying what happened. That the fluid's force on a body is out of range
+  /// all ranks find, in the next step or at the next look.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -70,6 +72,9 @@ class Simulation {
   /// Moves a body to anywhere in the domain; its velocity stays.
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
+  /// Moves everything to the ranks that another cut of the domain gives: no result depends on it.
+  void cut_anew(const lbm::CutTree&);
+
   // ---- what may be asked ----
   std::uint64_t hash() const;
   RunCounters counters() const;  // of all ranks
@@ -78,6 +83,7 @@ class Simulation {
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
+  BalanceRecord balance_record() const;
   StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
   StageTraffic stage_traffic() const { return coupled_step_.traffic(); }  // local: with other ranks
   const Traffic& traffic_in_steps() const { return traffic_; }            // local: of all steps
@@ -90,6 +96,7 @@ class Simulation {
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);
   SceneParts observed_parts();
+  void balance_work();
   void count(const rigid::RigidStepReport&);
   template <class Work>
   auto guarded(Work&&);
@@ -105,6 +112,7 @@ class Simulation {
   CheckUnderWay check_;
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;
+  BalanceRecord balance_;
 };
 
 }  // namespace silt::coupler

@@ -56,6 +56,7 @@ struct Case {
 
   std::int64_t steps = 0;
   std::optional<SteadySpec> steady;
+  std::int64_t balance_every = 0;  // steps between two looks at how the work is shared; 0: none
   OutputSpec output;
   std::vector<QuantitySpec> quantities;
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"

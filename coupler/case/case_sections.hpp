@@ -41,7 +41,8 @@ struct QuantityScope {
   std::vector<std::string> kind_names;
   std::vector<CurvedWall> walls;
 };
-void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&);          // [run]
+void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&,
+              std::int64_t& balance_every);                                                 // [run]
 void read_output(TableReader& root, OutputSpec&);                                           // [output]
 void read_quantities(TableReader& root, const QuantityScope&, std::vector<QuantitySpec>&);  // [[quantities]]
 

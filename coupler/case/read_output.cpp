@@ -117,7 +117,8 @@ void read_steady(TableReader steady, std::optional<SteadySpec>& found) {
 
 }  // namespace
 
-void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>& steady) {
+void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>& steady,
+              std::int64_t& balance_every) {
   if (!root.has("run")) root.missing("run", "a table [run] with steps or time");
   TableReader run = root.table("run");
   if (!run.present()) return;
@@ -134,6 +135,10 @@ void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&
       steps = std::max<std::int64_t>(1, std::llround(wanted));
   }
   read_steady(run.table("steady"), steady);
+  TableReader balance = run.table("balance");
+  if (!balance.present()) return;
+  if (!balance.has("every")) balance.missing("every", "the number of steps between two looks (0: never)");
+  balance_every = balance.integer("every", 0).value_or(0);
 }
 
 void read_output(TableReader& root, OutputSpec& output) {

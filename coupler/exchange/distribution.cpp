@@ -12,16 +12,29 @@ using rigid::BodySet;
 
 namespace {
 
+/// The widest gap of a film between two bodies.
+double film_reach(const rigid::World& world) {
+  return world.contact_margin + world.lubrication->reach();
+}
+
+/// Of bodies: walls have none.
+double largest_radius_of(const rigid::World& world) {
+  double largest = 0;
+  for (const double radius : world.bounding_radii)
+    if (std::isfinite(radius)) largest = std::max(largest, radius);
+  return largest;
+}
+
 /// Half a cell more or less than a whole number, so that of two blocks each finds the other.
 double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
   constexpr double furthest_in_a_step = 2;  // cells, at least
-  double largest = 0;
-  for (const double radius : world.bounding_radii) largest = std::max(largest, radius);
+  const double largest = largest_radius_of(world);
+  const double to_partner = world.lubrication ? largest + film_reach(world) : 0;
   int thinnest = std::numeric_limits<int>::max();
   domain.tree().for_leaves_meeting({{}, domain.cells()}, [&](const lbm::CutTree::Leaf& leaf) {
     for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, leaf.box.size[d]);
   });
-  return std::max(std::ceil(rim + largest + furthest_in_a_step) + 0.5, thinnest - 0.5);
+  return std::max(std::ceil(rim + largest + to_partner + furthest_in_a_step) + 0.5, thinnest - 0.5);
 }
 
 std::vector<int> ranks_around(const lbm::Domain& domain, int rank, double reach) {
@@ -55,8 +68,30 @@ ParallelBodyExchange::Distribution::Distribution(MPI_Comm comm, int rank, const 
       world(world),
       holders(domain, rim),
       messages(comm),
+      largest_radius(largest_radius_of(world)),
       reach(reach_of(domain, world, rim)),
       around(ranks_around(domain, rank, reach)) {}
+
+/// The coupling in time asks in the next step how fast the bodies beyond the films of an owned body are.
+/// Where the partner will be owned only its present owner knows: somewhere within its radius of the film.
+void ParallelBodyExchange::Distribution::include_owners_beyond_films(const BodySet& bodies, std::size_t row,
+                                                                     std::vector<int>& ranks) {
+  double beyond = 0;
+  for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
+    if (!(s.feature & rigid::lubrication_feature)) continue;
+    const std::size_t other = bodies.row_of(s.partner);
+    const bool known = other < bodies.size();
+    const double radius = known ? world.bounding_radii[bodies.shape[other]] : largest_radius;
+    if (std::isfinite(radius)) beyond = std::max(beyond, radius);
+  }
+  if (beyond == 0) return;
+  beyond += world.bounding_radii[bodies.shape[row]] + film_reach(world);
+  const rigid::Vec3 grown = rigid::Vec3::Constant(beyond), x = bodies.position[row];
+  holders.ranks_of({x - grown, x + grown}, owners_beyond_);
+  ranks.insert(ranks.end(), owners_beyond_.begin(), owners_beyond_.end());
+  std::sort(ranks.begin(), ranks.end());
+  ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+}
 
 const std::vector<int>& ParallelBodyExchange::Distribution::those_that(std::vector<BodyId> Tie::*have) {
   ranks_.clear();

@@ -43,6 +43,11 @@ struct ParallelBodyExchange::Distribution {
   /// Ranks that hold a body, its owner among them, sorted.
   void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
 
+  // ---- deal_out.cpp ----
+  /// From bodies that each have an owner on some rank, any one, and no copies that count, to those of the
+  /// cuts and their copies.
+  void deal_out(rigid::BodySet&);
+
   // ---- exchange_contacts.cpp ----
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
   void share(std::span<double> rows, int width, std::span<const rigid::RankCluster::Word> said,
@@ -51,6 +56,8 @@ struct ParallelBodyExchange::Distribution {
   std::vector<int> partners() const;
 
   // ---- distribution.cpp ----
+  /// Adds to the sorted ranks those that may own a body with a film between it and an owned one.
+  void include_owners_beyond_films(const rigid::BodySet&, std::size_t row, std::vector<int>& ranks);
   void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width);
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width);
   /// Renews the ties after held_by or owner_of changed.
@@ -61,7 +68,8 @@ struct ParallelBodyExchange::Distribution {
   const rigid::World& world;
   Holders holders;
   Messages messages;
-  const double reach;  // cells around the blocks of a rank
+  const double largest_radius;  // of a body
+  const double reach;           // cells around the blocks of a rank
   const std::vector<int>
       around;  // other ranks that have a block within reach of one here, sorted: they agree
   ExchangeCounters counters;
@@ -96,7 +104,7 @@ struct ParallelBodyExchange::Distribution {
   void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
   void plan_velocity_messages(const rigid::BodySet&, const std::vector<rigid::Contact>&);
 
-  std::vector<int> ranks_;                           // scratch
+  std::vector<int> ranks_, owners_beyond_;           // scratch
   std::vector<std::size_t> departures_;              // owned rows that are handed over
   std::vector<VelocityMessages> velocity_messages_;  // by rank
   std::vector<MPI_Request> share_requests_;          // scratch, as its statuses

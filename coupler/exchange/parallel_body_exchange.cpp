@@ -55,6 +55,15 @@ void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
   distribution_->synchronise(bodies, Distribution::Owners::anywhere);
 }
 
+void ParallelBodyExchange::cut_anew(rigid::BodySet& bodies) {
+  wrap_positions(bodies);
+  if (!distribution_) return;
+  const ExchangeCounters before = counters();
+  distribution_ = std::make_shared<Distribution>(comm_, rank_, domain_, world_, rim_);
+  distribution_->counters = before;
+  distribution_->deal_out(bodies);
+}
+
 double ParallelBodyExchange::reach() const {
   return distribution_ ? distribution_->reach : 0;
 }
@@ -106,8 +115,8 @@ rigid::Traffic ParallelBodyExchange::traffic() const {
 const ExchangeCounters& ParallelBodyExchange::counters() const {
   if (distribution_) {
     counters_ = distribution_->counters;
-    counters_.messages = distribution_->messages.messages_sent();
-    counters_.bytes = distribution_->messages.bytes_sent();
+    counters_.messages += distribution_->messages.messages_sent();
+    counters_.bytes += distribution_->messages.bytes_sent();
   }
   return counters_;
 }

@@ -2,10 +2,11 @@
 // Owner and remote bodies over MPI (the paper, section III): the four exchanges of Algorithm 1.
 //
 // The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
-// whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy. Messages
-// go to those ranks only. Who they are both ends know from the last synchronisation (distribution.hpp). A
-// synchronisation itself goes to all ranks that a body may come to reach in a step, each of which expects one
-// message; only a body set down anywhere reaches ranks that do not expect it (messages.hpp).
+// whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy; so does
+// every rank that may own a body beyond a film of lubrication. Messages go to those ranks only. Who they are
+// both ends know from the last synchronisation (distribution.hpp). A synchronisation itself goes to all ranks
+// that a body may come to reach in a step, each of which expects one message; only a body set down anywhere
+// reaches ranks that do not expect it (messages.hpp).
 #include <mpi.h>
 
 #include <memory>
@@ -51,6 +52,10 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   std::vector<int> holders(int shape, const rigid::Pose&) const;
   /// Synchronises bodies that may have been set down anywhere. Collective: every rank hears of every other.
   void relocate(rigid::BodySet&);
+  /// Goes over to the cuts that the domain has now: bodies go to their new owners, with the forces on them
+  /// and their stored impulses, and copies are made anew. Collective, between steps: what acts on copies is
+  /// lost.
+  void cut_anew(rigid::BodySet&);
   /// How far around its blocks a rank's bodies may reach, cells: at least as far as the next blocks.
   double reach() const;
 

@@ -181,6 +181,7 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
   const BodyId id = bodies.id[row];
   const auto known = held_by.find(id);
   find_holders(bodies.shape[row], bodies.pose(row), ranks_);
+  if (world.lubrication) include_owners_beyond_films(bodies, row, ranks_);
   if (ranks_.size() == 1 && ranks_[0] == rank) {
     if (known != held_by.end()) held_by.erase(known);
     return;

@@ -182,6 +182,21 @@ Json work_of(const Simulation& simulation) {
                        {"wait_seconds", spread(simulation, waits).json()}});
 }
 
+Json evenness(const Evenness& e) {
+  return Json::object({{"before", e.before}, {"after", e.after}});
+}
+
+/// Predicted work: largest over mean of the ranks.
+Json balance_of(const Simulation& simulation) {
+  const BalanceRecord record = simulation.balance_record();
+  return Json::object({{"every", simulation.setup().balance_every},
+                       {"looks", record.looks},
+                       {"moves", record.moves},
+                       {"at_start", evenness(record.at_start)},
+                       {"last", evenness(record.last)},
+                       {"seconds", max_over_ranks(simulation.scene().comm, record.seconds)}});
+}
+
 Json peak_memory_of(const Simulation& simulation) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -193,6 +208,7 @@ void add_parallel(const Simulation& simulation, const RunStatus& status, Json& r
   report["traffic"] = traffic_of(simulation, simulation.traffic_in_steps(), steps);
   report["traffic"]["stages"] = traffic_by_stage(simulation, steps);
   report["work"] = work_of(simulation);
+  report["balance"] = balance_of(simulation);
   report["memory_peak_bytes"] = peak_memory_of(simulation);
 }
 

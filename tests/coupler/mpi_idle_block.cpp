@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "coupler/simulation.hpp"
+#include "lbm/equal_cut.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -28,6 +30,33 @@ TEST(IdleBlock, FluidBesideItIsTheSame) {
     for (int t = 0; t < 40; ++t) a.step(), b.step();
     EXPECT_EQ(a.hash(), b.hash()) << motion;
     EXPECT_GT(a.look_at_flow().max_speed, 1e-3);
+  }
+}
+
+/// The lower half along y for half of the ranks, the upper one, which the box fills, for the others.
+lbm::CutTree halves_of_ranks() {
+  const int n = tests::ranks();
+  std::vector<lbm::Cut> nodes;
+  const auto slabs = [&](int leaves) {
+    for (int left = leaves; left > 1; --left) nodes.push_back({2, 64 - 64 * (left - 1) / leaves, 1});
+  };
+  if (n > 1) nodes.push_back({1, 16, n / 2});
+  if (n > 1) slabs(n / 2);
+  slabs(n - n / 2);
+  return {{16, 32, 64}, nodes};
+}
+
+TEST(IdleBlock, RanksWithoutAFluidCellTakeNoPart) {
+  if (tests::ranks() == 1) return;
+  for (const std::string motion :
+       {"motion = \"fixed\"", "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]"}) {
+    Simulation a = channel_beside_a_box(motion, whole), b = channel_beside_a_box(motion, "auto");
+    b.cut_anew(halves_of_ranks());
+    for (int t = 0; t < 20; ++t) a.step(), b.step();
+    EXPECT_EQ(a.hash(), b.hash()) << motion;
+    b.cut_anew(lbm::equal_cut({16, 32, 64}, tests::ranks()));
+    for (int t = 0; t < 20; ++t) a.step(), b.step();
+    EXPECT_EQ(a.hash(), b.hash()) << motion;
   }
 }
 

@@ -102,6 +102,7 @@ shapes = []
 bodies = [{ axis_angle = {} }]
 fill = [{}]
 run.steady = {}
+run.balance = {}
 output = { fields = {}, bodies = {}, checkpoint = {}, report = {} }
 quantities = []
 )";

@@ -3,17 +3,19 @@
 // the reference, by each rank alone.
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <memory>
-#include <optional>
 #include <random>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/exchange/check_exchange.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "lbm/equal_cut.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/odd_cut.hpp"
 
 namespace silt::coupler::testing {
 
@@ -87,7 +89,18 @@ struct Scene {
   }
 };
 
-using Blocks = std::optional<lbm::Int3>;
+/// How the cells are cut for so many ranks.
+struct Blocks {
+  std::function<lbm::CutTree(lbm::Int3 cells, int ranks)> cut = lbm::equal_cut;
+  Blocks() = default;
+  Blocks(lbm::Int3 size) : cut([=](lbm::Int3 cells, int) { return lbm::grid_cut(cells, size); }) {}
+};
+/// So many blocks a rank, of all sizes.
+inline Blocks odd_blocks(int a_rank, int edge = 2) {
+  Blocks blocks;
+  blocks.cut = [=](lbm::Int3 cells, int ranks) { return tests::odd_cut(cells, a_rank * ranks, edge, ranks); };
+  return blocks;
+}
 
 /// Reach of copies that the contacts of these tests need: half a margin, and some.
 constexpr double contact_rim = 0.25;
@@ -147,7 +160,7 @@ struct SceneRun {
            std::unique_ptr<rigid::CollisionBackend> collision = adapters::make_backend("auto"))
       : scene(from),
         comm(comm),
-        domain(scene.cells, scene.sides(), blocks, ranks_of(comm)),
+        domain(blocks.cut(scene.cells, ranks_of(comm)), scene.sides(), ranks_of(comm)),
         exchange(comm, domain, scene.world, rim),
         backend(std::move(collision)),
         resolver(rigid::make_resolver(law, scene.settings)),

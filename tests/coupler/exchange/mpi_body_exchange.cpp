@@ -9,7 +9,7 @@ namespace {
 using namespace testing;
 
 /// Runs a scene on all ranks and on one, and compares ids at every step and everything at the end.
-void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, Blocks blocks, int steps,
+void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, const Blocks& blocks, int steps,
                                 double dt) {
   SceneRun<Witness> parallel(MPI_COMM_WORLD, scene, law, blocks), serial(MPI_COMM_SELF, scene, law, blocks);
   const OwnedBodies all = count_owned(MPI_COMM_SELF, serial.bodies());
@@ -47,6 +47,10 @@ TEST(ParallelBodyExchange, GasOnCubesSeveralARank) {
 TEST(ParallelBodyExchange, GasOnSliversSeveralARank) {
   expect_same_as_on_one_rank(gas(1), "sffd", {{5, 24, 3}}, 400, 1);
 }
+TEST(ParallelBodyExchange, GasOnOddBlocks) {
+  expect_same_as_on_one_rank(gas(1), "sffd", odd_blocks(1), 400, 1);
+  expect_same_as_on_one_rank(gas(1), "sffd", odd_blocks(4), 400, 1);
+}
 TEST(ParallelBodyExchange, GasWithClassicFfd) {
   expect_same_as_on_one_rank(gas(0.8), "ffd", {}, 400, 1);
 }
@@ -76,6 +80,7 @@ TEST(ParallelBodyExchange, BallLargerThanBlocks) {
   expect_same_as_on_one_rank(planet(), "sffd", {}, 600, 1);
   expect_same_as_on_one_rank(planet(), "sffd", {{6, 6, 6}}, 300, 1);
   expect_same_as_on_one_rank(planet(), "ffd", {{12, 12, 4}}, 300, 1);
+  expect_same_as_on_one_rank(planet(), "sffd", odd_blocks(27), 300, 1);
 }
 
 /// Falling onto a floor between walls, fixed and moved bodies among them: chains of contacts, impulses
@@ -94,6 +99,9 @@ Scene heap() {
 }
 TEST(ParallelBodyExchange, HeapBetweenWalls) {
   expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 300, 1);
+}
+TEST(ParallelBodyExchange, HeapOnOddBlocks) {
+  expect_same_as_on_one_rank(heap(), "sffd", odd_blocks(4), 300, 1);
 }
 TEST(ParallelBodyExchange, HeapBetweenWallsClassicFfd) {
   expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);

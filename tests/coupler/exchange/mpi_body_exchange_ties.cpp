@@ -101,10 +101,11 @@ TEST(BodyExchangeTies, HoldersAreThoseWhoseGrownBlocksTheBoxMeets) {
   std::mt19937 random(1);
   std::uniform_real_distribution<> u(-1, 1);
   for (const std::array<bool, 3> periodic : {std::array{true, true, true}, std::array{false, true, false}})
-    for (const Blocks blocks : {Blocks{}, Blocks{{6, 6, 6}}, Blocks{{24, 5, 3}}, Blocks{{2, 24, 24}}}) {
+    for (const Blocks& blocks : {Blocks{}, Blocks{{6, 6, 6}}, Blocks{{24, 5, 3}}, Blocks{{2, 24, 24}},
+                                 odd_blocks(1), odd_blocks(5, 1)}) {
       scene.periodic = periodic;
       const double rim = 1.25;
-      const lbm::Domain domain(scene.cells, scene.sides(), blocks, ranks());
+      const lbm::Domain domain(blocks.cut(scene.cells, ranks()), scene.sides(), ranks());
       const ParallelBodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, rim);
       for (int trial = 0; trial < 400; ++trial) {
         const int shape = shapes[trial % 5];
@@ -136,7 +137,7 @@ TEST(BodyExchangeTies, HoldersAreThoseWhoseGrownBlocksTheBoxMeets) {
 TEST(BodyExchangeTies, OwnerOfPointsOutsideAndOnBorders) {
   Scene scene(0, 0);
   scene.periodic = {true, false, true};
-  const lbm::Domain domain(scene.cells, scene.sides(), Blocks{{6, 6, 6}}, ranks());
+  const lbm::Domain domain(scene.cells, scene.sides(), lbm::Int3{6, 6, 6}, ranks());
   const ParallelBodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, 1);
   EXPECT_EQ(exchange.rank_at({24, 3, 3}), domain.rank_at({0, 3, 3}));
   EXPECT_EQ(exchange.rank_at({-1e-18, 3, 3}), domain.rank_at({0, 3, 3}));  // rounds to the period, which is 0

@@ -1,0 +1,110 @@
+#include "coupler/balance/body_work.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+using lbm::Int3;
+using rigid::Motion;
+
+namespace {
+
+/// Links that cross a unit of surface, mean over its directions: half the sum of |c_i . n| over the 18
+/// directions, where the mean of |cos| is a half: (6 + 12 sqrt(2)) / 4.
+constexpr double links_of_a_surface = 5.743;
+
+std::uint64_t first_cells(std::uint64_t cells, int n) {
+  return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
+}
+
+/// Calls visit(x, n) for the pieces of a row of a block that lie in one tile each: n cells from x on.
+template <class Visit>
+void for_pieces(const lbm::CellBox& block, Int3 first, int end, Visit&& visit) {
+  Int3 x = first;
+  for (x.x = std::max(x.x, 0); x.x < std::min(end, block.size.x);) {
+    const int left_of_tile = WorkMap::tile - (block.lower.x + x.x) % WorkMap::tile;
+    const int n = std::min(std::min(end, block.size.x) - x.x, left_of_tile);
+    visit(x, n);
+    x.x += n;
+  }
+}
+
+/// The cut links of n cells in a row: those into solid cells that are not beyond a side of the domain.
+int links_from(const BlockMap& map, Int3 x, int n) {
+  const std::uint64_t fluid = first_cells(~map.solid.from(x.x, x.y, x.z), n);
+  int links = 0;
+  for (int i = 1; i < lbm::directions; ++i) {
+    const Int3 y = x + lbm::c[i];
+    links += std::popcount(fluid & map.solid.from(y.x, y.y, y.z) & ~map.walls.from(y.x, y.y, y.z));
+  }
+  return links;
+}
+
+/// Whether a solid cell is in or next to these rows of a plane.
+bool any_solid(const BlockMap& map, int y, int z) {
+  for (int dz = -1; dz <= 1; ++dz)
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int k = 0; k < map.solid.words(); ++k)
+        if (map.solid.at(y + dy, z + dz)[k] & ~map.walls.at(y + dy, z + dz)[k]) return true;
+  return false;
+}
+
+}  // namespace
+
+void add_bodies(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (bodies.motion[row] != Motion::fixed)
+      work.add(bodies.position[row],
+               costs.body + costs.impulse * std::int64_t(bodies.stored_impulses[row].size()));
+}
+
+void add_surfaces(const rigid::BodySet& bodies, const rigid::World& world, const WorkCosts& costs,
+                  WorkMap& work) {
+  if (costs.cell == 0) return;
+  struct Counts {
+    double cells = -1, links = 0;
+  };
+  std::vector<Counts> of_shape(world.shapes.size());
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const rigid::Shape& shape = world.shapes[bodies.shape[row]];
+    Counts& counts = of_shape[bodies.shape[row]];
+    if (counts.cells < 0) {
+      counts.cells = rigid::mass_properties(shape).volume;
+      const double surface = 6 * counts.cells / rigid::least_width(shape);  // of spheres and cubes
+      counts.links = links_of_a_surface * surface;
+    }
+    const double mapped = bodies.motion[row] == Motion::fixed ? 0 : counts.cells;
+    work.add(rigid::bounding_box(shape, bodies.pose(row)),
+             std::llround(double(costs.link) * counts.links + double(costs.mapped_cell) * mapped));
+  }
+}
+
+void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) {
+  const Int3 size = map.box.size;
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      if (any_solid(map, y, z))
+        for_pieces(map.box, {0, y, z}, size.x,
+                   [&](Int3 x, int n) { work.add(map.box.lower + x, costs.link * links_from(map, x, n)); });
+  for (const BodyMask& mask : map.masks) {
+    if (mask.row >= bodies.first_wall() || bodies.motion[mask.row] == Motion::fixed) continue;
+    const BitFrame& f = mask.frame();
+    for (int z = std::max(f.low.z, 0); z < std::min(f.low.z + f.size.z, size.z); ++z)
+      for (int y = std::max(f.low.y, 0); y < std::min(f.low.y + f.size.y, size.y); ++y)
+        for (int k = 0; k < f.pitch; k += 64) {
+          const std::uint64_t cells = mask.bits.row(k, y, z);
+          const int first = f.low.x + k, end = f.low.x + std::min(k + 64, f.size.x);
+          if (cells)
+            for_pieces(map.box, {first, y, z}, end, [&](Int3 x, int n) {
+              work.add(map.box.lower + x,
+                       costs.mapped_cell * std::popcount(first_cells(cells >> (x.x - first), n)));
+            });
+        }
+  }
+}
+
+}  // namespace silt::coupler

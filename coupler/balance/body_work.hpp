@@ -1,0 +1,22 @@
+#pragma once
+// The work that bodies make, from what a rank knows of its own: where the parts that were not counted are,
+// estimated.
+#include "coupler/balance/work_costs.hpp"
+#include "coupler/balance/work_map.hpp"
+#include "coupler/mapping/solid_map.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/world.hpp"
+
+namespace silt::coupler {
+
+/// Adds the work of the bodies owned here as bodies: their motion, and their contacts as of the last step.
+void add_bodies(const rigid::BodySet&, const WorkCosts&, WorkMap&);
+
+/// Adds an estimate of what mapping and the cut links of bodies owned here will take, from volumes and
+/// surfaces alone.
+void add_surfaces(const rigid::BodySet&, const rigid::World&, const WorkCosts&, WorkMap&);
+
+/// Adds that work as it is in a block that has been mapped.
+void add_mapped(const BlockMap&, const rigid::BodySet&, const WorkCosts&, WorkMap&);
+
+}  // namespace silt::coupler

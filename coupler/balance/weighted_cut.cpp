@@ -1,0 +1,208 @@
+#include "coupler/balance/weighted_cut.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "coupler/exchange/messages.hpp"
+#include "coupler/exchange/reduce.hpp"
+#include "lbm/equal_cut.hpp"
+
+namespace silt::coupler {
+
+using lbm::CellBox;
+using lbm::Int3;
+
+namespace {
+
+/// The share of an item's work in its first cells along an axis.
+std::int64_t work_below(const WorkItem& item, int axis, int cells) {
+  return item.work * cells / item.box.size[axis];
+}
+
+/// A part of the domain and the ranks that cut it.
+class Bisection {
+ public:
+  Bisection(MPI_Comm all, Int3 cells, std::int64_t work_of_a_cell, std::vector<WorkItem> items)
+      : box_{{}, cells}, work_of_a_cell_(work_of_a_cell), items_(std::move(items)) {
+    MPI_Comm_dup(all, &group_);
+  }
+  ~Bisection() { MPI_Comm_free(&group_); }
+  Bisection(const Bisection&) = delete;
+  Bisection& operator=(const Bisection&) = delete;
+
+  void go() {
+    for (int ranks = size(); ranks > 1; ranks = size()) cut(ranks);
+  }
+
+  /// The node that this rank tells of: that of the cut above which it is the first rank. None: of rank 0.
+  struct Node {
+    std::int32_t number = -1;
+    lbm::Cut cut{};
+  };
+  const Node& node() const { return node_; }
+  std::int64_t work() const {
+    std::int64_t sum = work_of_a_cell_ * box_.cells();
+    for (const WorkItem& item : items_) sum += item.work;
+    return sum;
+  }
+
+ private:
+  struct Plane {
+    int axis = -1, below = 0;                                  // cells of the lower part
+    double largest = std::numeric_limits<double>::infinity();  // work a rank in the part that has more of it
+    double face = 0;
+  };
+
+  int size() const {
+    int n = 1;
+    MPI_Comm_size(group_, &n);
+    return n;
+  }
+  int rank() const {
+    int r = 0;
+    MPI_Comm_rank(group_, &r);
+    return r;
+  }
+
+  /// The work of each layer of cells across each axis, one axis after the other.
+  std::vector<std::uint64_t> layers() const {
+    std::vector<std::uint64_t> work(box_.size.x + box_.size.y + box_.size.z, 0);
+    for (const WorkItem& item : items_) {
+      std::size_t first = 0;
+      for (int d = 0; d < 3; first += box_.size[d++])
+        for (int k = 0; k < item.box.size[d]; ++k)
+          work[first + item.box.lower[d] - box_.lower[d] + k] +=
+              work_below(item, d, k + 1) - work_below(item, d, k);
+    }
+    sum_over_ranks(group_, std::span(work));
+    std::size_t first = 0;
+    for (int d = 0; d < 3; first += box_.size[d++])
+      for (int k = 0; k < box_.size[d]; ++k)
+        work[first + k] += std::uint64_t(work_of_a_cell_ * (box_.cells() / box_.size[d]));
+    return work;
+  }
+
+  /// The plane across an axis that divides the work best by the numbers of ranks; of several the one nearest
+  /// to where it divides the cells.
+  Plane best_across(int axis, const lbm::CutRoom& room, std::span<const std::uint64_t> layers) const {
+    const auto range = room.along(axis, box_.size);
+    if (range.empty()) return {};
+    const double all = double(std::accumulate(layers.begin(), layers.end(), std::uint64_t(0)));
+    const double even = double(box_.size[axis]) * room.lower_leaves / (room.lower_leaves + room.upper_leaves);
+    Plane best;
+    std::uint64_t below = 0;
+    for (int at = 1; at <= range.last; ++at) {
+      below += layers[at - 1];
+      if (at < range.first) continue;
+      const double largest =
+          std::max(double(below) / room.lower_leaves, (all - double(below)) / room.upper_leaves);
+      if (best.axis < 0 || largest < best.largest ||
+          (largest == best.largest && std::abs(at - even) < std::abs(best.below - even)))
+        best = {axis, at, largest, lbm::cost_of_face(axis) * double(box_.cells() / box_.size[axis])};
+    }
+    return best;
+  }
+
+  Plane best_plane(const lbm::CutRoom& room) const {
+    constexpr double as_well = 1.01;
+    const auto work = layers();
+    std::array<Plane, 3> planes;
+    std::size_t first = 0;
+    for (int d = 0; d < 3; first += box_.size[d++])
+      planes[d] = best_across(d, room, std::span(work).subspan(first, box_.size[d]));
+    const Plane* best = &*std::min_element(
+        planes.begin(), planes.end(), [](const Plane& a, const Plane& b) { return a.largest < b.largest; });
+    const double bound = as_well * best->largest;
+    for (const Plane& plane : planes)
+      if (plane.largest <= bound && plane.face < best->face) best = &plane;
+    return *best;
+  }
+
+  void cut(int ranks) {
+    const lbm::CutRoom room = lbm::room_to_cut(box_.size, ranks);
+    const Plane best = best_plane(room);
+    const int here = rank(), at = box_.lower[best.axis] + best.below;
+    const bool upper = here >= room.lower_leaves;
+    if (here == room.lower_leaves) node_ = {number_, {best.axis, at, room.lower_leaves}};
+    number_ += upper ? room.lower_leaves : 1;
+    const int other_size = upper ? room.lower_leaves : room.upper_leaves;
+    const int own_size = ranks - other_size, own_place = here - (upper ? room.lower_leaves : 0);
+    const int partner =
+        (upper ? 0 : room.lower_leaves) + int(std::int64_t(own_place) * other_size / own_size);
+    divide_items(best.axis, at, upper, partner);
+    box_.size[best.axis] = upper ? box_.size[best.axis] - best.below : best.below;
+    if (upper) box_.lower[best.axis] = at;
+    MPI_Comm half;
+    MPI_Comm_split(group_, upper, here, &half);
+    MPI_Comm_free(&group_);
+    group_ = half;
+  }
+
+  /// Keeps what is on this rank's side of a plane and sends the rest to a rank of the other side.
+  void divide_items(int axis, int at, bool upper, int partner) {
+    Messages messages(group_);
+    std::vector<WorkItem> kept, given;
+    for (const WorkItem& item : items_) {
+      WorkItem below = item, above = item;
+      const int cells = std::clamp(at - item.box.lower[axis], 0, item.box.size[axis]);
+      below.box.size[axis] = cells;
+      below.work = work_below(item, axis, cells);
+      above.box.lower[axis] += cells, above.box.size[axis] -= cells;
+      above.work -= below.work;
+      if (below.work > 0) (upper ? given : kept).push_back(below);
+      if (above.work > 0) (upper ? kept : given).push_back(above);
+    }
+    if (!given.empty()) put(messages.to(partner), std::span<const WorkItem>(given));
+    messages.unannounced();
+    items_ = std::move(kept);
+    for (const Messages::Message& m : messages.received())
+      for (ByteReader reader(m.bytes); !reader.done();) items_.push_back(reader.take<WorkItem>());
+  }
+
+  MPI_Comm group_ = MPI_COMM_NULL;
+  CellBox box_;
+  std::int32_t number_ = 0;  // of the node that comes next
+  std::int64_t work_of_a_cell_;
+  std::vector<WorkItem> items_;
+  Node node_;
+};
+
+WeightedCut with_work(MPI_Comm comm, lbm::CutTree tree, std::int64_t mine) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  std::uint64_t sum = std::uint64_t(mine);
+  sum_over_ranks(comm, std::span(&sum, 1));
+  return {std::move(tree), max_over_ranks(comm, double(mine)), double(sum) / ranks};
+}
+
+}  // namespace
+
+WeightedCut weighted_cut(MPI_Comm comm, Int3 cells, std::int64_t work_of_a_cell,
+                         std::vector<WorkItem> items) {
+  Bisection bisection(comm, cells, work_of_a_cell, std::move(items));
+  bisection.go();
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<Bisection::Node> all(ranks);
+  MPI_Allgather(&bisection.node(), sizeof(Bisection::Node), MPI_BYTE, all.data(), sizeof(Bisection::Node),
+                MPI_BYTE, comm);
+  std::vector<lbm::Cut> nodes(ranks - 1);
+  for (const Bisection::Node& node : all)
+    if (node.number >= 0) nodes[node.number] = node.cut;
+  return with_work(comm, {cells, std::move(nodes)}, bisection.work());
+}
+
+WeightedCut present_cut(MPI_Comm comm, const lbm::Domain& domain, std::int64_t work_of_a_cell,
+                        const std::vector<WorkItem>& items) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::int64_t mine = 0;
+  for (const lbm::BlockPlace& place : domain.blocks_of(rank)) mine += work_of_a_cell * place.box.cells();
+  for (const WorkItem& item : items) mine += item.work;
+  return with_work(comm, domain.tree(), mine);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,28 @@
+#pragma once
+// Recursive bisection of weighted work (Berger, Bokhari, IEEE Trans. Comput. C-36 (1987) 570), done by the
+// ranks together: half of them cut for one part of the domain, half for the other, and so on. No rank ever
+// has more than its share of the work items, sums along the edges of its part, and the tree.
+#include <mpi.h>
+
+#include "coupler/balance/work_map.hpp"
+
+namespace silt::coupler {
+
+struct WeightedCut {
+  lbm::CutTree tree;
+  double largest, mean;  // work of a leaf
+  double largest_over_mean() const { return mean > 0 ? largest / mean : 1; }
+};
+
+/// Collective. Cuts a box of cells into one leaf a rank, of about the same work each: that of its cells, so
+/// much each, and of the items, which may lie anywhere on any rank. Of planes that balance as well, or nearly
+/// so, that with the least face is taken, where a face across x counts double. No clock has a say: the same
+/// items on the same ranks give the same tree. std::invalid_argument as equal_cut.
+WeightedCut weighted_cut(MPI_Comm, lbm::Int3 cells, std::int64_t work_of_a_cell, std::vector<WorkItem>);
+
+/// Collective. The work of the ranks under the cut that a domain has, if each has the items that are its own
+/// to do.
+WeightedCut present_cut(MPI_Comm, const lbm::Domain&, std::int64_t work_of_a_cell,
+                        const std::vector<WorkItem>&);
+
+}  // namespace silt::coupler

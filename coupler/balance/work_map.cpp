@@ -1,0 +1,68 @@
+#include "coupler/balance/work_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace silt::coupler {
+
+using lbm::Int3;
+
+WorkMap::WorkMap(const lbm::Domain& domain) : cells_(domain.cells()) {
+  for (int d = 0; d < 3; ++d) {
+    tiles_[d] = (cells_[d] + tile - 1) / tile;
+    periodic_[d] = domain.periodic(d);
+  }
+}
+
+void WorkMap::add(Int3 cell, std::int64_t work) {
+  const std::int64_t x = cell.x / tile, y = cell.y / tile, z = cell.z / tile;
+  if (work != 0) work_[(z * tiles_.y + y) * tiles_.x + x] += work;
+}
+
+int WorkMap::cell_along(int axis, double x) const {
+  const int n = cells_[axis];
+  if (periodic_[axis]) x -= std::floor(x / n) * n;
+  return !(x >= 0) ? 0 : x >= n ? n - 1 : static_cast<int>(x);
+}
+
+void WorkMap::add(const rigid::Vec3& x, std::int64_t work) {
+  add(Int3{cell_along(0, x[0]), cell_along(1, x[1]), cell_along(2, x[2])}, work);
+}
+
+/// Points half a tile apart at most stand for the box, each with its share of the work.
+void WorkMap::add(const rigid::BoundingBox& box, std::int64_t work) {
+  std::array<int, 3> points;
+  rigid::Vec3 step;
+  for (int d = 0; d < 3; ++d) {
+    const double length = std::min(box.upper[d] - box.lower[d], double(cells_[d]));
+    points[d] = std::max(1, static_cast<int>(std::ceil(2 * length / tile)));
+    step[d] = length / points[d];
+  }
+  const std::int64_t all = std::int64_t(points[0]) * points[1] * points[2];
+  std::int64_t n = 0;
+  for (int z = 0; z < points[2]; ++z)
+    for (int y = 0; y < points[1]; ++y)
+      for (int x = 0; x < points[0]; ++x, ++n)
+        add(rigid::Vec3(box.lower + step.cwiseProduct(rigid::Vec3(x + 0.5, y + 0.5, z + 0.5))),
+            work / all + (n < work % all));
+}
+
+std::vector<WorkItem> WorkMap::items() const {
+  std::vector<std::pair<std::int64_t, std::int64_t>> sorted(work_.begin(), work_.end());
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<WorkItem> items;
+  for (const auto& [number, work] : sorted) {
+    const Int3 at{int(number % tiles_.x), int(number / tiles_.x % tiles_.y),
+                  int(number / tiles_.x / tiles_.y)};
+    lbm::CellBox box;
+    for (int d = 0; d < 3; ++d) {
+      box.lower[d] = tile * at[d];
+      box.size[d] = std::min(int(tile), cells_[d] - box.lower[d]);
+    }
+    items.push_back({box, work});
+  }
+  return items;
+}
+
+}  // namespace silt::coupler

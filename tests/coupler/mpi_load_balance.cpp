@@ -1,0 +1,166 @@
+// Moving to another cut changes no bit, and what is predicted is what there is.
+#include "coupler/load_balance.hpp"
+
+#include <gtest/gtest.h>
+
+#include "coupler/balance/body_work.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/simulation.hpp"
+#include "lbm/equal_cut.hpp"
+#include "tests/coupler/coupled_scenes.hpp"
+#include "tests/odd_cut.hpp"
+#include "tests/world.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+using tests::odd_cut;
+using tests::ranks;
+
+void stir(Simulation& s) {
+  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
+    s.set_velocity(
+        id, 0.05 * Vec3(std::cos(1.7 * double(id)), std::sin(1.7 * double(id)), std::sin(3.4 * double(id))),
+        0.01 * Vec3(std::sin(1.7 * double(id)), 0.3, -0.5));
+}
+
+/// The crowd with a force on one of them in every third step, moved to another cut before each step in
+/// `moves`.
+std::uint64_t hash_of_crowd(MPI_Comm comm, const Overrides& overrides, int every) {
+  Simulation s = crowd().start(comm, overrides);
+  stir(s);
+  for (int t = 0; t < 100; ++t) {
+    if (t % 3 == 0) s.add_force(1 + t % 14, {0.01, -0.02, 0.01}, {0, 0.01, 0});
+    if (every > 0 && t % every == 2) s.cut_anew(odd_cut(s.scene().domain.cells(), ranks(), 2, t));
+    s.step();
+  }
+  EXPECT_EQ(s.body_count(), 14u);
+  return s.hash();
+}
+
+void expect_same_bits(const Overrides& overrides) {
+  EXPECT_EQ(hash_of_crowd(MPI_COMM_WORLD, overrides, 7),
+            tests::alone([&] { return hash_of_crowd(MPI_COMM_SELF, overrides, 0); }));
+}
+
+TEST(LoadBalance, AMoveChangesNoBit) {
+  expect_same_bits({});
+}
+TEST(LoadBalance, AMoveChangesNoBitInDouble) {
+  expect_same_bits({"fluid.precision=double"});
+}
+TEST(LoadBalance, AMoveChangesNoBitOfTheExactForm) {
+  expect_same_bits({"coupling.force=exact"});
+}
+TEST(LoadBalance, AMoveChangesNoBitOfOtherSchemes) {
+  expect_same_bits({"coupling.wall_scheme=parabolic"});
+  expect_same_bits({"coupling.wall_scheme=cli", "coupling.time=explicit", "fill[0].density=2"});
+}
+
+/// On ranks of any cut an owned body's partners in films have rows: the coupling in time asks for their
+/// velocities.
+TEST(LoadBalance, BodiesBeyondFilmsAreKnown) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Simulation s = crowd().start(MPI_COMM_WORLD);
+    stir(s);
+    s.cut_anew(odd_cut(s.scene().domain.cells(), ranks(), 2, seed));
+    double films = 0;
+    for (int t = 0; t < 60; ++t) {
+      s.step();
+      const rigid::BodySet& bodies = s.bodies();
+      for (std::size_t row = 0; row < bodies.owned; ++row)
+        for (const rigid::StoredImpulse& impulse : bodies.stored_impulses[row]) {
+          if (!(impulse.feature & rigid::lubrication_feature)) continue;
+          ++films;
+          ASSERT_LT(bodies.row_of(impulse.partner), bodies.size());
+        }
+    }
+    EXPECT_GT(tests::sum_over_ranks(films), 0);
+  }
+}
+
+/// Spheres in the lowest quarter of a box of 48 cells between two walls.
+CaseText bottom() {
+  CaseText c;
+  c.domain = domain_of({48, 48, 64}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
+  c.shapes = sphere_of("sphere", 6);
+  c.bodies = fill_of("sphere", 1.5, 60, "seed = 1\nbox = [[0, 0, 0], [48, 48, 16]]");
+  return c;
+}
+
+TEST(LoadBalance, BodiesAtTheBottomAreSharedOut) {
+  Simulation s = bottom().start(MPI_COMM_WORLD);
+  const Evenness start = s.balance_record().at_start;
+  EXPECT_LE(start.after, 1.05);
+  EXPECT_GE(start.before, ranks() > 1 ? 1.3 : 1.0);
+  const CutComparison cuts = compare_cuts(s.scene());
+  EXPECT_LE(cuts.better.largest_over_mean(), 1.05);
+  EXPECT_NEAR(cuts.present.mean, cuts.better.mean, 1e-9 * cuts.better.mean);
+  EXPECT_LE(cuts.present.largest_over_mean(), 1.25);  // the estimate was not far off
+}
+
+/// Under the equal cut a look finds the better one and goes there; a second one finds nothing to gain.
+TEST(LoadBalance, ALookMovesWhereThatPays) {
+  const auto run = [](MPI_Comm comm, std::int64_t every) {
+    Case scene = bottom().read();
+    scene.balance_every = every;
+    Simulation s(scene, comm);
+    int here = 1;
+    MPI_Comm_size(comm, &here);
+    if (here > 1) s.cut_anew(lbm::equal_cut(s.scene().domain.cells(), here));
+    const bool looks = every > 0 && here > 1;
+    for (int t = 0; t < 65; ++t) s.step();
+    EXPECT_GE(s.balance_record().last.before, looks ? 1.3 : 1.0);
+    EXPECT_LE(s.balance_record().last.after, 1.05);
+    for (int t = 65; t < 125; ++t) s.step();
+    EXPECT_EQ(s.balance_record().looks, looks ? 2u : 0u);
+    EXPECT_EQ(s.balance_record().moves, looks ? 1u : 0u);
+    return s.hash();
+  };
+  EXPECT_EQ(run(MPI_COMM_WORLD, 60), tests::alone([&] { return run(MPI_COMM_SELF, 0); }));
+}
+
+TEST(LoadBalance, EvenScenesKeepTheEqualCut) {
+  CaseText c;
+  c.domain = domain_of({32, 32, 32});
+  c.shapes = c.bodies = "";
+  const Simulation s = c.start(MPI_COMM_WORLD);
+  const lbm::CutTree equal = lbm::equal_cut({32, 32, 32}, ranks());
+  for (int k = 0; k < ranks(); ++k) EXPECT_EQ(s.scene().domain.block(k).box.lower, equal.leaf(k).box.lower);
+}
+
+/// Costs by which work counts one thing.
+WorkCosts only(std::int64_t WorkCosts::*part) {
+  WorkCosts costs(bottom().read());
+  costs.cell = costs.link = costs.mapped_cell = costs.body = costs.impulse = 0;
+  costs.*part = 1;
+  return costs;
+}
+
+std::uint64_t sum(const WorkMap& work) {
+  double mine = 0;
+  for (const WorkItem& item : work.items()) mine += double(item.work);
+  return std::uint64_t(tests::sum_over_ranks(mine));
+}
+
+TEST(LoadBalance, LinksAndCellsOfBodiesAreCounted) {
+  Simulation s = bottom().start(MPI_COMM_WORLD);
+  s.step();
+  const Scene& scene = s.scene();
+  WorkMap links(scene.domain), cells(scene.domain), bodies(scene.domain), estimate(scene.domain);
+  scene.flow->add_work(scene.bodies, only(&WorkCosts::link), links);
+  scene.flow->add_work(scene.bodies, only(&WorkCosts::mapped_cell), cells);
+  add_bodies(scene.bodies, only(&WorkCosts::body), bodies);
+  EXPECT_EQ(sum(links), s.links());
+  EXPECT_EQ(sum(cells), 48u * 48 * 64 - s.look_at_flow().fluid_cells);
+  EXPECT_EQ(sum(bodies), 60u);
+  WorkCosts costs = only(&WorkCosts::link);
+  costs.cell = 1;  // there is a fluid
+  add_surfaces(scene.bodies, scene.world, costs, estimate);
+  EXPECT_NEAR(double(sum(estimate)), double(s.links()), 0.05 * double(s.links()));
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
