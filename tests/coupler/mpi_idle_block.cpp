@@ -65,13 +65,19 @@ TEST(IdleBlock, KeepsWhatItHolds) {
   Flow& flow = *s.scene().flow;
   const lbm::Int3 middle{8, 8, 4};  // far enough from its neighbours' links
   for (int t = 0; t < 4; ++t) s.step();
-  for (int b = 0; b < flow.blocks(); ++b) {
-    if (flow.is_fluid(b, middle)) continue;
-    flow.set_arriving(b, middle, 0, 0.25);  // a cell that collided would spread it
-    const double there = flow.arriving(b, middle, 0);
-    s.step();
-    EXPECT_EQ(flow.arriving(b, middle, 0), there);
-  }
+  const auto for_full_blocks = [&](auto&& visit) {
+    for (int b = 0; b < flow.blocks(); ++b)
+      if (!flow.is_fluid(b, middle)) visit(b);
+  };
+  // cells that collided would spread it
+  for_full_blocks([&](int b) { flow.set_arriving(b, middle, 0, 0.25); });
+  s.step();
+  int full = 0;
+  for_full_blocks([&](int b) {
+    EXPECT_EQ(flow.arriving(b, middle, 0), 0.25);
+    ++full;
+  });
+  EXPECT_GT(tests::sum_over_ranks(full), 0);
 }
 
 }  // namespace

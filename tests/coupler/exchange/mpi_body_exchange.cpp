@@ -101,7 +101,7 @@ TEST(ParallelBodyExchange, HeapBetweenWalls) {
   expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 300, 1);
 }
 TEST(ParallelBodyExchange, HeapOnOddBlocks) {
-  expect_same_as_on_one_rank(heap(), "sffd", odd_blocks(4), 300, 1);
+  expect_same_as_on_one_rank(heap(), "sffd", odd_blocks(3, 6), 300, 1);
 }
 TEST(ParallelBodyExchange, HeapBetweenWallsClassicFfd) {
   expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
