@@ -25,9 +25,10 @@ double largest_radius_of(const rigid::World& world) {
   return largest;
 }
 
+constexpr double furthest_in_a_step = 2;  // cells, at least
+
 /// Half a cell more or less than a whole number, so that of two blocks each finds the other.
 double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
-  constexpr double furthest_in_a_step = 2;  // cells, at least
   const double largest = largest_radius_of(world);
   const double to_partner = world.lubrication ? largest + film_reach(world) : 0;
   int thinnest = std::numeric_limits<int>::max();
@@ -67,28 +68,40 @@ ParallelBodyExchange::Distribution::Distribution(MPI_Comm comm, int rank, const 
     : rank(rank),
       world(world),
       holders(domain, rim),
+      owners(domain, furthest_in_a_step),
       messages(comm),
       largest_radius(largest_radius_of(world)),
       reach(reach_of(domain, world, rim)),
       around(ranks_around(domain, rank, reach)) {}
 
-/// The coupling in time asks in the next step how fast the bodies beyond the films of an owned body are.
-/// Where the partner will be owned only its present owner knows: somewhere within its radius of the film.
+/// The coupling in time asks in the next step how fast the bodies beyond the films of an owned body are, so
+/// the owner of a film's other body has to know this one. Who that will be: of a body owned here its new
+/// place tells, of a copy the place it had, of one that only the sweeps knew no more than how wide a film is.
 void ParallelBodyExchange::Distribution::include_owners_beyond_films(const BodySet& bodies, std::size_t row,
                                                                      std::vector<int>& ranks) {
-  double beyond = 0;
-  for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
-    if (!(s.feature & rigid::lubrication_feature)) continue;
-    const std::size_t other = bodies.row_of(s.partner);
-    const bool known = other < bodies.size();
-    const double radius = known ? world.bounding_radii[bodies.shape[other]] : largest_radius;
-    if (std::isfinite(radius)) beyond = std::max(beyond, radius);
+  const rigid::Vec3& x = bodies.position[row];
+  const auto anywhere_near = [&](std::vector<int>& found) {
+    const double far = world.bounding_radii[bodies.shape[row]] + film_reach(world) + largest_radius;
+    owners.ranks_of({x - rigid::Vec3::Constant(far), x + rigid::Vec3::Constant(far)}, found);
+  };
+  const auto films = [](const rigid::StoredImpulse& s) {
+    return (s.feature & rigid::lubrication_feature) && !rigid::is_wall(s.partner);
+  };
+  const auto& impulses = bodies.stored_impulses[row];
+  if (std::none_of(impulses.begin(), impulses.end(), films)) return;
+  anywhere_near(near_);
+  if (near_.size() == 1) return;  // this rank
+  for (const rigid::StoredImpulse& s : impulses) {
+    if (!films(s)) continue;
+    const std::size_t other = bodies.row_of(s.partner);  // of a visitor, which is gone, anything
+    if (other < bodies.owned)
+      near_.assign(1, holders.rank_at(bodies.position[other]));
+    else if (other < bodies.owned + bodies.copies && bodies.id[other] == s.partner)
+      owners.ranks_of({bodies.position[other], bodies.position[other]}, near_);
+    else
+      anywhere_near(near_);
+    ranks.insert(ranks.end(), near_.begin(), near_.end());
   }
-  if (beyond == 0) return;
-  beyond += world.bounding_radii[bodies.shape[row]] + film_reach(world);
-  const rigid::Vec3 grown = rigid::Vec3::Constant(beyond), x = bodies.position[row];
-  holders.ranks_of({x - grown, x + grown}, owners_beyond_);
-  ranks.insert(ranks.end(), owners_beyond_.begin(), owners_beyond_.end());
   std::sort(ranks.begin(), ranks.end());
   ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
 }

@@ -42,6 +42,8 @@ struct ParallelBodyExchange::Distribution {
   void sum_forces(rigid::BodySet&);
   /// Ranks that hold a body, its owner among them, sorted.
   void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
+  /// The same of an owned body, with the ranks that may own a body beyond one of its films.
+  void find_holders(const rigid::BodySet&, std::size_t row, std::vector<int>& ranks);
 
   // ---- deal_out.cpp ----
   /// From bodies that each have an owner on some rank, any one, and no copies that count, to those of the
@@ -66,7 +68,7 @@ struct ParallelBodyExchange::Distribution {
 
   const int rank;
   const rigid::World& world;
-  Holders holders;
+  Holders holders, owners;  // within the rim of a block; within a step's motion of it
   Messages messages;
   const double largest_radius;  // of a body
   const double reach;           // cells around the blocks of a rank
@@ -104,7 +106,7 @@ struct ParallelBodyExchange::Distribution {
   void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
   void plan_velocity_messages(const rigid::BodySet&, const std::vector<rigid::Contact>&);
 
-  std::vector<int> ranks_, owners_beyond_;           // scratch
+  std::vector<int> ranks_, near_;                    // scratch
   std::vector<std::size_t> departures_;              // owned rows that are handed over
   std::vector<VelocityMessages> velocity_messages_;  // by rank
   std::vector<MPI_Request> share_requests_;          // scratch, as its statuses

@@ -86,6 +86,12 @@ std::vector<int> ParallelBodyExchange::holders(int shape, const rigid::Pose& pos
   return ranks;
 }
 
+std::vector<int> ParallelBodyExchange::holders(const rigid::BodySet& bodies, std::size_t row) const {
+  std::vector<int> ranks{0};
+  if (distribution_) distribution_->find_holders(bodies, row, ranks);
+  return ranks;
+}
+
 void ParallelBodyExchange::exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) {
   if (!distribution_) return;
   distribution_->exchange_contacts(bodies, contacts);

@@ -111,6 +111,12 @@ void ParallelBodyExchange::Distribution::find_holders(int shape, const rigid::Po
   include(ranks, owner);
 }
 
+void ParallelBodyExchange::Distribution::find_holders(const BodySet& bodies, std::size_t row,
+                                                      std::vector<int>& ranks) {
+  find_holders(bodies.shape[row], bodies.pose(row), ranks);
+  if (world.lubrication) include_owners_beyond_films(bodies, row, ranks);
+}
+
 void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies, Owners owners) {
   bool rows_changed = drop_visitors(bodies);
   announce(bodies, owners);
@@ -180,8 +186,7 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
                                                        Owners owners) {
   const BodyId id = bodies.id[row];
   const auto known = held_by.find(id);
-  find_holders(bodies.shape[row], bodies.pose(row), ranks_);
-  if (world.lubrication) include_owners_beyond_films(bodies, row, ranks_);
+  find_holders(bodies, row, ranks_);
   if (ranks_.size() == 1 && ranks_[0] == rank) {
     if (known != held_by.end()) held_by.erase(known);
     return;

@@ -118,7 +118,7 @@ Expected expected_of(const coupler::Simulation& simulation) {
   if (!scene.has_surfaces() || scene.ranks == 1) return e;
   if (lbm::reads_beyond(scene.setup.coupling.wall_scheme))
     e.fluid += pairs_sent(scene.domain, scene.rank, number);
-  e.forces = 2.0 * double(copied_to(simulation, 0).size());  // sums to owners, changes of velocity from them
+  e.forces = 2.0 * double(copied_from(simulation).size());  // sums to owners, changes of velocity from them
   const int around = ranks_within(scene.domain, scene.rank, scene.exchange->reach());
   for (int sub = 0; sub < scene.setup.contacts.substeps; ++sub) {
     const double middle = (sub + 0.5) / scene.setup.contacts.substeps;
@@ -203,8 +203,8 @@ class Ranks {
     if (timed_) time(study, all, cells, loud, row);
     if (!loud) return;
     printf("%-16s %2d ranks  %8.0f cells a rank  messages a rank and step %5.1f, as counted on paper: %s%s\n",
-           study.key().c_str(), ranks_, cells / ranks_, messages,
-           traffic.exact() ? "yes" : "NO", timed_ ? time_line_.c_str() : "");
+           study.key().c_str(), ranks_, cells / ranks_, messages, traffic.exact() ? "yes" : "NO",
+           timed_ ? time_line_.c_str() : "");
     out_.table.push_back(row);
   }
   void finish() { out_.figures["model.message_error"] = worst_; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rigid/integrate.hpp"
+
 namespace silt::bench {
 
 using lbm::CellBox;
@@ -79,14 +81,21 @@ int ranks_within(const lbm::Domain& domain, int rank, double reach) {
   return others;
 }
 
-std::set<int> copied_to(const coupler::Simulation& simulation, double ahead) {
+std::set<int> copied_from(const coupler::Simulation& simulation) {
   const rigid::BodySet& bodies = simulation.bodies();
+  std::set<int> ranks;
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
+    ranks.insert(simulation.scene().exchange->owner_of(bodies, row));
+  return ranks;
+}
+
+std::set<int> copied_to(const coupler::Simulation& simulation, double ahead) {
+  rigid::BodySet then = simulation.bodies();
+  rigid::drift(then, ahead);
   const coupler::ParallelBodyExchange& exchange = *simulation.scene().exchange;
   std::set<int> ranks;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    rigid::Pose pose = bodies.pose(row);
-    pose.position += ahead * bodies.velocity[row];
-    const std::vector<int> holders = exchange.holders(bodies.shape[row], pose);
+  for (std::size_t row = 0; row < then.owned; ++row) {
+    const std::vector<int> holders = exchange.holders(then, row);
     ranks.insert(holders.begin(), holders.end());
   }
   ranks.erase(exchange.rank());

@@ -25,7 +25,10 @@ Sent halo_sent(const lbm::Domain&, int rank, int number);
 Sent pairs_sent(const lbm::Domain&, int rank, int number);
 /// How many other ranks have a cell less than `reach` away from the rank's box.
 int ranks_within(const lbm::Domain&, int rank, double reach);
-/// The other ranks that hold a copy of a body owned here, `ahead` steps from now at present velocities.
+/// The other ranks that own a body of which there is a copy here.
+std::set<int> copied_from(const coupler::Simulation&);
+/// The other ranks that have to get a copy of a body owned here, `ahead` steps from now at present
+/// velocities.
 std::set<int> copied_to(const coupler::Simulation&, double ahead);
 
 }  // namespace silt::bench
