@@ -12,7 +12,7 @@ namespace silt::bench {
 
 inline rigid::World world_of(const Bed& bed) {
   rigid::World world;
-  world.shapes = bed.shapes;
+  world.shapes.assign(bed.shapes.begin(), bed.shapes.end());
   for (const rigid::Shape& shape : bed.shapes) world.bounding_radii.push_back(rigid::bounding_radius(shape));
   world.materials = {{Bed::restitution, Bed::friction}};
   world.material_count = 1;
