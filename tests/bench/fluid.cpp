@@ -13,11 +13,11 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
+#include "tests/bench/wait_asleep.hpp"
 #include "tests/bench/work.hpp"
 
 namespace silt::bench {
@@ -190,14 +190,6 @@ void one_core(int n, const Plan& plan, double peak, Figures& out) {
     out.figures[key + ".mlups"] = production.middle();
   }
   if (n == plan.sizes[1]) out.figures[key + ".share_80"] = share;
-}
-
-/// A barrier that leaves the machine to those who still work.
-void wait_asleep() {
-  MPI_Request request;
-  MPI_Ibarrier(MPI_COMM_WORLD, &request);
-  for (int done = 0; !done; MPI_Test(&request, &done, MPI_STATUS_IGNORE))
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 /// Blocks of n^3, one a rank, on so many ranks of the world, and the bound of all of them at the same time.

@@ -21,6 +21,7 @@
 #include "tests/bench/main.hpp"
 #include "tests/bench/spread.hpp"
 #include "tests/bench/step_traffic.hpp"
+#include "tests/bench/wait_asleep.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
@@ -160,14 +161,6 @@ Compared compare(Side& side, MPI_Comm comm, int steps) {
   for (double* x : {all.expected, all.sent})
     for (int k = 0; k < 4; ++k) x[k] = sum_over(comm, x[k]);
   return all;
-}
-
-/// A barrier that leaves the machine to those who still work.
-void wait_asleep() {
-  MPI_Request request;
-  MPI_Ibarrier(MPI_COMM_WORLD, &request);
-  for (int done = 0; !done; MPI_Test(&request, &done, MPI_STATUS_IGNORE))
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 double peak_memory() {
