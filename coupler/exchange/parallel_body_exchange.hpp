@@ -50,7 +50,7 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   int owner_of(const rigid::BodySet&, std::size_t row) const;
   /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
   std::vector<int> holders(int shape, const rigid::Pose&) const;
-  /// The same of an owned body as it is, and the ranks that need it because of films (README.md).
+  /// The same of an owned body as it is, with the ranks that may own a body beyond one of its films.
   std::vector<int> holders(const rigid::BodySet&, std::size_t row) const;
   /// Synchronises bodies that may have been set down anywhere. Collective: every rank hears of every other.
   void relocate(rigid::BodySet&);
