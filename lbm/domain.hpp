@@ -49,6 +49,10 @@ class Domain {
   /// The blocks of a rank are first_block(rank) up to the one before first_block(rank + 1).
   int first_block(int rank) const { return int(std::int64_t(blocks()) * rank / ranks_); }
   std::vector<BlockPlace> blocks_of(int rank) const;
+  /// The place of a block among those of a rank, -1 for one of another rank.
+  int local_index(const BlockPlace& block, int rank) const {
+    return block.rank == rank ? block.index - first_block(rank) : -1;
+  }
   int rank_of(int block) const { return int(((block + std::int64_t(1)) * ranks_ - 1) / blocks()); }
   /// The block of a cell inside the domain.
   BlockPlace block_at(Int3 cell) const { return placed(tree_.leaf_at(cell)); }

@@ -153,11 +153,6 @@ struct Halo<T>::Builder {
   std::map<std::tuple<int, int, bool>, Outlet> outlets;
   std::map<int, Peer> peers;
   BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block
-
-  /// The place of a block among those of this rank, -1 for one of another.
-  int local(const BlockPlace& place) const {
-    return place.rank == rank ? place.index - domain.first_block(rank) : -1;
-  }
   const BlockPlace& block_at(Int3 cell) {
     if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
     return home_block;
@@ -169,7 +164,7 @@ struct Halo<T>::Builder {
   }
 
   void add(const BlockPlace& place, Int3 g, int j) {
-    const int here = local(place);
+    const int here = domain.local_index(place, rank);
     if (is_row_end(domain, place.box, g, j)) return;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
@@ -177,7 +172,7 @@ struct Halo<T>::Builder {
       return;
     }
     const BlockPlace& home_place = block_at(home.cell);
-    const int there = local(home_place);
+    const int there = domain.local_index(home_place, rank);
     const Int3 cell = home.cell - home_place.box.lower;
     if (here >= 0 && there >= 0) {
       Copy& copy = copies[{here, there}];

@@ -31,7 +31,7 @@ SharedWith shared_cells(const Domain& here, const Domain& there, int rank) {
   for (const BlockPlace& mine : here.blocks_of(rank))
     there.tree().for_leaves_meeting(mine.box, [&](const CutTree::Leaf& leaf) {
       shared[there.rank_of(leaf.index)].push_back(
-          {mine.index - here.first_block(rank), overlap(mine.box, leaf.box)});
+          {here.local_index(mine, rank), overlap(mine.box, leaf.box)});
     });
   for (auto& [other, list] : shared)
     std::sort(list.begin(), list.end(), [](const Shared& a, const Shared& b) {

@@ -54,11 +54,6 @@ struct PairsAcross<T>::Builder {
   std::map<int, Peer> peers;
   BlockPlace behind_block{-1, {}, -1};  // of the last cell behind: rows stay in one block
 
-  /// The place of a block among those of this rank, -1 for one of another.
-  int local(const BlockPlace& place) const {
-    return place.rank == rank ? place.index - domain.first_block(rank) : -1;
-  }
-
   template <class Run>
   static void add_to(std::vector<Run>& runs, const Run& one) {
     if (!runs.empty() && follows(runs.back(), one))
@@ -85,7 +80,7 @@ struct PairsAcross<T>::Builder {
     const Int3 behind = domain.wrapped(place.box.lower + x - c[i]);
     if (!domain.inside(behind)) return;
     if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
-    const int here = local(place), there = local(behind_block);
+    const int here = domain.local_index(place, rank), there = domain.local_index(behind_block, rank);
     const Int3 cell = behind - behind_block.box.lower;
     if (here >= 0 && there >= 0)
       add_copy(cells_at(there, cell, i, axis), {here, places(x, i), 1});
@@ -106,7 +101,8 @@ struct PairsAcross<T>::Builder {
     for (const int b : domain.neighbourhood_of_rank(rank)) {
       const BlockPlace place = domain.block(b);
       const PlacesAcross places(place.box.size);
-      if (local(place) >= 0) pairs.pairs_[local(place)].resize(places.count());
+      if (domain.local_index(place, rank) >= 0)
+        pairs.pairs_[domain.local_index(place, rank)].resize(places.count());
       for_pairs_across(place.box.size, [&](Int3 x, int i, int axis) { add(place, places, x, i, axis); });
     }
     for (auto& [r, peer] : peers) {
