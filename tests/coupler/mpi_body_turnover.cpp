@@ -1,0 +1,325 @@
+// Bodies that come and go: none is lost, doubled or named twice, and all of it is the same to the bit on any
+// number of ranks, whatever the cut and across a checkpoint.
+#include "coupler/body_turnover.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/case/case.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/case/case_text.hpp"
+#include "tests/odd_cut.hpp"
+#include "tests/world.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::BodyId;
+using rigid::Vec3;
+using tests::alone;
+using tests::ranks;
+
+/// Spheres and capsules that come in at the top, settle on each other through the ranks, and are taken out at
+/// the bottom and beyond an open side. There is no room for all that want to come.
+CaseText stream(const std::string& fluid) {
+  CaseText c;
+  c.domain = domain_of({24, 24, 48},
+                       "{ x = \"periodic\", y = [\"no-slip\", { type = \"no-slip\", solid_for_bodies = "
+                       "false }], z = [\"no-slip\", \"no-slip\"] }");
+  c.fluid = fluid;
+  c.rest = R"([gravity]
+acceleration = [1e-3, 2e-3, -8e-3]
+[contacts]
+restitution = 0.3
+friction = 0.3
+[[outflow]]
+box = [[0, 0, 0], [24, 14, 12]]
+)";
+  c.shapes = sphere_of("ball", 5) + shape_of("rod", "capsule", "radius = 1.8\nlength = 2");
+  c.bodies = fill_of("ball", 2, 9, "every = 8\nvelocity = [0, 0, -0.05]\nbox = [[0, 0, 30], [24, 24, 48]]") +
+             fill_of("rod", 3, 2, "every = 20\nuntil = 100\nseed = 4\nbox = [[0, 0, 26], [24, 24, 48]]") +
+             "[[fill]]\nshape = \"rod\"\ndensity = 2\narrangement = \"layers\"\nshift = 0.2\nevery = 30\n"
+             "box = [[0, 0, 14], [12, 24, 26]]\n";
+  return c;
+}
+
+const std::string wet = "[fluid]\nrelaxation_time = 0.8\n";
+
+struct Flux {
+  std::uint64_t arrived, left, refused, there;
+  bool operator==(const Flux&) const = default;
+};
+
+Flux flux(const Simulation& s) {
+  const RunCounters c = s.counters();
+  return {c.arrived, c.left, c.refused, s.body_count()};
+}
+
+/// The hash after so many steps, and with it what came and went.
+std::uint64_t hash_after(Simulation&& s, int steps, int cut_every = 0) {
+  for (int t = 0; t < steps; ++t) {
+    if (cut_every > 0 && t % cut_every == 2)
+      s.cut_anew(tests::odd_cut(s.scene().domain.cells(), ranks(), 3, unsigned(t)));
+    s.step();
+  }
+  const Flux f = flux(s);
+  EXPECT_GT(f.left, 3u);
+  EXPECT_GT(f.refused, 0u);
+  return s.hash() + 1000003 * f.arrived + 10007 * f.refused + 101 * f.left + s.next_id();
+}
+
+void expect_one_hash(const std::string& fluid, const Overrides& overrides, int steps) {
+  const CaseText text = stream(fluid);
+  const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF, overrides), steps); });
+  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, overrides), steps), one);
+  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, overrides), steps, 7), one) << "across cuts";
+  Overrides more = overrides;
+  more.push_back("run.balance.every=10");
+  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, more), steps), one) << "across looks at the balance";
+}
+
+TEST(BodyTurnover, DryBodiesComeAndGoAlikeOnAnyRanks) {
+  expect_one_hash("", {}, 250);
+}
+TEST(BodyTurnover, BodiesInAFluidComeAndGoAlikeOnAnyRanks) {
+  expect_one_hash(wet, {}, 280);
+}
+TEST(BodyTurnover, TheyDoInTheExactForm) {
+  expect_one_hash(wet, {"coupling.force=exact", "fluid.precision=double"}, 280);
+}
+
+// ---- who is there ----
+
+/// The ids that all ranks own, sorted.
+std::vector<BodyId> ids_of(const Simulation& s) {
+  int mine = int(s.bodies().owned), n = ranks();
+  std::vector<int> counts(n), first(n + 1, 0);
+  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  for (int r = 0; r < n; ++r) first[r + 1] = first[r] + counts[r];
+  std::vector<BodyId> ids(first[n]);
+  MPI_Allgatherv(s.bodies().id.data(), mine, MPI_UINT64_T, ids.data(), counts.data(), first.data(),
+                 MPI_UINT64_T, MPI_COMM_WORLD);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+/// Ids that have left never come back, new ones count on from those before, and the numbers add up.
+TEST(BodyTurnover, NoIdIsUsedTwice) {
+  Simulation s = stream("").start(MPI_COMM_WORLD);
+  std::vector<BodyId> before = ids_of(s);
+  const std::uint64_t at_start = before.size();
+  BodyId next = before.back() + 1;
+  for (int t = 0; t < 250; ++t) {
+    s.step();
+    const std::vector<BodyId> now = ids_of(s);
+    ASSERT_EQ(std::adjacent_find(now.begin(), now.end()), now.end()) << "step " << t;
+    std::vector<BodyId> fresh;
+    std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(fresh));
+    for (const BodyId id : fresh) ASSERT_EQ(id, next++) << "step " << t;
+    ASSERT_EQ(s.next_id(), next);
+    before = now;
+    const Flux f = flux(s);
+    ASSERT_EQ(f.there, at_start + f.arrived - f.left);
+    ASSERT_EQ(f.there, now.size());
+  }
+  EXPECT_GT(flux(s).left, 10u);
+}
+
+/// New bodies do not overlap what is there, walls, or each other; the gap is kept.
+TEST(BodyTurnover, BodiesComeWhereThereIsRoom) {
+  CaseText c;
+  c.domain = domain_of({24, 24, 40}, "\"no-slip\"");
+  c.fluid.clear();
+  c.shapes = sphere_of("ball", 6);
+  c.bodies = fill_of("ball", 2, 3, "gap = 0.5\nevery = 1\nbox = [[0, 0, 0], [24, 24, 40]]");
+  Simulation s = c.start(MPI_COMM_SELF);
+  for (int t = 0; t < 40; ++t) s.step();
+  const rigid::BodySet& bodies = s.bodies();
+  EXPECT_GT(s.counters().refused, 0u);
+  EXPECT_GT(bodies.owned, 30u);
+  for (std::size_t a = 0; a < bodies.owned; ++a) {
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_GE(bodies.position[a][d], 3.5 - 1e-12);
+      EXPECT_LE(bodies.position[a][d], s.setup().cells[d] - 3.5 + 1e-12);
+    }
+    for (std::size_t b = 0; b < a; ++b)
+      EXPECT_GE((bodies.position[a] - bodies.position[b]).norm(), 6.5 - 1e-12) << a << ' ' << b;
+  }
+}
+
+/// Neither two applications of a fill nor two fills of one seed repeat each other.
+TEST(BodyTurnover, EveryApplicationHasRandomNumbersOfItsOwn) {
+  CaseText c;
+  c.domain = domain_of({48, 24, 24}, "\"no-slip\"");
+  c.fluid.clear();
+  c.shapes = sphere_of("ball", 2);
+  const std::string more = "every = 1\nbox = [[";
+  c.bodies = fill_of("ball", 2, 2, more + "0, 0, 0], [24, 24, 24]]") +
+             fill_of("ball", 2, 2, more + "24, 0, 0], [48, 24, 24]]");
+  Simulation s = c.start(MPI_COMM_SELF);
+  for (int t = 0; t < 20; ++t) s.step();
+  const std::vector<Vec3>& x = s.bodies().position;
+  ASSERT_EQ(s.bodies().owned, 80u);
+  for (std::size_t a = 0; a < 80; ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      Vec3 apart = x[a] - x[b];
+      if (std::abs(apart.x()) > 12) apart.x() -= std::copysign(24, apart.x());
+      EXPECT_GT(apart.norm(), 1e-6) << a << ' ' << b;
+    }
+}
+
+// ---- at a corner of ranks ----
+
+/// A body on the corner that eight ranks share is gone from all that held it, with its film to another one.
+TEST(BodyTurnover, ABodyAtACornerOfRanksLeavesAllThatHeldIt) {
+  CaseText c;
+  c.domain = domain_of({32, 32, 32}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
+  c.rest = "[[outflow]]\nbox = [[15, 15, 15.1], [17, 17, 17]]\n";
+  c.shapes = sphere_of("ball", 8);
+  c.bodies = body_of("ball", 2, "position = [16, 16, 15.7]\nvelocity = [0, 0, 0.01]") +
+             body_of("ball", 2, "position = [16, 16, 24.0]");
+  c.bodies.replace(c.bodies.find("15.7"), 4, "15.0");
+  c.bodies.replace(c.bodies.find("24.0"), 4, "23.2");
+  const auto run = [&](MPI_Comm comm, const Overrides& overrides) {
+    Simulation s = c.start(comm, overrides);
+    int here = 1;
+    MPI_Comm_size(comm, &here);
+    const auto holders = [&] {
+      std::uint64_t n = s.bodies().row_of(1) < s.bodies().size();
+      MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_UINT64_T, MPI_SUM, comm);
+      return n;
+    };
+    std::uint64_t held = 0;
+    while (s.counters().left == 0 && s.steps_done() < 60) {
+      held = holders();
+      s.step();
+    }
+    EXPECT_GT(s.steps_done(), 2);
+    EXPECT_EQ(held, std::uint64_t(here));
+    EXPECT_EQ(s.counters().left, 1u);
+    EXPECT_EQ(holders(), 0u);
+    for (int t = 0; t < 10; ++t) s.step();
+    EXPECT_EQ(s.body_count(), 1u);
+    return s.hash();
+  };
+  const std::uint64_t one = alone([&] { return run(MPI_COMM_SELF, {}); });
+  EXPECT_EQ(run(MPI_COMM_WORLD, {"domain.blocks=[16, 16, 16]"}), one);
+}
+
+// ---- across a checkpoint ----
+
+TEST(BodyTurnover, ARunGoesOnToTheBit) {
+  constexpr int steps = 200;
+  for (const std::string& fluid : {std::string(), wet}) {
+    const tests::Scratch scratch;
+    const CaseText text = stream(fluid);
+    for (const int at : {120, 121}) {  // 120: before bodies of all fills come
+      Simulation s = text.start(MPI_COMM_WORLD);
+      const Case& scene = s.setup();
+      for (int t = 0; t < at; ++t) s.step();
+      const auto path = write_checkpoint(s, Quantities(scene), scratch.path(),
+                                         provenance_of(scene, ranks(), s.scene().backend_name()));
+      const Flux before = flux(s);
+      for (int t = at; t < steps; ++t) s.step();
+      const auto again = [&](MPI_Comm comm) {
+        const adapters::CheckpointReader reader(comm, path);
+        Simulation resumed(scene, comm, read_state(reader, scene));
+        for (int t = at; t < steps; ++t) resumed.step();
+        EXPECT_EQ(flux(resumed), flux(s));
+        EXPECT_EQ(resumed.next_id(), s.next_id());
+        return resumed.hash();
+      };
+      EXPECT_GT(flux(s).left, before.left);
+      EXPECT_GT(flux(s).arrived, before.arrived);
+      EXPECT_EQ(again(MPI_COMM_WORLD), s.hash());
+    }
+  }
+}
+
+// ---- physics ----
+
+/// A sphere comes every `every` steps at the top of a shaft and falls freely; it is taken out below. Those
+/// that are there at step n came less than the fall ago: of the times k every <= n those with
+/// z0 - v t - g t^2 / 2 above the outflow, as the stepper is exact in free fall.
+TEST(BodyTurnover, AStreamHoldsRateTimesTransitTime) {
+  CaseText c;
+  c.domain = domain_of({8, 8, 96}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
+  c.fluid.clear();
+  c.rest = "[gravity]\nacceleration = [0, 0, -0.002]\n[[outflow]]\nbox = [[0, 0, 0], [8, 8, 10]]\n";
+  c.shapes = sphere_of("ball", 4);
+  c.bodies =
+      "[[fill]]\nshape = \"ball\"\ndensity = 2\narrangement = \"simple-cubic\"\ncount = 1\nevery = 30\n"
+      "velocity = [0, 0, -0.2]\nspacing = 8\nbox = [[0, 0, 90], [8, 8, 96]]\n";
+  Simulation s = c.start(MPI_COMM_WORLD);
+  double z0 = 0;
+  for (std::size_t row = 0; row < s.bodies().owned; ++row) z0 += s.bodies().position[row].z();
+  z0 = tests::sum_over_ranks(z0);
+  const auto is_there = [&](int age) { return z0 - 0.2 * age - 0.001 * age * age > 10; };
+  for (int n = 1; n <= 500; ++n) {
+    s.step();
+    std::uint64_t expected = 0;
+    for (int came = 0; came < n; came += 30) expected += is_there(n - 1 - came);
+    ASSERT_EQ(s.body_count(), expected) << "step " << n;
+  }
+  // 0.2 T + 0.001 T^2 = z0 - 10
+  const double transit = -100 + std::sqrt(1e4 + 1000 * (z0 - 10));
+  EXPECT_NEAR(double(s.body_count()), transit / 30, 1);
+  EXPECT_EQ(s.counters().refused, 0u);
+  EXPECT_EQ(s.counters().contacts, 0u);
+}
+
+/// Momentum of fluid and bodies, less what those that came brought and with what those that left took, is
+/// kept to rounding, although cells are covered and uncovered by both.
+TEST(BodyTurnover, MomentumIsAccountedFor) {
+  CaseText c;
+  c.domain = domain_of({24, 24, 24});
+  c.fluid += "precision = \"double\"\n";
+  c.rest =
+      "[coupling]\nforce = \"exact\"\nmass_correction = false\n"
+      "[[outflow]]\nbox = [[18, 0, 0], [24, 24, 24]]\n";
+  c.shapes = sphere_of("ball", 6);
+  c.bodies =
+      fill_of("ball", 10, 2, "every = 40\nvelocity = [0.08, 0.02, 0]\nbox = [[0, 0, 0], [14, 24, 24]]");
+  Simulation s = c.start(MPI_COMM_WORLD);
+  const Balance before = s.balance();
+  for (int t = 0; t < 400; ++t) s.step();
+  EXPECT_GT(s.counters().left, 6u);
+  const Balance now = s.balance();
+  Vec3 brought;
+  for (int d = 0; d < 3; ++d) brought[d] = rigid::from_fixed(s.momentum_brought().q[d]);
+  EXPECT_GT(brought.norm(), 0.1 * before.momentum_scale);
+  EXPECT_LT((now.momentum - before.momentum).norm(), 1e-11 * before.momentum_scale);
+}
+
+/// A body that comes with the velocity of the fluid, and one that goes, change nothing but by the flow's own
+/// error: neither is struck, nor the fluid.
+TEST(BodyTurnover, ABodyThatMovesWithTheFluidComesAndGoesUnnoticed) {
+  for (const std::string form : {"exact", "galilean"}) {
+    CaseText c;
+    c.domain = domain_of({24, 24, 24});
+    c.fluid =
+        "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n"
+        "initial = { type = \"uniform\", velocity = [0.02, 0, 0] }\n";
+    c.rest = "[coupling]\nforce = \"" + form + "\"\n[[outflow]]\nbox = [[19, 0, 0], [24, 24, 24]]\n";
+    c.shapes = sphere_of("ball", 8);
+    c.bodies = fill_of("ball", 1, 1, "every = 150\nvelocity = [0.02, 0, 0]\nbox = [[6, 8, 8], [16, 16, 16]]");
+    Simulation s = c.start(MPI_COMM_WORLD);
+    double furthest = 0;
+    for (int t = 0; t < 600; ++t) {
+      s.step();
+      for (std::size_t row = 0; row < s.bodies().owned; ++row)
+        furthest = std::max(furthest, (s.bodies().velocity[row] - Vec3(0.02, 0, 0)).norm());
+      furthest = std::max(furthest, s.look_at_flow().max_speed - 0.02);
+    }
+    EXPECT_GT(s.counters().left, 0u);
+    EXPECT_GT(s.counters().arrived, 0u);
+    EXPECT_LT(tests::largest_of_ranks(furthest), 1e-4) << form;
+  }
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
