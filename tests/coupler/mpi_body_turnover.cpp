@@ -245,7 +245,7 @@ TEST(BodyTurnover, ARunGoesOnToTheBit) {
 /// A sphere comes every `every` steps at the top of a shaft and falls freely; it is taken out below. Those
 /// that are there at step n came less than the fall ago: of the times k every <= n those with
 /// z0 - v t - g t^2 / 2 above the outflow, as the stepper is exact in free fall.
-TEST(BodyTurnover, AStreamHoldsRateTimesTransitTime) {
+CaseText shaft() {
   CaseText c;
   c.domain = domain_of({8, 8, 96}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
   c.fluid.clear();
@@ -254,7 +254,11 @@ TEST(BodyTurnover, AStreamHoldsRateTimesTransitTime) {
   c.bodies =
       "[[fill]]\nshape = \"ball\"\ndensity = 2\narrangement = \"simple-cubic\"\ncount = 1\nevery = 30\n"
       "velocity = [0, 0, -0.2]\nspacing = 8\nbox = [[0, 0, 90], [8, 8, 96]]\n";
-  Simulation s = c.start(MPI_COMM_WORLD);
+  return c;
+}
+
+TEST(BodyTurnover, AStreamHoldsRateTimesTransitTime) {
+  Simulation s = shaft().start(MPI_COMM_WORLD);
   double z0 = 0;
   for (std::size_t row = 0; row < s.bodies().owned; ++row) z0 += s.bodies().position[row].z();
   z0 = tests::sum_over_ranks(z0);
@@ -270,6 +274,26 @@ TEST(BodyTurnover, AStreamHoldsRateTimesTransitTime) {
   EXPECT_NEAR(double(s.body_count()), transit / 30, 1);
   EXPECT_EQ(s.counters().refused, 0u);
   EXPECT_EQ(s.counters().contacts, 0u);
+}
+
+/// The same as figures of the report: a sphere in 30 steps leaves, and as many are there as are counted; of
+/// those that were there at the start none is left, so there is no displacement.
+TEST(BodyTurnover, QuantitiesTellHowManyAreThereAndLeave) {
+  CaseText c = shaft();
+  c.run = "[run]\nsteps = 630\n" + std::string("[[quantities]]\nname = \"rate\"\ntype = \"outflow-rate\"\n") +
+          "time = 330\n[[quantities]]\nname = \"all\"\ntype = \"body-count\"\n" +
+          "[[quantities]]\nname = \"below\"\ntype = \"body-count\"\nbox = [[0, 0, 0], [8, 8, 40]]\n" +
+          "[[quantities]]\nname = \"moved\"\ntype = \"displacement\"\n";
+  const std::vector<double> found = c.values(MPI_COMM_WORLD);
+  Simulation s = c.start(MPI_COMM_WORLD);
+  while (s.steps_done() < 630) s.step();
+  double below = 0;
+  for (std::size_t row = 0; row < s.bodies().owned; ++row) below += s.bodies().position[row].z() <= 40;
+  EXPECT_EQ(found[0], 10. / 300);
+  EXPECT_EQ(found[1], double(s.body_count()));
+  EXPECT_EQ(found[2], tests::sum_over_ranks(below));
+  EXPECT_GT(found[2], 0);
+  EXPECT_TRUE(std::isnan(found[3]));
 }
 
 /// Momentum of fluid and bodies, less what those that came brought and with what those that left took, is
