@@ -6,6 +6,7 @@
 // serves the even and the odd step.
 #include "lbm/stream_collide_kernel.hpp"
 #include "lbm/isa_vector.hpp"
+#include "lbm/recursive_regularised_kernel.hpp"
 #include "lbm/two_relaxation_times_kernel.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -130,6 +131,8 @@ CollideRows<T> collide_rows(Collision model) {
     case Collision::trt:
     case Collision::bgk:
       return rows_under<TwoRelaxationTimes, T>;
+    case Collision::regularised:
+      return rows_under<RecursiveRegularised, T>;
   }
   __builtin_unreachable();
 }

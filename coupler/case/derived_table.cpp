@@ -93,7 +93,7 @@ void add_fluid(const Case& scene, Table& table) {
                  "cells2/step");
   table.line("relaxation time", "", shown(fluid.relaxation_time));
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
-  const std::string magic = model.has_magic ? ", Lambda = " + shown(fluid.magic) : "";
+  const std::string magic = model.has_magic() ? ", Lambda = " + shown(fluid.magic) : "";
   table.line("collision", std::string(model.name) + magic);
   table.line("storage", std::string(precision_names[fluid.precision]));
   double fastest = fluid.initial == InitialFlow::rest ? 0 : fluid.initial_velocity.norm();

@@ -255,7 +255,7 @@ namespace {
 void read_collision(TableReader& fluid, FluidSpec& spec) {
   spec.collision = fluid.choice("collision", collision_names).value_or(spec.collision);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
-  if (fluid.has("magic") && !model.has_magic)
+  if (fluid.has("magic") && !model.has_magic())
     fluid.fail("magic", fmt::format("fluid.magic is Lambda of trt; {} has none, remove it", model.name));
 }
 }  // namespace
