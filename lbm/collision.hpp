@@ -14,9 +14,9 @@ struct CollisionRates {
   T square;    // omega_even/24, of u_d u_d: a third of it in an even half, and less of it in all of them
   T momentum;  // omega_odd/12, of u
   T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
-  T stress;                                // 1 - 2 keep_even, of u_c u_d
   T half_force[3], even_force[3], odd_force[3];
-  T stress_force[3];      // (1 - omega_even/2) F
+  T resolved_square;      // half the square of the stress off equilibrium up to which no eddy is more viscous
+  T eddy;                 // 9 C^2 (README.md, equation 28); 0: none
   T mass_correction = 0;  // added to the density of every cell
   bool source = false;    // force or mass correction present
 

@@ -19,6 +19,7 @@ struct CollisionModel {
   std::string_view name;
   OddRate odd;
   constexpr bool has_magic() const { return odd == OddRate::by_magic; }  // whether `magic` is free to choose
+  constexpr bool has_eddies() const { return odd == OddRate::one; }      // whether `smagorinsky` is
 };
 /// The models in the order of the enumerators.
 inline constexpr std::array<CollisionModel, 3> collision_models = {
@@ -32,9 +33,10 @@ struct CollisionSpec {
   double magic = 1.0 / 6;  // ignored by models without one
   Collision model = Collision::trt;
   std::array<double, 3> force{};  // acceleration of the fluid, uniform
+  double smagorinsky = 0;         // constant of the least viscosity of a cell (README.md, equation 28)
 
   /// tau_odd.
-  double odd_relaxation_time() const {
+  constexpr double odd_relaxation_time() const {
     switch (model_of(model).odd) {
       case OddRate::by_magic:
         return 0.5 + magic / (relaxation_time - 0.5);
@@ -46,7 +48,7 @@ struct CollisionSpec {
     __builtin_unreachable();
   }
   /// (tau - 1/2)(tau_odd - 1/2).
-  double magic_in_effect() const {
+  constexpr double magic_in_effect() const {
     return model_of(model).has_magic() ? magic : (relaxation_time - 0.5) * (odd_relaxation_time() - 0.5);
   }
 };

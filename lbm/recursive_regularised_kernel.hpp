@@ -1,11 +1,24 @@
 #pragma once
 // The model regularised, a vector of cells at a time (README.md, equations 24 to 27). Only for *_kernel.cpp
 // files, which are built once an instruction set (SILT_ISA).
+#include <cmath>
+#include <cstddef>
+
 #include "lbm/collision.hpp"
+#include "lbm/isa_vector.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
+template <class V>
+[[gnu::always_inline]] inline V root(const V& x) {
+  V y;
+  for (std::size_t i = 0; i < sizeof(V) / sizeof(x[0]); ++i) y[i] = std::sqrt(x[i]);
+  return y;
+}
+
+/// limited: no cell is less viscous than an eddy of its size.
+template <bool limited>
 struct RecursiveRegularised {
   /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
   /// with both signs, so that mass and momentum are kept as sums are.
@@ -26,29 +39,30 @@ struct RecursiveRegularised {
       uz += r.half_force[2];
     }
 
-    // the second moments after the collision, less rho/3: those of the equilibrium, and what is kept of the
-    // rest
+    // the second moments, less those of the equilibrium, of the stress without its trace
     const V mxx = s[0] + (in_xy + in_xz), myy = s[1] + (in_xy + in_yz), mzz = s[2] + (in_xz + in_yz);
     const V mean = T(1. / 3) * (mxx + (myy + mzz));
     const V sxx = ux * ux, syy = uy * uy, szz = uz * uz;
     V trace = sxx + (syy + szz);
     const V third = T(1. / 3) * trace;
-    V axx = third + (r.keep_even_twice * (mxx - mean) + r.stress * (sxx - third));
-    V ayy = third + (r.keep_even_twice * (myy - mean) + r.stress * (syy - third));
-    V axy = r.keep_even_twice * (s[3] - s[4]) + r.stress * (ux * uy);
-    V axz = r.keep_even_twice * (s[5] - s[6]) + r.stress * (ux * uz);
-    V ayz = r.keep_even_twice * (s[7] - s[8]) + r.stress * (uy * uz);
+    const V nxx = (mxx - mean) - (sxx - third), nyy = (myy - mean) - (syy - third);
+    const V nxy = (s[3] - s[4]) - ux * uy, nxz = (s[5] - s[6]) - ux * uz, nyz = (s[7] - s[8]) - uy * uz;
+
+    // what they are after the collision, of all the stress
+    const auto keep = kept<V>(r, nxx, nyy, nxy, nxz, nyz);
+    V axx = sxx + keep * nxx, ayy = syy + keep * nyy;
+    V axy = ux * uy + keep * nxy, axz = ux * uz + keep * nxz, ayz = uy * uz + keep * nyz;
     V px = ux, py = uy, pz = uz;  // momentum after the collision
     if constexpr (source) {
-      const T *const f = r.stress_force, *const h = r.half_force;
-      const V power = h[0] * ux + (h[1] * uy + h[2] * uz);
-      const V share = T(2. / 3) * (power - (f[0] * ux + (f[1] * uy + f[2] * uz)));
-      axx += T(2) * f[0] * ux + share;
-      ayy += T(2) * f[1] * uy + share;
+      const T* const h = r.half_force;
+      const V share = V{} + (T(1) + keep), power = h[0] * ux + (h[1] * uy + h[2] * uz);
+      const V mean_power = T(2. / 3) * (power - share * power);
+      axx += share * (T(2) * h[0] * ux) + mean_power;
+      ayy += share * (T(2) * h[1] * uy) + mean_power;
       trace += T(2) * power;
-      axy += f[0] * uy + f[1] * ux;
-      axz += f[0] * uz + f[2] * ux;
-      ayz += f[1] * uz + f[2] * uy;
+      axy += share * (h[0] * uy + h[1] * ux);
+      axz += share * (h[0] * uz + h[2] * ux);
+      ayz += share * (h[1] * uz + h[2] * uy);
       px += h[0];
       py += h[1];
       pz += h[2];
@@ -80,6 +94,27 @@ struct RecursiveRegularised {
     set_pair(6, V(bxz - qxz), V(xzz - zxx));
     set_pair(7, V(byz + qyz), V(yzz + zyy));
     set_pair(8, V(byz - qyz), V(yzz - zyy));
+  }
+
+ private:
+  /// Returns the share of the stress off equilibrium that the collision leaves, 1 - 1/tau, or less where the
+  /// stress is that of an eddy which the lattice does not resolve.
+  template <class V, class T>
+  [[gnu::always_inline]] static auto kept(const CollisionRates<T>& r, const V& nxx, const V& nyy,
+                                          const V& nxy, const V& nxz, const V& nyz) {
+    if constexpr (!limited) {
+      return r.keep_even_twice;
+    } else {
+      const V nzz = nxx + nyy;
+      const V square = T(0.5) * (nxx * nxx + (nyy * nyy + nzz * nzz)) + (nxy * nxy + (nxz * nxz + nyz * nyz));
+      V keep = V{} + r.keep_even_twice;
+      const auto eddies = square > V{} + r.resolved_square;
+      if (any_lane(eddies)) [[unlikely]] {
+        const V tau = T(0.25) + root(V(T(0.0625) + r.eddy * root(square)));
+        keep = eddies ? V(T(1) - T(1) / tau) : keep;
+      }
+      return keep;
+    }
   }
 };
 

@@ -74,7 +74,7 @@ class Textbook {
 
 constexpr lbm::CollisionSpec trt{0.8, 3. / 16, lbm::Collision::trt, {}};
 constexpr lbm::CollisionSpec bgk{0.8, 3. / 16, lbm::Collision::bgk, {}};
-constexpr lbm::CollisionSpec regularised{0.8, 3. / 16, lbm::Collision::regularised, {}};
+constexpr lbm::CollisionSpec regularised{0.8, 3. / 16, lbm::Collision::regularised, {}, 0.1};
 
 /// The textbook kernels and production have to compute the same flow before their times mean anything.
 template <class T>

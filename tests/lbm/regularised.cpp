@@ -1,6 +1,7 @@
 // The model regularised against its definition: Hermite polynomials of the lattice, one population at a time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -28,7 +29,8 @@ double third_order(int i, int a, int b, int e) {
          (along(i, a) * delta(b, e) + along(i, b) * delta(a, e) + along(i, e) * delta(a, b)) / 3;
 }
 
-/// The six combinations of H_abb that the lattice carries, orthogonal under the weights: sums and differences.
+/// The six combinations of H_abb that the lattice carries, orthogonal under the weights: sums and
+/// differences.
 template <class A>
 double third_order_part(int i, A&& moment) {
   double sum = 0;
@@ -41,9 +43,24 @@ double third_order_part(int i, A&& moment) {
   return 4.5 * sum;
 }
 
+/// Returns the relaxation time at which the eddy viscosity (C^2 |S|, |S|^2 = 2 S : S, S = -3 off / (2 tau))
+/// is that of the collision, by bisection.
+double eddy_relaxation_time(const Tensor& off, double constant) {
+  double square = 0;
+  for (const Vector& row : off)
+    for (const double x : row) square += x * x;
+  double low = 0.5, high = 5;
+  for (int i = 0; i < 60; ++i) {
+    const double tau = (low + high) / 2, rate = std::sqrt(2 * square) * 1.5 / tau;
+    (3 * constant * constant * rate > tau - 0.5 ? low : high) = tau;
+  }
+  return low;
+}
+
 /// Malaspinas' recursive regularisation (arXiv:1505.06900) with the equilibrium to third order, the trace of
 /// the stress relaxed at once, and Guo's force: what g becomes.
-Populations regularised(const Populations& g, double tau, const Vector& force, double added) {
+Populations regularised(const Populations& g, double tau, const Vector& force, double added,
+                        double constant = 0) {
   double rho = 0;
   Vector u{};
   Tensor off{};  // what the second moments are off equilibrium
@@ -58,9 +75,11 @@ Populations regularised(const Populations& g, double tau, const Vector& force, d
       off[a][b] -= u[a] * u[b] - (u[a] * force[b] + u[b] * force[a]) / 2;
     }
   const double trace = (off[0][0] + off[1][1] + off[2][2]) / 3;
+  for (int d = 0; d < 3; ++d) off[d][d] -= trace;
+  tau = std::max(tau, eddy_relaxation_time(off, constant));
   Tensor kept{};
   for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) kept[a][b] = (1 - 1 / tau) * (off[a][b] - delta(a, b) * trace);
+    for (int b = 0; b < 3; ++b) kept[a][b] = (1 - 1 / tau) * off[a][b];
 
   Populations after;
   for (int i = 0; i < directions; ++i) {
@@ -83,7 +102,7 @@ Populations regularised(const Populations& g, double tau, const Vector& force, d
 struct Case {
   double tau;
   Vector force{};
-  double added = 0;
+  double added = 0, smagorinsky = 0;
 };
 
 void expect_definition(const Case& of) {
@@ -92,7 +111,7 @@ void expect_definition(const Case& of) {
   const Int3 size{5, 3, 2};
   for (const Parity parity : {Parity::settled, Parity::crossed}) {
     Block<double> block({{0, 0, 0}, size});
-    CollisionRates<double> rates(CollisionSpec{of.tau, 0, Collision::regularised, of.force});
+    CollisionRates<double> rates(CollisionSpec{of.tau, 0, Collision::regularised, of.force, of.smagorinsky});
     rates.mass_correction = of.added;
     rates.source |= of.added != 0;
     const Int3 x{3, 1, 1};
@@ -100,7 +119,7 @@ void expect_definition(const Case& of) {
     for (int i = 0; i < directions; ++i)
       block.data()[block.arriving(i, parity) + block.cell(x)] = before[i] = uniform(random);
     stream_collide(block, parity, rates, {0, size.y, 0, size.z});
-    const Populations expected = regularised(before, of.tau, of.force, of.added);
+    const Populations expected = regularised(before, of.tau, of.force, of.added, of.smagorinsky);
     for (int i = 0; i < directions; ++i)
       EXPECT_NEAR(block.data()[block.leaving(i, flipped(parity)) + block.cell(x)], expected[i], same) << i;
   }
@@ -113,6 +132,11 @@ TEST(Regularised, TakesForceAndMassCorrection) {
   for (const double tau : {0.5001, 0.9}) expect_definition({tau, {1e-3, -2e-3, 5e-4}, 1e-4});
 }
 
+TEST(Regularised, IsAtLeastAsViscousAsAnEddy) {
+  expect_definition({0.5001, {}, 0, 0.2});
+  expect_definition({3, {}, 0, 0.2});  // it is anyway
+}
+
 TEST(Regularised, KeepsMassAndMomentumToRounding) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<float> uniform(-0.01f, 0.01f);
@@ -120,7 +144,7 @@ TEST(Regularised, KeepsMassAndMomentumToRounding) {
   Block<float> block({{0, 0, 0}, size});
   const CollisionRates<float> rates(CollisionSpec{0.5003, 0, Collision::regularised, {}});
   double before[4] = {}, after[4] = {};
-  const auto for_populations = [&](auto&& slot_of, double (&sums)[4], auto&& touch) {
+  const auto for_populations = [&](auto&& slot_of, double(&sums)[4], auto&& touch) {
     for (int z = 0; z < size.z; ++z)
       for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)
