@@ -45,6 +45,10 @@ double energy_change(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"energy-change"> = at_end<energy_change>;
 
+double bodies_in_box(const Simulation&, const QuantitySpec&);
+template <>
+inline constexpr Computation computation<"body-count"> = at_end<bodies_in_box>;
+
 double packing_fraction(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"packing-fraction"> = at_end<packing_fraction>;
@@ -77,6 +81,11 @@ void observe_discharge(const Simulation&, const QuantitySpec&, QuantityHistory& 
 double discharge_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
 template <>
 inline constexpr Computation computation<"discharge-rate"> = {observe_discharge, discharge_rate};
+
+void observe_outflow(const Simulation&, const QuantitySpec&, QuantityHistory& number_and_step);
+double outflow_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
+template <>
+inline constexpr Computation computation<"outflow-rate"> = {observe_outflow, outflow_rate};
 
 void observe_rebound(const Simulation&, const QuantitySpec&, QuantityHistory& against_and_along);
 double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory&);
