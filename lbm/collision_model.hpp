@@ -1,5 +1,6 @@
 #pragma once
 // The collision models by name, and what a run chooses: the model, its rates and the force on the fluid.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -8,22 +9,26 @@ namespace silt::lbm {
 
 /// `trt` relaxes the even half of each pair of populations with 1/tau and the odd half so that
 /// (tau - 1/2)(tau_odd - 1/2) = magic (Ginzburg, Verhaeghe, d'Humieres 2008); `bgk` relaxes both with 1/tau.
-/// `regularised` relaxes the stress with 1/tau and replaces all else but mass and momentum (recursive
-/// regularisation to third order, Malaspinas 2015): for flows that the others do not survive.
+/// `regularised` relaxes the stress with 1/tau, third moments as trt does but no slower than it may, and
+/// replaces all else but mass and momentum (README.md, equations 24 to 27): for flows that the others do not
+/// survive.
 enum class Collision : std::uint8_t { trt, bgk, regularised };
 
-/// How fast the odd half of a pair is relaxed: as `magic` says, as the even half, or at once.
-enum class OddRate : std::uint8_t { by_magic, as_even, one };
+/// How fast the odd half of a pair is relaxed: as `magic` says, as the even half, or as `magic` says as long
+/// as that is stable.
+enum class OddRate : std::uint8_t { by_magic, as_even, by_magic_if_stable };
 
 struct CollisionModel {
   std::string_view name;
   OddRate odd;
-  constexpr bool has_magic() const { return odd == OddRate::by_magic; }  // whether `magic` is free to choose
-  constexpr bool has_eddies() const { return odd == OddRate::one; }      // whether `smagorinsky` is
+  constexpr bool has_magic() const { return odd != OddRate::as_even; }  // whether `magic` is free to choose
+  constexpr bool has_eddies() const {
+    return odd == OddRate::by_magic_if_stable;
+  }  // whether `smagorinsky` is
 };
 /// The models in the order of the enumerators.
 inline constexpr std::array<CollisionModel, 3> collision_models = {
-    {{"trt", OddRate::by_magic}, {"bgk", OddRate::as_even}, {"regularised", OddRate::one}}};
+    {{"trt", OddRate::by_magic}, {"bgk", OddRate::as_even}, {"regularised", OddRate::by_magic_if_stable}}};
 constexpr const CollisionModel& model_of(Collision collision) {
   return collision_models[static_cast<std::size_t>(collision)];
 }
@@ -35,21 +40,28 @@ struct CollisionSpec {
   std::array<double, 3> force{};  // acceleration of the fluid, uniform
   double smagorinsky = 0;         // constant of the least viscosity of a cell (README.md, equation 28)
 
+  constexpr double excess() const { return relaxation_time - 0.5; }
+  /// How much `regularised` relaxes third and fourth moments as trt does: less where that amplifies
+  /// (README.md, equation 26).
+  constexpr double third_as_trt() const { return std::min(1.0, excess() / 0.05); }
+  constexpr double fourth_as_trt() const { return std::clamp((excess() - 0.02) / 0.03, 0.0, 1.0); }
   /// tau_odd.
   constexpr double odd_relaxation_time() const {
     switch (model_of(model).odd) {
       case OddRate::by_magic:
-        return 0.5 + magic / (relaxation_time - 0.5);
+        return 0.5 + magic / excess();
       case OddRate::as_even:
         return relaxation_time;
-      case OddRate::one:
-        return 1;
+      case OddRate::by_magic_if_stable: {
+        const double wanted = magic / std::max(excess(), 0.05);
+        return 0.5 + wanted - (1 - third_as_trt()) * std::max(0.0, wanted - 0.5);
+      }
     }
     __builtin_unreachable();
   }
   /// (tau - 1/2)(tau_odd - 1/2).
   constexpr double magic_in_effect() const {
-    return model_of(model).has_magic() ? magic : (relaxation_time - 0.5) * (odd_relaxation_time() - 0.5);
+    return model_of(model).odd == OddRate::by_magic ? magic : excess() * (odd_relaxation_time() - 0.5);
   }
 };
 

@@ -39,14 +39,21 @@ struct RecursiveRegularised {
       uz += r.half_force[2];
     }
 
-    // the second moments, less those of the equilibrium, of the stress without its trace
+    // second moments, less those of the equilibrium, of the stress without its trace
     const V mxx = s[0] + (in_xy + in_xz), myy = s[1] + (in_xy + in_yz), mzz = s[2] + (in_xz + in_yz);
     const V mean = T(1. / 3) * (mxx + (myy + mzz));
     const V sxx = ux * ux, syy = uy * uy, szz = uz * uz;
     V trace = sxx + (syy + szz);
-    const V third = T(1. / 3) * trace;
+    const V third = T(1. / 3) * trace, spread = (mean - T(1. / 3) * rho) - third;  // a third of the trace
     const V nxx = (mxx - mean) - (sxx - third), nyy = (myy - mean) - (syy - third);
     const V nxy = (s[3] - s[4]) - ux * uy, nxz = (s[5] - s[6]) - ux * uz, nyz = (s[7] - s[8]) - uy * uz;
+
+    // fourth moments, a quarter of what is kept of their part beyond the stress
+    const T quarter_kept = T(0.25) * r.keep_fourth;
+    const V offset = T(1. / 18) * rho - mean;
+    const V gxy = quarter_kept * (in_xy + (T(0.5) * mzz + offset));
+    const V gxz = quarter_kept * (in_xz + (T(0.5) * myy + offset));
+    const V gyz = quarter_kept * (in_yz + (T(0.5) * mxx + offset));
 
     // what they are after the collision, of all the stress
     const auto keep = kept<V>(r, nxx, nyy, nxy, nxz, nyz);
@@ -70,23 +77,39 @@ struct RecursiveRegularised {
     }
     const V azz = trace - (axx + ayy);
 
-    // the odd halves: third moments, a quarter of each
-    const V exx = T(0.25) * axx - T(0.5) * sxx, eyy = T(0.25) * ayy - T(0.5) * syy,
-            ezz = T(0.25) * azz - T(0.5) * szz;
-    const V hx = T(0.5) * ux, hy = T(0.5) * uy, hz = T(0.5) * uz;
-    const V vx = T(1. / 12) * px, vy = T(1. / 12) * py, vz = T(1. / 12) * pz;
-    const V xyy = vx + (ux * eyy + hy * axy), xzz = vx + (ux * ezz + hz * axz);
-    const V yxx = vy + (uy * exx + hx * axy), yzz = vy + (uy * ezz + hz * ayz);
-    const V zxx = vz + (uz * exx + hx * axz), zyy = vz + (uz * eyy + hy * ayz);
+    // the odd halves: third moments, a quarter of each, what is lost of them and what is kept
+    const T lost = T(1) - r.keep_third;
+    const auto shift = keep - r.keep_third;
+    const V swell = T(0.25) * r.keep_third * spread;
+    const V exx = T(0.25) * (shift * nxx - lost * sxx) - swell;
+    const V eyy = T(0.25) * (shift * nyy - lost * syy) - swell;
+    const V ezz = T(-0.25) * (shift * (nxx + nyy) + lost * szz) - swell;
+    const V oxy = T(0.5) * (shift * nxy + lost * (ux * uy)), oxz = T(0.5) * (shift * nxz + lost * (ux * uz)),
+            oyz = T(0.5) * (shift * nyz + lost * (uy * uz));
+    V wx = lost * ux, wy = lost * uy, wz = lost * uz;
+    if constexpr (source) {
+      wx += (T(1) + r.keep_third) * r.half_force[0];
+      wy += (T(1) + r.keep_third) * r.half_force[1];
+      wz += (T(1) + r.keep_third) * r.half_force[2];
+    }
+    const V vx = T(1. / 12) * wx, vy = T(1. / 12) * wy, vz = T(1. / 12) * wz;
+    const T share_kept = T(0.25) * r.keep_third;
+    const V xyy = vx + (ux * eyy + uy * oxy) + share_kept * (d[3] + d[4]);
+    const V xzz = vx + (ux * ezz + uz * oxz) + share_kept * (d[5] + d[6]);
+    const V yxx = vy + (uy * exx + ux * oxy) + share_kept * (d[3] - d[4]);
+    const V yzz = vy + (uy * ezz + uz * oyz) + share_kept * (d[7] + d[8]);
+    const V zxx = vz + (uz * exx + ux * oxz) + share_kept * (d[5] - d[6]);
+    const V zyy = vz + (uz * eyy + uy * oyz) + share_kept * (d[7] - d[8]);
 
     // the even halves
     const V part = T(1. / 18) * rho - T(1. / 12) * trace;
     const V base = T(0.5) * part + T(0.125) * trace;
-    set_rest(V(rho - (T(12) * part + T(1.5) * trace)));
-    set_pair(0, V(part + T(0.25) * axx), V(T(0.5) * px - T(2) * (xyy + xzz)));
-    set_pair(1, V(part + T(0.25) * ayy), V(T(0.5) * py - T(2) * (yxx + yzz)));
-    set_pair(2, V(part + T(0.25) * azz), V(T(0.5) * pz - T(2) * (zxx + zyy)));
-    const V bxy = base - T(0.125) * azz, bxz = base - T(0.125) * ayy, byz = base - T(0.125) * axx;
+    set_rest(V((rho - (T(12) * part + T(1.5) * trace)) + T(4) * (gxy + (gxz + gyz))));
+    set_pair(0, V((part + T(0.25) * axx) - T(2) * (gxy + gxz)), V(T(0.5) * px - T(2) * (xyy + xzz)));
+    set_pair(1, V((part + T(0.25) * ayy) - T(2) * (gxy + gyz)), V(T(0.5) * py - T(2) * (yxx + yzz)));
+    set_pair(2, V((part + T(0.25) * azz) - T(2) * (gxz + gyz)), V(T(0.5) * pz - T(2) * (zxx + zyy)));
+    const V bxy = (base - T(0.125) * azz) + gxy, bxz = (base - T(0.125) * ayy) + gxz,
+            byz = (base - T(0.125) * axx) + gyz;
     const V qxy = T(0.25) * axy, qxz = T(0.25) * axz, qyz = T(0.25) * ayz;
     set_pair(3, V(bxy + qxy), V(xyy + yxx));
     set_pair(4, V(bxy - qxy), V(xyy - yxx));

@@ -29,13 +29,10 @@ enum class WallScheme : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic", "multireflection"};
 
-/// The part of `multireflection` that does not amplify (README.md, equations 20 and 28); `cli` is the rest of
-/// it.
+/// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it.
 constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
-  const double tau = collision.relaxation_time;
-  const double share = std::min(1.0, slope * (tau - 0.5) * (tau - 0.5) / collision.magic_in_effect());
-  return model_of(collision.model).odd == OddRate::one ? std::min(share, 1 / tau) : share;
+  return std::min(1.0, slope * collision.excess() * collision.excess() / collision.magic_in_effect());
 }
 
 /// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall

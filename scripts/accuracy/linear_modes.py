@@ -27,9 +27,17 @@ FLOWS = tuple(tuple(u * np.array(n) / np.linalg.norm(n)) for n in ((1, 0, 0), (1
 DISTANCES = ((0.02, 0.02), (0.3, 0.3), (0.5, 0.5), (0.7, 0.7), (1, 1), (0.02, 1))
 
 
+def odd_time(tau, model):
+    """Returns the relaxation time of the odd halves (equation 26); the magic of regularised is 1/6 where it can be."""
+    if model != REGULARISED:
+        return 0.5 + model / (tau - 0.5)
+    wanted = 1 / 6 / max(tau - 0.5, 0.05)
+    return 0.5 + wanted - (1 - min(1, (tau - 0.5) / 0.05)) * max(0, wanted - 0.5)
+
+
 def magic_of(model, tau):
     """Returns (tau - 1/2)(tau_odd - 1/2)."""
-    return (tau - 0.5) / 2 if model == REGULARISED else model
+    return (tau - 0.5) * (odd_time(tau, model) - 0.5)
 
 
 def collision(tau, model, flow=(0, 0, 0)):
@@ -40,26 +48,35 @@ def collision(tau, model, flow=(0, 0, 0)):
 def two_relaxation_times(tau, magic, flow):
     swap = np.eye(19)[OPPOSITE]
     even, odd = (np.eye(19) + swap) / 2, (np.eye(19) - swap) / 2
-    odd_time = magic / (tau - 0.5) + 0.5
     quadratic = 9 * (C @ flow)[:, None] * (C @ C.T) - 3 * (C @ np.array(flow))
-    return (np.eye(19) - (even - W[:, None] * (1 + quadratic)) / tau - (odd - 3 * W[:, None] * (C @ C.T)) / odd_time)
+    return (np.eye(19) - (even - W[:, None] * (1 + quadratic)) / tau - (odd - 3 * W[:, None] * (C @ C.T)) / odd_time(tau, magic))
 
 
 def regularised(tau, flow):
     """Returns the matrix of the model regularised (lbm/README.md, equations 24 to 27), by a derivative along the imaginary axis."""
-    tiny = 1e-30
-    populations = W * (3 * C @ flow + 4.5 * (C @ flow)**2 - 1.5 * flow @ flow) + 1j * tiny * np.eye(19)
-    return np.array([collided(g, tau).imag / tiny for g in populations]).T
+    tiny, steady = 1e-30, W * (3 * C @ flow)
+    for _ in range(60):
+        steady = collided(steady, 1)  # on the way to the equilibrium of third order
+    return np.array([collided(steady + 1j * tiny * unit, tau).imag / tiny for unit in np.eye(19)]).T
 
 
 def collided(g, tau):
     """Returns what populations become under regularised."""
-    rho, u = g.sum(), C.T @ g
-    off = np.einsum("i,ia,ib->ab", g, C, C) - np.eye(3) * rho / 3 - np.outer(u, u)
-    stress = np.outer(u, u) + (1 - 1 / tau) * (off - np.eye(3) * np.trace(off) / 3)  # its trace is relaxed at once
-    sums = W * (rho + 3 * C @ u + 4.5 * np.einsum("ia,ab,ib->i", C, stress, C) - 1.5 * np.trace(stress))
+    rho, u, even = g.sum(), C.T @ g, (g + g[OPPOSITE]) / 2
+    keep, keep_third = 1 - 1 / tau, 1 - 1 / odd_time(tau, REGULARISED)
+    keep_fourth = keep * min(1, max(0, (tau - 0.52) / 0.03))
+
+    def second_order(moments):
+        return W * (4.5 * np.einsum("ia,ab,ib->i", C, moments, C) - 1.5 * np.trace(moments))
+
+    second = np.einsum("i,ia,ib->ab", g, C, C) - np.eye(3) * rho / 3
+    off = second - np.outer(u, u)
+    stress = off - np.eye(3) * np.trace(off) / 3  # its trace is relaxed at once
+    sums = W * (rho + 3 * C @ u) + second_order(np.outer(u, u) + keep * stress)
+    sums = sums + keep_fourth * (even - W * rho - second_order(second))
     for a, b in ((a, b) for a in range(3) for b in range(3) if a != b):  # third moments, as the lattice carries them
-        third = u[a] * stress[b, b] + 2 * u[b] * stress[a, b] - 2 * u[a] * u[b]**2
+        third = ((1 - keep_third) * u[a] * u[b]**2 + keep * (u[a] * stress[b, b] + 2 * u[b] * stress[a, b])
+                 + keep_third * (g @ (C[:, a] * C[:, b]**2 - C[:, a] / 3) - u[a] * off[b, b] - 2 * u[b] * off[a, b]))
         sums = sums + third * C[:, a] * np.where(ALONG_AXES, -1 / 2, C[:, b]**2 / 4)
     return sums
 
@@ -72,9 +89,8 @@ def central(q, excess, tau):
 
 
 def stable_share(tau, model):
-    """Returns the part of multireflection that does not amplify (equations 20 and 28)."""
-    share = min(1, SHARE_SLOPE * (tau - 0.5)**2 / magic_of(model, tau))
-    return min(share, 1 / tau) if model == REGULARISED else share
+    """Returns the part of multireflection that does not amplify (equation 20)."""
+    return min(1, SHARE_SLOPE * (tau - 0.5)**2 / magic_of(model, tau))
 
 
 def coefficients(scheme, q, tau, model, share=None):
@@ -123,8 +139,7 @@ def shear_wave(direction, velocity, model, tau=1.0, number=0.05):
     """Returns epsilon: a steady shear wave feels a viscosity of nu (1 + epsilon number^2)."""
     n, u = np.array(direction, float), np.array(velocity, float)
     n, u = n / np.linalg.norm(n), u / np.linalg.norm(u)
-    odd_time = magic_of(model, tau) / (tau - 0.5) + 0.5
-    source = 3 * W * (C @ u) * (1 - 0.5 / odd_time) + 3 * W * (C @ u) * 0.5 / odd_time
+    source = 3 * W * (C @ u)
     there = np.exp(-1j * number * (C @ n))
     f = np.linalg.solve(np.eye(19) - there[:, None] * collision(tau, model), there * source)
     nu = (tau - 0.5) / 3

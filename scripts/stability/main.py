@@ -69,7 +69,7 @@ def draw(path, found):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(len(MODELS), len(SCENES), figsize=(13, 7.5), sharex=True, sharey=True, layout="constrained")
+    figure, axes = plt.subplots(len(MODELS), len(SCENES), figsize=(13, 7.5), sharex=True, sharey=True)
     styles = {"stable": ("o", "#2c7fb8"), "wrong": ("s", "#f0a30a"), "stopped": ("x", "#c23b22")}
     for row, model in zip(axes, MODELS):
         for axis, scene in zip(row, SCENES):
@@ -86,7 +86,8 @@ def draw(path, found):
         row[0].set_ylabel("velocity, cells a step")
     handles = [plt.Line2D([], [], marker=m, color=c, ls="", label=w) for w, (m, c) in styles.items()]
     figure.legend(handles=[*handles, plt.Line2D([], [], color="0.75", label="$u/\\nu$ = 1, 20, 100, 1000, from right to left")],
-                  loc="outside lower center", ncols=4)
+                  loc="lower center", ncols=4)
+    figure.tight_layout(rect=(0, 0.05, 1, 1))
     figure.savefig(path, dpi=110)
 
 
