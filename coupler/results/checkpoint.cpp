@@ -55,7 +55,7 @@ rigid::FixedSum read_sum(const CheckpointReader& reader, const std::string& name
   return (rigid::FixedSum(reader.integer(name + ".high")) << 64) | low;
 }
 
-std::string history_name(const QuantitySpec& q, int k) {
+std::string history_name(const QuantitySpec& q, std::size_t k) {
   return fmt::format("quantity.{}#{}", q.name, k);
 }
 
@@ -144,7 +144,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   const Flow* flow = simulation.scene().flow.get();
   const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
   const RunCounters counters = simulation.counters();
-  const auto history = quantities.history(simulation.scene().comm);
+  const auto history = quantities.history(simulation);
 
   CheckpointWriter writer(simulation.scene().comm, path, provenance);
   writer.set("step", simulation.steps_done());
@@ -155,7 +155,8 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   visit_balance(simulation.initial_balance(), Write{writer});
   writer.set("fluid_speed", simulation.fluid_speed());
   for (std::size_t i = 0; i < history.size(); ++i)
-    for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
+    for (std::size_t k = 0; k < history[i].size(); ++k)
+      writer.set(history_name(scene.quantities[i], k), history[i][k]);
   if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
     const MassCorrectionState& correction = flow->mass_correction();
@@ -208,8 +209,8 @@ std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, con
 std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const Case& scene) {
   std::vector<QuantityHistory> history;
   for (const QuantitySpec& q : scene.quantities) {
-    QuantityHistory& h = history.emplace_back(QuantityHistory{not_yet, not_yet});
-    for (int k = 0; k < 2; ++k)
+    QuantityHistory& h = history.emplace_back(no_history);
+    for (std::size_t k = 0; k < h.size(); ++k)
       if (reader.has(history_name(q, k))) h[k] = reader.number(history_name(q, k));
   }
   return history;
