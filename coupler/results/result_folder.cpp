@@ -33,9 +33,9 @@ bool is_result(const fs::path& path) {
   const auto is = [&](std::string_view begin, std::string_view end) {
     return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
   };
-  static const std::vector<std::string> names = {"run.log",    "report.json",     "report.html",
-                                                 "bodies.h5",  "mean_height.png", "velocity.png",
-                                                 "bodies.png", "slice.png",       "stages.png"};
+  static const std::vector<std::string> names = {
+      "run.log",         "report.json",  "report.html", "bodies.h5", "bodies.h5.journal",
+      "mean_height.png", "velocity.png", "bodies.png",  "slice.png", "stages.png"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
          is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
          is("checkpoint_", ".h5") || name.ends_with(".part");
