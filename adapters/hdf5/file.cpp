@@ -77,6 +77,8 @@ File File::open(const Path& path, bool writable) {
   H5Pset_file_locking(access, false, true);
   std::error_code ignored;
   const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+    throw Error(path.string() + ": is no regular file");
   // HDF5 would take an empty file for a new one.
   if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
   if (!writable && std::filesystem::exists(journal_of(path), ignored))

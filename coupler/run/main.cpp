@@ -4,12 +4,12 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <cstdlib>
 
 #include "adapters/hdf5/describe_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
-#include "coupler/run/stop_request.hpp"
 #include "cpu/isa.hpp"
 
 namespace silt::coupler {
@@ -117,7 +117,6 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   }
   if (checks->parsed()) return check(line, loud);
   if (infos->parsed()) return info(line, loud);
-  catch_signals();
   return resume->parsed() ? resume_case(options_of(line), comm) : run_case(options_of(line), comm);
 }
 
@@ -125,6 +124,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
 }  // namespace silt::coupler
 
 int main(int argc, char** argv) {
+  // Open MPI's usual component for shared file pointers, which nothing here uses, overflows with paths above
+  // 240 bytes.
+  setenv("OMPI_MCA_sharedfp", "individual", 0);
   MPI_Init(&argc, &argv);
   int code = 1;
   try {

@@ -11,7 +11,6 @@
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/placement/start_check.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
 
@@ -48,6 +47,29 @@ std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&&
   return scene;
 }
 
+/// Collective. As on_rank_0, but a FileError is one on every rank.
+template <class Make>
+ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
+  ReadyFolder ready;
+  int of_system = 0;
+  const auto attempt = [&] {
+    try {
+      ready = make();
+    } catch (const FileError&) {
+      of_system = 1;
+      throw;
+    }
+  };
+  try {
+    adapters::on_rank_0(comm, attempt);
+  } catch (const std::exception& error) {
+    MPI_Bcast(&of_system, 1, MPI_INT, 0, comm);
+    if (of_system) throw FileError(error.what());
+    throw;
+  }
+  return ready;
+}
+
 }  // namespace
 
 std::string examine_case(const RunOptions& options) {
@@ -77,7 +99,7 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
   });
   require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
-  adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
+  prepared.folder = folder_on_rank_0(comm, [&] { return prepare_result_folder(folder, options.overwrite); });
   return prepared;
 }
 
@@ -87,6 +109,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
     throw std::runtime_error(
         fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
                     folder.string(), options.directory.string()));
+  ReadyFolder ready = folder_on_rank_0(comm, [&] { return return_to_result_folder(folder); });
   const adapters::CheckpointReader reader(
       comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
   PreparedRun prepared;
@@ -102,6 +125,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   });
   const SavedState state = read_state(reader, *scene);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm, state);
+  prepared.folder = std::move(ready);
   return prepared;
 }
 
