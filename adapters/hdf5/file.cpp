@@ -33,6 +33,8 @@ std::string innermost_reason() {
   return reason;
 }
 
+constexpr unsigned most_in_header = 65535;  // as many as HDF5 allows
+
 /// Keeps HDF5 from printing anything by itself from now on.
 void quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
@@ -153,6 +155,12 @@ bool File::exists(const std::string& name) const {
 
 Handle File::group(const std::string& name, bool create) {
   const Handle list = without_times(H5P_GROUP_CREATE, path_);
+  H5F_info2_t info;
+  if (create && H5Fget_info2(handle_, &info) >= 0 && info.super.version >= 2) {
+    // Links and attributes all in the header, which has a checksum: HDF5 can crash on a damaged heap of them.
+    H5Pset_link_phase_change(list, most_in_header, most_in_header);
+    H5Pset_attr_phase_change(list, most_in_header, most_in_header);
+  }
   const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, list, H5P_DEFAULT)
                           : H5Gopen2(handle_, name.c_str(), H5P_DEFAULT);
   return {id, H5Gclose, path_, (create ? "cannot create group " : "has no group ") + name};

@@ -6,8 +6,10 @@
 #include <limits>
 #include <sstream>
 
+#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/results/check_state.hpp"
 #include "coupler/results/output.hpp"
 
 namespace silt::coupler {
@@ -181,15 +183,28 @@ CaseOrigin read_origin(const CheckpointReader& reader) {
 SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   SavedState state;
   state.step = reader.integer("step");
+  const std::int64_t named = adapters::checkpoint_step(reader.path()).value_or(state.step);
+  if (state.step < 0 || state.step != named)
+    reader.refuse(fmt::format("it is of step {}, by its name of step {}", state.step, named));
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
   state.fluid_speed = reader.number("fluid_speed");
   auto bodies = reader.bodies(coupling_columns);
+  try {
+    adapters::together(reader.comm(), [&] {
+      if (const std::string fault = fault_of_bodies(scene, bodies.records); !fault.empty())
+        throw std::runtime_error(fault);
+    });
+  } catch (const std::runtime_error& error) {  // on every rank
+    reader.refuse(error.what());
+  }
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
   state.mass_correction = {read_sum(reader, "mass_correction.surplus"),
                            reader.integer("mass_correction.fluid_cells"),
                            read_sum(reader, "mass_correction.link_gain")};
+  if (reader.lattice("populations") != scene.cells || reader.components("populations") != lbm::directions)
+    reader.refuse("its populations are of another lattice than the case's");
   const bool is_double = scene.fluid->precision == Precision::double_;
   state.set_populations = [&reader, is_double](Flow& flow) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);

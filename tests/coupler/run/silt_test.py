@@ -85,9 +85,12 @@ class SiltTest(unittest.TestCase):
     def command(self, arguments, ranks):
         return (MPIRUN + ["-np", str(ranks)] if ranks > 1 else []) + [SILT] + [str(a) for a in arguments]
 
+    def run_silt(self, *arguments, ranks=1, **options):
+        return subprocess.run(self.command(arguments, ranks), capture_output=True, text=True, env=ENVIRONMENT, timeout=120,
+                              **options)
+
     def silt(self, *arguments, ranks=1, code=0, **options):
-        result = subprocess.run(self.command(arguments, ranks), capture_output=True, text=True, env=ENVIRONMENT, timeout=120,
-                                **options)
+        result = self.run_silt(*arguments, ranks=ranks, **options)
         self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout}{result.stderr}")
         return result
 
