@@ -3,6 +3,7 @@
 #include <mpi.h>
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -54,10 +55,12 @@ Exit info(const CommandLine& line, bool loud) {
   }
 }
 
-/// Instead of CLI::PositiveNumber, whose complaint names the largest double there is.
+/// Instead of CLI::PositiveNumber, which takes nan and whose complaint names the largest double there is.
 const CLI::Validator above_zero(
     [](std::string& text) {
-      return CLI::PositiveNumber(text).empty() ? "" : fmt::format("{} is not a number above 0", text);
+      double x = 0;
+      const bool good = CLI::detail::lexical_cast(text, x) && std::isfinite(x) && x > 0;
+      return good ? "" : fmt::format("{} is not a number above 0", text);
     },
     "");
 

@@ -107,6 +107,27 @@ class Faults(SiltTest):
         self.silt("resume", self.case, "--steps", 30)
         self.assertIn("regular file", self.silt("resume", self.case, "--steps", 40, "--checkpoint", pipe, code=2).stderr)
 
+    def test_what_cannot_be_run_is_refused(self):
+        for setting, text in {
+                "fluid.body_force=[1e308,0,0]": "fluid.body_force adds 1e+308 cells a step to a velocity",
+                "fluid.body_force=[-1,0,0]": "fluid.body_force adds 1 cells",
+                "gravity.acceleration=[0,0,-1e14]": "gravity.acceleration adds 1e+14 cells",
+                "fluid.magic=1e308": "fluid.magic is 1e+308; at most 1000",
+                "run.steps=9223372036854775807": "the run has 9223372036854775807 steps; at most 1e+15"}.items():
+            errors = self.silt("check", self.case, "--set", setting, code=2).stderr
+            self.assertIn(text, errors)
+            self.assertIn(f"--set {setting}: ", errors)  # its place
+        self.assertIn("1 time", self.silt("check", self.case, "--set", "output.checkpoint.every=9223372036854775807").stdout)
+        for ranks in (1, 2):
+            errors = self.silt("run", self.case, "--set", "domain.size=[20000,20000,20000]", ranks=ranks, code=2).stderr
+            self.assertRegex(errors, r"the fluid needs \d+ GB, and the machines of this run have \d+ GB together")
+        self.write(CASE.replace("density = 1.5", "density = 1e30"))
+        self.assertIn("bodies[0].density is 1e+30 times", self.silt("check", self.case, code=2).stderr)
+        self.write(CASE)
+        for option in ("--time-limit", "--steps"):
+            self.assertIn("nan is not a number above 0", self.silt("run", self.case, option, "nan", code=2).stderr)
+        self.silt("run", self.case, "--steps", "99999999999999999999", code=2)
+
     def test_long_paths(self):
         out = pathlib.Path(self.scratch.name, *3 * ["a" * 100])
         self.silt("run", self.case, "--steps", 25, "--out", out)
