@@ -4,15 +4,13 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/for_each_cell.hpp"
-#include "lbm/lattice.hpp"
 
 namespace silt::coupler {
 
 using std::numbers::pi;
 
 TaylorGreen::TaylorGreen(const Case& scene)
-    : amplitude(scene.fluid->initial_velocity.norm()),
+    : amplitude(scene.fluid->initial.velocity.norm()),
       kx(2 * pi / scene.cells[0]),
       ky(2 * pi / scene.cells[1]),
       viscosity(scene.fluid->kinematic_viscosity) {}
@@ -106,75 +104,6 @@ double WallProfile::duct(double y, double z) const {
     sum += sign * (1 - ratio) * std::cos(s * y) / (i * i * i);
   }
   return 16 * a * a * acceleration_ / (viscosity_ * pi * pi * pi) * sum;
-}
-
-namespace {
-
-/// The flow of a vortex at a point.
-struct Local {
-  double density_deviation;
-  std::array<double, 3> velocity;
-  double xx, yy, zz, xy, xz, yz;  // strain rate
-};
-
-Local at(const TaylorGreen& vortex, double x, double y, double) {
-  const auto [xx, yy, xy] = vortex.strain_rate(x, y, 0);
-  return {vortex.density_deviation(x, y, 0), vortex.velocity(x, y, 0), xx, yy, 0, xy, 0, 0};
-}
-
-/// Taylor, Green, Proc. R. Soc. A 158 (1937) 499, in a cube, at the start:
-///   u = A (sin kx cos ky cos kz, -cos kx sin ky cos kz, 0),  p = A^2/16 (cos 2kx + cos 2ky)(cos 2kz + 2).
-struct TaylorGreen3D {
-  double amplitude, k;
-  explicit TaylorGreen3D(const Case& scene)
-      : amplitude(scene.fluid->initial_velocity.norm()), k(2 * pi / scene.cells[0]) {}
-};
-
-Local at(const TaylorGreen3D& vortex, double x, double y, double z) {
-  const double a = vortex.amplitude, k = vortex.k;
-  const double sx = std::sin(k * x), cx = std::cos(k * x), sy = std::sin(k * y), cy = std::cos(k * y);
-  const double sz = std::sin(k * z), cz = std::cos(k * z), stretch = a * k * cx * cy * cz;
-  const double pressure =
-      a * a / 16 * (std::cos(2 * k * x) + std::cos(2 * k * y)) * (std::cos(2 * k * z) + 2);
-  return {3 * pressure,
-          {a * sx * cy * cz, -a * cx * sy * cz, 0},
-          stretch,
-          -stretch,
-          0,
-          0,
-          -0.5 * a * k * sx * cy * sz,
-          0.5 * a * k * cx * sy * sz};
-}
-
-/// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
-template <class Vortex>
-void set_vortex(const Case& scene, Flow& flow) {
-  const Vortex vortex(scene);
-  const double tau = scene.fluid->relaxation_time;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
-    const Local l = at(vortex, global.x + 0.5, global.y + 0.5, global.z + 0.5);
-    flow.set_equilibrium(b, cell, l.density_deviation, l.velocity);
-    for (int i = 1; i < lbm::directions; ++i) {
-      const lbm::Int3 v = lbm::c[i];
-      const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
-                            2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
-                            (l.xx + l.yy + l.zz) / 3;
-      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) - 3 * tau * lbm::w(i) * strain);
-    }
-  });
-}
-
-}  // namespace
-
-void set_initial_flow(const Case& scene, Flow& flow) {
-  const FluidSpec& fluid = *scene.fluid;
-  if (fluid.initial == InitialFlow::taylor_green) return set_vortex<TaylorGreen>(scene, flow);
-  if (fluid.initial == InitialFlow::taylor_green_3d) return set_vortex<TaylorGreen3D>(scene, flow);
-  if (fluid.initial != InitialFlow::uniform) return;
-  const rigid::Vec3& u = fluid.initial_velocity;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
-    flow.set_equilibrium(b, cell, 0, {u[0], u[1], u[2]});
-  });
 }
 
 }  // namespace silt::coupler

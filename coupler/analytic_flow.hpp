@@ -1,5 +1,5 @@
 #pragma once
-// Flows with closed forms, in lattice units: what a run may begin with, and what it is compared with.
+// Flows with closed forms, in lattice units: what a run is compared with.
 #include <array>
 #include <memory>
 #include <string>
@@ -10,7 +10,6 @@ namespace silt::coupler {
 
 struct Case;
 enum class Profile;
-class Flow;
 
 /// TaylorGreen is the two-dimensional Taylor-Green vortex in the x-y plane, one wave a period:
 ///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y) e^(-nu (kx^2 + ky^2) t),  exact for incompressible
@@ -72,8 +71,5 @@ class WallProfile : public ExactProfile {
   double acceleration_ = 0, viscosity_ = 0;
   std::array<double, 3> size_{};
 };
-
-/// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh (at rest).
-void set_initial_flow(const Case&, Flow&);
 
 }  // namespace silt::coupler

@@ -27,7 +27,11 @@ using rigid::Vec3;
 namespace {
 
 lbm::CollisionSpec collision_of(const FluidSpec& f) {
-  return {f.relaxation_time, f.magic, f.collision, {f.body_force[0], f.body_force[1], f.body_force[2]}};
+  return {f.relaxation_time,
+          f.magic,
+          f.collision,
+          {f.body_force[0], f.body_force[1], f.body_force[2]},
+          f.smagorinsky};
 }
 
 /// Where fluid may come and go, its mass is not to be kept.

@@ -6,13 +6,13 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/guard.hpp"
+#include "coupler/initial_flow.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "rigid/response/warm_start.hpp"

@@ -26,6 +26,9 @@ CollisionRates<T>::CollisionRates(const CollisionSpec& s) : model(s.model) {
   square = T(1.5 * density);
   keep_even_twice = T(1 - 36 * double(density));
   keep_even = keep_even_twice / 2;
+  eddy = T(9 * s.smagorinsky * s.smagorinsky);
+  const double resolved = s.relaxation_time * (s.relaxation_time - 0.5) / double(eddy);
+  resolved_square = T(resolved * resolved);
   keep_odd = T(1 - 12 * double(momentum)) / 2;
   for (int d = 0; d < 3; ++d) {
     half_force[d] = T(s.force[d] / 2);

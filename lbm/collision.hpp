@@ -15,6 +15,8 @@ struct CollisionRates {
   T momentum;  // omega_odd/12, of u
   T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
   T half_force[3], even_force[3], odd_force[3];
+  T resolved_square;      // half the square of the stress off equilibrium up to which no eddy is more viscous
+  T eddy;                 // 9 C^2 (README.md, equation 28); 0: none
   T mass_correction = 0;  // added to the density of every cell
   bool source = false;    // force or mass correction present
 

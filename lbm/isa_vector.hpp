@@ -2,6 +2,12 @@
 // The vectors of the instruction set a kernel is being built for. Only for *_kernel.cpp files, which are
 // built once each (SILT_ISA).
 
+#include <bit>
+#include <cstddef>
+#if defined(SILT_ISA_avx512) || defined(SILT_ISA_avx2)
+#include <immintrin.h>
+#endif
+
 namespace silt::lbm::SILT_ISA {
 
 #if defined(SILT_ISA_avx512)
@@ -17,5 +23,21 @@ template <class E, int n = vector_bytes / int(sizeof(E))>
 struct VectorOf {
   typedef E type __attribute__((vector_size(n * sizeof(E))));
 };
+
+/// Whether a comparison of two vectors held in any lane.
+template <class Mask>
+[[gnu::always_inline]] inline bool any_lane(const Mask& mask) {
+#if defined(SILT_ISA_avx512)
+  const auto lanes = std::bit_cast<__m512i>(mask);
+  return _mm512_test_epi32_mask(lanes, lanes) != 0;
+#elif defined(SILT_ISA_avx2)
+  const auto lanes = std::bit_cast<__m256i>(mask);
+  return !_mm256_testz_si256(lanes, lanes);
+#else
+  auto found = mask[0];
+  for (std::size_t i = 1; i < sizeof mask / sizeof found; ++i) found |= mask[i];
+  return found != 0;
+#endif
+}
 
 }  // namespace silt::lbm::SILT_ISA

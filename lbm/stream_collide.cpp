@@ -8,7 +8,7 @@ namespace silt::lbm {
 template <class T>
 void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range) {
   const auto kernel_of = chosen(portable::collide_rows<T>, avx2::collide_rows<T>, avx512::collide_rows<T>);
-  kernel_of(rates.model)(block, parity, rates, range);
+  kernel_of(rates)(block, parity, rates, range);
 }
 template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange);
 template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange);

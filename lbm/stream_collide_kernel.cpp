@@ -6,6 +6,8 @@
 // serves the even and the odd step.
 #include "lbm/stream_collide_kernel.hpp"
 #include "lbm/isa_vector.hpp"
+#include "lbm/prefetch.hpp"
+#include "lbm/recursive_regularised_kernel.hpp"
 #include "lbm/two_relaxation_times_kernel.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -61,7 +63,7 @@ struct AllLanes {
 struct Prefetch {
   template <class T>
   void operator()(const T* p) const {
-    __builtin_prefetch(p + prefetch_bytes / sizeof(T), 1);
+    prefetch_to_write(p + prefetch_bytes / sizeof(T));
   }
 };
 
@@ -125,15 +127,18 @@ void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, 
 }  // namespace
 
 template <class T>
-CollideRows<T> collide_rows(Collision model) {
-  switch (model) {
+CollideRows<T> collide_rows(const CollisionRates<T>& rates) {
+  switch (rates.model) {
     case Collision::trt:
     case Collision::bgk:
       return rows_under<TwoRelaxationTimes, T>;
+    case Collision::regularised:
+      return rates.eddy > 0 ? rows_under<RecursiveRegularised<true>, T>
+                            : rows_under<RecursiveRegularised<false>, T>;
   }
   __builtin_unreachable();
 }
-template CollideRows<float> collide_rows(Collision);
-template CollideRows<double> collide_rows(Collision);
+template CollideRows<float> collide_rows(const CollisionRates<float>&);
+template CollideRows<double> collide_rows(const CollisionRates<double>&);
 
 }  // namespace silt::lbm::SILT_ISA

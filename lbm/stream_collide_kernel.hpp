@@ -8,18 +8,18 @@ namespace silt::lbm {
 template <class T>
 using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange);
 
-/// The kernel of a collision model.
+/// The kernel of a collision.
 namespace portable {
 template <class T>
-CollideRows<T> collide_rows(Collision);
+CollideRows<T> collide_rows(const CollisionRates<T>&);
 }
 namespace avx2 {
 template <class T>
-CollideRows<T> collide_rows(Collision);
+CollideRows<T> collide_rows(const CollisionRates<T>&);
 }
 namespace avx512 {
 template <class T>
-CollideRows<T> collide_rows(Collision);
+CollideRows<T> collide_rows(const CollisionRates<T>&);
 }
 
 }  // namespace silt::lbm

@@ -43,7 +43,7 @@ struct WallFluid {
   explicit WallFluid(const CollisionSpec& s)
       : magic(T(s.magic_in_effect())),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
-        share(T(stable_share(s.relaxation_time, s.magic_in_effect()))),
+        share(T(stable_share(s))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "lbm/collision_model.hpp"
+
 namespace silt::lbm {
 
 /// `bounce_back` is equation 5 of Goetz et al. with rho_w = 1: the surface is taken to be half-way.
@@ -27,10 +29,13 @@ enum class WallScheme : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic", "multireflection"};
 
-/// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it.
-constexpr double stable_share(double tau, double magic) {
+/// The part of `multireflection` that does not amplify (README.md, equations 20 and 28); `cli` is the rest of
+/// it.
+constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
-  return std::min(1.0, slope * (tau - 0.5) * (tau - 0.5) / magic);
+  const double tau = collision.relaxation_time;
+  const double share = std::min(1.0, slope * (tau - 0.5) * (tau - 0.5) / collision.magic_in_effect());
+  return model_of(collision.model).odd == OddRate::one ? std::min(share, 1 / tau) : share;
 }
 
 /// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall
@@ -38,7 +43,7 @@ constexpr double stable_share(double tau, double magic) {
 constexpr double best_magic(WallScheme scheme, double tau) {
   if (scheme == WallScheme::parabolic) return 1.0 / 16;
   if (scheme != WallScheme::multireflection) return 1.0 / 6;
-  return 1.0 / 6 - stable_share(tau, 2.0 / 15) / 30;
+  return 1.0 / 6 - stable_share({tau, 2.0 / 15}) / 30;
 }
 
 /// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.

@@ -99,13 +99,13 @@ void check_fluid(const Case& scene, Findings& findings) {
   if (scene.fluid->magic > most_magic)
     findings.error("fluid.magic", fmt::format("fluid.magic is {}; at most {} is possible: 0.25 is usual",
                                               shown(scene.fluid->magic), shown(most_magic)));
-  if (scene.fluid->initial == InitialFlow::taylor_green_3d &&
+  if (scene.fluid->initial.type == InitialFlow::taylor_green_3d &&
       (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
     findings.error("fluid.initial.type",
                    "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
                    "domain.size the same along x, y and z");
-  if (scene.fluid->initial != InitialFlow::rest)
-    check_speed(scene.units, findings, "fluid.initial.velocity", scene.fluid->initial_velocity.norm());
+  if (scene.fluid->initial.type != InitialFlow::rest)
+    check_speed(scene.units, findings, "fluid.initial.velocity", scene.fluid->initial.largest_speed());
   bool inlet = false, outlet = false;
   std::string inlet_key;
   for (int side = 0; side < 6; ++side) {

@@ -90,10 +90,12 @@ void add_fluid(const Case& scene, Table& table) {
                  "cells2/step");
   table.line("relaxation time", "", shown(fluid.relaxation_time));
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
-  const std::string magic = model.has_magic ? ", Lambda = " + shown(fluid.magic) : "";
-  table.line("collision", std::string(model.name) + magic);
+  const std::string of = model.has_magic()    ? ", Lambda = " + shown(fluid.magic)
+                         : model.has_eddies() ? ", Smagorinsky constant " + shown(fluid.smagorinsky)
+                                              : "";
+  table.line("collision", std::string(model.name) + of);
   table.line("storage", std::string(precision_names[fluid.precision]));
-  double fastest = fluid.initial == InitialFlow::rest ? 0 : fluid.initial_velocity.norm();
+  double fastest = fluid.initial.largest_speed();
   for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
   scene.for_each_given(
       [&](const BodySpec& body, std::uint64_t) { fastest = std::max(fastest, body.velocity.norm()); });

@@ -15,20 +15,33 @@ inline constexpr auto collision_names = [] {
   return table;
 }();
 
-/// The velocity of the fluid at the start: its amplitude and, of the vortices, one wave a period.
-enum class InitialFlow { rest, uniform, taylor_green, taylor_green_3d };
+/// The velocity of the fluid at the start; of the Taylor-Green vortices and the layers one wave a period.
+enum class InitialFlow { rest, uniform, taylor_green, taylor_green_3d, shear_layer, vortex };
 inline constexpr auto initial_flow_names =
-    names_of<InitialFlow>("rest", "uniform", "taylor-green", "taylor-green-3d");
+    names_of<InitialFlow>("rest", "uniform", "taylor-green", "taylor-green-3d", "shear-layer", "vortex");
+
+/// What the flow begins with (initial_flow.cpp has the formulas).
+struct InitialSpec {
+  InitialFlow type = InitialFlow::rest;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the stream; its length is the amplitude of the others
+  double steepness = 80, perturbation = 0.05;  // of shear layers: period over thickness; share of the speed
+  double swirl = 0, radius = 0;                // of a vortex: largest speed, where it is
+  double noise = 0;                            // largest component of a random velocity of each cell
+
+  double largest_speed() const {
+    return velocity.norm() * (1 + (type == InitialFlow::shear_layer) * perturbation) + swirl;
+  }
+};
 
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;
   lbm::Collision collision = lbm::Collision::trt;
-  double magic = 1. / 6;  // Lambda; with bodies or [[walls]] best_magic of the wall scheme
+  double magic = 1. / 6;     // Lambda; with bodies or [[walls]] best_magic of the wall scheme
+  double smagorinsky = 0.1;  // least viscosity of a cell, of collision models that have one
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
-  InitialFlow initial = InitialFlow::rest;
-  rigid::Vec3 initial_velocity = rigid::Vec3::Zero();
+  InitialSpec initial;
 };
 
 }  // namespace silt::coupler

@@ -185,14 +185,24 @@ void read_blocks(TableReader& domain, Case& scene) {
     domain.refuse("blocks", "\"auto\" or three whole numbers of cells above 0, [x, y, z]");
 }
 
-void read_initial(TableReader& fluid, FluidSpec& spec) {
+void read_initial(TableReader& fluid, InitialSpec& spec) {
   TableReader initial = fluid.table("initial");
   if (!initial.present()) return;
   if (!initial.has("type")) initial.missing("type", "one of " + joined(initial_flow_names.list()));
-  spec.initial = initial.choice("type", initial_flow_names).value_or(spec.initial);
-  if (spec.initial == InitialFlow::rest) return;
+  spec.type = initial.choice("type", initial_flow_names).value_or(spec.type);
+  spec.noise = initial.quantity("noise", dimension::velocity, range::at_least(0)).value_or(0);
+  if (spec.type == InitialFlow::rest) return;
   if (!initial.has("velocity")) initial.missing("velocity", "of the fluid at the start, [x, y, z]");
-  spec.initial_velocity = initial.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
+  spec.velocity = initial.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
+  if (spec.type == InitialFlow::shear_layer) {
+    spec.steepness = initial.number("steepness", range::above(0)).value_or(spec.steepness);
+    spec.perturbation = initial.number("perturbation", range::at_least(0)).value_or(spec.perturbation);
+  } else if (spec.type == InitialFlow::vortex) {
+    if (!initial.has("swirl")) initial.missing("swirl", "the largest speed about the vortex' axis");
+    spec.swirl = initial.quantity("swirl", dimension::velocity, range::at_least(0)).value_or(0);
+    if (!initial.has("radius")) initial.missing("radius", "where the swirl is largest");
+    spec.radius = initial.quantity("radius", dimension::length, range::above(0)).value_or(1);
+  }
 }
 
 void read_coupling(TableReader& root, Case& scene) {
@@ -255,7 +265,11 @@ namespace {
 void read_collision(TableReader& fluid, FluidSpec& spec) {
   spec.collision = fluid.choice("collision", collision_names).value_or(spec.collision);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
-  if (fluid.has("magic") && !model.has_magic)
+  if (fluid.has("smagorinsky") && !model.has_eddies())
+    fluid.fail("smagorinsky",
+               fmt::format("fluid.smagorinsky is of regularised; {} has none, remove it", model.name));
+  spec.smagorinsky = fluid.number("smagorinsky", range::between(0, 1)).value_or(spec.smagorinsky);
+  if (fluid.has("magic") && !model.has_magic())
     fluid.fail("magic", fmt::format("fluid.magic is Lambda of trt; {} has none, remove it", model.name));
 }
 }  // namespace
@@ -279,7 +293,7 @@ void read_fluid(TableReader& root, Case& scene) {
     spec.precision = fluid.choice("precision", precision_names).value_or(spec.precision);
     spec.body_force = fluid.vector("body_force", dimension::acceleration).value_or(spec.body_force);
     spec.body_force_on_bodies = fluid.boolean("body_force_on_bodies").value_or(spec.body_force_on_bodies);
-    read_initial(fluid, spec);
+    read_initial(fluid, spec.initial);
   }
   TableReader gravity = root.table("gravity");
   if (gravity.present()) {

@@ -86,7 +86,7 @@ rigid::LubricationResistance Lubrication::operator()(const rigid::LubricatedGap&
 std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const FluidSpec& fluid,
                                                               const CouplingSpec& coupling) {
   const lbm::CollisionSpec collision{fluid.relaxation_time, fluid.magic, fluid.collision, {}};
-  const double share = lbm::stable_share(fluid.relaxation_time, collision.magic_in_effect());
+  const double share = lbm::stable_share(collision);
   return std::make_shared<Lubrication>(fluid.kinematic_viscosity, resolved_flows(coupling.wall_scheme, share),
                                        coupling.lubrication_min_gap);
 }

@@ -23,6 +23,16 @@ class Growth(unittest.TestCase):
                     with self.subTest(scheme=scheme, magic=magic, tau=tau, distances=distances):
                         self.assertLess(modes.growth(scheme, tau, magic, distances), 1e-12)
 
+    def test_none_where_the_collision_is_regularised(self):
+        for scheme in ("cli", "parabolic", "multireflection"):
+            for tau in (0.5005, 0.55, 0.9, 1.4, 3):
+                for distances in ((0.02, 0.02), (0.5, 0.5), (1, 0.1)):
+                    with self.subTest(scheme=scheme, tau=tau, distances=distances):
+                        self.assertLess(modes.growth(scheme, tau, modes.REGULARISED, distances), 1e-12)
+
+    def test_is_seen_where_all_of_multireflection_is_taken_at_high_viscosity_with_regularised(self):
+        self.assertGreater(modes.growth("multireflection", 2, modes.REGULARISED, (0.02, 0.02), share=1), 1e-2)
+
     def test_is_seen_where_all_of_multireflection_is_taken_at_low_viscosity(self):
         self.assertGreater(modes.growth("multireflection", 0.6, MAGIC, (0.3, 0.3), share=1), 1e-3)
 
@@ -40,7 +50,13 @@ class ShearWaves(unittest.TestCase):
                 self.assertAlmostEqual(modes.shear_wave(direction, velocity, magic), 1 / 18 + (1 / 6 - magic) * slope, delta=2e-4)
 
     def test_matrices_keep_mass(self):
-        self.assertTrue(np.allclose(modes.collision(0.8, MAGIC).sum(axis=0), 1))
+        for model in (MAGIC, modes.REGULARISED):
+            self.assertTrue(np.allclose(modes.collision(0.8, model).sum(axis=0), 1))
+
+    def test_feel_with_regularised_what_its_magic_says(self):
+        for tau in (0.55, 0.7, 1):
+            self.assertAlmostEqual(modes.shear_wave((1, 0, 0), (0, 1, 0), modes.REGULARISED, tau),
+                                   1 / 18 + (1 / 6 - (tau - 0.5) / 2) * 2 / 3, delta=2e-4)
 
 
 class UniformFlow(unittest.TestCase):
@@ -48,6 +64,10 @@ class UniformFlow(unittest.TestCase):
     def test_is_stable_at_a_cell_reynolds_number_of_20_with_the_magic_of_multireflection(self):
         for flow in modes.FLOWS:
             self.assertLess(modes.uniform_growth(flow, 20, MAGIC), modes.NOTICED, flow)
+
+    def test_is_stable_at_3000_where_the_collision_is_regularised(self):
+        for flow in modes.FLOWS:
+            self.assertLess(modes.uniform_growth(flow, 3000, modes.REGULARISED), modes.NOTICED, flow)
 
     def test_is_not_with_that_of_parabolic(self):
         for flow in modes.FLOWS:

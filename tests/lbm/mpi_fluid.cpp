@@ -89,6 +89,7 @@ TEST(Fluid, PoiseuilleExactToRoundOff) {
 TEST(Fluid, WallSlipOfOtherSchemesIsTheTheoretical) {
   EXPECT_LT(poiseuille_error(0.8, 1. / 4), 1e-10);
   EXPECT_LT(poiseuille_error(0.8, 0, Collision::bgk), 1e-10);
+  EXPECT_LT(poiseuille_error(0.8, 0, Collision::regularised), 1e-10);
 }
 
 TEST(Fluid, CouetteIsLinear) {

@@ -107,7 +107,7 @@ Closure closure_of(WallScheme scheme, double q, const Channel& channel) {
   if (scheme == WallScheme::parabolic) return {std::max(least, parabola * q * q), q};
   if (scheme == WallScheme::cli) return {least, q};
   if (scheme == WallScheme::multireflection) {  // the mean of 3/4 q^2 and of cli, weighted with k of each
-    const double share = stable_share(channel.tau, channel.magic);
+    const double share = stable_share({channel.tau, channel.magic});
     const double parabolic = share * 2 / ((1 + q) * (1 + q)),
                  linear = (1 - share) / (0.5 + q + (least - channel.magic) / rate);
     return {(parabolic * 0.75 * q * q + linear * least) / (parabolic + linear), q};

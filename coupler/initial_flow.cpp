@@ -1,0 +1,170 @@
+#include "coupler/initial_flow.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "coupler/analytic_flow.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/counter_random.hpp"
+#include "coupler/flow.hpp"
+#include "coupler/for_each_cell.hpp"
+#include "lbm/lattice.hpp"
+
+namespace silt::coupler {
+
+using std::numbers::pi;
+
+namespace {
+
+/// The flow at a point.
+struct Local {
+  double density_deviation = 0;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();
+  double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;  // strain rate
+};
+
+Local at(const TaylorGreen& vortex, const rigid::Vec3& x) {
+  const auto [xx, yy, xy] = vortex.strain_rate(x[0], x[1], 0);
+  const auto u = vortex.velocity(x[0], x[1], 0);
+  return {vortex.density_deviation(x[0], x[1], 0), {u[0], u[1], u[2]}, xx, yy, 0, xy, 0, 0};
+}
+
+struct Uniform {
+  rigid::Vec3 velocity;
+  explicit Uniform(const Case& scene) : velocity(scene.fluid->initial.velocity) {}
+};
+Local at(const Uniform& stream, const rigid::Vec3&) {
+  return {0, stream.velocity};
+}
+
+/// Taylor, Green, Proc. R. Soc. A 158 (1937) 499, in a cube:
+///   u = A (sin kx cos ky cos kz, -cos kx sin ky cos kz, 0),  p = A^2/16 (cos 2kx + cos 2ky)(cos 2kz + 2).
+struct TaylorGreen3D {
+  double amplitude, k;
+  explicit TaylorGreen3D(const Case& scene)
+      : amplitude(scene.fluid->initial.velocity.norm()), k(2 * pi / scene.cells[0]) {}
+};
+
+Local at(const TaylorGreen3D& vortex, const rigid::Vec3& x) {
+  const double a = vortex.amplitude, k = vortex.k;
+  const double sx = std::sin(k * x[0]), cx = std::cos(k * x[0]), sy = std::sin(k * x[1]),
+               cy = std::cos(k * x[1]);
+  const double sz = std::sin(k * x[2]), cz = std::cos(k * x[2]), stretch = a * k * cx * cy * cz;
+  const double pressure =
+      a * a / 16 * (std::cos(2 * k * x[0]) + std::cos(2 * k * x[1])) * (std::cos(2 * k * x[2]) + 2);
+  return {3 * pressure,
+          {a * sx * cy * cz, -a * cx * sy * cz, 0},
+          stretch,
+          -stretch,
+          0,
+          0,
+          -0.5 * a * k * sx * cy * sz,
+          0.5 * a * k * cx * sy * sz};
+}
+
+/// Two layers between streams along x that a wave across them rolls up (Minion, Brown, J. Comput. Phys. 138
+/// (1997) 734), with lengths over the period in y:
+///   u = A tanh(s (1/4 - |y - 1/2|)),  v = A p sin(2 pi (x + 1/4)).
+struct ShearLayer {
+  double amplitude, steepness, perturbation, kx, height;
+  explicit ShearLayer(const Case& scene)
+      : amplitude(scene.fluid->initial.velocity.norm()),
+        steepness(scene.fluid->initial.steepness),
+        perturbation(scene.fluid->initial.perturbation),
+        kx(2 * pi / scene.cells[0]),
+        height(scene.cells[1]) {}
+};
+
+Local at(const ShearLayer& layer, const rigid::Vec3& x) {
+  const double y = x[1] / layer.height - 0.5, a = layer.amplitude, phase = layer.kx * x[0] + pi / 2;
+  const double u = std::tanh(layer.steepness * (0.25 - std::abs(y))), wave = a * layer.perturbation;
+  const double slope = std::copysign(a * layer.steepness / layer.height * (1 - u * u), -y);
+  Local flow;
+  flow.velocity = {a * u, wave * std::sin(phase), 0};
+  flow.xy = 0.5 * (slope + wave * layer.kx * std::cos(phase));
+  return flow;
+}
+
+/// A vortex about the axis z through the middle of the domain, in a uniform stream; its fastest ring has the
+/// radius R:
+///   u = U + s/R (-y, x) e^((1 - r^2/R^2)/2),  p = -s^2/2 e^(1 - r^2/R^2).
+struct GaussianVortex {
+  rigid::Vec3 stream, centre;
+  double swirl, radius;
+  explicit GaussianVortex(const Case& scene)
+      : stream(scene.fluid->initial.velocity),
+        centre(0.5 * scene.cells[0], 0.5 * scene.cells[1], 0),
+        swirl(scene.fluid->initial.swirl),
+        radius(scene.fluid->initial.radius) {}
+};
+
+Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
+  const double x = point[0] - vortex.centre[0], y = point[1] - vortex.centre[1];
+  const double square = vortex.radius * vortex.radius, share = std::exp(1 - (x * x + y * y) / square);
+  const double turn = vortex.swirl / vortex.radius * std::sqrt(share);
+  Local flow;
+  flow.density_deviation = -1.5 * vortex.swirl * vortex.swirl * share;
+  flow.velocity = vortex.stream + rigid::Vec3(-turn * y, turn * x, 0);
+  flow.xx = x * y * turn / square;
+  flow.yy = -flow.xx;
+  flow.xy = 0.5 * (y * y - x * x) * turn / square;
+  return flow;
+}
+
+/// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
+template <class Shape>
+void set(const Case& scene, Flow& flow) {
+  const Shape shape(scene);
+  const double tau = scene.fluid->relaxation_time;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
+    const Local l = at(shape, {global.x + 0.5, global.y + 0.5, global.z + 0.5});
+    flow.set_equilibrium(b, cell, l.density_deviation, {l.velocity[0], l.velocity[1], l.velocity[2]});
+    for (int i = 1; i < lbm::directions; ++i) {
+      const lbm::Int3 v = lbm::c[i];
+      const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
+                            2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
+                            (l.xx + l.yy + l.zz) / 3;
+      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) - 3 * tau * lbm::w(i) * strain);
+    }
+  });
+}
+
+/// Adds a velocity to every cell, a function of where it is: each component uniform between -noise and noise.
+void add_noise(const Case& scene, Flow& flow) {
+  const double noise = scene.fluid->initial.noise;
+  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
+    const auto place = (std::uint64_t(global.z) * scene.cells[1] + global.y) * scene.cells[0] + global.x;
+    const rigid::Vec3 u = noise * (2 * CounterRandom(mixed(place)).point() - rigid::Vec3::Ones());
+    for (int i = 1; i < lbm::directions; ++i) {
+      const double along = lbm::c[i].x * u[0] + lbm::c[i].y * u[1] + lbm::c[i].z * u[2];
+      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) + 3 * lbm::w(i) * along);
+    }
+  });
+}
+
+}  // namespace
+
+void set_initial_flow(const Case& scene, Flow& flow) {
+  switch (scene.fluid->initial.type) {
+    case InitialFlow::rest:
+      break;
+    case InitialFlow::uniform:
+      set<Uniform>(scene, flow);
+      break;
+    case InitialFlow::taylor_green:
+      set<TaylorGreen>(scene, flow);
+      break;
+    case InitialFlow::taylor_green_3d:
+      set<TaylorGreen3D>(scene, flow);
+      break;
+    case InitialFlow::shear_layer:
+      set<ShearLayer>(scene, flow);
+      break;
+    case InitialFlow::vortex:
+      set<GaussianVortex>(scene, flow);
+      break;
+  }
+  if (scene.fluid->initial.noise > 0) add_noise(scene, flow);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,121 @@
+#pragma once
+// The model regularised, a vector of cells at a time (README.md, equations 24 to 27). Only for *_kernel.cpp
+// files, which are built once an instruction set (SILT_ISA).
+#include <cmath>
+#include <cstddef>
+
+#include "lbm/collision.hpp"
+#include "lbm/isa_vector.hpp"
+#include "lbm/lattice.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+template <class V>
+[[gnu::always_inline]] inline V root(const V& x) {
+  V y;
+  for (std::size_t i = 0; i < sizeof(V) / sizeof(x[0]); ++i) y[i] = std::sqrt(x[i]);
+  return y;
+}
+
+/// limited: no cell is less viscous than an eddy of its size.
+template <bool limited>
+struct RecursiveRegularised {
+  /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
+  /// with both signs, so that mass and momentum are kept as sums are.
+  template <bool source, class V, class T, class SetRest, class SetPair>
+  [[gnu::always_inline]] static void collide(const V (&sum)[pairs], const V (&difference)[pairs],
+                                             const V& rest, const CollisionRates<T>& r, SetRest&& set_rest,
+                                             SetPair&& set_pair) {
+    const V* const s = sum;
+    const V* const d = difference;
+    const V in_xy = s[3] + s[4], in_xz = s[5] + s[6], in_yz = s[7] + s[8];
+    V rho = ((s[0] + s[1]) + (s[2] + rest)) + (in_xy + (in_xz + in_yz));
+    V ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
+    V uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));
+    V uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
+    if constexpr (source) {
+      ux += r.half_force[0];
+      uy += r.half_force[1];
+      uz += r.half_force[2];
+    }
+
+    // the second moments, less those of the equilibrium, of the stress without its trace
+    const V mxx = s[0] + (in_xy + in_xz), myy = s[1] + (in_xy + in_yz), mzz = s[2] + (in_xz + in_yz);
+    const V mean = T(1. / 3) * (mxx + (myy + mzz));
+    const V sxx = ux * ux, syy = uy * uy, szz = uz * uz;
+    V trace = sxx + (syy + szz);
+    const V third = T(1. / 3) * trace;
+    const V nxx = (mxx - mean) - (sxx - third), nyy = (myy - mean) - (syy - third);
+    const V nxy = (s[3] - s[4]) - ux * uy, nxz = (s[5] - s[6]) - ux * uz, nyz = (s[7] - s[8]) - uy * uz;
+
+    // what they are after the collision, of all the stress
+    const auto keep = kept<V>(r, nxx, nyy, nxy, nxz, nyz);
+    V axx = sxx + keep * nxx, ayy = syy + keep * nyy;
+    V axy = ux * uy + keep * nxy, axz = ux * uz + keep * nxz, ayz = uy * uz + keep * nyz;
+    V px = ux, py = uy, pz = uz;  // momentum after the collision
+    if constexpr (source) {
+      const T* const h = r.half_force;
+      const V share = V{} + (T(1) + keep), power = h[0] * ux + (h[1] * uy + h[2] * uz);
+      const V mean_power = T(2. / 3) * (power - share * power);
+      axx += share * (T(2) * h[0] * ux) + mean_power;
+      ayy += share * (T(2) * h[1] * uy) + mean_power;
+      trace += T(2) * power;
+      axy += share * (h[0] * uy + h[1] * ux);
+      axz += share * (h[0] * uz + h[2] * ux);
+      ayz += share * (h[1] * uz + h[2] * uy);
+      px += h[0];
+      py += h[1];
+      pz += h[2];
+      rho += r.mass_correction;
+    }
+    const V azz = trace - (axx + ayy);
+
+    // the odd halves: third moments, a quarter of each
+    const V exx = T(0.25) * axx - T(0.5) * sxx, eyy = T(0.25) * ayy - T(0.5) * syy,
+            ezz = T(0.25) * azz - T(0.5) * szz;
+    const V hx = T(0.5) * ux, hy = T(0.5) * uy, hz = T(0.5) * uz;
+    const V vx = T(1. / 12) * px, vy = T(1. / 12) * py, vz = T(1. / 12) * pz;
+    const V xyy = vx + (ux * eyy + hy * axy), xzz = vx + (ux * ezz + hz * axz);
+    const V yxx = vy + (uy * exx + hx * axy), yzz = vy + (uy * ezz + hz * ayz);
+    const V zxx = vz + (uz * exx + hx * axz), zyy = vz + (uz * eyy + hy * ayz);
+
+    // the even halves
+    const V part = T(1. / 18) * rho - T(1. / 12) * trace;
+    const V base = T(0.5) * part + T(0.125) * trace;
+    set_rest(V(rho - (T(12) * part + T(1.5) * trace)));
+    set_pair(0, V(part + T(0.25) * axx), V(T(0.5) * px - T(2) * (xyy + xzz)));
+    set_pair(1, V(part + T(0.25) * ayy), V(T(0.5) * py - T(2) * (yxx + yzz)));
+    set_pair(2, V(part + T(0.25) * azz), V(T(0.5) * pz - T(2) * (zxx + zyy)));
+    const V bxy = base - T(0.125) * azz, bxz = base - T(0.125) * ayy, byz = base - T(0.125) * axx;
+    const V qxy = T(0.25) * axy, qxz = T(0.25) * axz, qyz = T(0.25) * ayz;
+    set_pair(3, V(bxy + qxy), V(xyy + yxx));
+    set_pair(4, V(bxy - qxy), V(xyy - yxx));
+    set_pair(5, V(bxz + qxz), V(xzz + zxx));
+    set_pair(6, V(bxz - qxz), V(xzz - zxx));
+    set_pair(7, V(byz + qyz), V(yzz + zyy));
+    set_pair(8, V(byz - qyz), V(yzz - zyy));
+  }
+
+ private:
+  /// Returns the share of the stress off equilibrium that the collision leaves, 1 - 1/tau, or less where the
+  /// stress is that of an eddy which the lattice does not resolve.
+  template <class V, class T>
+  [[gnu::always_inline]] static auto kept(const CollisionRates<T>& r, const V& nxx, const V& nyy,
+                                          const V& nxy, const V& nxz, const V& nyz) {
+    if constexpr (!limited) {
+      return r.keep_even_twice;
+    } else {
+      const V nzz = nxx + nyy;
+      const V square = T(0.5) * (nxx * nxx + (nyy * nyy + nzz * nzz)) + (nxy * nxy + (nxz * nxz + nyz * nyz));
+      V keep = V{} + r.keep_even_twice;
+      const auto eddies = square > V{} + r.resolved_square;
+      if (any_lane(eddies)) [[unlikely]] {
+        const V tau = T(0.25) + root(V(T(0.0625) + r.eddy * root(square)));
+        keep = eddies ? V(T(1) - T(1) / tau) : keep;
+      }
+      return keep;
+    }
+  }
+};
+
+}  // namespace silt::lbm::SILT_ISA
