@@ -7,11 +7,11 @@ namespace silt::coupler {
 CoupledStep::CoupledStep(const SceneParts& scene)
     : scene_(scene), clock_([] { return coupler::traffic(); }) {}
 
-rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies) {
+rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const BodyChanges& changes) {
   if (Flow* const flow = scene_.flow) {
     // Lines 1 and 2-4. Line 1 sends the densities around every body; here the moments around uncovered cells
     // go, once the bodies are mapped, and only if there are such cells.
-    if (scene_.surfaces) clock_.timed(Stage::object_mapping, [&] { flow->map_bodies(bodies); });
+    if (scene_.surfaces) clock_.timed(Stage::object_mapping, [&] { flow->map_bodies(bodies, changes); });
     // Lines 6-8, and of lines 9-11 what surfaces within a block return, while its populations are in cache.
     clock_.timed(Stage::stream_collide, [&] { flow->stream_collide(clock_); });
     // Line 5. Populations stream in place, so they are exchanged after the pass instead of before it.

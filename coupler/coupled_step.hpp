@@ -24,8 +24,8 @@ class CoupledStep {
   explicit CoupledStep(const SceneParts&);
   /// Goes on with other parts; the seconds so far stay.
   void renew(const SceneParts& scene) { scene_ = scene; }
-  /// Advances everything by one step; returns what the bodies did.
-  rigid::RigidStepReport operator()(rigid::BodySet&);
+  /// Advances everything by one step; returns what the bodies did. The changes are those since the last step.
+  rigid::RigidStepReport operator()(rigid::BodySet&, const BodyChanges&);
   /// Seconds of all steps so far, on this rank, by stage; and what it exchanged with others in them.
   StageSeconds seconds() const;
   StageTraffic traffic() const;

@@ -10,6 +10,7 @@
 #include "coupler/exchange/sums_under_way.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
+#include "coupler/mapping/body_changes.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/refill.hpp"
@@ -66,14 +67,14 @@ class FlowOf final : public Flow {
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
-  void map_bodies(rigid::BodySet& bodies) override {
+  void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
-    if (map_.changed()) remap(bodies);
+    if (map_.changed()) remap(bodies, changes);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
     give_pending_impacts(bodies);
-    forces_.begin(fluid_, map_.blocks(), links_, bodies);
+    forces_.begin(fluid_, map_.blocks(), links_, bodies, changes);
   }
   void stream_collide(StepClock& clock) override {
     settle();
@@ -127,6 +128,7 @@ class FlowOf final : public Flow {
 
   void take_over(const Flow& other) override {
     lbm::move_populations(static_cast<const FlowOf&>(other).fluid_, fluid_);
+    brought_ = other.momentum_brought();
     set_mass_correction(other.mass_correction());
   }
   void add_work(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) const override {
@@ -140,6 +142,11 @@ class FlowOf final : public Flow {
   std::uint64_t hash() const override { return hash_fluid<T>(fluid_, map_.blocks()); }
   std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
     return coupler::side_force<T>(fluid_, map_.blocks(), axis, upper);
+  }
+  rigid::FixedVec3 momentum_brought() const override {
+    rigid::FixedVec3 all = brought_;
+    all.add(forces_.debts_begun());
+    return all;
   }
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const override {
     return stepped_ ? forces_.wall_load(wall) : std::array<std::int64_t, 6>{};
@@ -184,11 +191,11 @@ class FlowOf final : public Flow {
   }
 
   /// Cells that changed sides, and links.
-  void remap(const rigid::BodySet& bodies) {
+  void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
-    for_fetched(cells.covered, [&](const CoveredCell& c) { take_covered(c, bodies); });
-    refill(fluid_, map_.blocks(), cells, bodies, coupling_.refill);
-    for (const CoveredCell& c : cells.uncovered) take_uncovered(c, bodies);
+    for_fetched(cells.covered, [&](const CoveredCell& c) { take_covered(c, bodies, changes); });
+    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill);
+    for (const CoveredCell& c : cells.uncovered) take_uncovered(c, bodies, changes);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -205,17 +212,29 @@ class FlowOf final : public Flow {
 
   bool is_exact() const { return coupling_.force == ForceForm::exact; }
 
-  void take_covered(const CoveredCell& c, const rigid::BodySet& bodies) {
-    if (!corrects_mass_ && !is_exact()) return;
+  void take_covered(const CoveredCell& c, const rigid::BodySet& bodies, const BodyChanges& changes) {
+    const bool is_new = changes.is_new(c.body->id);
+    if (!corrects_mass_ && !is_exact() && !is_new) return;
     const lbm::Moments m = fluid_.moments(c.block, c.cell);
     if (corrects_mass_) correction_.cell_covered(m.density_deviation);
-    if (is_exact()) give_momentum(c, bodies, m, +1);
+    if (is_new)
+      bring(m, -1);
+    else if (is_exact())
+      give_momentum(c, bodies, m, +1);
   }
-  void take_uncovered(const CoveredCell& c, const rigid::BodySet& bodies) {
-    if (!corrects_mass_ && !is_exact()) return;
+  void take_uncovered(const CoveredCell& c, const rigid::BodySet& bodies, const BodyChanges& changes) {
+    const bool has_gone = changes.has_gone(c.body->id);
+    if (!corrects_mass_ && !is_exact() && !has_gone) return;
     const lbm::Moments m = fluid_.moments(c.block, c.cell);
     if (corrects_mass_) correction_.cell_uncovered(m.density_deviation);
-    if (is_exact()) give_momentum(c, bodies, m, -1);
+    if (has_gone)
+      bring(m, +1);
+    else if (is_exact())
+      give_momentum(c, bodies, m, -1);
+  }
+  void bring(const lbm::Moments& m, int sign) {
+    const auto u = fluid_.velocity(m);
+    brought_.add(sign * Vec3(u[0], u[1], u[2]));
   }
 
   /// The body gains (sign 1) or loses (-1) the momentum of a cell.
@@ -266,6 +285,7 @@ class FlowOf final : public Flow {
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;
+  rigid::FixedVec3 brought_;  // by bodies that came and went: momentum of cells
   bool corrects_mass_, restarted_ = false, stepped_ = false;
   // settled whenever one of them is asked for
   mutable MassCorrection correction_;

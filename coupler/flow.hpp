@@ -17,6 +17,7 @@
 namespace silt::coupler {
 
 class ParallelBodyExchange;
+struct BodyChanges;
 class WorkMap;
 struct Case;
 struct WorkCosts;
@@ -38,8 +39,8 @@ class Flow {
   // ---- the passes of a step, in this order (Algorithm 2) ----
   /// Object mapping: puts bodies that moved further than the tolerance onto the lattice at their present
   /// poses, rebuilds links where something changed and refills uncovered cells. Renews the mapping pose of
-  /// every body held.
-  virtual void map_bodies(rigid::BodySet&) = 0;
+  /// every body held. The changes are those since the last step; they stay there until the step's last pass.
+  virtual void map_bodies(rigid::BodySet&, const BodyChanges&) = 0;
   /// With it the links that touch no ghost cell, while their populations are in cache. The clock counts what
   /// they take as force evaluation.
   /// Begins with what the last step left under way: ForceOutOfRange, on every rank alike, if a body's sums
@@ -86,6 +87,9 @@ class Flow {
   /// This rank's share of the force and torque of the fluid on a wall in the last step (`wall` counts the
   /// walls' rows), the torque about its position, in lbm::link_quantum. Zero before the first step.
   virtual std::array<std::int64_t, 6> wall_load(std::size_t wall) const = 0;
+  /// What bodies that came and went did to the momentum of the fluid and the impulse debts, of this rank, in
+  /// all steps since the flow was made: the fluid they took the place of, and that which took theirs.
+  virtual rigid::FixedVec3 momentum_brought() const = 0;
   virtual const MassCorrectionState& mass_correction() const = 0;
   virtual void set_mass_correction(const MassCorrectionState&) = 0;
 };

@@ -11,6 +11,8 @@ namespace silt::coupler {
 struct RunCounters {
   std::uint64_t covered = 0, uncovered = 0;  // cells, by bodies
   std::uint64_t migrations = 0;              // bodies that changed their owner
+  std::uint64_t arrived = 0, left = 0;       // bodies since the start
+  std::uint64_t refused = 0;                 // bodies that a later application of a fill had no room for
   std::uint64_t contacts = 0, mixed_owner_contacts = 0;
   std::uint64_t infeasible = 0;              // of the resolver (ResolverStatistics), as sweeps and residual
   std::uint64_t queries = 0, fallbacks = 0;  // of the collision backend
@@ -31,6 +33,9 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"covered", "covered"}, c.covered);
   visit(CounterName{"uncovered", "uncovered"}, c.uncovered);
   visit(CounterName{"migrations", "migrations"}, c.migrations);
+  visit(CounterName{"arrived", "bodies_arrived"}, c.arrived);
+  visit(CounterName{"refused", "bodies_refused"}, c.refused);
+  visit(CounterName{"left", "bodies_left"}, c.left);
   visit(CounterName{"contacts", "contacts"}, c.contacts);
   visit(CounterName{"mixed_owner_contacts", "mixed_owner_contacts"}, c.mixed_owner_contacts);
   visit(CounterName{"sweeps", "resolver_sweeps"}, c.sweeps);

@@ -67,7 +67,7 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& scene) {
 }  // namespace
 
 bool Scene::has_surfaces() const {
-  return body_count > 0 || !setup.walls.empty();
+  return setup.has_surfaces();
 }
 
 Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
@@ -84,7 +84,7 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
   else
     take_placed_bodies(shapes);
   count_bodies();
-  if (body_count > 0) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
+  if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
     set_mapping_pose(bodies, row, bodies.pose(row));
@@ -133,21 +133,22 @@ void Scene::take_saved_bodies(const SavedBodies& saved) {
   send_home(messages, Holders(domain, 0), saved, bodies);
 }
 
-/// This rank's bodies, wrapped into the domain, at rest on the lattice where they start.
 void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes) {
   const PlacedBodies placed = place_bodies(setup, domain, comm);
-  const rigid::Extent extent = extent_of(setup);
+  first_free_id = placed.next_id;
   bodies.resize(placed.size());
   bodies.owned = placed.size();
   std::size_t row = 0;
-  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
-    bodies.assign(row, body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
-    extent.wrap(bodies.position[row], bodies.image[row]);
-    bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
-    set_mapping_pose(bodies, row, bodies.pose(row));
-    ++row;
-  });
+  placed.for_each(
+      [&](rigid::BodyId id, const BodySpec& body) { set_placed(row++, id, body, shapes[body.shape]); });
   bodies.reindex();
+}
+
+void Scene::set_placed(std::size_t row, rigid::BodyId id, const BodySpec& body, const CentredShape& shape) {
+  bodies.assign(row, body_record(id, body, shape, setup.fluid.has_value()));
+  extent_of(setup).wrap(bodies.position[row], bodies.image[row]);
+  bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
+  set_mapping_pose(bodies, row, bodies.pose(row));
 }
 
 void Scene::count_bodies() {
@@ -156,7 +157,7 @@ void Scene::count_bodies() {
       bodies.owned, std::any_of(first, last, [](rigid::Motion m) { return m != rigid::Motion::fixed; })};
   sum_over_ranks(comm, std::span(counts));
   body_count = counts[0];
-  anything_moves = counts[1] > 0;
+  anything_moves = counts[1] > 0 || setup.bodies_come();
 }
 
 SceneParts Scene::parts() {

@@ -16,6 +16,7 @@
 
 namespace silt::coupler {
 
+struct BodySpec;
 struct Case;
 struct CentredShape;
 
@@ -34,9 +35,10 @@ class Scene {
   int rank = 0, ranks = 1;
   lbm::Domain domain;
   rigid::World world;
-  rigid::BodySet bodies;         // this rank's
-  std::uint64_t body_count = 0;  // of all ranks
-  bool anything_moves = false;   // a body that is not fixed, on any rank
+  rigid::BodySet bodies;            // this rank's
+  std::uint64_t body_count = 0;     // of all ranks, at the start of this run
+  bool anything_moves = false;      // a body that is not fixed, on any rank, or may come
+  rigid::BodyId first_free_id = 1;  // at the start: none of the case's bodies has that or a higher one
   bool has_surfaces() const;
   std::unique_ptr<ParallelBodyExchange> exchange;
   std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves
@@ -51,6 +53,9 @@ class Scene {
   /// more. Bodies and populations move to the ranks it gives; the flow and the parts that refer to it are new
   /// ones.
   void cut_anew(const lbm::CutTree&);
+
+  /// Makes a row that of a body which a case places: wrapped into the domain, at rest on the lattice.
+  void set_placed(std::size_t row, rigid::BodyId, const BodySpec&, const CentredShape&);
 
   std::string backend_name() const { return backend ? std::string(backend->name()) : "none"; }
   /// The passes of a coupled step for this scene.

@@ -27,7 +27,10 @@ Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
     : Simulation(std::move(scene), comm, &saved) {}
 
 Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
-    : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr), coupled_step_(observed_parts()) {
+    : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr),
+      coupled_step_(observed_parts()),
+      turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
+                saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}) {
   flush_denormals_to_zero();
   if (scene_.flow) {
     if (saved) {
@@ -50,7 +53,6 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     initial_ = balance();
     check_motion(setup(), scene_.bodies, step_, scene_.rank);
   }
-  bodies_at_start_ = count_owned(scene_.comm, scene_.bodies);
 }
 
 namespace {
@@ -113,9 +115,10 @@ BalanceRecord Simulation::balance_record() const {
 void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
   balance_work();
+  const BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
   const Traffic before = traffic();
   begin_step_of_traffic();
-  const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies); });
+  const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
     std::fill(scene_.bodies.torque.begin(), scene_.bodies.torque.end(), rigid::FixedVec3{});
@@ -125,9 +128,9 @@ void Simulation::step() {
   if (scene_.anything_moves)
     counters_.body_speed =
         std::max(counters_.body_speed, check_motion(setup(), scene_.bodies, step_, scene_.rank));
-  check_.finish(*scene_.exchange, scene_.bodies, bodies_at_start_);  // of the step before
+  check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before
   if (scene_.anything_moves && step_ % guard_interval == 0)
-    check_.start(*scene_.exchange, scene_.bodies, step_);
+    check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
   traffic_ += traffic() - before;
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -259,7 +262,8 @@ Balance Simulation::balance() const {
     for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
   }
   sum_over_ranks(scene_.comm, sums);
-  for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d]);
+  const rigid::FixedVec3 brought = momentum_brought();
+  for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d] - brought.q[d]);
   b.momentum_scale = rigid::from_fixed(sums[3]);
   if (scene_.flow) {
     const FlowTotals totals = scene_.flow->totals();
@@ -270,6 +274,13 @@ Balance Simulation::balance() const {
     b.fluid_cells = static_cast<double>(totals.fluid_cells);
   }
   return b;
+}
+
+rigid::FixedVec3 Simulation::momentum_brought() const {
+  rigid::FixedVec3 brought = turnover_.momentum_brought();
+  if (scene_.flow) brought.add(scene_.flow->momentum_brought());
+  sum_over_ranks(scene_.comm, std::span(brought.q));
+  return brought;
 }
 
 std::uint64_t Simulation::links() const {

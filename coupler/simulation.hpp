@@ -11,7 +11,7 @@
 // and the result does not depend on how many there are. Lattice units.
 #include <functional>
 
-#include "coupler/exchange/check_exchange.hpp"
+#include "coupler/body_turnover.hpp"
 #include "coupler/exchange/traffic.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
@@ -21,8 +21,9 @@ namespace silt::coupler {
 /// A Balance is the mass and the momentum of everything there is at one time.
 struct Balance {
   double mass_deviation = 0, fluid_cells = 0;
-  rigid::Vec3 momentum = rigid::Vec3::Zero();  // of fluid and free bodies
-  double momentum_scale = 0;                   // |fluid's| + sum over bodies of |m v|
+  // of fluid and free bodies, less what bodies that came brought, with what those that left took
+  rigid::Vec3 momentum = rigid::Vec3::Zero();
+  double momentum_scale = 0;  // |fluid's| + sum over bodies of |m v|
 };
 
 /// This is what a checkpoint brings back.
@@ -31,6 +32,8 @@ struct SavedState {
   std::int64_t step = 0;
   RunCounters counters;
   Balance initial;
+  rigid::BodyId next_id = 1;
+  rigid::FixedVec3 momentum_brought;  // by bodies that came and went
   double fluid_speed = 0;
   MassCorrectionState mass_correction;
   std::function<void(Flow&)> set_populations;
@@ -48,10 +51,10 @@ class Simulation {
   Simulation(const Simulation&) = delete;
 
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
-  /// and moves to a better cut (scene().flow and what it holds are then new ones). GuardStop and
-  /// std::overflow_error may come on some ranks only: the others then wait for ever, so a program on several
-  /// ranks ends with MPI_Abort after saying what happened. That the fluid's force on a body is out of range
-  /// all ranks find, in the next step or at the next look.
+  /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
+  /// GuardStop and std::overflow_error may come on some ranks only: the others then wait for ever, so a
+  /// program on several ranks ends with MPI_Abort after saying what happened. That the fluid's force on a
+  /// body is out of range all ranks find, in the next step or at the next look.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -78,6 +81,9 @@ class Simulation {
   // ---- what may be asked ----
   std::uint64_t hash() const;
   RunCounters counters() const;  // of all ranks
+  /// What bodies that came and went did to the momentum of all there is; collective.
+  rigid::FixedVec3 momentum_brought() const;
+  rigid::BodyId next_id() const { return turnover_.next_id(); }  // the first that no body has had
   const Balance& initial_balance() const { return initial_; }
   Balance balance() const;
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
@@ -108,7 +114,7 @@ class Simulation {
   RunCounters counters_;  // this rank's; those of a checkpoint on rank 0
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
-  OwnedBodies bodies_at_start_;  // of all ranks
+  BodyTurnover turnover_;
   CheckUnderWay check_;
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;

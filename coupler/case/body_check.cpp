@@ -90,7 +90,7 @@ std::vector<Use> uses_of(const Case& scene) {
     uses[body.shape].free |= body.motion == Motion::free;
   });
   for (const FillSpec& fill : scene.fills) {
-    uses[fill.shape].count += fill.count > 0 ? fill.count : 2;  // of sites there are many
+    uses[fill.shape].count += fill.count > 0 && fill.every == 0 ? fill.count : 2;  // of sites there are many
     uses[fill.shape].free = true;
   }
   return uses;

@@ -1,6 +1,7 @@
 #pragma once
-// The bodies: [[bodies]] and [[fill]] of a case.
+// The bodies: [[bodies]], [[fill]] and [[outflow]] of a case.
 #include <cstdint>
+#include <limits>
 
 #include "coupler/case/name_table.hpp"
 #include "coupler/case/position_file.hpp"
@@ -42,6 +43,19 @@ struct FillSpec {
   bool random_orientation = true;
   rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
   std::uint64_t seed = 1;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the bodies when they are placed
+  std::int64_t every = 0;                      // steps between two applications; 0: at the start only
+  double until = std::numeric_limits<double>::infinity();  // no application after this step
+
+  /// Whether it is applied again before the step that follows so many.
+  bool comes_at(std::int64_t steps_done) const {
+    return every > 0 && steps_done > 0 && steps_done % every == 0 && static_cast<double>(steps_done) <= until;
+  }
+};
+
+/// A box out of which free bodies are taken as soon as their centre of mass is in it.
+struct OutflowSpec {
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
 };
 
 }  // namespace silt::coupler

@@ -19,6 +19,7 @@ struct BoundarySpec {
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
   double density = 1;                          // outlets
   bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+  bool lets_bodies_pass() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
 };
 
 /// A curved wall of the domain, for fluid and bodies alike.

@@ -2,6 +2,7 @@
 // A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
 // with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml),
 // case_check judges it. Its sections have headers of their own: what needs one of them includes that one.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -48,6 +49,7 @@ struct Case {
   std::vector<BodySpec> bodies;
   std::vector<FiledBodies> filed;
   std::vector<FillSpec> fills;
+  std::vector<OutflowSpec> outflows;
   std::vector<CurvedWall> walls;  // besides the sides of the domain
   // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
   // one name make one kind, and have one shape
@@ -75,6 +77,13 @@ struct Case {
     bool any = false;
     for_each_given([&](const BodySpec& body, std::uint64_t) { any = any || test(body); });
     return any;
+  }
+  bool bodies_come() const {
+    return std::any_of(fills.begin(), fills.end(), [](const FillSpec& fill) { return fill.every > 0; });
+  }
+  bool bodies_leave() const {
+    return !outflows.empty() || std::any_of(boundary.begin(), boundary.end(),
+                                            [](const BoundarySpec& side) { return side.lets_bodies_pass(); });
   }
   bool has_lubrication() const {
     return fluid && coupling.lubrication && rigid::resolver_model(contacts.resolver).lubricates;

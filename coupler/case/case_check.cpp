@@ -11,6 +11,7 @@
 #include "coupler/case/derived_table.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/case/speed_check.hpp"
+#include "coupler/case/turnover_check.hpp"
 #include "coupler/case/wall_check.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -209,6 +210,15 @@ void check_body_speeds(const Case& scene, Findings& findings) {
   });
 }
 
+void check_fill_speeds(const Case& scene, Findings& findings) {
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const std::string key = fmt::format("fill[{}].velocity", i);
+    const double speed = scene.fills[i].velocity.norm();
+    check_margin(scene, findings, key, speed);
+    if (scene.fluid) check_speed(scene.units, findings, key, speed);
+  }
+}
+
 void check_steady(const Case& scene, Findings& findings) {
   constexpr int looks_needed = 4;
   if (!scene.steady) return;
@@ -264,6 +274,8 @@ std::string lacking(const Case& scene, const QuantityType& type) {
   if (type.asks_for(Q::gravity) && scene.gravity.norm() == 0) return "the case has no [gravity]";
   const bool driven =
       scene.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+  if (type.asks_for(Q::same_bodies) && (scene.bodies_come() || scene.bodies_leave()))
+    return "bodies come or leave, of which it knows nothing";
   if (type.asks_for(Q::undriven) && driven)
     return "the case has a body of prescribed motion, which drives the others";
   return "";
@@ -320,9 +332,10 @@ std::vector<Diagnostic> check_case(const Case& scene) {
   check_run(scene, findings);
   check_quantities(scene, findings);
   check_body_speeds(scene, findings);
+  check_fill_speeds(scene, findings);
   find_wall_faults(scene, findings);
   if (std::all_of(scene.cells.begin(), scene.cells.end(), [](int n) { return n > 0; }))
-    find_body_faults(scene, findings);
+    find_body_faults(scene, findings), find_turnover_faults(scene, findings);
   return std::move(findings.list);
 }
 

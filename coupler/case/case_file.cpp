@@ -35,6 +35,7 @@ void read_sections(TableReader reader, Case& scene) {
   read_shapes(reader, scene.shape_names, scene.shapes);
   read_bodies(reader, scene);
   read_fills(reader, scene);
+  read_outflows(reader, scene);
   read_run(reader, scene.steps, scene.steady, scene.balance_every);
   read_output(reader, scene.output);
   read_quantities(reader, {scene.cells, scene.kind_names, scene.walls}, scene.quantities);

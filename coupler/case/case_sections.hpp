@@ -33,6 +33,7 @@ void read_walls(TableReader& root, const std::vector<std::string>& material_name
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
 void read_bodies(TableReader& root, Case&);    // [[bodies]]
 void read_fills(TableReader& root, Case&);     // [[fill]]
+void read_outflows(TableReader& root, Case&);  // [[outflow]]
 
 // read_output.cpp
 /// What a quantity may refer to.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coupler/case/body_check.hpp"
+#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "coupler/case/lattice.hpp"
@@ -45,6 +46,10 @@ std::string three(double a, double b, double c) {
   return fmt::format("{} x {} x {}", shown(a), shown(b), shown(c));
 }
 
+std::string side_text(const BoundarySpec& side) {
+  return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? " (bodies leave)" : "");
+}
+
 void add_domain(const Case& scene, Table& table) {
   const auto& n = scene.cells;
   const double cell = scene.units.cell_size;
@@ -58,9 +63,7 @@ void add_domain(const Case& scene, Table& table) {
   for (int d = 0; d < 3; ++d) {
     const auto &low = scene.boundary[2 * d], &high = scene.boundary[2 * d + 1];
     table.line(fmt::format("boundary {}", "xyz"[d]),
-               scene.periodic(d)
-                   ? "periodic"
-                   : fmt::format("{}, {}", boundary_names[low.kind], boundary_names[high.kind]));
+               scene.periodic(d) ? "periodic" : side_text(low) + ", " + side_text(high));
   }
   for (const CurvedWall& wall : scene.walls)
     table.quantity("tube '" + wall.name + "', radius", wall.tube.radius, dimension::length, "m", "cells");
@@ -99,6 +102,7 @@ void add_fluid(const Case& scene, Table& table) {
   for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
   scene.for_each_given(
       [&](const BodySpec& body, std::uint64_t) { fastest = std::max(fastest, body.velocity.norm()); });
+  for (const FillSpec& fill : scene.fills) fastest = std::max(fastest, fill.velocity.norm());
   if (fastest > 0) {
     table.quantity("largest given speed", fastest, dimension::velocity, "m/s", "cells/step");
     table.line("  its Mach number", "", shown(fastest * std::sqrt(3.)));
@@ -139,6 +143,18 @@ std::int64_t most_bodies_of(const Case& scene, std::size_t fill) {
       lattice_of(scene, fill, bounding_ball(scene.shapes[spec.shape]).radius).total());
 }
 
+/// How often a fill is applied again, and what that comes to if there is always room.
+void add_inflow(const Case& scene, Table& table, const FillSpec& fill, std::int64_t count) {
+  if (fill.every == 0) return;
+  const double last = std::min(fill.until, static_cast<double>(scene.steps - 1));
+  const auto again = static_cast<std::int64_t>(last / static_cast<double>(fill.every));
+  table.line("  again", fmt::format("every {} steps, {} time{}", fill.every, again, again == 1 ? "" : "s"));
+  const double a_step = static_cast<double>(count) / static_cast<double>(fill.every);
+  const double mass = a_step * fill.density * rigid::mass_properties(scene.shapes[fill.shape]).volume;
+  table.quantity("  bodies at most", a_step, {0, -1, 0}, "a second", "a step");
+  table.quantity("  their mass", mass, {0, -1, 1}, "kg/s", "a step");
+}
+
 void add_bodies(const Case& scene, Table& table) {
   if (!scene.has_bodies()) {
     table.heading("bodies: none");
@@ -165,8 +181,13 @@ void add_bodies(const Case& scene, Table& table) {
     const std::int64_t count = most_bodies_of(scene, i);
     add_kind(scene, table, fmt::format("fill[{}] {}", i, scene.kind_names[fill.kind]),
              {count, fill.shape, fill.density, true});
+    add_inflow(scene, table, fill, count);
     volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[fill.shape]).volume;
   }
+  for (std::size_t i = 0; i < scene.outflows.size(); ++i)
+    table.line(fmt::format("outflow[{}]", i),
+               fmt::format("{} to {}", shown_point(scene, scene.outflows[i].lower),
+                           shown_point(scene, scene.outflows[i].upper)));
   const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
   table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / cells));
   table.line("collision backend", scene.contacts.backend);

@@ -71,7 +71,8 @@ bool Lattice::in_room(const rigid::Vec3& site) const {
   return true;
 }
 
-Lattice lattice_of(const Case& scene, std::size_t index, double radius) {
+Lattice lattice_of(const Case& scene, FillApplication application, double radius) {
+  const std::size_t index = application.fill;
   const FillSpec& fill = scene.fills[index];
   const rigid::Extent extent = extent_of(scene);
   const double least = 2 * radius + fill.gap + 2 * fill.shift;
@@ -87,7 +88,7 @@ Lattice lattice_of(const Case& scene, std::size_t index, double radius) {
     room.lower[d] += fill.shift;
     room.upper[d] -= fill.shift;
   }
-  return Lattice(room, extent, fill.arrangement, spacing, mixed(fill.seed) ^ mixed(~index));
+  return Lattice(room, extent, fill.arrangement, spacing, mixed(fill.seed) ^ mixed(~application.stream()));
 }
 
 }  // namespace silt::coupler

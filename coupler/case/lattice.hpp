@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "coupler/case/body_spec.hpp"
+#include "coupler/case/fill_application.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/shapes/bounding_box.hpp"
 
@@ -47,6 +48,6 @@ class Lattice {
 };
 
 /// The sites of a fill with bodies of a bounding radius. CaseError if they are too close for them.
-Lattice lattice_of(const Case&, std::size_t fill, double radius);
+Lattice lattice_of(const Case&, FillApplication, double radius);
 
 }  // namespace silt::coupler

@@ -28,8 +28,9 @@ struct QuantityType {
     fluid = 1,
     bodies = 2,
     gravity = 4,
-    undriven = 8,  // no body of prescribed motion
-    sheared = 16   // walls of different velocities across `axis`
+    undriven = 8,     // no body of prescribed motion
+    sheared = 16,     // walls of different velocities across `axis`
+    same_bodies = 32  // from start to end
   };
 
   std::string_view name;
@@ -44,7 +45,8 @@ struct QuantityType {
 namespace quantity_rows {
 
 using Q = QuantityType;
-inline constexpr Dimension mass_rate{0, -1, 1}, specific_energy{2, -2, 0}, specific_energy_rate{2, -3, 0};
+inline constexpr Dimension rate{0, -1, 0}, mass_rate{0, -1, 1}, specific_energy{2, -2, 0},
+    specific_energy_rate{2, -3, 0};
 
 inline constexpr QuantityType types[] = {
     {"max-speed", dimension::velocity, Q::body, Q::bodies, "largest speed of any of the bodies in the run"},
@@ -76,19 +78,19 @@ inline constexpr QuantityType types[] = {
     {"mean-angular-velocity", dimension::angular_velocity, Q::body | Q::axis, Q::bodies,
      "mean angular velocity of the bodies about the axis, at the end"},
     {"max-penetration", dimension::length, 0, Q::bodies, "deepest overlap of any contact in the run"},
-    {"momentum-change", dimension::none, Q::body | Q::axis, Q::bodies,
+    {"momentum-change", dimension::none, Q::body | Q::axis, Q::bodies | Q::same_bodies,
      "change of the free bodies' momentum since the start, over the sum of their |m v| then"},
-    {"angular-momentum-change", dimension::none, Q::body, Q::bodies,
+    {"angular-momentum-change", dimension::none, Q::body, Q::bodies | Q::same_bodies,
      "change of the free bodies' angular momentum about the domain's corner, over what it was"},
-    {"energy-change", dimension::none, Q::body, Q::bodies,
+    {"energy-change", dimension::none, Q::body, Q::bodies | Q::same_bodies,
      "kinetic and potential energy (zero at the domain's lowest corner) at the end over that at the start, "
      "less 1"},
-    {"energy-growth", dimension::none, Q::body, Q::bodies | Q::undriven,
+    {"energy-growth", dimension::none, Q::body, Q::bodies | Q::undriven | Q::same_bodies,
      "largest energy of the run over that at the start, less 1"},
     {"last-reversal", dimension::time, Q::body, Q::bodies,
      "latest time at which the spin about the axis of the middle moment of inertia changed its sign, in free "
      "rotation"},
-    {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies,
+    {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies | Q::same_bodies,
      "mass that came below the height between the time and the end, per time"},
     {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity,
      "angle in degrees about the axis from gravity to the line from `centre` to the centre of mass, mean "
@@ -109,6 +111,9 @@ inline constexpr QuantityType types[] = {
      "shear stress on the two walls across the axis over that of the fluid alone at the same velocities, "
      "mean from "
      "a time on"},
+    {"body-count", dimension::none, Q::body | Q::box, Q::bodies,
+     "number of bodies whose centre of mass lies in the box, at the end"},
+    {"outflow-rate", rate, Q::time, Q::bodies, "number of bodies that left from a time on, per time"},
     {"packing-fraction", dimension::none, Q::body | Q::box, Q::bodies,
      "share of the box that lies inside the bodies, at the end"},
 };

@@ -1,4 +1,4 @@
-// [contacts], [[materials]], [[material_pairs]], [[bodies]], [[fill]]
+// [contacts], [[materials]], [[material_pairs]], [[bodies]], [[fill]], [[outflow]]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -245,6 +245,17 @@ void read_sites(TableReader& table, FillSpec& fill) {
                                   table.path(key), table.path("arrangement")));
 }
 
+/// When a fill is applied again.
+void read_inflow(TableReader& table, FillSpec& fill) {
+  fill.every = table.integer("every", 1).value_or(0);
+  fill.until = table.quantity("until", dimension::time, range::at_least(0)).value_or(fill.until);
+  if (table.has("every") && !table.has("box")) table.missing("box", "where the bodies come in: two corners");
+  if (table.has("until") && !table.has("every"))
+    table.fail("until", fmt::format("{} is for a fill that is applied again and again; give {}, or remove "
+                                    "the key",
+                                    table.path("until"), table.path("every")));
+}
+
 }  // namespace
 
 void read_fills(TableReader& root, Case& scene) {
@@ -260,8 +271,19 @@ void read_fills(TableReader& root, Case& scene) {
     fill.seed = static_cast<std::uint64_t>(table.integer("seed", 0).value_or(1));
     fill.random_orientation =
         table.choice("orientation", {"random", "aligned"}).value_or("random") == "random";
+    fill.velocity = table.vector("velocity", dimension::velocity).value_or(fill.velocity);
+    read_inflow(table, fill);
     read_box(table, scene.cells, fill.lower, fill.upper);
     scene.fills.push_back(fill);
+  }
+}
+
+void read_outflows(TableReader& root, Case& scene) {
+  for (TableReader& table : root.tables("outflow")) {
+    OutflowSpec outflow;
+    if (!table.has("box")) table.missing("box", "where bodies are taken out: two corners");
+    read_box(table, scene.cells, outflow.lower, outflow.upper);
+    scene.outflows.push_back(outflow);
   }
 }
 

@@ -21,6 +21,22 @@ struct OwnedBodies {
 };
 OwnedBodies count_owned(MPI_Comm, const rigid::BodySet&);  // collective
 
+/// A rank's share of the bodies that all ranks together must own. Which rank expects one does not matter, but
+/// one of them does: so bodies come and go without a word to all.
+class ExpectedBodies {
+ public:
+  explicit ExpectedBodies(const rigid::BodySet&);  // those owned here now
+  /// Bodies of n new ids have come, on whichever ranks. Every rank says so alike and takes a part of them.
+  void come(rigid::BodyId first, std::uint64_t n, int rank, int ranks);
+  void leave(rigid::BodyId);  // is called by its owner
+  /// Returns what is owned here beyond this share: zero, if summed over all ranks.
+  OwnedBodies excess(const rigid::BodySet&) const;
+  std::uint64_t count(MPI_Comm) const;  // of all ranks; collective
+
+ private:
+  OwnedBodies share_;
+};
+
 /// Returns the wrapping sum over all owned bodies of the hashes of their records (holder state included) and,
 /// where asked for, of their stored impulses: the same on any number of ranks. Collective.
 std::uint64_t records_hash(MPI_Comm, const rigid::BodySet&, bool stored_impulses = true);
@@ -37,10 +53,10 @@ class CheckUnderWay {
  public:
   /// Looks at this rank's bodies, with messages to ranks that hold their copies, and starts the sums that
   /// tell whether all is well. Collective, but waits for nobody else.
-  void start(const ParallelBodyExchange&, const rigid::BodySet&, std::int64_t step);
+  void start(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&, std::int64_t step);
   /// Throws what check_exchange would have thrown then; the bodies are those of now. Nothing, if no check is
   /// under way. Collective.
-  void finish(const ParallelBodyExchange&, const rigid::BodySet&, const OwnedBodies& expected);
+  void finish(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
 
  private:
   SumsUnderWay sums_;

@@ -120,6 +120,11 @@ int ParallelBodyExchange::Distribution::owner(BodyId id) const {
   return found->second;
 }
 
+void ParallelBodyExchange::Distribution::forget(BodyId id) {
+  held_by.erase(id);
+  owner_of.erase(id);
+}
+
 void ParallelBodyExchange::Distribution::tie(const BodySet& bodies) {
   ties.clear();
   const auto with = [&](int other) -> Tie& {

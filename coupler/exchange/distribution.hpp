@@ -62,6 +62,7 @@ struct ParallelBodyExchange::Distribution {
   void include_owners_beyond_films(const rigid::BodySet&, std::size_t row, std::vector<int>& ranks);
   void sum_to_owners(const rigid::BodySet&, std::span<std::int64_t> rows, int width);
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width);
+  void forget(rigid::BodyId);
   /// Renews the ties after held_by or owner_of changed.
   void tie(const rigid::BodySet&);
   int owner(rigid::BodyId) const;  // of a copy or visitor

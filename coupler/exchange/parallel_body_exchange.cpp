@@ -64,6 +64,16 @@ void ParallelBodyExchange::cut_anew(rigid::BodySet& bodies) {
   distribution_->deal_out(bodies);
 }
 
+void ParallelBodyExchange::take_out(rigid::BodySet& bodies, std::span<const std::size_t> rows) {
+  for (std::size_t k = rows.size(); k-- > 0;) {
+    if (distribution_) distribution_->forget(bodies.id[rows[k]]);
+    --(rows[k] < bodies.owned ? bodies.owned : bodies.copies);
+    bodies.erase(rows[k]);
+  }
+  bodies.reindex();
+  if (distribution_) distribution_->tie(bodies);
+}
+
 double ParallelBodyExchange::reach() const {
   return distribution_ ? distribution_->reach : 0;
 }

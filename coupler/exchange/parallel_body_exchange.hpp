@@ -58,6 +58,10 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   /// and their stored impulses, and copies are made anew. Collective, between steps: what acts on copies is
   /// lost.
   void cut_anew(rigid::BodySet&);
+  /// Takes bodies out of the simulation: held rows, in ascending order, without visitors and walls. Local:
+  /// every rank that holds one must do so, between the same steps. Impulses that others remember of them
+  /// stay until the next step, in which they find no contact.
+  void take_out(rigid::BodySet&, std::span<const std::size_t> rows);
   /// How far around its blocks a rank's bodies may reach, cells: at least as far as the next blocks.
   double reach() const;
 

@@ -68,6 +68,7 @@ Vec3 impulse_of_films(const rigid::World& world, const rigid::BodySet& bodies, s
   for (const auto& s : bodies.stored_impulses[row]) {
     if (!(s.feature & rigid::lubrication_feature)) continue;
     const std::size_t other = bodies.row_of(s.partner);
+    if (other >= bodies.size()) continue;  // it has left the scene
     const double size = s.impulse.norm();
     const double reduced_mass = 1 / (bodies.inverse_mass(row) + bodies.inverse_mass(other));
     impulse += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);

@@ -61,8 +61,10 @@ void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodie
 
 template <class T>
 void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
-                           std::span<BlockLinks<T>> links, rigid::BodySet& bodies) {
+                           std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
+                           const BodyChanges& changes) {
   bodies_ = &bodies;
+  changes_ = &changes;
   sums_.reset(bodies.size());
   covered_.give_to(sums_, bodies);
   if (is_exact()) add_cells(maps, sums_);
@@ -77,6 +79,15 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
     }
     links[b].gaps.set_velocities(links[b].surfaces);
   }
+}
+
+/// A body that has just come gets nothing: the cells it took were not the fluid's for it to gain from.
+template <class T>
+void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
+  if (!is_exact()) return;
+  if (!changes_->is_new(bodies.id[row])) return settle_debt(bodies, row, sums_);
+  begin_debt(bodies, row, sums_);
+  if (bodies.is_free(row)) debts_begun_.add(impulse_debt(bodies, row));
 }
 
 template <class T>
@@ -118,7 +129,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
   const std::size_t row = surface.row;
   if (row >= bodies_->owned || !bodies_->is_free(row) || surface.sums.invalid) return;
   add_sums(surface, true, sums_);
-  if (is_exact()) settle_debt(*bodies_, row, sums_);
+  settle(*bodies_, row);
   surface.finished = true;
   const Vec6 d = implicit_->take_velocity_change(*bodies_, row, sums_);
   if (d.isZero(0)) return;
@@ -165,7 +176,7 @@ void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::B
 template <class T>
 void FluidForces<T>::move_explicitly(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (is_exact()) settle_debt(bodies, row, sums_);
+    settle(bodies, row);
     add_link_force(bodies, row, sums_);
   }
 }
@@ -181,7 +192,7 @@ std::int64_t FluidForces<T>::move_implicitly(lbm::Fluid<T>& fluid, std::span<Blo
   std::vector<double> delta(bodies.size() * 6, 0.0);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
-    if (is_exact()) settle_debt(bodies, row, sums_);
+    settle(bodies, row);
     if (bodies.is_free(row))
       Eigen::Map<Vec6>(delta.data() + row * 6) = implicit_->take_velocity_change(bodies, row, sums_);
     else

@@ -17,6 +17,7 @@
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/row_sums.hpp"
 #include "coupler/mapping/block_links.hpp"
+#include "coupler/mapping/body_changes.hpp"
 #include "lbm/fluid.hpp"
 
 namespace silt::coupler {
@@ -49,9 +50,10 @@ class FluidForces {
   }
 
   // ---- a step ----
-  /// Sets the velocities with which surfaces return; before the fluid's pass. The bodies stay where they are
-  /// in memory until the step's last call.
-  void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&);
+  /// Sets the velocities with which surfaces return; before the fluid's pass. The bodies and their changes
+  /// stay where they are in memory until the step's last call.
+  void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
+             const BodyChanges&);
   /// Is called when the dense pass is done with a part of a block. Applies what links waited for it, and
   /// solves for bodies all of whose links have been applied, while their populations are in cache.
   void after_part(lbm::Block<T>&, BlockLinks<T>&, int part);
@@ -62,6 +64,9 @@ class FluidForces {
   /// Applies all other links and solves for all other bodies, after the halo exchange, with messages between
   /// ranks that hold a body. What is out of range is left out of the sums: its step means nothing.
   LinkOutcome finish(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
+
+  /// What bodies that came owe or are owed since this was made, form `exact` only; those owned here.
+  const rigid::FixedVec3& debts_begun() const { return debts_begun_; }
 
   /// Force and torque of the last step on a wall (0: the first of the walls' rows), torque about its
   /// position, from this rank's blocks; in quanta of lbm::link_quantum.
@@ -79,12 +84,15 @@ class FluidForces {
   std::int64_t correct(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&, std::span<const double> delta);
 
   bool is_exact() const { return spec_.force == ForceForm::exact; }
+  void settle(rigid::BodySet&, std::size_t row);
 
   CouplingSpec spec_;
   const ParallelBodyExchange& exchange_;
   std::optional<ImplicitCoupling> implicit_;  // none: the explicit step
   CoveredMomentum covered_;
   rigid::BodySet* bodies_ = nullptr;  // of the step under way
+  const BodyChanges* changes_ = nullptr;
+  rigid::FixedVec3 debts_begun_;
   RowSums sums_;
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
 };

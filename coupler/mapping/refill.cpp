@@ -196,7 +196,7 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
 
 template <class T>
 void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
-            const rigid::BodySet& bodies, Refill scheme) {
+            const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme) {
   const RemoteMoments<T> remote(fluid, maps, cells);
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
@@ -231,11 +231,11 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
     const CoveredCell& u = cells.uncovered[n];
     const Average& mean = averages[n];
     double j[3] = {};
-    const std::size_t row = u.body ? bodies.row_of(u.body->id) : bodies.size();
-    if (row < bodies.size()) {
+    for (const rigid::BodySet* set : {&bodies, &gone}) {
+      const std::size_t row = u.body ? set->row_of(u.body->id) : set->size();
+      if (row >= set->size()) continue;
       const Int3 cell = maps[u.block].box.lower + u.cell;
-      const rigid::Vec3 arm = nearest_arm(domain, bodies.position[row], cell);
-      const rigid::Vec3 v = bodies.velocity_at(row, arm);
+      const rigid::Vec3 v = set->velocity_at(row, nearest_arm(domain, set->position[row], cell));
       for (int d = 0; d < 3; ++d) j[d] = v[d] - 0.5 * force[d];
     }
     for (int i = 0; i < lbm::directions; ++i) {
@@ -247,8 +247,8 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
 }
 
 template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, Refill);
+                     const rigid::BodySet&, const rigid::BodySet&, Refill);
 template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, Refill);
+                     const rigid::BodySet&, const rigid::BodySet&, Refill);
 
 }  // namespace silt::coupler

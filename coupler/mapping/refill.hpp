@@ -31,8 +31,10 @@ rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::In
 
 /// `equilibrium` (the paper): mean density of the neighbours, the body's velocity at the cell. `grad`: also
 /// their mean non-equilibrium momentum flux, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Collective over the
-/// ranks of neighbouring blocks.
+/// ranks of neighbouring blocks. The fluid that takes the place of a body which has gone moves as it did;
+/// where no neighbour was fluid it has the reference density.
 template <class T>
-void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&, Refill);
+void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
+            const rigid::BodySet& gone, Refill);
 
 }  // namespace silt::coupler

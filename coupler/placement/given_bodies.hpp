@@ -8,6 +8,7 @@
 
 namespace silt::coupler {
 
+/// Or one that is there already when others come.
 struct GivenBody {
   rigid::BodyId id;
   BodySpec spec;

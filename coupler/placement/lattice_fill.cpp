@@ -41,11 +41,11 @@ std::vector<std::int64_t> sites_met(const Lattice& lattice, int axis, const lbm:
 
 }  // namespace
 
-std::vector<FilledBody> fill_sites(const Case& scene, std::size_t index, double radius,
+std::vector<FilledBody> fill_sites(const Case& scene, FillApplication application, double radius,
                                    const Lattice& lattice, const Surroundings& around,
                                    const Obstacles& obstacles) {
-  const FillSpec& fill = scene.fills[index];
-  const std::uint64_t stream = mixed(fill.seed) ^ mixed(~index);
+  const FillSpec& fill = scene.fills[application.fill];
+  const std::uint64_t stream = mixed(fill.seed) ^ mixed(~application.stream());
   std::vector<FilledBody> bodies;
   const auto look_at = [&](int block, const Lattice::Index& i) {
     const Vec3 site = lattice.site(i);

@@ -12,7 +12,7 @@ namespace silt::coupler {
 
 /// Returns bodies on the free sites that lie here, each moved by at most the fill's shift in any direction,
 /// in the order of their numbers, which are those of the sites. Adds nothing to the obstacles.
-std::vector<FilledBody> fill_sites(const Case&, std::size_t fill, double radius, const Lattice&,
+std::vector<FilledBody> fill_sites(const Case&, FillApplication, double radius, const Lattice&,
                                    const Surroundings&, const Obstacles&);
 
 /// Collective. Adds bodies placed here, and those that others placed near, to the obstacles.

@@ -1,5 +1,5 @@
 #pragma once
-// Do two bodies overlap? For scenes before step 1: errs to the side of "no", so that no legal scene is
+// Do two bodies overlap? For where bodies are placed: errs to the side of "no", so that no legal scene is
 // refused.
 #include <vector>
 

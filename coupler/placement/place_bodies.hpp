@@ -2,8 +2,7 @@
 // The bodies of a case at the start, on the ranks where they will live.
 #include <vector>
 
-#include "coupler/case/body_spec.hpp"
-#include "coupler/placement/filled_body.hpp"
+#include "coupler/placement/apply_fills.hpp"
 #include "coupler/placement/given_bodies.hpp"
 
 namespace silt::coupler {
@@ -19,21 +18,12 @@ class PlacedBodies {
   template <class F>
   void for_each(F&& f) const {
     for (const GivenBody& body : given) f(body.id, body.spec);
-    for (const Filled& fill : filled)
-      for (std::size_t i = 0; i < fill.bodies.size(); ++i) f(fill.first_id + fill.places[i], fill.spec(i));
+    for (const AppliedFill& fill : filled) fill.for_each(f);
   }
 
-  struct Filled {  // by one fill
-    BodySpec alike;
-    rigid::Vec3 centre_of_mass;  // of the shape as the case gives it
-    rigid::BodyId first_id;
-    std::uint64_t total = 0;  // of all ranks
-    std::vector<FilledBody> bodies;
-    std::vector<std::uint64_t> places;  // of each among all of this fill
-    BodySpec spec(std::size_t i) const;
-  };
   std::vector<GivenBody> given;
-  std::vector<Filled> filled;  // in the order of the case
+  std::vector<AppliedFill> filled;  // in the order of the case
+  rigid::BodyId next_id = 1;        // that no body of any rank has
 };
 
 /// Collective. The same bodies, to the bit, on any number of ranks and for any blocks. Each body of a fill is

@@ -41,20 +41,19 @@ struct Decided {
 
 class RandomFill {
  public:
-  RandomFill(const Case& scene, std::size_t fill, double radius, const BoundingBox& room,
+  RandomFill(const Case& scene, FillApplication application, double radius, const BoundingBox& room,
              Surroundings& around, Obstacles& obstacles)
       : scene_(scene),
-        index_(fill),
-        spec_(scene.fills[fill]),
+        application_(application),
+        spec_(scene.fills[application.fill]),
         radius_(radius),
         distance_(2 * radius + spec_.gap),
         around_(around),
         obstacles_(obstacles),
-        rain_(room, spec_.seed, fill,
+        rain_(room, spec_.seed, application.stream(),
               std::min(static_cast<double>(spec_.count) / bodies_a_cell, Rain::most_cells / 2)) {}
 
-  std::vector<FilledBody> bodies();
-  std::uint64_t range() const { return rain_.range(); }
+  RandomlyFilled bodies();
 
  private:
   struct Tally {
@@ -75,7 +74,7 @@ class RandomFill {
   [[noreturn]] void refuse(std::uint64_t placed) const;
 
   const Case& scene_;
-  const std::size_t index_;
+  const FillApplication application_;
   const FillSpec& spec_;
   const double radius_, distance_;  // least one of two centres
   Surroundings& around_;
@@ -87,7 +86,7 @@ class RandomFill {
   std::vector<FilledBody> placed_;
 };
 
-std::vector<FilledBody> RandomFill::bodies() {
+RandomlyFilled RandomFill::bodies() {
   std::uint64_t missing = spec_.count, round = 0, rounds = bodies_a_cell;
   for (;;) {
     let_fall(round, rounds);
@@ -96,16 +95,16 @@ std::vector<FilledBody> RandomFill::bodies() {
     const Tally all = tally();
     const bool enough = all.stay >= missing;
     keep(enough ? time_of_last(missing) : std::numeric_limits<std::uint64_t>::max());
-    if (enough) break;
-    missing -= all.stay;
+    missing -= enough ? missing : all.stay;
     round += rounds;
-    if (static_cast<double>(all.fallen) >= points_a_body * static_cast<double>(all.stay + 1) ||
-        round >= Rain::most_rounds)
-      refuse(spec_.count - missing);
+    const bool full = static_cast<double>(all.fallen) >= points_a_body * static_cast<double>(all.stay + 1) ||
+                      round >= Rain::most_rounds;
+    if (!enough && full && application_.is_first()) refuse(spec_.count - missing);
+    if (enough || full) break;
     rounds = std::min(next_rounds(rounds, all, missing), Rain::most_rounds - round);
   }
   std::sort(placed_.begin(), placed_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
-  return std::move(placed_);
+  return {std::move(placed_), rain_.range(), spec_.count - missing};
 }
 
 /// As many as the last ones suggest are needed; of a full box not too many at a time.
@@ -276,21 +275,18 @@ void RandomFill::refuse(std::uint64_t placed) const {
   const double ball = 4. / 3 * std::numbers::pi * std::pow(radius_ + spec_.gap / 2, 3);
   const double share = static_cast<double>(spec_.count) * ball / (spec_.upper - spec_.lower).prod();
   throw CaseError(
-      scene_.place(fmt::format("fill[{}].count", index_)),
+      scene_.place(fmt::format("fill[{}].count", application_.fill)),
       fmt::format("fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
                   "would take {:.0f} % of the box, and random places run out near 35 % of what other "
                   "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
-                  index_, spec_.count, placed, 100 * share));
+                  application_.fill, spec_.count, placed, 100 * share));
 }
 
 }  // namespace
 
-std::vector<FilledBody> fill_at_random(const Case& scene, std::size_t fill, double radius,
-                                       const BoundingBox& room, Surroundings& around, Obstacles& obstacles,
-                                       std::uint64_t& range) {
-  RandomFill random(scene, fill, radius, room, around, obstacles);
-  range = random.range();
-  return random.bodies();
+RandomlyFilled fill_at_random(const Case& scene, FillApplication application, double radius,
+                              const BoundingBox& room, Surroundings& around, Obstacles& obstacles) {
+  return RandomFill(scene, application, radius, room, around, obstacles).bodies();
 }
 
 }  // namespace silt::coupler

@@ -11,18 +11,22 @@
 #include <cstddef>
 #include <vector>
 
+#include "coupler/case/fill_application.hpp"
 #include "coupler/placement/filled_body.hpp"
 #include "coupler/placement/obstacles.hpp"
 #include "coupler/placement/surroundings.hpp"
 
 namespace silt::coupler {
 
-/// Collective. Places the bodies of a fill, of a bounding radius, in the room for their centres; returns
-/// those that lie here in the order of their numbers, which are below `range`. Balls of this radius have been
-/// begun in the obstacles, to which it adds those placed here and near. CaseError on every rank if they do
-/// not fit.
-std::vector<FilledBody> fill_at_random(const Case&, std::size_t fill, double radius,
-                                       const rigid::BoundingBox& room, Surroundings&, Obstacles&,
-                                       std::uint64_t& range);
+struct RandomlyFilled {
+  std::vector<FilledBody> bodies;  // that lie here, in the order of their numbers
+  std::uint64_t range, total;      // numbers are below; how many there are on all ranks
+};
+
+/// Collective. Places the bodies of a fill, of a bounding radius, in the room for their centres. Balls of
+/// this radius have been begun in the obstacles, to which it adds those placed here and near. If they do not
+/// all fit: CaseError on every rank at the first application; at a later one there are fewer.
+RandomlyFilled fill_at_random(const Case&, FillApplication, double radius, const rigid::BoundingBox& room,
+                              Surroundings&, Obstacles&);
 
 }  // namespace silt::coupler

@@ -1,5 +1,5 @@
 #pragma once
-// A rank before there are bodies: its part of the domain, and the ranks about it.
+// A rank that places bodies: its part of the domain, and the ranks about it.
 #include "coupler/exchange/holders.hpp"
 #include "coupler/exchange/messages.hpp"
 #include "rigid/bodies/body_exchange.hpp"

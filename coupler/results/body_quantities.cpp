@@ -206,10 +206,14 @@ double drift(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 double displacement(const Simulation& simulation, const QuantitySpec& q) {
-  std::vector<double> along(simulation.bodies().owned, 0);
-  for_each_displacement(simulation, q,
-                        [&](std::size_t row, const Vec3& moved) { along[row] = moved[q.axis]; });
-  return mean_over(simulation, q, [&](std::size_t row) { return along[row]; });
+  using Terms = std::array<double, 2>;  // the displacement, and 1 of a body that was there at the start
+  std::vector<Terms> terms(simulation.bodies().owned, Terms{});
+  for_each_displacement(simulation, q, [&](std::size_t row, const Vec3& moved) {
+    terms[row] = {moved[q.axis], 1};
+  });
+  const auto [sum, count] = sums_over<2>(simulation.scene().comm, simulation.bodies(), q,
+                                         [&](std::size_t row) { return terms[row]; });
+  return count > 0 ? sum / count : no_value;
 }
 
 double mean_velocity(const Simulation& simulation, const QuantitySpec& q) {
@@ -263,6 +267,17 @@ void keep_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const
 double energy_change(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
   const double start = start_of(simulation, q, history, keep_energy)[0];
   return relative(totals_now(simulation, q).energy - start, start);
+}
+
+double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
+  const BodySet& bodies = simulation.bodies();
+  std::uint64_t inside = 0;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const auto x = bodies.position[row].array();
+    inside += q.is_about(bodies.kind[row]) && (x >= q.lower.array()).all() && (x <= q.upper.array()).all();
+  }
+  sum_over_ranks(simulation.scene().comm, std::span(&inside, 1));
+  return static_cast<double>(inside);
 }
 
 double packing_fraction(const Simulation& simulation, const QuantitySpec& q) {
@@ -399,6 +414,17 @@ bool add_moment(const Simulation& simulation, const QuantitySpec& q, const Quant
       },
       moment);
   return true;
+}
+
+void observe_outflow(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
+  const double now = static_cast<double>(simulation.steps_done());
+  if (start[0] == not_yet && now >= q.time) start = {static_cast<double>(simulation.counters().left), now};
+}
+
+double outflow_rate(const Simulation& simulation, const QuantitySpec&, const QuantityHistory& start) {
+  const double duration = static_cast<double>(simulation.steps_done()) - start[1];
+  if (start[0] == not_yet || duration == 0) return no_value;
+  return (static_cast<double>(simulation.counters().left) - start[0]) / duration;
 }
 
 /// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the

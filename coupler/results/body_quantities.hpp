@@ -56,6 +56,10 @@ template <>
 inline constexpr Computation computation<"energy-change"> = {
     nullptr, energy_change, {8, add_totals_at_start, keep_energy}};
 
+double bodies_in_box(const Simulation&, const QuantitySpec&);
+template <>
+inline constexpr Computation computation<"body-count"> = at_end<bodies_in_box>;
+
 double packing_fraction(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"packing-fraction"> = at_end<packing_fraction>;
@@ -95,6 +99,11 @@ double discharge_rate(const Simulation&, const QuantitySpec&, const QuantityHist
 template <>
 inline constexpr Computation computation<"discharge-rate"> = {
     nullptr, discharge_rate, {1, add_mass_below, keep_first_mass}};
+
+void observe_outflow(const Simulation&, const QuantitySpec&, QuantityHistory& number_and_step);
+double outflow_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
+template <>
+inline constexpr Computation computation<"outflow-rate"> = {observe_outflow, outflow_rate};
 
 void observe_rebound(const Simulation&, const QuantitySpec&, QuantityHistory& against_and_along);
 double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory&);

@@ -57,6 +57,8 @@ rigid::FixedSum read_sum(const CheckpointReader& reader, const std::string& name
   return (rigid::FixedSum(reader.integer(name + ".high")) << 64) | low;
 }
 
+constexpr const char* brought_names[3] = {"momentum_brought_x", "momentum_brought_y", "momentum_brought_z"};
+
 std::string history_name(const QuantitySpec& q, std::size_t k) {
   return fmt::format("quantity.{}#{}", q.name, k);
 }
@@ -155,6 +157,9 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   writer.set("files", joined_lines(scene.files));
   visit_counters(counters, Write{writer});
   visit_balance(simulation.initial_balance(), Write{writer});
+  writer.set("next_id", static_cast<std::int64_t>(simulation.next_id()));
+  const rigid::FixedVec3 brought = simulation.momentum_brought();
+  for (int d = 0; d < 3; ++d) write_sum(writer, brought_names[d], brought.q[d]);
   writer.set("fluid_speed", simulation.fluid_speed());
   for (std::size_t i = 0; i < history.size(); ++i)
     for (std::size_t k = 0; k < history[i].size(); ++k)
@@ -188,6 +193,8 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
     reader.refuse(fmt::format("it is of step {}, by its name of step {}", state.step, named));
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
+  state.next_id = static_cast<rigid::BodyId>(reader.integer("next_id"));
+  for (int d = 0; d < 3; ++d) state.momentum_brought.q[d] = read_sum(reader, brought_names[d]);
   state.fluid_speed = reader.number("fluid_speed");
   auto bodies = reader.bodies(coupling_columns);
   try {

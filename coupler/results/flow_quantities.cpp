@@ -143,7 +143,7 @@ double dissipation(const Simulation& simulation) {
 }
 
 double superficial_velocity(const Simulation& simulation, const QuantitySpec& q) {
-  const double bodies = simulation.scene().body_count > 0 ? mean_velocity(simulation, q) : 0;
+  const double bodies = simulation.body_count() > 0 ? mean_velocity(simulation, q) : 0;
   return superficial_velocity(simulation, q.axis, bodies);
 }
 

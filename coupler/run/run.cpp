@@ -147,7 +147,7 @@ bool Run::due(const SeriesSpec& series) const {
 
 void Run::start_outputs() {
   const OutputSpec& output = setup().output;
-  if (output.bodies.every > 0 && simulation_.scene().body_count > 0)
+  if (output.bodies.every > 0 && setup().has_bodies())
     body_output_ = std::make_unique<BodyOutput>(simulation_, folder_, provenance_, resumed_);
   if (resumed_) return;
   quantities_.observe(simulation_);

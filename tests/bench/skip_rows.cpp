@@ -9,6 +9,7 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "coupler/guard.hpp"
+#include "coupler/mapping/body_changes.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
@@ -49,7 +50,7 @@ struct Passes {
   explicit Passes(const SceneText& text) : simulation(simulation_of(text)) {}
   /// With what is on the lattice: looks whether it moved, and begins its sums.
   void flow() {
-    if (scene.bodies.size()) scene.flow->map_bodies(scene.bodies);
+    if (scene.bodies.size()) scene.flow->map_bodies(scene.bodies, no_changes);
     scene.flow->stream_collide(clock);
     scene.flow->communicate();
   }
@@ -67,6 +68,7 @@ struct Passes {
   Simulation simulation;
   coupler::Scene& scene = simulation.scene();
   coupler::StepClock clock;
+  const coupler::BodyChanges no_changes;
 };
 
 Steps repeated(std::function<void()> step) {

@@ -51,6 +51,20 @@ TEST(CaseCheck, WarnsOfHighSpeedsAndSmallBodies) {
   EXPECT_EQ(warnings(c), "");
 }
 
+TEST(CaseCheck, WarnsOfBodiesThatDoNotComeOrGo) {
+  CaseText c;
+  const std::string fixed = c.bodies + "motion = \"fixed\"\n";
+  c.bodies = fill_of("ball", 1.2, 2, "every = 100\nbox = [[0, 0, 16], [32, 32, 32]]");
+  EXPECT_TRUE(contains(warnings(c), "fill[0].every is 100, of 100 steps in all: bodies come")) << warnings(c);
+  c.bodies = fill_of("ball", 1.2, 2, "every = 10\nuntil = 9\nbox = [[0, 0, 16], [32, 32, 32]]");
+  EXPECT_TRUE(contains(warnings(c), "and before `until`: bodies come at the start only")) << warnings(c);
+  c.bodies = fill_of("ball", 1.2, 2, "every = 10\nuntil = 10\nbox = [[0, 0, 16], [32, 32, 32]]");
+  EXPECT_EQ(warnings(c), "");
+  c.bodies = fixed;
+  c.rest = "[[outflow]]\nbox = [[0, 0, 0], [32, 32, 4]]\n";
+  EXPECT_TRUE(contains(warnings(c), "the case has no free bodies, and no others leave")) << warnings(c);
+}
+
 TEST(CaseCheck, WarnsOfEndlessFall) {
   CaseText c;
   c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"periodic\"\n";

@@ -101,6 +101,7 @@ walls = [{ type = "tube" }]
 shapes = []
 bodies = [{ axis_angle = {} }]
 fill = [{}]
+outflow = [{}]
 run.steady = {}
 run.balance = {}
 output = { fields = {}, bodies = {}, checkpoint = {}, report = {} }

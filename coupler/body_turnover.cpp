@@ -1,0 +1,99 @@
+#include "coupler/body_turnover.hpp"
+
+#include <algorithm>
+
+#include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/forces/covered_momentum.hpp"
+#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_arrivals.hpp"
+#include "coupler/scene.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Vec3;
+
+bool is_in(const OutflowSpec& outflow, const Vec3& x) {
+  return (x.array() >= outflow.lower.array()).all() && (x.array() <= outflow.upper.array()).all();
+}
+
+bool is_beyond_a_side(const Scene& scene, const Vec3& x, double radius) {
+  const auto& boundary = scene.setup.boundary;
+  for (int d = 0; d < 3; ++d) {
+    if (boundary[2 * d].lets_bodies_pass() && x[d] + radius < 0) return true;
+    if (boundary[2 * d + 1].lets_bodies_pass() && x[d] - radius > scene.setup.cells[d]) return true;
+  }
+  return false;
+}
+
+std::vector<std::size_t> rows_that_leave(const Scene& scene) {
+  const rigid::BodySet& bodies = scene.bodies;
+  const auto& outflows = scene.setup.outflows;
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < bodies.owned + bodies.copies; ++row) {
+    const Vec3& x = bodies.position[row];
+    if (!bodies.is_free(row)) continue;
+    if (std::any_of(outflows.begin(), outflows.end(), [&](const OutflowSpec& o) { return is_in(o, x); }) ||
+        is_beyond_a_side(scene, x, scene.world.bounding_radii[bodies.shape[row]]))
+      rows.push_back(row);
+  }
+  return rows;
+}
+
+/// With what the fluid still has to give it or to get from it.
+Vec3 momentum_of(const rigid::BodySet& bodies, std::size_t row) {
+  return bodies.mass[row] * bodies.velocity[row] + impulse_debt(bodies, row) + pending_impact(bodies, row);
+}
+
+}  // namespace
+
+BodyTurnover::BodyTurnover(const Scene& scene, rigid::BodyId next_id, const rigid::FixedVec3& brought)
+    : next_id_(next_id), expected_(scene.bodies), brought_(brought) {}
+
+BodyChanges BodyTurnover::before_step(Scene& scene, std::int64_t steps_done, RunCounters& counters) {
+  BodyChanges changes;
+  if (scene.setup.bodies_leave()) let_leave(scene, changes, counters);
+  if (scene.setup.bodies_come()) let_come(scene, steps_done, changes, counters);
+  return changes;
+}
+
+void BodyTurnover::let_leave(Scene& scene, BodyChanges& changes, RunCounters& counters) {
+  const rigid::BodySet& bodies = scene.bodies;
+  const std::vector<std::size_t> rows = rows_that_leave(scene);
+  if (rows.empty()) return;
+  for (const std::size_t row : rows) {
+    changes.gone.add(bodies.record(row));
+    if (row >= bodies.owned) continue;
+    ++counters.left;
+    expected_.leave(bodies.id[row]);
+    brought_.add(-momentum_of(bodies, row));
+  }
+  changes.gone.reindex();
+  scene.exchange->take_out(scene.bodies, rows);
+}
+
+void BodyTurnover::let_come(Scene& scene, std::int64_t steps_done, BodyChanges& changes,
+                            RunCounters& counters) {
+  const auto due = fills_due(scene.setup, steps_done);
+  if (due.empty()) return;
+  changes.first_new = next_id_;
+  const auto arrivals = place_arrivals(scene.setup, due, scene.domain, scene.comm, scene.bodies, next_id_);
+  changes.end_new = next_id_;
+  const auto shapes = centred_shapes(scene.setup);
+  rigid::BodySet& bodies = scene.bodies;
+  for (const AppliedFill& fill : arrivals) {
+    expected_.come(fill.first_id, fill.total, scene.rank, scene.ranks);
+    if (scene.rank == 0) counters.arrived += fill.total, counters.refused += fill.refused;
+    fill.for_each([&](rigid::BodyId id, const BodySpec& body) {
+      const std::size_t row = bodies.owned++;
+      bodies.insert(row, {});
+      scene.set_placed(row, id, body, shapes[body.shape]);
+      brought_.add(momentum_of(bodies, row));
+    });
+  }
+  bodies.reindex();
+  scene.exchange->update_copies(bodies);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,41 @@
+#pragma once
+// Bodies come and go while a run goes on, always before a step: so everything between steps, files and cuts
+// of the domain too, is of one set of bodies.
+//
+// Free bodies leave when their centre of mass is in the box of an [[outflow]], or their bounding sphere is
+// wholly beyond a side of the domain that lets bodies pass. That is told from the pose alone, which all
+// holders of a body know: they drop it without a word. Bodies come where a [[fill]] is applied again; a step
+// in which none is has nothing to do with it. The first id that nobody has had is known to all ranks, and
+// grows by what all have placed. Lattice units.
+#include "coupler/exchange/check_exchange.hpp"
+#include "coupler/mapping/body_changes.hpp"
+#include "coupler/run_counters.hpp"
+
+namespace silt::coupler {
+
+struct Scene;
+
+class BodyTurnover {
+ public:
+  /// next_id: the first that no body has had. brought: of a run that goes on, on one rank.
+  BodyTurnover(const Scene&, rigid::BodyId next_id, const rigid::FixedVec3& brought = {});
+
+  /// Lets bodies leave, then others come, before the step that follows so many. Collective where a fill is
+  /// applied, else local; every rank does so alike.
+  BodyChanges before_step(Scene&, std::int64_t steps_done, RunCounters&);
+
+  rigid::BodyId next_id() const { return next_id_; }
+  const ExpectedBodies& expected() const { return expected_; }
+  /// Momentum of the free bodies that came less that of those that left; of this rank.
+  const rigid::FixedVec3& momentum_brought() const { return brought_; }
+
+ private:
+  void let_leave(Scene&, BodyChanges&, RunCounters&);
+  void let_come(Scene&, std::int64_t steps_done, BodyChanges&, RunCounters&);
+
+  rigid::BodyId next_id_;
+  ExpectedBodies expected_;
+  rigid::FixedVec3 brought_;
+};
+
+}  // namespace silt::coupler
