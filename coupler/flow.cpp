@@ -140,7 +140,7 @@ class FlowOf final : public Flow {
     return flow_totals<T>(fluid_, map_.blocks());
   }
   std::uint64_t hash() const override { return hash_fluid<T>(fluid_, map_.blocks()); }
-  Vec3 side_force(int axis, bool upper) const override {
+  std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
     return coupler::side_force<T>(fluid_, map_.blocks(), axis, upper);
   }
   rigid::FixedVec3 momentum_brought() const override {
@@ -148,18 +148,8 @@ class FlowOf final : public Flow {
     all.add(forces_.debts_begun());
     return all;
   }
-  Load wall_load(std::size_t wall) const override {
-    if (!stepped_) return {};
-    const auto mine = forces_.wall_load(wall);
-    std::array<rigid::FixedSum, 6> sums;
-    std::copy(mine.begin(), mine.end(), sums.begin());
-    sum_over_ranks(fluid_.comm(), sums);
-    Load load;
-    for (int d = 0; d < 3; ++d) {
-      load.force[d] = double(sums[d]) * lbm::link_quantum;
-      load.torque[d] = double(sums[3 + d]) * lbm::link_quantum;
-    }
-    return load;
+  std::array<std::int64_t, 6> wall_load(std::size_t wall) const override {
+    return stepped_ ? forces_.wall_load(wall) : std::array<std::int64_t, 6>{};
   }
 
  private:

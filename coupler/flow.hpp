@@ -82,11 +82,11 @@ class Flow {
   virtual FlowTotals totals() const = 0;  // collective; ForceOutOfRange as of stream_collide
   /// hash_fluid of this rank (state_hash.hpp).
   virtual std::uint64_t hash() const = 0;
-  /// Force of the fluid on a side of the domain in the last step: 0 where it is not a wall. Collective.
-  virtual rigid::Vec3 side_force(int axis, bool upper) const = 0;
-  /// Force and torque of the fluid on a wall in the last step (`wall` counts the walls' rows), the torque
-  /// about its position. Collective, in fixed point. Zero before the first step.
-  virtual Load wall_load(std::size_t wall) const = 0;
+  /// side_force of this rank (side_force.hpp).
+  virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
+  /// This rank's share of the force and torque of the fluid on a wall in the last step (`wall` counts the
+  /// walls' rows), the torque about its position, in lbm::link_quantum. Zero before the first step.
+  virtual std::array<std::int64_t, 6> wall_load(std::size_t wall) const = 0;
   /// What bodies that came and went did to the momentum of the fluid and the impulse debts, of this rank, in
   /// all steps since the flow was made: the fluid they took the place of, and that which took theirs.
   virtual rigid::FixedVec3 momentum_brought() const = 0;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/mapping/for_cells.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/cut_links.hpp"
@@ -27,10 +26,11 @@ int reversing_axis(const lbm::Domain& domain, Int3 g) {
 }  // namespace
 
 template <class T>
-rigid::Vec3 side_force(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps, int axis, bool upper) {
+std::array<rigid::FixedSum, 3> side_force(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
+                                          int axis, bool upper) {
   const lbm::Domain& domain = fluid.domain();
   const int last = domain.cells()[axis] - 1, outward = upper ? 1 : -1;
-  rigid::FixedSum sums[3] = {};  // in lbm::link_quantum
+  std::array<rigid::FixedSum, 3> sums{};
   const auto add_links = [&](int b, Int3 x) {
     for (int i = 1; i < lbm::directions; ++i) {
       const Int3 c = lbm::c[i];
@@ -50,11 +50,12 @@ rigid::Vec3 side_force(const lbm::Fluid<T>& fluid, std::span<const BlockMap> map
       if (!maps[b].solid.test(x)) add_links(b, x);
     });
   }
-  sum_over_ranks(fluid.comm(), sums);
-  return rigid::Vec3(double(sums[0]), double(sums[1]), double(sums[2])) * lbm::link_quantum;
+  return sums;
 }
 
-template rigid::Vec3 side_force(const lbm::Fluid<float>&, std::span<const BlockMap>, int, bool);
-template rigid::Vec3 side_force(const lbm::Fluid<double>&, std::span<const BlockMap>, int, bool);
+template std::array<rigid::FixedSum, 3> side_force(const lbm::Fluid<float>&, std::span<const BlockMap>, int,
+                                                   bool);
+template std::array<rigid::FixedSum, 3> side_force(const lbm::Fluid<double>&, std::span<const BlockMap>, int,
+                                                   bool);
 
 }  // namespace silt::coupler

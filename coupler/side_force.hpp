@@ -1,8 +1,9 @@
 #pragma once
 // The force of the fluid on a side of the domain, by momentum exchange over the links across it.
+#include <array>
 #include <span>
 
-#include "rigid/math/types.hpp"
+#include "rigid/math/fixed_point.hpp"
 
 namespace silt::lbm {
 template <class T>
@@ -13,10 +14,11 @@ namespace silt::coupler {
 
 struct BlockMap;
 
-/// The force in the last step, lattice units: the sum of c (f out + f back) over the links across the upper
-/// or lower side of an axis (README.md, equation 1). It is 0 where that is not a wall. Collective; summed in
-/// fixed point.
+/// This rank's share of the force in the last step, in lbm::link_quantum: the sum of c (f out + f back) over
+/// its links across the upper or lower side of an axis (README.md, equation 1). It is 0 where that is not a
+/// wall.
 template <class T>
-rigid::Vec3 side_force(const lbm::Fluid<T>&, std::span<const BlockMap>, int axis, bool upper);
+std::array<rigid::FixedSum, 3> side_force(const lbm::Fluid<T>&, std::span<const BlockMap>, int axis,
+                                          bool upper);
 
 }  // namespace silt::coupler

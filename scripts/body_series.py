@@ -10,6 +10,9 @@
     series.meshes[kind]                         the surfaces of a kind's convex parts (body_shapes.Mesh)
 An append that was cut off by a killed run is left out.
 """
+import io
+import pathlib
+
 import h5py
 import numpy as np
 
@@ -30,9 +33,25 @@ def read_meshes(kinds, count):
     return meshes
 
 
+PAGE = 4096
+
+
+def whole_file(path):
+    """Returns what h5py opens: the path, or, where a run was killed as it ended an append, the file's content with the
+    pages that the journal keeps for it (adapters/hdf5/journal.hpp)."""
+    journal = pathlib.Path(f"{path}.journal")
+    if not journal.exists():
+        return path
+    pages, data = journal.read_bytes(), bytearray(pathlib.Path(path).read_bytes())
+    for at in range(8, len(pages), 8 + PAGE):
+        first = int.from_bytes(pages[at:at + 8], "little") * PAGE
+        data[first:first + PAGE] = pages[at + 8:at + 8 + PAGE]
+    return io.BytesIO(data)
+
+
 class BodySeries:
     def __init__(self, path):
-        with h5py.File(path, "r") as f:
+        with h5py.File(whole_file(path), "r") as f:
             times = min(len(f[name]) for name in ("time", "step", "offset", "count"))
             offset, count = f["offset"][:times].astype(int), f["count"][:times].astype(int)
             rows = min(len(f["bodies"][name]) for name in COLUMNS)

@@ -142,7 +142,7 @@ BodySeries BodySeries::create(MPI_Comm comm, const std::filesystem::path& path, 
 BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::path& path, std::int64_t step) {
   BodySeries series(comm, path);
   on_rank_0(comm, [&] {
-    File file = File::open(path, true);
+    File file = File::open_journaled(path);
     auto table = whole_times(file);
     while (!table.empty() && table.back().step > step) table.pop_back();
     series.times_ = table.size();
@@ -174,10 +174,9 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
   const hdf5::SliceExchange slices(comm_, order.total, order.places);
   std::optional<File> file;  // on rank 0
   on_rank_0(comm_, [&] {
+    file.emplace(File::open_journaled(path_));
     hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(order.total));
-    file.emplace(File::open(path_, true));
   });
-  // Rows first and on their way to the file, then the time that makes them count.
   for (const Column& c : body_columns()) {
     Handle data;
     on_rank_0(comm_, [&] {
@@ -194,7 +193,6 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
     });
   }
   on_rank_0(comm_, [&] {
-    file->flush();
     append_time(*file, {time, step, rows_, order.total}, times_);
     file->close();
     ++times_;

@@ -41,9 +41,10 @@ struct BodySeriesInfo {
 };
 
 /// BodySeries is the open series. Every call is collective. The file is closed between appends, so it can be
-/// read while the run goes on and a killed run leaves a readable file; an append that was cut off is dropped
-/// by open_for_append (and by scripts/body_series.py). Errors are std::runtime_error on every rank, naming
-/// the file and the reason.
+/// read while the run goes on, and an append comes whole or not at all, whenever the run is killed
+/// (journal.hpp; one killed at the very end leaves FILE.journal, which open_for_append and
+/// scripts/body_series.py see to). Errors are std::runtime_error on every rank, naming the file and the
+/// reason.
 class BodySeries {
  public:
   /// Starts an empty series; replaces a file of that name.

@@ -211,7 +211,11 @@ void read_columns(const File& file, const std::string& group, const std::vector<
 }
 
 std::uint64_t rows_in(const File& file, const std::string& group, const Column& c) {
-  return file.shape(file.dataset(group + '/' + c.name))[0];
+  const auto shape = file.shape(file.dataset(group + '/' + c.name));
+  if (shape.size() != (c.components > 1 ? 2 : 1))
+    throw Error(file.path().string() + ": " + group + '/' + c.name +
+                " has another shape than this version writes");
+  return shape[0];
 }
 
 /// The impulses of bodies that have so many, from row `first` on.
@@ -237,12 +241,37 @@ std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const File& file,
   return lists;
 }
 
+/// Of a slice of the bodies that begins at row `first`.
+void require_rising_ids(const File& file, const std::vector<rigid::BodyRecord>& records,
+                        std::uint64_t first) {
+  std::uint64_t last = 0;
+  if (first > 0 && !records.empty()) {
+    const Column id = record_columns({})[0];
+    last = as_numbers(read_rows(file, file.dataset(bodies_group + '/' + id.name), id, first - 1, 1))[0];
+  }
+  for (const rigid::BodyRecord& r : records) {
+    if (r.id <= last)
+      throw Error(file.path().string() + ": body " + std::to_string(r.id) + " comes after body " +
+                  std::to_string(last) + "; ids must rise, each once");
+    last = r.id;
+  }
+}
+
+/// The sum of the bodies' numbers of impulses; no part of it may be more than there are.
+std::uint64_t sum_of_counts(const std::vector<std::uint64_t>& counts, std::uint64_t there, const Path& path) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : counts) {
+    if (n > there - sum) throw Error(path.string() + ": bodies and impulses do not fit together");
+    sum += n;
+  }
+  return sum;
+}
+
 }  // namespace
 
 CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
                                           std::span<const HolderColumn> holder) {
   CheckpointReader::Bodies found;
-  if (!file.exists(bodies_group)) return found;
   int rank = 0, ranks = 1;
   MPI_Comm_rank(comm, &rank);
   MPI_Comm_size(comm, &ranks);
@@ -259,7 +288,8 @@ CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
                  });
     read_columns(file, bodies_group, {impulse_count_column()}, total, first[0], n[0],
                  [&](const Column&, const auto& values) { counts = as_numbers(values); });
-    n[1] = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    require_rising_ids(file, found.records, first[0]);
+    n[1] = sum_of_counts(counts, rows_in(file, impulses_group, impulse_columns()[0]), file.path());
   });
   MPI_Exscan(&n[1], &first[1], 1, MPI_UINT64_T, MPI_SUM, comm);
   MPI_Allreduce(&n[1], &all, 1, MPI_UINT64_T, MPI_SUM, comm);

@@ -90,6 +90,11 @@ class CheckpointReader {
   CheckpointReader(MPI_Comm, const std::filesystem::path&);
   ~CheckpointReader();
 
+  /// Throws what the file cannot be used for, and which one can be.
+  [[noreturn]] void refuse(const std::string& what) const;
+  const std::filesystem::path& path() const;
+  MPI_Comm comm() const;
+
   bool has(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;

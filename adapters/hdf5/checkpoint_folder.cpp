@@ -35,7 +35,8 @@ std::vector<CheckpointName> list_checkpoints(const std::filesystem::path& folder
   std::vector<CheckpointName> found;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (const auto step = checkpoint_step(entry.path())) found.push_back({*step, entry.path()});
+    if (const auto step = checkpoint_step(entry.path()); step && entry.is_regular_file(error))
+      found.push_back({*step, entry.path()});
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.step > b.step; });
   return found;
 }

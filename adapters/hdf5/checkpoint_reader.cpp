@@ -71,6 +71,17 @@ CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& p
 
 CheckpointReader::~CheckpointReader() = default;
 
+void CheckpointReader::refuse(const std::string& what) const {
+  throw hdf5::Error(with_advice(state_->path, state_->path.string() + ": " + what));
+}
+
+const std::filesystem::path& CheckpointReader::path() const {
+  return state_->path;
+}
+MPI_Comm CheckpointReader::comm() const {
+  return state_->comm;
+}
+
 bool CheckpointReader::has(const std::string& name) const {
   return state_->file->has_attribute(state_->group("/state"), name);
 }
@@ -102,6 +113,7 @@ bool CheckpointReader::has_cells(const std::string& name) const {
 
 std::array<int, 3> CheckpointReader::lattice(const std::string& name) const {
   const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
+  if (shape.size() != 3 && shape.size() != 4) refuse("/cells/" + name + " is no field of cells");
   const std::size_t z = shape.size() - 3;
   return {int(shape[z + 2]), int(shape[z + 1]), int(shape[z])};
 }
@@ -149,11 +161,16 @@ template void CheckpointReader::cells(
     const std::function<void(int, std::size_t, const std::uint8_t*)>&) const;
 
 std::size_t CheckpointReader::body_count() const {
-  return state_->file->exists("/bodies") ? state_->file->shape(state_->file->dataset("/bodies/id"))[0] : 0;
+  const auto shape = state_->file->shape(state_->file->dataset("/bodies/id"));
+  return shape.empty() ? 0 : shape[0];
 }
 
 CheckpointReader::Bodies CheckpointReader::bodies(std::span<const HolderColumn> holder) const {
-  return hdf5::read_body_tables(state_->comm, *state_->file, holder);
+  try {
+    return hdf5::read_body_tables(state_->comm, *state_->file, holder);
+  } catch (const std::runtime_error& error) {  // on every rank
+    throw hdf5::Error(with_advice(state_->path, error.what()));
+  }
 }
 
 }  // namespace silt::adapters

@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "adapters/hdf5/journal.hpp"
+
 namespace silt::adapters::hdf5 {
 namespace {
 
@@ -30,6 +32,8 @@ std::string innermost_reason() {
   }
   return reason;
 }
+
+constexpr unsigned most_in_header = 65535;  // as many as HDF5 allows
 
 /// Keeps HDF5 from printing anything by itself from now on.
 void quiet() {
@@ -66,7 +70,7 @@ File File::create(const Path& path, Format format) {
   const Handle creation = without_times(H5P_FILE_CREATE, path);
   Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, path,
               "cannot create the file");
-  return File(path, std::move(file), true);
+  return File(path, std::move(file), Writing::own);
 }
 
 File File::open(const Path& path, bool writable) {
@@ -75,10 +79,24 @@ File File::open(const Path& path, bool writable) {
   H5Pset_file_locking(access, false, true);
   std::error_code ignored;
   const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+    throw Error(path.string() + ": is no regular file");
   // HDF5 would take an empty file for a new one.
   if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
+  if (!writable && std::filesystem::exists(journal_of(path), ignored))
+    H5Pset_driver(access, journaled_driver(), nullptr);
   Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path, what);
-  return File(path, std::move(file), writable);
+  return File(path, std::move(file), writable ? Writing::own : Writing::none);
+}
+
+File File::open_journaled(const Path& path) {
+  finish_journal(path);
+  const Handle access = access_list(path);
+  H5Pset_file_locking(access, false, true);
+  H5Pset_driver(access, journaled_driver(), nullptr);
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose, path,
+              "cannot open the file as HDF5 (missing, truncated or altered)");
+  return File(path, std::move(file), Writing::journaled);
 }
 
 File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
@@ -87,19 +105,24 @@ File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
   H5Pset_all_coll_metadata_ops(access, true);
   Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
               "cannot open the file on all ranks");
-  return File(path, std::move(file));
+  return File(path, std::move(file), Writing::shared);
 }
 
 File::~File() {
-  if (own_writing_ && handle_ >= 0 && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0) abandon();
+  if (handle_ < 0) return;
+  if (writing_ == Writing::journaled || (writing_ == Writing::own && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0))
+    abandon();
 }
 
 /// Sends whatever HDF5 still wants to write to this file, after a failed write, to memory that is forgotten.
 /// Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in
 /// MPI_Finalize.
 void File::abandon() const {
+  if (writing_ == Writing::journaled) return abandon_journaled(handle_);
   int* file = nullptr;
-  if (!own_writing_ || H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0) return;
+  if (writing_ != Writing::own ||
+      H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0)
+    return;
   const int memory = memfd_create("abandoned", MFD_CLOEXEC);
   if (memory < 0) return;
   dup2(memory, *file);
@@ -122,6 +145,7 @@ void File::flush() {
 
 void File::close() {
   flush();
+  if (writing_ == Writing::journaled) return commit_journaled(handle_, path_);
   if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
 }
 
@@ -131,6 +155,12 @@ bool File::exists(const std::string& name) const {
 
 Handle File::group(const std::string& name, bool create) {
   const Handle list = without_times(H5P_GROUP_CREATE, path_);
+  H5F_info2_t info;
+  if (create && H5Fget_info2(handle_, &info) >= 0 && info.super.version >= 2) {
+    // Links and attributes all in the header, which has a checksum: HDF5 can crash on a damaged heap of them.
+    H5Pset_link_phase_change(list, most_in_header, most_in_header);
+    H5Pset_attr_phase_change(list, most_in_header, most_in_header);
+  }
   const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, list, H5P_DEFAULT)
                           : H5Gopen2(handle_, name.c_str(), H5P_DEFAULT);
   return {id, H5Gclose, path_, (create ? "cannot create group " : "has no group ") + name};

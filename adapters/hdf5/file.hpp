@@ -58,6 +58,9 @@ class File {
  public:
   static File create(const Path&, Format);
   static File open(const Path&, bool writable);
+  /// Opens a file whose changes come all at once with close(), or not at all: if anything fails, if it is not
+  /// called, or if the process is killed (journal.hpp).
+  static File open_journaled(const Path&);
   /// Opens a file on all ranks of comm; collective.
   static File open_parallel(MPI_Comm, const Path&, bool writable);
 
@@ -98,14 +101,15 @@ class File {
   void write_provenance(const Provenance&);
 
  private:
-  File(Path path, Handle handle, bool own_writing = false)
-      : path_(std::move(path)), handle_(std::move(handle)), own_writing_(own_writing) {}
+  enum class Writing { none, shared, own, journaled };  // shared: with other ranks
+  File(Path path, Handle handle, Writing writing)
+      : path_(std::move(path)), handle_(std::move(handle)), writing_(writing) {}
   void abandon() const;
   template <class T>
   T scalar_attribute(hid_t owner, const std::string& name, hid_t type) const;
   Path path_;
   Handle handle_;
-  bool own_writing_;  // writable, and not shared with other ranks
+  Writing writing_;
 };
 
 /// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when

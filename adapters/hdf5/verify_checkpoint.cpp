@@ -80,7 +80,15 @@ struct Planes {
   hsize_t leading = 1, planes = 0, values = 1;  // values: of a plane
   std::vector<hsize_t> shape;
 
-  explicit Planes(std::vector<hsize_t> of) : shape(std::move(of)) {
+  /// Throws Error for a dataset of another form, or one that declares more bytes than its file has.
+  Planes(const File& file, const std::string& name, std::vector<hsize_t> of, std::size_t value_bytes)
+      : shape(std::move(of)) {
+    const auto bad = [&](const char* what) { throw Error(file.path().string() + ": " + name + what); };
+    if (shape.empty() || shape.size() > 4 || (value_bytes != 1 && value_bytes != 4 && value_bytes != 8))
+      bad(" has another form than this version writes");
+    hsize_t room = std::filesystem::file_size(file.path()) / value_bytes;
+    for (const hsize_t n : shape) room = n > 0 ? room / n : room;
+    if (room == 0) bad(" declares more values than the file has room for");
     const std::size_t axis = shape.size() == 4 ? 1 : 0;
     if (axis == 1) leading = shape[0];
     planes = shape[axis];
@@ -111,7 +119,7 @@ class PieceSums {
     const Handle d = file_.dataset(name);
     const Handle type(H5Dget_type(d), H5Tclose, file_.path(), "type of " + name);
     const std::size_t value = H5Tget_size(type);
-    const Planes all(file_.shape(d));
+    const Planes all(file_, name, file_.shape(d), value);
     const hsize_t step = std::max<hsize_t>(1, piece_bytes / std::max<hsize_t>(all.values * value, 1));
     std::uint64_t sum = 0;
     for (hsize_t q = 0; q < all.leading; ++q)

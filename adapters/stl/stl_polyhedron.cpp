@@ -53,7 +53,9 @@ class Welder {
 
  private:
   std::array<std::int64_t, 3> cell_of(const Vec3& x) const {
-    return {std::llround(x[0] / distance_), std::llround(x[1] / distance_), std::llround(x[2] / distance_)};
+    constexpr double most = 0x1p62;  // further out the grid is coarser than the numbers
+    const auto at = [&](double y) { return std::llround(std::clamp(y / distance_, -most, most)); };
+    return {at(x[0]), at(x[1]), at(x[2])};
   }
   double distance_;
   std::map<std::array<std::int64_t, 3>, std::vector<int>> cells_;

@@ -23,8 +23,11 @@ std::ifstream opened(const fs::path& directory, const fs::path& relative) {
   if (relative.is_absolute() || std::count(relative.begin(), relative.end(), fs::path("..")))
     throw std::invalid_argument(
         "it must lie in the directory of the case, which holds all that a run needs: copy it there");
-  std::ifstream stream(directory / relative, std::ios::binary);
-  if (!stream || !fs::is_regular_file(directory / relative))
+  std::ifstream stream;
+  std::error_code ignored;
+  if (fs::is_regular_file(directory / relative, ignored))  // to open anything else could wait forever
+    stream.open(directory / relative, std::ios::binary);
+  if (!stream.is_open())
     throw std::invalid_argument("there is no such file in the directory of the case, or it cannot be read");
   return stream;
 }

@@ -20,6 +20,9 @@ namespace {
 
 // Limits of the method, in lattice units.
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2;
+constexpr double most_magic = 1e3, most_density = 1e9;
+constexpr double most_body_force = 0.1, most_gravity = 1;  // cells a step, gained in a step
+constexpr double most_steps = 1e15;
 constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
 
 double memory_here() {
@@ -94,6 +97,9 @@ void check_fluid(const Case& scene, Findings& findings) {
   if (!(scene.fluid->magic > 0))
     findings.error("fluid.magic",
                    fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));
+  if (scene.fluid->magic > most_magic)
+    findings.error("fluid.magic", fmt::format("fluid.magic is {}; at most {} is possible: 0.25 is usual",
+                                              shown(scene.fluid->magic), shown(most_magic)));
   if (scene.fluid->initial.type == InitialFlow::taylor_green_3d &&
       (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
     findings.error("fluid.initial.type",
@@ -167,6 +173,28 @@ void check_margin(const Case& scene, Findings& findings, const std::string& key,
                          key, shown(step), shown(scene.contacts.margin)));
 }
 
+/// What drives the scene, against what a single step can take.
+void check_driving(const Case& scene, Findings& findings) {
+  const auto check = [&](const char* key, double gained, double most) {
+    if (gained > most)
+      findings.error(
+          key, fmt::format("{} adds {} cells a step to a velocity in every step; at most {} is possible: "
+                           "shorten the time step, or lower it",
+                           key, shown(gained), shown(most)));
+  };
+  if (scene.fluid) check("fluid.body_force", scene.fluid->body_force.cwiseAbs().maxCoeff(), most_body_force);
+  check("gravity.acceleration", scene.gravity.cwiseAbs().maxCoeff(), most_gravity);
+}
+
+void check_density(Findings& findings, const std::string& entry, double density) {
+  if (density > most_density)
+    findings.error(
+        entry + ".density",
+        fmt::format("{}.density is {} times the fluid's (units.density without a fluid); at most {} is "
+                    "possible: lower it, or give the body motion = \"fixed\"",
+                    entry, shown(density), shown(most_density)));
+}
+
 void check_body_speeds(const Case& scene, Findings& findings) {
   std::vector<int> seen;
   scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
@@ -174,6 +202,7 @@ void check_body_speeds(const Case& scene, Findings& findings) {
     seen.push_back(body.entry);
     const double rim = rigid::bounding_radius(scene.shapes[body.shape]) * body.angular_velocity.norm();
     const std::string entry = fmt::format("bodies[{}]", std::max(0, body.entry));
+    check_density(findings, entry, body.density);
     check_margin(scene, findings, entry + ".velocity", body.velocity.norm());
     if (!scene.fluid) return;
     check_speed(scene.units, findings, entry + ".velocity", body.velocity.norm());
@@ -210,6 +239,12 @@ void check_steady(const Case& scene, Findings& findings) {
 void check_run(const Case& scene, Findings& findings) {
   if (scene.steps < 1)
     findings.error("run.steps", fmt::format("the run has {} steps; it must have at least 1", scene.steps));
+  if (static_cast<double>(scene.steps) > most_steps)
+    findings.error("run.steps", fmt::format("the run has {} steps; at most {} are possible: shorten it",
+                                            scene.steps, shown(most_steps)));
+  check_driving(scene, findings);
+  for (std::size_t i = 0; i < scene.fills.size(); ++i)
+    check_density(findings, fmt::format("fill[{}]", i), scene.fills[i].density);
   check_steady(scene, findings);
   if (!scene.fluid && !scene.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");

@@ -27,8 +27,10 @@ std::vector<std::string> cases_near(const fs::path& directory) {
 }
 
 std::string text_of(const fs::path& directory, const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (stream && fs::is_regular_file(file)) return {std::istreambuf_iterator<char>(stream), {}};
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored))  // to open anything else could wait forever
+    if (std::ifstream stream(file, std::ios::binary); stream)
+      return {std::istreambuf_iterator<char>(stream), {}};
   const auto names = cases_near(directory);
   throw CaseError(
       Place{file.string()},

@@ -202,7 +202,7 @@ void add_run(const Case& scene, Table& table) {
   const OutputSpec& output = scene.output;
   const auto series = [&](const char* name, std::int64_t every, bool at_start) {
     if (every <= 0) return;
-    const std::int64_t times = (scene.steps + every - 1) / every + at_start;
+    const std::int64_t times = (scene.steps - 1) / every + 1 + at_start;
     table.line(name, fmt::format("every {} steps, {}at the end, {} time{}", every,
                                  at_start ? "at the start and " : "and ", times, times > 1 ? "s" : ""));
   };

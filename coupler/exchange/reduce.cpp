@@ -1,5 +1,6 @@
 #include "coupler/exchange/reduce.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace silt::coupler {
@@ -30,6 +31,18 @@ void sum_over_ranks(MPI_Comm comm, std::span<rigid::FixedSum> sums) {
 
 void sum_over_ranks(MPI_Comm comm, std::span<std::uint64_t> sums) {
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_UINT64_T, MPI_SUM, comm);
+}
+
+void sum_over_ranks(MPI_Comm comm, std::span<rigid::ExactSum> sums) {
+  constexpr int width = rigid::ExactSum::width;
+  std::vector<std::int64_t> all;
+  for (rigid::ExactSum& s : sums) {
+    s.carry();
+    all.insert(all.end(), s.parts().begin(), s.parts().end());
+  }
+  MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_INT64_T, MPI_SUM, comm);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(width * i), width, sums[i].parts().begin());
 }
 
 void max_over_ranks(MPI_Comm comm, std::span<double> values) {

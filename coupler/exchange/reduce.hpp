@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "rigid/math/exact_sum.hpp"
 #include "rigid/math/fixed_point.hpp"
 
 namespace silt::coupler {
@@ -19,6 +20,7 @@ rigid::FixedSum sum_of(const Limbs&);
 /// Collective, in place on every rank.
 void sum_over_ranks(MPI_Comm, std::span<rigid::FixedSum>);
 void sum_over_ranks(MPI_Comm, std::span<std::uint64_t>);
+void sum_over_ranks(MPI_Comm, std::span<rigid::ExactSum>);
 void max_over_ranks(MPI_Comm, std::span<double>);
 double max_over_ranks(MPI_Comm, double);
 std::uint64_t least_over_ranks(MPI_Comm, std::uint64_t);

@@ -18,31 +18,28 @@ namespace silt::coupler {
 namespace {
 
 using rigid::BodySet;
-using rigid::FixedSum;
+using rigid::ExactSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Sums of N terms a body, over the owned bodies of a kind on all ranks: each in fixed point relative to its
-/// largest term, so that small numbers keep their digits.
+/// Adds what terms(row) gives of each owned body of a kind.
+template <class Terms>
+void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row])) continue;
+    const auto x = terms(row);
+    for (std::size_t k = 0; k < x.size(); ++k) sums[k].add(x[k]);
+  }
+}
+
+/// Sums of N terms a body, over the owned bodies of a kind on all ranks.
 template <int N, class Terms>
 std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
-  std::array<double, N> scale{};
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!q.is_about(bodies.kind[row])) continue;
-    const std::array<double, N> x = terms(row);
-    for (int k = 0; k < N; ++k) scale[k] = std::max(scale[k], std::abs(x[k]));
-  }
-  max_over_ranks(comm, scale);
-  std::array<FixedSum, N> sums{};
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!q.is_about(bodies.kind[row])) continue;
-    const std::array<double, N> x = terms(row);
-    for (int k = 0; k < N; ++k)
-      if (scale[k] > 0) sums[k] += rigid::to_fixed(x[k] / scale[k]);
-  }
+  std::array<ExactSum, N> sums;
+  add_terms(bodies, q, terms, sums);
   sum_over_ranks(comm, sums);
   std::array<double, N> result{};
-  for (int k = 0; k < N; ++k) result[k] = scale[k] * rigid::from_fixed(sums[k]);
+  for (int k = 0; k < N; ++k) result[k] = sums[k].value();
   return result;
 }
 
@@ -97,28 +94,42 @@ struct Totals {
   double energy, momentum_scale;    // kinetic and potential; sum of |m v|
 };
 
-/// The potential is zero at the corner of the domain that is lowest against gravity.
-Totals totals_of(const Case& scene, MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q) {
+/// A free body's part of the totals; nothing of another. The potential is zero at the corner of the domain
+/// that is lowest against gravity.
+std::array<double, 8> totals_of_body(const Case& scene, const BodySet& bodies, std::size_t row) {
+  if (!bodies.is_free(row)) return {};
   const Vec3 period = extent_of(scene).size, g = scene.gravity;
   Vec3 lowest = Vec3::Zero();
   for (int d = 0; d < 3; ++d) lowest[d] = g[d] > 0 ? period[d] : 0;
-  const auto sums = sums_over<8>(comm, bodies, q, [&](std::size_t row) {
-    if (!bodies.is_free(row)) return std::array<double, 8>{};
-    const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
-    const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
-    const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
-    return std::array<double, 8>{
-        p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
-  });
+  const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
+  const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
+  const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
+  return {p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
+}
+
+Totals totals_from(std::span<const double> sums) {
   return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}, sums[6], sums[7]};
 }
 
-Totals totals_now(const Simulation& simulation, const QuantitySpec& q) {
-  return totals_of(simulation.setup(), simulation.scene().comm, simulation.bodies(), q);
+std::array<double, 8> sums_of_totals(const Case& scene, MPI_Comm comm, const BodySet& bodies,
+                                     const QuantitySpec& q) {
+  return sums_over<8>(comm, bodies, q, [&](std::size_t row) { return totals_of_body(scene, bodies, row); });
 }
 
-Totals totals_at_start(const Simulation& simulation, const QuantitySpec& q) {
-  return totals_of(simulation.setup(), simulation.scene().comm, bodies_at_start(simulation.scene()), q);
+Totals totals_now(const Simulation& simulation, const QuantitySpec& q) {
+  return totals_from(sums_of_totals(simulation.setup(), simulation.scene().comm, simulation.bodies(), q));
+}
+
+/// What `keep` keeps of the totals at the start: the history has it, or for a quantity that was not there
+/// then the case, whose bodies are placed anew.
+QuantityHistory start_of(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history,
+                         decltype(StepSums::fold) keep) {
+  if (history != no_history) return history;
+  const Scene& scene = simulation.scene();
+  const auto sums = sums_of_totals(scene.setup, scene.comm, bodies_at_start(scene), q);
+  QuantityHistory start = no_history;
+  keep(scene.setup, q, 0, sums, start);
+  return start;
 }
 
 double relative(double change, double start) {
@@ -215,19 +226,46 @@ double mean_angular_velocity(const Simulation& simulation, const QuantitySpec& q
   return mean_over(simulation, q, [&](std::size_t row) { return bodies.angular_velocity[row][q.axis]; });
 }
 
-double momentum_change(const Simulation& simulation, const QuantitySpec& q) {
-  const Totals start = totals_at_start(simulation, q);
-  return relative(totals_now(simulation, q).momentum[q.axis] - start.momentum[q.axis], start.momentum_scale);
+bool add_totals_at_start(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                         std::span<ExactSum> sums) {
+  if (simulation.steps_done() > 0) return false;
+  const BodySet& bodies = simulation.bodies();
+  add_terms(
+      bodies, q, [&](std::size_t row) { return totals_of_body(simulation.setup(), bodies, row); }, sums);
+  return true;
 }
 
-double angular_momentum_change(const Simulation& simulation, const QuantitySpec& q) {
-  const Totals start = totals_at_start(simulation, q);
-  return relative((totals_now(simulation, q).angular_momentum - start.angular_momentum).norm(),
-                  start.angular_momentum.norm());
+void keep_momentum(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
+                   QuantityHistory& start) {
+  const Totals totals = totals_from(sums);
+  start = {totals.momentum[q.axis], totals.momentum_scale, 0};
 }
 
-double energy_change(const Simulation& simulation, const QuantitySpec& q) {
-  const double start = totals_at_start(simulation, q).energy;
+double momentum_change(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
+  const QuantityHistory start = start_of(simulation, q, history, keep_momentum);
+  return relative(totals_now(simulation, q).momentum[q.axis] - start[0], start[1]);
+}
+
+void keep_angular_momentum(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> sums,
+                           QuantityHistory& start) {
+  const Vec3 l = totals_from(sums).angular_momentum;
+  start = {l[0], l[1], l[2]};
+}
+
+double angular_momentum_change(const Simulation& simulation, const QuantitySpec& q,
+                               const QuantityHistory& history) {
+  const QuantityHistory kept = start_of(simulation, q, history, keep_angular_momentum);
+  const Vec3 start(kept[0], kept[1], kept[2]);
+  return relative((totals_now(simulation, q).angular_momentum - start).norm(), start.norm());
+}
+
+void keep_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> sums,
+                 QuantityHistory& start) {
+  start = {totals_from(sums).energy, 0, 0};
+}
+
+double energy_change(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
+  const double start = start_of(simulation, q, history, keep_energy)[0];
   return relative(totals_now(simulation, q).energy - start, start);
 }
 
@@ -289,12 +327,13 @@ void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!q.is_about(bodies.kind[row]) || bodies.position[row][q.axis] < q.height) continue;
     const double v = bodies.velocity[row][q.axis];
-    against_and_along = {std::max(against_and_along[0], -v), std::max(against_and_along[1], v)};
+    against_and_along[0] = std::max(against_and_along[0], -v);
+    against_and_along[1] = std::max(against_and_along[1], v);
   }
 }
 
 double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory& against_and_along) {
-  const auto [against, along] = against_and_along;
+  const double against = against_and_along[0], along = against_and_along[1];
   return against > 0 ? std::max(along, 0.0) / against : no_value;
 }
 
@@ -313,10 +352,20 @@ void observe_reversal(const Simulation& simulation, const QuantitySpec& q, Quant
   }
 }
 
-void observe_energy(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& energy) {
-  const double now = totals_now(simulation, q).energy;
-  if (energy[0] == not_yet) energy[0] = now;
-  energy[1] = std::max(energy[1], now);
+bool add_energy(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                std::span<ExactSum> energy) {
+  const BodySet& bodies = simulation.bodies();
+  add_terms(
+      bodies, q,
+      [&](std::size_t row) { return std::array{totals_of_body(simulation.setup(), bodies, row)[6]}; },
+      energy);
+  return true;
+}
+
+void keep_largest_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> now,
+                         QuantityHistory& energy) {
+  if (energy[0] == not_yet) energy[0] = now[0];
+  energy[1] = std::max(energy[1], now[0]);
 }
 
 double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHistory& energy) {
@@ -325,24 +374,46 @@ double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHisto
 
 namespace {
 
-double mass_below(const Simulation& simulation, const QuantitySpec& q) {
-  const BodySet& bodies = simulation.bodies();
-  return sums_over<1>(simulation.scene().comm, bodies, q, [&](std::size_t row) {
-    return std::array<double, 1>{bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0};
-  })[0];
+double mass_below(const BodySet& bodies, const QuantitySpec& q, std::size_t row) {
+  return bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0;
 }
 
 }  // namespace
 
-void observe_discharge(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
-  const double now = static_cast<double>(simulation.steps_done());
-  if (start[0] == not_yet && now >= q.time) start = {mass_below(simulation, q), now};
+bool add_mass_below(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start,
+                    std::span<ExactSum> mass) {
+  if (start[0] != not_yet || static_cast<double>(simulation.steps_done()) < q.time) return false;
+  const BodySet& bodies = simulation.bodies();
+  add_terms(
+      bodies, q, [&](std::size_t row) { return std::array{mass_below(bodies, q, row)}; }, mass);
+  return true;
+}
+
+void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> mass,
+                     QuantityHistory& start) {
+  if (start[0] == not_yet) start = {mass[0], static_cast<double>(step), 0};
 }
 
 double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
+  const BodySet& bodies = simulation.bodies();
+  const auto [now] = sums_over<1>(simulation.scene().comm, bodies, q,
+                                  [&](std::size_t row) { return std::array{mass_below(bodies, q, row)}; });
   const double duration = static_cast<double>(simulation.steps_done()) - start[1];
-  if (start[0] == not_yet || duration == 0) return no_value;
-  return (mass_below(simulation, q) - start[0]) / duration;
+  return start[0] == not_yet || duration == 0 ? no_value : (now - start[0]) / duration;
+}
+
+bool add_moment(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                std::span<ExactSum> moment) {
+  if (static_cast<double>(simulation.steps_done()) < q.time) return false;
+  const BodySet& bodies = simulation.bodies();
+  add_terms(
+      bodies, q,
+      [&](std::size_t row) {
+        const Vec3 m = bodies.mass[row] * (bodies.position[row] - q.centre);
+        return std::array{m[0], m[1], m[2]};
+      },
+      moment);
+  return true;
 }
 
 void observe_outflow(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
@@ -358,19 +429,10 @@ double outflow_rate(const Simulation& simulation, const QuantitySpec&, const Qua
 
 /// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
 /// axis: that of the surface, where it is flat and the container round.
-void observe_bed(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum) {
-  if (static_cast<double>(simulation.steps_done()) < q.time) return;
-  const BodySet& bodies = simulation.bodies();
-  const auto s = sums_over<4>(simulation.scene().comm, bodies, q, [&](std::size_t row) {
-    const Vec3 m = bodies.mass[row] * (bodies.position[row] - q.centre);
-    return std::array<double, 4>{m[0], m[1], m[2], bodies.mass[row]};
-  });
-  const Vec3 g = simulation.setup().gravity, moment(s[0], s[1], s[2]);
+double bed_angle(const Case& scene, const QuantitySpec& q, std::span<const double> sums) {
+  const Vec3 g = scene.gravity, moment(sums[0], sums[1], sums[2]);
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
-  const double angle = std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
-  if (sum[0] == not_yet) sum = {0, 0};
-  sum[0] += angle;
-  sum[1] += 1;
+  return std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
 }
 
 }  // namespace silt::coupler

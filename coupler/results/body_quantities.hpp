@@ -1,6 +1,6 @@
 #pragma once
-// Quantities that look at the bodies; sums are in fixed point. The state at the start comes from the case,
-// not from memory. Meanings: coupler/case/quantity_types.hpp.
+// Quantities that look at the bodies; sums are exact. Positions at the start come from the case, not from
+// memory. Meanings: coupler/case/quantity_types.hpp.
 #include <functional>
 
 #include "coupler/results/quantity_computation.hpp"
@@ -33,17 +33,28 @@ double mean_angular_velocity(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"mean-angular-velocity"> = at_end<mean_angular_velocity>;
 
-double momentum_change(const Simulation&, const QuantitySpec&);
-template <>
-inline constexpr Computation computation<"momentum-change"> = at_end<momentum_change>;
+/// Momentum, angular momentum, energy and the sum of |m v| of the free bodies, before the first step.
+bool add_totals_at_start(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                         std::span<rigid::ExactSum>);
 
-double angular_momentum_change(const Simulation&, const QuantitySpec&);
+void keep_momentum(const Case&, const QuantitySpec&, std::int64_t, std::span<const double>, QuantityHistory&);
+double momentum_change(const Simulation&, const QuantitySpec&, const QuantityHistory& start);
 template <>
-inline constexpr Computation computation<"angular-momentum-change"> = at_end<angular_momentum_change>;
+inline constexpr Computation computation<"momentum-change"> = {
+    nullptr, momentum_change, {8, add_totals_at_start, keep_momentum}};
 
-double energy_change(const Simulation&, const QuantitySpec&);
+void keep_angular_momentum(const Case&, const QuantitySpec&, std::int64_t, std::span<const double>,
+                           QuantityHistory&);
+double angular_momentum_change(const Simulation&, const QuantitySpec&, const QuantityHistory& start);
 template <>
-inline constexpr Computation computation<"energy-change"> = at_end<energy_change>;
+inline constexpr Computation computation<"angular-momentum-change"> = {
+    nullptr, angular_momentum_change, {8, add_totals_at_start, keep_angular_momentum}};
+
+void keep_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const double>, QuantityHistory&);
+double energy_change(const Simulation&, const QuantitySpec&, const QuantityHistory& start);
+template <>
+inline constexpr Computation computation<"energy-change"> = {
+    nullptr, energy_change, {8, add_totals_at_start, keep_energy}};
 
 double bodies_in_box(const Simulation&, const QuantitySpec&);
 template <>
@@ -72,15 +83,22 @@ void observe_reversal(const Simulation&, const QuantitySpec&, QuantityHistory& l
 template <>
 inline constexpr Computation computation<"last-reversal"> = seen<observe_reversal>;
 
-void observe_energy(const Simulation&, const QuantitySpec&, QuantityHistory& at_start_and_largest);
+bool add_energy(const Simulation&, const QuantitySpec&, const QuantityHistory&, std::span<rigid::ExactSum>);
+void keep_largest_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const double>,
+                         QuantityHistory& at_start_and_largest);
 double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHistory&);
 template <>
-inline constexpr Computation computation<"energy-growth"> = {observe_energy, energy_growth};
+inline constexpr Computation computation<"energy-growth"> = {
+    nullptr, energy_growth, {1, add_energy, keep_largest_energy}};
 
-void observe_discharge(const Simulation&, const QuantitySpec&, QuantityHistory& mass_and_step);
+bool add_mass_below(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                    std::span<rigid::ExactSum>);
+void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t, std::span<const double>,
+                     QuantityHistory& mass_and_step);
 double discharge_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
 template <>
-inline constexpr Computation computation<"discharge-rate"> = {observe_discharge, discharge_rate};
+inline constexpr Computation computation<"discharge-rate"> = {
+    nullptr, discharge_rate, {1, add_mass_below, keep_first_mass}};
 
 void observe_outflow(const Simulation&, const QuantitySpec&, QuantityHistory& number_and_step);
 double outflow_rate(const Simulation&, const QuantitySpec&, const QuantityHistory&);
@@ -92,8 +110,10 @@ double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHisto
 template <>
 inline constexpr Computation computation<"rebound-ratio"> = {observe_rebound, rebound_ratio};
 
-void observe_bed(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
+/// Mass times the place of the bodies' centres from `centre`.
+bool add_moment(const Simulation&, const QuantitySpec&, const QuantityHistory&, std::span<rigid::ExactSum>);
+double bed_angle(const Case&, const QuantitySpec&, std::span<const double> moment);
 template <>
-inline constexpr Computation computation<"bed-angle"> = mean_of<observe_bed>;
+inline constexpr Computation computation<"bed-angle"> = mean_of<3, add_moment, bed_angle>;
 
 }  // namespace silt::coupler

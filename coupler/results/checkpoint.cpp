@@ -6,8 +6,10 @@
 #include <limits>
 #include <sstream>
 
+#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/results/check_state.hpp"
 #include "coupler/results/output.hpp"
 
 namespace silt::coupler {
@@ -57,7 +59,7 @@ rigid::FixedSum read_sum(const CheckpointReader& reader, const std::string& name
 
 constexpr const char* brought_names[3] = {"momentum_brought_x", "momentum_brought_y", "momentum_brought_z"};
 
-std::string history_name(const QuantitySpec& q, int k) {
+std::string history_name(const QuantitySpec& q, std::size_t k) {
   return fmt::format("quantity.{}#{}", q.name, k);
 }
 
@@ -146,7 +148,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   const Flow* flow = simulation.scene().flow.get();
   const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
   const RunCounters counters = simulation.counters();
-  const auto history = quantities.history(simulation.scene().comm);
+  const auto history = quantities.history(simulation);
 
   CheckpointWriter writer(simulation.scene().comm, path, provenance);
   writer.set("step", simulation.steps_done());
@@ -160,7 +162,8 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   for (int d = 0; d < 3; ++d) write_sum(writer, brought_names[d], brought.q[d]);
   writer.set("fluid_speed", simulation.fluid_speed());
   for (std::size_t i = 0; i < history.size(); ++i)
-    for (int k = 0; k < 2; ++k) writer.set(history_name(scene.quantities[i], k), history[i][k]);
+    for (std::size_t k = 0; k < history[i].size(); ++k)
+      writer.set(history_name(scene.quantities[i], k), history[i][k]);
   if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
     const MassCorrectionState& correction = flow->mass_correction();
@@ -185,17 +188,30 @@ CaseOrigin read_origin(const CheckpointReader& reader) {
 SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   SavedState state;
   state.step = reader.integer("step");
+  const std::int64_t named = adapters::checkpoint_step(reader.path()).value_or(state.step);
+  if (state.step < 0 || state.step != named)
+    reader.refuse(fmt::format("it is of step {}, by its name of step {}", state.step, named));
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
   state.next_id = static_cast<rigid::BodyId>(reader.integer("next_id"));
   for (int d = 0; d < 3; ++d) state.momentum_brought.q[d] = read_sum(reader, brought_names[d]);
   state.fluid_speed = reader.number("fluid_speed");
   auto bodies = reader.bodies(coupling_columns);
+  try {
+    adapters::together(reader.comm(), [&] {
+      if (const std::string fault = fault_of_bodies(scene, bodies.records); !fault.empty())
+        throw std::runtime_error(fault);
+    });
+  } catch (const std::runtime_error& error) {  // on every rank
+    reader.refuse(error.what());
+  }
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
   state.mass_correction = {read_sum(reader, "mass_correction.surplus"),
                            reader.integer("mass_correction.fluid_cells"),
                            read_sum(reader, "mass_correction.link_gain")};
+  if (reader.lattice("populations") != scene.cells || reader.components("populations") != lbm::directions)
+    reader.refuse("its populations are of another lattice than the case's");
   const bool is_double = scene.fluid->precision == Precision::double_;
   state.set_populations = [&reader, is_double](Flow& flow) {
     is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);
@@ -215,8 +231,8 @@ std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, con
 std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const Case& scene) {
   std::vector<QuantityHistory> history;
   for (const QuantitySpec& q : scene.quantities) {
-    QuantityHistory& h = history.emplace_back(QuantityHistory{not_yet, not_yet});
-    for (int k = 0; k < 2; ++k)
+    QuantityHistory& h = history.emplace_back(no_history);
+    for (std::size_t k = 0; k < h.size(); ++k)
       if (reader.has(history_name(q, k))) h[k] = reader.number(history_name(q, k));
   }
   return history;

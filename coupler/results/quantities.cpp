@@ -1,5 +1,6 @@
 #include "coupler/results/quantities.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "coupler/analytic_flow.hpp"
@@ -28,7 +29,7 @@ const Computation& computation_of(const QuantitySpec& q) {
 }  // namespace
 
 Quantities::Quantities(const Case& scene)
-    : specs_(scene.quantities), units_(scene.units), history_(scene.quantities.size(), {not_yet, not_yet}) {
+    : specs_(scene.quantities), units_(scene.units), history_(scene.quantities.size(), no_history) {
   for (const QuantitySpec& q : specs_)
     if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(scene, q.profile);
 }
@@ -36,12 +37,23 @@ Quantities::Quantities(const Case& scene)
 void Quantities::observe(const Simulation& simulation) {
   for (std::size_t i = 0; i < specs_.size(); ++i) {
     const QuantitySpec& q = specs_[i];
-    if (const auto look = computation_of(q).observe) look(simulation, q, history_[i]);
+    const Computation& c = computation_of(q);
+    if (c.observe) c.observe(simulation, q, history_[i]);
+    std::vector<rigid::ExactSum> terms(c.sums.count);
+    if (c.sums.add && c.sums.add(simulation, q, history_[i], terms))
+      sums_.add(i, simulation.steps_done(), terms);
   }
+  sums_.advance(simulation.scene().comm, simulation.steps_done(), fold(simulation.setup()));
+}
+
+SumsOfSteps::Fold Quantities::fold(const Case& scene) const {
+  return [this, &scene](std::size_t i, std::int64_t step, std::span<const double> sums) {
+    computation_of(specs_[i]).sums.fold(scene, specs_[i], step, sums, history_[i]);
+  };
 }
 
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
-  const auto history = this->history(simulation.scene().comm);
+  const auto history = this->history(simulation);
   std::vector<std::pair<std::string, double>> values;
   for (std::size_t i = 0; i < specs_.size(); ++i)
     values.emplace_back(specs_[i].name, value_of(specs_[i], simulation, history[i]));
@@ -51,7 +63,7 @@ std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulatio
 double Quantities::evaluate(const Simulation& simulation, const std::string& name) const {
   std::size_t i = 0;
   while (specs_.at(i).name != name) ++i;
-  return value_of(specs_[i], simulation, history(simulation.scene().comm)[i]);
+  return value_of(specs_[i], simulation, history(simulation)[i]);
 }
 
 double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
@@ -60,12 +72,14 @@ double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
   return units_.physical(value, quantity_type(q.type).dimension);
 }
 
-std::vector<QuantityHistory> Quantities::history(MPI_Comm comm) const {
+std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) const {
+  sums_.settle(simulation.scene().comm, fold(simulation.setup()));
   std::vector<double> flat;
   for (const QuantityHistory& h : history_) flat.insert(flat.end(), h.begin(), h.end());
-  max_over_ranks(comm, flat);
+  max_over_ranks(simulation.scene().comm, flat);
   std::vector<QuantityHistory> all(history_.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = {flat[2 * i], flat[2 * i + 1]};
+  for (std::size_t i = 0; i < all.size(); ++i)
+    std::copy_n(flat.begin() + i * all[i].size(), all[i].size(), all[i].begin());
   return all;
 }
 

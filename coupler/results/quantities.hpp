@@ -6,6 +6,7 @@
 
 #include "coupler/case/units.hpp"
 #include "coupler/results/quantity_computation.hpp"
+#include "coupler/results/sums_of_steps.hpp"
 
 namespace silt::coupler {
 
@@ -14,8 +15,8 @@ class Quantities {
   /// Throws CaseError for a quantity this scene cannot have (a profile without its walls).
   explicit Quantities(const Case&);
 
-  /// Collective; to be called at the start and after every step. Does nothing unless a quantity looks at the
-  /// whole run.
+  /// Collective, but waits for no rank; to be called at the start and after every step. Does nothing unless a
+  /// quantity looks at the whole run.
   void observe(const Simulation&);
   /// Collective. Returns names and values in the order of the case, the same on every rank and any number of
   /// ranks; NaN for a value that does not exist (no such body, no step yet).
@@ -24,14 +25,17 @@ class Quantities {
   double evaluate(const Simulation&, const std::string& name) const;
 
   /// Collective. Returns what observe has gathered, for checkpoints.
-  std::vector<QuantityHistory> history(MPI_Comm) const;
+  std::vector<QuantityHistory> history(const Simulation&) const;
   void set_history(const std::vector<QuantityHistory>&);
 
  private:
   double value_of(const QuantitySpec&, const Simulation&, const QuantityHistory&) const;
   const std::vector<QuantitySpec> specs_;
   const Units units_;
-  std::vector<QuantityHistory> history_;  // on this rank
+  SumsOfSteps::Fold fold(const Case&) const;
+  // On this rank; what has been observed and not yet been summed joins the history when somebody asks for it.
+  mutable std::vector<QuantityHistory> history_;
+  mutable SumsOfSteps sums_;
 };
 
 }  // namespace silt::coupler

@@ -6,23 +6,40 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 
 #include "coupler/case/quantity_spec.hpp"
 #include "coupler/simulation.hpp"
+#include "rigid/math/exact_sum.hpp"
 
 namespace silt::coupler {
 
-/// What a quantity that looks at the whole run has gathered so far: two numbers, of which the largest over
-/// the ranks counts.
-using QuantityHistory = std::array<double, 2>;
+/// What a quantity that looks at the whole run has gathered so far: numbers of which the largest over the
+/// ranks counts.
+using QuantityHistory = std::array<double, 3>;
 inline constexpr double not_yet = -std::numeric_limits<double>::infinity();
+inline constexpr QuantityHistory no_history{not_yet, not_yet, not_yet};
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+/// Sums over the ranks that a quantity needs of a step. They are put together many steps at a time, so none
+/// waits for another rank: `add` gives this rank's terms after a step, and `fold`, later and on every rank,
+/// takes the sums of one step after the other into the history.
+struct StepSums {
+  int count = 0;  // 0: none
+  /// Returns whether the step counts, which every rank must find alike.
+  bool (*add)(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+              std::span<rigid::ExactSum>) = nullptr;
+  void (*fold)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>,
+               QuantityHistory&) = nullptr;
+};
 
 struct Computation {
   void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
   double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
+  StepSums sums = {};
 };
 
 /// The name of a type as a template argument.
@@ -62,12 +79,19 @@ inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityH
 template <auto observe>
 inline constexpr Computation seen = {observe, value_seen};
 
-/// The mean of what has been observed: a sum and a count.
+/// The mean over the steps that count: a sum and a count. Value: f(case, spec, sums of a step).
 inline double value_mean(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
   return h[0] == not_yet ? no_value : h[0] / h[1];
 }
-template <auto observe>
-inline constexpr Computation mean_of = {observe, value_mean};
+template <auto f>
+void fold_into_mean(const Case& scene, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
+                    QuantityHistory& h) {
+  if (h[0] == not_yet) h = {0, 0};
+  h[0] += f(scene, q, sums);
+  h[1] += 1;
+}
+template <int count, auto add, auto f>
+inline constexpr Computation mean_of = {nullptr, value_mean, {count, add, fold_into_mean<f>}};
 
 /// f(simulation) at the first step within half a step of the spec's time or after it; without a time, at the
 /// end.

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw std::runtime_error(fmt::format("{}: {}", path.string(), what));
+  throw FileError(fmt::format("{}: {}", path.string(), what));
 }
 
 fs::path first_free(const fs::path& folder) {
@@ -33,44 +33,73 @@ bool is_result(const fs::path& path) {
   const auto is = [&](std::string_view begin, std::string_view end) {
     return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
   };
-  static const std::vector<std::string> names = {"run.log",    "report.json",     "report.html",
-                                                 "bodies.h5",  "mean_height.png", "velocity.png",
-                                                 "bodies.png", "slice.png",       "stages.png"};
+  static const std::vector<std::string> names = {
+      "run.log",         "report.json",  "report.html", "bodies.h5", "bodies.h5.journal",
+      "mean_height.png", "velocity.png", "bodies.png",  "slice.png", "stages.png"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
          is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
          is("checkpoint_", ".h5") || name.ends_with(".part");
 }
 
-std::string prepare_result_folder(const fs::path& given, bool overwrite) {
-  const fs::path folder = given.has_filename() ? given : given.parent_path();
+namespace {
+
+/// Moves or deletes the results in a folder that is there. Returns what was done.
+std::string make_room(const fs::path& folder, bool overwrite) {
   std::error_code error;
-  if (fs::exists(folder) && !fs::is_directory(folder)) fail(folder, "is a file; the results need a folder");
   std::vector<fs::path> results, others;
-  if (fs::exists(folder))
-    for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename() != ResultLock::name)
       (is_result(entry.path()) ? results : others).push_back(entry.path());
-  std::string done;
-  if (!results.empty() && overwrite) {
+  if (results.empty()) return "";
+  if (overwrite) {
     for (const fs::path& path : results)
       if (!fs::remove(path, error) && error) fail(path, "cannot be deleted: " + error.message());
-    done = fmt::format("the earlier results in {} are deleted", folder.string());
-  } else if (!results.empty()) {
-    if (!others.empty())
-      fail(folder,
-           fmt::format(
-               "holds results of an earlier run, and {} that is none; choose another folder with --out, or "
-               "delete the results with --overwrite",
-               others[0].filename().string()));
-    const fs::path aside = first_free(folder);
-    fs::rename(folder, aside, error);
-    if (error)
-      fail(folder, fmt::format("holds results of an earlier run and cannot be moved to {}: {}",
-                               aside.string(), error.message()));
-    done = fmt::format("the earlier results are now in {}", aside.string());
+    return fmt::format("the earlier results in {} are deleted", folder.string());
+  }
+  if (!others.empty())
+    throw std::runtime_error(
+        fmt::format("{}: holds results of an earlier run, and {} that is none; choose another folder with "
+                    "--out, or delete the results with --overwrite",
+                    folder.string(), others[0].filename().string()));
+  const fs::path aside = first_free(folder);
+  fs::rename(folder, aside, error);
+  if (error)
+    fail(folder, fmt::format("holds results of an earlier run and cannot be moved to {}: {}", aside.string(),
+                             error.message()));
+  fs::remove(aside / ResultLock::name, error);
+  return fmt::format("the earlier results are now in {}", aside.string());
+}
+
+}  // namespace
+
+ReadyFolder prepare_result_folder(const fs::path& given, bool overwrite) {
+  const fs::path folder = given.has_filename() ? given : given.parent_path();
+  std::error_code error;
+  ReadyFolder ready;
+  if (fs::exists(folder, error)) {
+    if (!fs::is_directory(folder)) fail(folder, "is a file; the results need a folder");
+    ready.lock = std::make_unique<ResultLock>(folder);
+    ready.note = make_room(folder, overwrite);
+    if (ready.lock->is_in_place()) return ready;
   }
   fs::create_directories(folder, error);
   if (error) fail(folder, "cannot be made: " + error.message());
-  return done;
+  ready.lock = std::make_unique<ResultLock>(folder);
+  return ready;
+}
+
+ReadyFolder return_to_result_folder(const fs::path& folder) {
+  ReadyFolder ready;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) fail(folder, "cannot be made: " + error.message());
+  ready.lock = std::make_unique<ResultLock>(folder);
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    fs::path finished = entry.path();
+    if (finished.extension() == ".part" && is_result(finished.replace_extension()))
+      fs::remove(entry.path(), error);
+  }
+  return ready;
 }
 
 void write_text(const fs::path& path, const std::string& text) {

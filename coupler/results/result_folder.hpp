@@ -1,20 +1,36 @@
 #pragma once
 // CASE/out: where the results of a run go, and what happens to those of an earlier one.
 #include <filesystem>
+#include <memory>
+#include <stdexcept>
 #include <string>
 
+#include "coupler/results/result_lock.hpp"
+
 namespace silt::coupler {
+
+/// FileError: the system does not let a file or folder be made, moved, written or removed.
+struct FileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// Whether this is a file that a run, or the pictures made of it, leaves.
 bool is_result(const std::filesystem::path&);
 
 /// Makes `folder` ready for a new run. Results of an earlier run are never overwritten silently: the folder
 /// is renamed to FOLDER.1 (or .2, ... the first that is free), unless `overwrite`, which deletes the earlier
-/// results (only those). Returns what was done, for the user, or "". std::runtime_error if the folder cannot
-/// be made or moved, or if it holds results and also files that are not.
-std::string prepare_result_folder(const std::filesystem::path& folder, bool overwrite);
+/// results (only those). FileError if the folder cannot be made or moved; std::runtime_error if it holds
+/// results and also files that are not, or if a run is writing there.
+struct ReadyFolder {
+  std::unique_ptr<ResultLock> lock;
+  std::string note;  // what was done, for the user, or ""
+};
+ReadyFolder prepare_result_folder(const std::filesystem::path& folder, bool overwrite);
+/// Makes a folder ready for a run that goes on: what a killed run left unfinished is removed. Errors as
+/// above.
+ReadyFolder return_to_result_folder(const std::filesystem::path& folder);
 
-/// Writes a text file under a temporary name and renames it. std::runtime_error naming file and reason.
+/// Writes a text file under a temporary name and renames it. FileError naming file and reason.
 void write_text(const std::filesystem::path&, const std::string& text);
 
 }  // namespace silt::coupler

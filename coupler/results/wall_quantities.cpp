@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "coupler/case/case.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/results/body_quantities.hpp"
+#include "lbm/cut_links.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -13,42 +13,22 @@ namespace silt::coupler {
 namespace {
 
 using rigid::BodySet;
-using rigid::FixedSum;
+using rigid::ExactSum;
 using rigid::Vec3;
 
-/// One more value for the mean, after a step that counts.
-template <class Value>
-void add(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum, Value&& value) {
-  const double now = static_cast<double>(simulation.steps_done());
-  if (now < q.time || now == 0) return;
-  if (sum[0] == not_yet) sum = {0, 0};
-  sum[0] += value();
-  sum[1] += 1;
+/// A step counts from the time of the quantity on; before the first one nothing has acted.
+bool counts(const Simulation& simulation, const QuantitySpec& q) {
+  return simulation.steps_done() > 0 && static_cast<double>(simulation.steps_done()) >= q.time;
 }
 
-/// Returns the load of the bodies that touched a wall in the last step; arm(row, stored impulse) is the
-/// vector from the point of reference of the torque to the contact.
-template <class Arm>
-Load contact_load(const Simulation& simulation, rigid::BodyId wall, Arm&& arm) {
+/// Calls visit(row, stored impulse, its force) for what this rank's bodies did to a wall in the last step.
+template <class Visit>
+void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visit) {
   const BodySet& bodies = simulation.bodies();
-  FixedSum sums[6] = {};
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
-      if (s.partner != wall) continue;
-      const Vec3 torque = arm(row, s).cross(s.impulse);
-      for (int d = 0; d < 3; ++d) {
-        sums[d] += rigid::to_fixed(s.impulse[d]);
-        sums[3 + d] += rigid::to_fixed(torque[d]);
-      }
-    }
-  sum_over_ranks(simulation.scene().comm, sums);
-  Load load;
   const double steps = simulation.setup().contacts.substeps;
-  for (int d = 0; d < 3; ++d) {
-    load.force[d] = steps * rigid::from_fixed(sums[d]);
-    load.torque[d] = steps * rigid::from_fixed(sums[3 + d]);
-  }
-  return load;
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    for (const rigid::StoredImpulse& s : bodies.stored_impulses[row])
+      if (s.partner == wall) visit(row, s, Vec3(steps * s.impulse));
 }
 
 /// Returns the vector from the point of the tube's axis to where a body touches the tube; zero where the body
@@ -66,31 +46,31 @@ Vec3 arm_in_tube(const Simulation& simulation, const rigid::TubeSpec& tube, std:
   return Vec3::Zero();
 }
 
-/// Force on a side of the domain, per area.
-Vec3 side_stress(const Simulation& simulation, int side) {
-  const auto& n = simulation.setup().cells;
-  const int axis = side / 2;
-  const double area = 1. * n[(axis + 1) % 3] * n[(axis + 2) % 3];
-  const Vec3 fluid = simulation.scene().flow->side_force(axis, side % 2 != 0);
-  const Load contacts =
-      contact_load(simulation, rigid::first_wall_id + side,
-                   [](std::size_t, const rigid::StoredImpulse&) { return Vec3(Vec3::Zero()); });
-  return (fluid + contacts.force) / area;
+double area_of(const Case& scene, int axis) {
+  return 1. * scene.cells[(axis + 1) % 3] * scene.cells[(axis + 2) % 3];
 }
 
-/// Returns the load on one of [[walls]], whose rows come after those of the sides; its torque is about its
-/// point.
-Load load_on(const Simulation& simulation, int wall) {
+/// Adds the force of fluid and bodies on a side of the domain, +1 or -1 times.
+void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
+  const auto fluid = simulation.scene().flow->side_force(side / 2, side % 2 != 0);
+  for (int d = 0; d < 3; ++d) force[d].add(sign * fluid[d], lbm::link_quantum);
+  for_contacts(simulation, rigid::first_wall_id + side,
+               [&](std::size_t, const rigid::StoredImpulse&, const Vec3& f) {
+                 for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
+               });
+}
+
+/// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
+/// torque about the wall's point.
+void add_fluid_load(const Simulation& simulation, int wall, bool torque, std::span<ExactSum> sums) {
+  if (!simulation.scene().flow) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
-  const rigid::TubeSpec& tube = simulation.setup().walls[wall].tube;
-  Load load = contact_load(
-      simulation, rigid::first_tube_id + wall,
-      [&](std::size_t row, const rigid::StoredImpulse& s) { return arm_in_tube(simulation, tube, row, s); });
-  if (!simulation.scene().flow) return load;
-  const Load fluid = simulation.scene().flow->wall_load(sides + wall);
-  load.force += fluid.force;
-  load.torque += fluid.torque;
-  return load;
+  const auto load = simulation.scene().flow->wall_load(sides + wall);
+  for (int d = 0; d < 3; ++d) sums[d].add(load[3 * torque + d], lbm::link_quantum);
+}
+
+Vec3 vector_of(std::span<const double> sums) {
+  return {sums[0], sums[1], sums[2]};
 }
 
 }  // namespace
@@ -104,27 +84,62 @@ double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
   });
 }
 
-void observe_wall_stress(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum) {
-  add(simulation, q, sum, [&] { return side_stress(simulation, q.side)[q.axis]; });
+bool add_wall_stress(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                     std::span<ExactSum> force) {
+  if (!counts(simulation, q)) return false;
+  add_side_force(simulation, q.side, 1, force);
+  return true;
 }
 
-void observe_relative_viscosity(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum) {
-  add(simulation, q, sum, [&] {
-    const Case& scene = simulation.setup();
-    const int low = 2 * q.axis, high = low + 1;
-    const Vec3 shear = (scene.boundary[high].velocity - scene.boundary[low].velocity) / scene.cells[q.axis];
-    const Vec3 resistance = side_stress(simulation, low) - side_stress(simulation, high);
-    return 0.5 * resistance.dot(shear) / (scene.fluid->kinematic_viscosity * shear.squaredNorm());
-  });
+double wall_stress(const Case& scene, const QuantitySpec& q, std::span<const double> force) {
+  return force[q.axis] / area_of(scene, q.side / 2);
 }
 
-void observe_wall_force(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum) {
-  add(simulation, q, sum, [&] { return load_on(simulation, q.wall).force[q.axis]; });
+bool add_shear_resistance(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                          std::span<ExactSum> resistance) {
+  if (!counts(simulation, q)) return false;
+  add_side_force(simulation, 2 * q.axis, 1, resistance);
+  add_side_force(simulation, 2 * q.axis + 1, -1, resistance);
+  return true;
 }
 
-void observe_wall_torque(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& sum) {
-  add(simulation, q, sum,
-      [&] { return load_on(simulation, q.wall).torque.dot(simulation.setup().walls[q.wall].tube.axis); });
+double relative_viscosity(const Case& scene, const QuantitySpec& q, std::span<const double> resistance) {
+  const int low = 2 * q.axis, high = low + 1;
+  const Vec3 shear = (scene.boundary[high].velocity - scene.boundary[low].velocity) / scene.cells[q.axis];
+  const double stress = 0.5 * vector_of(resistance).dot(shear) / area_of(scene, q.axis);
+  return stress / (scene.fluid->kinematic_viscosity * shear.squaredNorm());
+}
+
+bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                    std::span<ExactSum> force) {
+  if (!counts(simulation, q)) return false;
+  add_fluid_load(simulation, q.wall, false, force);
+  for_contacts(simulation, rigid::first_tube_id + q.wall,
+               [&](std::size_t, const rigid::StoredImpulse&, const Vec3& f) {
+                 for (int d = 0; d < 3; ++d) force[d].add(f[d]);
+               });
+  return true;
+}
+
+double wall_force(const Case&, const QuantitySpec& q, std::span<const double> force) {
+  return force[q.axis];
+}
+
+bool add_wall_torque(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                     std::span<ExactSum> torque) {
+  if (!counts(simulation, q)) return false;
+  const rigid::TubeSpec& tube = simulation.setup().walls[q.wall].tube;
+  add_fluid_load(simulation, q.wall, true, torque);
+  for_contacts(simulation, rigid::first_tube_id + q.wall,
+               [&](std::size_t row, const rigid::StoredImpulse& s, const Vec3& f) {
+                 const Vec3 of_contact = arm_in_tube(simulation, tube, row, s).cross(f);
+                 for (int d = 0; d < 3; ++d) torque[d].add(of_contact[d]);
+               });
+  return true;
+}
+
+double wall_torque(const Case& scene, const QuantitySpec& q, std::span<const double> torque) {
+  return vector_of(torque).dot(scene.walls[q.wall].tube.axis);
 }
 
 }  // namespace silt::coupler

@@ -9,21 +9,30 @@ double axis_distance(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"axis-distance"> = at_end<axis_distance>;
 
-void observe_wall_stress(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
+bool add_wall_stress(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                     std::span<rigid::ExactSum> force);
+double wall_stress(const Case&, const QuantitySpec&, std::span<const double> force);
 template <>
-inline constexpr Computation computation<"wall-stress"> = mean_of<observe_wall_stress>;
+inline constexpr Computation computation<"wall-stress"> = mean_of<3, add_wall_stress, wall_stress>;
 
-/// Takes the mean of the shear stresses on the two sides across the axis.
-void observe_relative_viscosity(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
+/// The force on the lower side across the axis less that on the upper one.
+bool add_shear_resistance(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                          std::span<rigid::ExactSum> resistance);
+double relative_viscosity(const Case&, const QuantitySpec&, std::span<const double> resistance);
 template <>
-inline constexpr Computation computation<"relative-viscosity"> = mean_of<observe_relative_viscosity>;
+inline constexpr Computation computation<"relative-viscosity"> =
+    mean_of<3, add_shear_resistance, relative_viscosity>;
 
-void observe_wall_force(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
+bool add_wall_force(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                    std::span<rigid::ExactSum> force);
+double wall_force(const Case&, const QuantitySpec&, std::span<const double> force);
 template <>
-inline constexpr Computation computation<"wall-force"> = mean_of<observe_wall_force>;
+inline constexpr Computation computation<"wall-force"> = mean_of<3, add_wall_force, wall_force>;
 
-void observe_wall_torque(const Simulation&, const QuantitySpec&, QuantityHistory& sum_and_count);
+bool add_wall_torque(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                     std::span<rigid::ExactSum> torque);
+double wall_torque(const Case&, const QuantitySpec&, std::span<const double> torque);
 template <>
-inline constexpr Computation computation<"wall-torque"> = mean_of<observe_wall_torque>;
+inline constexpr Computation computation<"wall-torque"> = mean_of<3, add_wall_torque, wall_torque>;
 
 }  // namespace silt::coupler

@@ -3,13 +3,14 @@
 #include <mpi.h>
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "adapters/hdf5/describe_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
-#include "coupler/run/stop_request.hpp"
 #include "cpu/isa.hpp"
 
 namespace silt::coupler {
@@ -54,10 +55,12 @@ Exit info(const CommandLine& line, bool loud) {
   }
 }
 
-/// Instead of CLI::PositiveNumber, whose complaint names the largest double there is.
+/// Instead of CLI::PositiveNumber, which takes nan and whose complaint names the largest double there is.
 const CLI::Validator above_zero(
     [](std::string& text) {
-      return CLI::PositiveNumber(text).empty() ? "" : fmt::format("{} is not a number above 0", text);
+      double x = 0;
+      const bool good = CLI::detail::lexical_cast(text, x) && std::isfinite(x) && x > 0;
+      return good ? "" : fmt::format("{} is not a number above 0", text);
     },
     "");
 
@@ -117,7 +120,6 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   }
   if (checks->parsed()) return check(line, loud);
   if (infos->parsed()) return info(line, loud);
-  catch_signals();
   return resume->parsed() ? resume_case(options_of(line), comm) : run_case(options_of(line), comm);
 }
 
@@ -125,6 +127,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
 }  // namespace silt::coupler
 
 int main(int argc, char** argv) {
+  // Open MPI's usual component for shared file pointers, which nothing here uses, overflows with paths above
+  // 240 bytes.
+  setenv("OMPI_MCA_sharedfp", "individual", 0);
   MPI_Init(&argc, &argv);
   int code = 1;
   try {

@@ -1,6 +1,7 @@
 #include "coupler/run/prepare_run.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
@@ -11,7 +12,6 @@
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/placement/start_check.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
 
@@ -32,6 +32,23 @@ void require_buildable(const Case& scene, MPI_Comm comm) {
   adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
 }
 
+/// Collective. Throws CaseError on every rank for a fluid that the machines of the ranks have no memory for.
+void require_memory(const Case& scene, MPI_Comm comm) {
+  MPI_Comm machine;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  int rank = 0;
+  MPI_Comm_rank(machine, &rank);
+  MPI_Comm_free(&machine);
+  double here = rank == 0 ? 1. * sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGE_SIZE) : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_SUM, comm);
+  if (fluid_memory(scene) > here)
+    throw CaseError(
+        scene.place("domain.size"),
+        fmt::format("the fluid needs {:.0f} GB, and the machines of this run have {:.0f} GB together: "
+                    "use larger cells, or more machines",
+                    fluid_memory(scene) / 1e9, here / 1e9));
+}
+
 /// Collective. Reads a case on rank 0, whose files then go to all, and there from what came.
 template <class Read>
 std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&& read) {
@@ -46,6 +63,29 @@ std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&&
     if (!scene) scene = std::make_unique<Case>(read(source));
   });
   return scene;
+}
+
+/// Collective. As on_rank_0, but a FileError is one on every rank.
+template <class Make>
+ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
+  ReadyFolder ready;
+  int of_system = 0;
+  const auto attempt = [&] {
+    try {
+      ready = make();
+    } catch (const FileError&) {
+      of_system = 1;
+      throw;
+    }
+  };
+  try {
+    adapters::on_rank_0(comm, attempt);
+  } catch (const std::exception& error) {
+    MPI_Bcast(&of_system, 1, MPI_INT, 0, comm);
+    if (of_system) throw FileError(error.what());
+    throw;
+  }
+  return ready;
 }
 
 }  // namespace
@@ -73,11 +113,12 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     if (scene->steady) prepared.steady.emplace(scene->steady->change);
-    require_buildable(*scene, comm);
   });
+  require_memory(*scene, comm);
+  adapters::together(comm, [&] { require_buildable(*scene, comm); });
   require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
-  adapters::on_rank_0(comm, [&] { prepared.folder_note = prepare_result_folder(folder, options.overwrite); });
+  prepared.folder = folder_on_rank_0(comm, [&] { return prepare_result_folder(folder, options.overwrite); });
   return prepared;
 }
 
@@ -87,6 +128,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
     throw std::runtime_error(
         fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
                     folder.string(), options.directory.string()));
+  ReadyFolder ready = folder_on_rank_0(comm, [&] { return return_to_result_folder(folder); });
   const adapters::CheckpointReader reader(
       comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
   PreparedRun prepared;
@@ -98,10 +140,12 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
     prepared.quantities = std::make_unique<Quantities>(*scene);
     prepared.quantities->set_history(read_history(reader, *scene));
     prepared.steady = read_steady_watch(reader, *scene);
-    require_buildable(*scene, comm);
   });
+  require_memory(*scene, comm);
+  adapters::together(comm, [&] { require_buildable(*scene, comm); });
   const SavedState state = read_state(reader, *scene);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm, state);
+  prepared.folder = std::move(ready);
   return prepared;
 }
 

@@ -8,6 +8,7 @@
 
 #include "coupler/case/case_error.hpp"
 #include "coupler/results/quantities.hpp"
+#include "coupler/results/result_folder.hpp"
 #include "coupler/results/steady_watch.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
@@ -20,7 +21,7 @@ struct PreparedRun {
   std::unique_ptr<Quantities> quantities;
   std::optional<SteadyWatch> steady;  // where the case asks for it
   std::vector<Diagnostic> warnings;
-  std::string folder_note;  // what became of the results of an earlier run
+  ReadyFolder folder;  // on rank 0
 };
 
 /// Reads and judges a case without running it; returns its derived table and its warnings. CaseError.
@@ -29,7 +30,7 @@ std::string examine_case(const RunOptions&);
 /// Returns where the results go: the option, else DIRECTORY/out.
 std::filesystem::path result_folder(const RunOptions&);
 
-/// Collective. Both throw on every rank, with what is wrong: CaseError, std::runtime_error.
+/// Collective. Both throw on every rank, with what is wrong: CaseError, FileError, std::runtime_error.
 PreparedRun prepare_run(const RunOptions&, MPI_Comm, const std::filesystem::path& folder);
 /// Goes on from the checkpoint of the options, else from the newest one in the folder.
 PreparedRun prepare_resume(const RunOptions&, MPI_Comm, const std::filesystem::path& folder);

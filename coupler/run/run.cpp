@@ -185,7 +185,7 @@ std::string Run::last_checkpoint_text() const {
 
 void Run::greet() {
   const Scene& scene = simulation_.scene();
-  if (!prepared_.folder_note.empty()) progress_->say(prepared_.folder_note);
+  if (!prepared_.folder.note.empty()) progress_->say(prepared_.folder.note);
   progress_->log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
                              provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
                              scene.domain.blocks(), instruction_set(), provenance_.created,
@@ -237,7 +237,7 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
     prepared = prepare(options, comm, folder);
   } catch (const std::exception& error) {
     if (rank == 0) fmt::print(stderr, "{}\n", error.what());
-    return Exit::bad_case;
+    return dynamic_cast<const FileError*>(&error) ? Exit::failed : Exit::bad_case;
   }
   const std::int64_t step = prepared.simulation->steps_done(), steps = prepared.simulation->setup().steps;
   if (resumed && step >= steps) {
@@ -256,6 +256,7 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
           shown(prepared.simulation->setup().steady->change / 10));
     return Exit::done;
   }
+  catch_signals();  // until here there is nothing to lose, and they end the program at once
   return Run(std::move(prepared), folder, options, resumed).go();
 }
 

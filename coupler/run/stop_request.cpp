@@ -2,12 +2,25 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstring>
+#include <ctime>
 
 namespace silt::coupler {
 
 namespace {
+constexpr int requests[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 volatile std::sig_atomic_t caught = 0;
+volatile std::time_t caught_at = 0;
+
+/// Launchers pass a signal on that comes from the terminal too: only what comes later is impatience.
 void note(int signal) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (caught && now.tv_sec > caught_at + 1) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);  // comes when this handler ends
+  }
+  if (!caught) caught_at = now.tv_sec;
   caught = signal;
 }
 double seconds(std::chrono::steady_clock::duration d) {
@@ -19,8 +32,8 @@ void catch_signals() {
   struct sigaction action {};
   action.sa_handler = note;
   action.sa_flags = SA_RESTART;
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGINT, &action, nullptr);
+  for (const int signal : requests) sigaction(signal, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 StopRequest::StopRequest(MPI_Comm comm, double limit_seconds)
@@ -38,7 +51,7 @@ std::string StopRequest::why(std::int64_t step) {
   last_step_ = step;
   next_ = step + std::clamp<std::int64_t>(std::int64_t(agreement_seconds / std::max(asked[2], 1e-9)), 1,
                                           most_steps_between);
-  if (asked[0] > 0) return int(asked[0]) == SIGINT ? "interrupted (SIGINT)" : "told to stop (SIGTERM)";
+  if (asked[0] > 0) return std::string("told to stop (SIG") + sigabbrev_np(int(asked[0])) + ")";
   if (asked[1] > 0) return "the time limit is reached";
   return "";
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Who may ask a run to stop in good order: SIGTERM, SIGINT, a limit of wall-clock time.
+// Who may ask a run to stop in good order: a signal, a limit of wall-clock time.
 #include <mpi.h>
 
 #include <chrono>
@@ -8,7 +8,9 @@
 
 namespace silt::coupler {
 
-/// Makes SIGTERM and SIGINT only leave a note from now on, process-wide.
+/// Makes SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2 and SIGXCPU only leave a note from now on, process-wide;
+/// another one a second later or more ends the process. SIGPIPE is ignored: nobody has to read what a run
+/// prints.
 void catch_signals();
 
 /// Asks all ranks, every few steps, whether any of them has been told to stop.

@@ -9,7 +9,8 @@ void Extent::wrap(Vec3& x, std::array<std::int32_t, 3>& image) const {
     if (!periodic[d] || (x[d] >= 0 && x[d] < size[d])) continue;
     const double periods = std::floor(x[d] / size[d]);
     x[d] -= periods * size[d];
-    image[d] += static_cast<std::int32_t>(periods);
+    const double now = image[d] + periods;  // of a body that flies away it is only some large number
+    image[d] = std::abs(now) <= 0x1p30 ? static_cast<std::int32_t>(now) : 1 << 30;
     if (x[d] < 0) x[d] = 0;  // rounding of the line above
     if (x[d] >= size[d]) {   // a tiny negative x, rounded up to the period itself
       x[d] = 0;

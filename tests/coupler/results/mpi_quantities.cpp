@@ -8,6 +8,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/quantity_types.hpp"
+#include "coupler/exchange/traffic.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
@@ -268,6 +269,58 @@ TEST(Quantities, GoOnFromACheckpoint) {
     return numbers(q.evaluate(s));
   };
   expect_same_bits(finish(resumed, again), finish(simulation, quantities));
+}
+
+/// A ball in a sheared fluid beside two walls, and every quantity that looks at what the walls bear.
+CaseText watched_shear() {
+  CaseText c;
+  c.domain =
+      "[domain]\nsize = [16, 16, 32]\n[domain.boundary]\nx = \"periodic\"\ny = \"periodic\"\n"
+      "z = [{ type = \"moving\", velocity = [-0.01, 0, 0] }, { type = \"moving\", velocity = [0.01, 0, 0] "
+      "}]\n";
+  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [8, 8, 5]\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
+  c.run =
+      "[run]\nsteps = 150\n"
+      "[[quantities]]\nname = \"stress\"\ntype = \"wall-stress\"\nside = \"z-low\"\naxis = \"z\"\ntime = 20\n"
+      "[[quantities]]\nname = \"viscosity\"\ntype = \"relative-viscosity\"\naxis = \"z\"\ntime = 0\n"
+      "[[quantities]]\nname = \"energy\"\ntype = \"energy-growth\"\n";
+  return c;
+}
+
+TEST(Quantities, OfWallsTheSameBitsOnAnyRanks) {
+  const CaseText text = watched_shear();
+  expect_same_bits(text.values(MPI_COMM_SELF), text.values(MPI_COMM_WORLD, {"domain.blocks=[1, 1, 8]"}));
+}
+
+/// No rank waits for another after a step: the sums of many steps are put together while the run goes on, and
+/// give the same bits as when every step is summed at once.
+TEST(Quantities, ObservedWithoutWaiting) {
+  for (const CaseText& text : {watched_crowd(), watched_shear()}) {
+    constexpr int steps = 150;
+    const auto observed = [&](bool at_once) {
+      Simulation simulation = text.start(MPI_COMM_WORLD);
+      Quantities quantities(simulation.setup());
+      Traffic sent;
+      for (int i = 0; i <= steps; ++i) {
+        if (i > 0) simulation.step();
+        const Traffic before = traffic();
+        begin_step_of_traffic();
+        quantities.observe(simulation);
+        sent += traffic() - before;
+        if (at_once) quantities.history(simulation);
+      }
+      if (!at_once) {
+        EXPECT_LE(sent.blocking_collectives, 2u) << "outflow-rate asks the counters, once in a run";
+        EXPECT_EQ(sent.messages, 0u);
+        const std::uint64_t started = (steps + 1) / SumsOfSteps::most_steps;
+        EXPECT_EQ(sent.collectives_under_way, tests::ranks() > 1 ? started - 1 : 0u)
+            << "the last is not over";
+      }
+      return numbers(quantities.evaluate(simulation));
+    };
+    expect_same_bits(observed(true), observed(false));
+  }
 }
 
 }  // namespace

@@ -52,6 +52,10 @@ TEST(Extent, WrapsIntoTheHalfOpenBox) {
   e.wrap(x, image);
   EXPECT_EQ(x, Vec3(0, 0, 10));
   EXPECT_EQ(image, (std::array<std::int32_t, 3>{0, 1, 0}));
+  x = {1e300, -1e12, 0};  // flown away: in the box, with some large count
+  e.wrap(x, image);
+  EXPECT_TRUE(x[0] >= 0 && x[0] < 10 && x[1] >= 0 && x[1] < 10);
+  EXPECT_EQ(image[0], 1 << 30);
 }
 
 BodyRecord body(BodyId id) {

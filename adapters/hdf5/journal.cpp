@@ -1,0 +1,286 @@
+#include "adapters/hdf5/journal.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <memory>
+
+#include "adapters/hdf5/file.hpp"
+
+namespace silt::adapters::hdf5 {
+
+namespace {
+
+using Page = std::array<char, journal_page>;
+using Pages = std::map<std::uint64_t, Page>;
+
+struct JournaledFile {
+  H5FD_t hdf5;  // first: HDF5 knows a file by this part
+  int file = -1;
+  struct stat status {};
+  haddr_t end = 0, allocated = 0;        // of what is written; of what HDF5 has given away
+  Pages pages;                           // that differ from the file
+  bool abandoned = false, kept = false;  // kept: by commit_journaled, when HDF5 has closed it
+
+  JournaledFile() = default;
+  JournaledFile(const JournaledFile&) = delete;
+  ~JournaledFile() {
+    if (file >= 0) ::close(file);
+  }
+  haddr_t old_end() const {
+    const auto size = static_cast<haddr_t>(status.st_size);
+    return (size + journal_page - 1) / journal_page * journal_page;
+  }
+};
+
+JournaledFile& of(H5FD_t* file) {
+  return *reinterpret_cast<JournaledFile*>(file);
+}
+const JournaledFile& of(const H5FD_t* file) {
+  return *reinterpret_cast<const JournaledFile*>(file);
+}
+
+/// Reads what there is and zeros behind it. Returns whether that went well.
+bool read_all(int file, haddr_t at, std::size_t size, char* to) {
+  while (size > 0) {
+    const ssize_t n = ::pread(file, to, size, static_cast<off_t>(at));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    if (n == 0) {
+      std::memset(to, 0, size);
+      return true;
+    }
+    to += n, at += n, size -= n;
+  }
+  return true;
+}
+
+bool write_all(int file, haddr_t at, std::size_t size, const char* from) {
+  while (size > 0) {
+    const ssize_t n = ::pwrite(file, from, size, static_cast<off_t>(at));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    from += n, at += n, size -= n;
+  }
+  return true;
+}
+
+/// Calls visit(page, first byte in it, bytes, bytes from `at` on) for the parts of a range.
+template <class Visit>
+void for_pages(haddr_t at, std::size_t size, Visit&& visit) {
+  for (std::size_t done = 0; done < size;) {
+    const std::size_t first = (at + done) % journal_page, bytes = std::min(journal_page - first, size - done);
+    visit((at + done) / journal_page, first, bytes, done);
+    done += bytes;
+  }
+}
+
+Pages pages_of_journal(const Path& path) {
+  const Path journal = journal_of(path);
+  std::ifstream in(journal, std::ios::binary);
+  char mark[8] = {};
+  in.read(mark, sizeof mark);
+  Pages pages;
+  for (std::uint64_t number = 0; in.read(reinterpret_cast<char*>(&number), sizeof number);)
+    in.read(pages[number].data(), journal_page);
+  if (std::memcmp(mark, journal_mark, sizeof mark) != 0 || (in.gcount() != 0 && in.gcount() != journal_page))
+    throw Error(journal.string() + ": is no journal of this version; move it away and try again");
+  return pages;
+}
+
+bool write_pages(int file, const Pages& pages) {
+  return std::all_of(pages.begin(), pages.end(), [&](const auto& page) {
+    return write_all(file, page.first * journal_page, journal_page, page.second.data());
+  });
+}
+
+/// Descriptor closes itself.
+struct Descriptor {
+  int file;
+  ~Descriptor() {
+    if (file >= 0) ::close(file);
+  }
+};
+
+[[noreturn]] void fail_in_system(const Path& path, const std::string& what) {
+  throw Error(path.string() + ": cannot " + what + ": " + std::strerror(errno));
+}
+
+void write_journal(const Path& path, const Pages& pages) {
+  TemporaryFile part(journal_of(path).string() + ".part", true);
+  {
+    const Descriptor out{::open(part.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
+    std::string bytes(journal_mark, 8);
+    for (const auto& [number, page] : pages) {
+      bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+      bytes.append(page.data(), page.size());
+    }
+    if (out.file < 0 || !write_all(out.file, 0, bytes.size(), bytes.data()))
+      fail_in_system(part.path(), "write the journal (is the disk full?)");
+  }
+  if (::rename(part.path().c_str(), journal_of(path).c_str()) != 0)
+    fail_in_system(part.path(), "rename the journal");
+}
+
+// ---- what HDF5 calls ----
+
+H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
+  auto owned = std::make_unique<JournaledFile>();
+  owned->file = ::open(name, (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | O_CLOEXEC);
+  if (owned->file < 0 || ::fstat(owned->file, &owned->status) != 0) return nullptr;
+  owned->end = static_cast<haddr_t>(owned->status.st_size);
+  try {
+    if (std::filesystem::exists(journal_of(name))) owned->pages = pages_of_journal(name);
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+  return &owned.release()->hdf5;
+}
+
+herr_t close_file(H5FD_t* file) {
+  JournaledFile& f = of(file);
+  if (f.abandoned && ::ftruncate(f.file, f.status.st_size) != 0) errno = 0;  // it only takes room
+  if (!f.kept) delete &f;
+  return 0;
+}
+
+int compare(const H5FD_t* a, const H5FD_t* b) {
+  const struct stat &x = of(a).status, &y = of(b).status;
+  if (x.st_dev != y.st_dev) return x.st_dev < y.st_dev ? -1 : 1;
+  return x.st_ino < y.st_ino ? -1 : x.st_ino > y.st_ino;
+}
+
+herr_t query(const H5FD_t*, unsigned long* flags) {
+  *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
+           H5FD_FEAT_AGGREGATE_SMALLDATA;
+  return 0;
+}
+
+haddr_t allocated(const H5FD_t* file, H5FD_mem_t) {
+  return of(file).allocated;
+}
+herr_t allocate(H5FD_t* file, H5FD_mem_t, haddr_t end) {
+  of(file).allocated = end;
+  return 0;
+}
+haddr_t end_of(const H5FD_t* file, H5FD_mem_t) {
+  return of(file).end;
+}
+herr_t handle_of(H5FD_t* file, hid_t, void** handle) {
+  *handle = file;
+  return 0;
+}
+
+herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, void* buffer) {
+  JournaledFile& f = of(file);
+  auto* to = static_cast<char*>(buffer);
+  if (!read_all(f.file, at, size, to)) return -1;
+  for_pages(at, size, [&](std::uint64_t number, std::size_t first, std::size_t bytes, std::size_t done) {
+    if (const auto page = f.pages.find(number); page != f.pages.end())
+      std::memcpy(to + done, page->second.data() + first, bytes);
+  });
+  return 0;
+}
+
+herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, const void* buffer) {
+  JournaledFile& f = of(file);
+  const auto* from = static_cast<const char*>(buffer);
+  if (f.abandoned) return 0;
+  f.end = std::max(f.end, at + size);
+  const std::size_t kept = at < f.old_end() ? std::min<haddr_t>(size, f.old_end() - at) : 0;
+  bool good = write_all(f.file, at + kept, size - kept, from + kept);
+  for_pages(at, kept, [&](std::uint64_t number, std::size_t first, std::size_t bytes, std::size_t done) {
+    const auto [page, fresh] = f.pages.try_emplace(number);
+    if (fresh) good = read_all(f.file, number * journal_page, journal_page, page->second.data()) && good;
+    std::memcpy(page->second.data() + first, from + done, bytes);
+  });
+  return good ? 0 : -1;
+}
+
+herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
+  of(file).end = of(file).allocated;
+  return 0;
+}
+
+constexpr H5FD_class_t make_driver() {
+  H5FD_class_t driver{};
+  driver.name = "journaled";
+  driver.maxaddr = haddr_t{1} << 62;
+  driver.fc_degree = H5F_CLOSE_WEAK;
+  driver.open = open_file;
+  driver.close = close_file;
+  driver.cmp = compare;
+  driver.query = query;
+  driver.get_eoa = allocated;
+  driver.set_eoa = allocate;
+  driver.get_eof = end_of;
+  driver.get_handle = handle_of;
+  driver.read = read;
+  driver.write = write;
+  driver.truncate = truncate;
+  constexpr H5FD_mem_t map[H5FD_MEM_NTYPES] = H5FD_FLMAP_DICHOTOMY;
+  std::copy(std::begin(map), std::end(map), driver.fl_map);
+  return driver;
+}
+constexpr H5FD_class_t driver = make_driver();
+
+JournaledFile* journaled_file(hid_t file) {
+  void* handle = nullptr;
+  return H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) < 0 ? nullptr : static_cast<JournaledFile*>(handle);
+}
+
+}  // namespace
+
+Path journal_of(const Path& path) {
+  return path.string() + ".journal";
+}
+
+hid_t journaled_driver() {
+  static const hid_t id = H5FDregister(&driver);
+  return id;
+}
+
+void finish_journal(const Path& path) {
+  const Path journal = journal_of(path);
+  if (!std::filesystem::exists(journal)) return;
+  const Pages pages = pages_of_journal(path);
+  const Descriptor out{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
+  if (out.file < 0 || !write_pages(out.file, pages))
+    fail_in_system(path, "finish an append that was cut off");
+  if (::unlink(journal.c_str()) != 0) fail_in_system(journal, "remove the journal");
+}
+
+void commit_journaled(Handle& file, const Path& path) {
+  JournaledFile& f = *journaled_file(file);
+  f.kept = true;
+  if (!file.close()) fail(path, "cannot close the file (is the disk full?)");
+  const std::unique_ptr<JournaledFile> owned(&f);
+  std::erase_if(f.pages, [&](const auto& page) {
+    Page there;
+    return read_all(f.file, page.first * journal_page, journal_page, there.data()) && there == page.second;
+  });
+  if (f.pages.empty()) return;
+  struct stat now;
+  if (::fstat(f.file, &now) != 0) fail_in_system(path, "look at the file");
+  // HDF5 takes a file that ends before what it has given away for a truncated one.
+  if (static_cast<haddr_t>(now.st_size) < f.allocated && ::ftruncate(f.file, f.allocated) != 0)
+    fail_in_system(path, "make the file longer (is the disk full?)");
+  write_journal(path, f.pages);
+  if (!write_pages(f.file, f.pages)) fail_in_system(path, "finish an append");
+  if (::unlink(journal_of(path).c_str()) != 0) fail_in_system(journal_of(path), "remove the journal");
+  if (::ftruncate(f.file, f.allocated) != 0) errno = 0;  // what is behind the end only takes room
+}
+
+void abandon_journaled(hid_t file) {
+  if (JournaledFile* f = journaled_file(file)) f->abandoned = true;
+}
+
+}  // namespace silt::adapters::hdf5
