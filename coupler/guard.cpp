@@ -23,7 +23,10 @@ std::string flow_remedy(const Case& scene) {
   constexpr double delicate_relaxation_time = 0.55;
   const double tau = scene.fluid->relaxation_time;
   if (tau < delicate_relaxation_time)
-    return fmt::format("the relaxation time is {}, close to its limit of 0.5: raise {}", shown(tau),
+    return fmt::format("the relaxation time is {}, close to its limit of 0.5: {}raise {}", shown(tau),
+                       lbm::model_of(scene.fluid->collision).has_eddies()
+                           ? ""
+                           : "use fluid.collision = \"regularised\", or ",
                        scene.units.si ? "fluid.kinematic_viscosity, or use a smaller units.cell_size"
                                       : "fluid.relaxation_time");
   return scene.units.si ? "use a smaller units.time_step, or lower what drives the flow"

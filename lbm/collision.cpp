@@ -27,7 +27,7 @@ CollisionRates<T>::CollisionRates(const CollisionSpec& s) : model(s.model) {
   keep_even_twice = T(1 - 36 * double(density));
   keep_even = keep_even_twice / 2;
   keep_third = T(1 - 1 / tau_odd);
-  keep_fourth = T((1 - 1 / s.relaxation_time) * s.fourth_as_trt());
+  keep_fourth = T((1 - 1 / s.relaxation_time) * s.ghosts_as_trt());
   eddy = T(9 * s.smagorinsky * s.smagorinsky);
   const double resolved = s.relaxation_time * (s.relaxation_time - 0.5) / double(eddy);
   resolved_square = T(resolved * resolved);

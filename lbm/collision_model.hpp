@@ -41,10 +41,9 @@ struct CollisionSpec {
   double smagorinsky = 0;         // constant of the least viscosity of a cell (README.md, equation 28)
 
   constexpr double excess() const { return relaxation_time - 0.5; }
-  /// How much `regularised` relaxes third and fourth moments as trt does: less where that amplifies
+  /// How much `regularised` relaxes third and fourth moments as trt does: not at all where that amplifies
   /// (README.md, equation 26).
-  constexpr double third_as_trt() const { return std::min(1.0, excess() / 0.05); }
-  constexpr double fourth_as_trt() const { return std::clamp((excess() - 0.02) / 0.03, 0.0, 1.0); }
+  constexpr double ghosts_as_trt() const { return std::clamp((excess() - 0.05) / 0.05, 0.0, 1.0); }
   /// tau_odd.
   constexpr double odd_relaxation_time() const {
     switch (model_of(model).odd) {
@@ -52,10 +51,9 @@ struct CollisionSpec {
         return 0.5 + magic / excess();
       case OddRate::as_even:
         return relaxation_time;
-      case OddRate::by_magic_if_stable: {
-        const double wanted = magic / std::max(excess(), 0.05);
-        return 0.5 + wanted - (1 - third_as_trt()) * std::max(0.0, wanted - 0.5);
-      }
+      case OddRate::by_magic_if_stable:
+        return 1 + std::min(magic / excess() - 0.5, 0.0) +
+               ghosts_as_trt() * std::max(magic / excess() - 0.5, 0.0);
     }
     __builtin_unreachable();
   }

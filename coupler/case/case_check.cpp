@@ -8,6 +8,7 @@
 
 #include "coupler/case/body_check.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/choose_collision.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/case/speed_check.hpp"
@@ -63,16 +64,28 @@ void check_relaxation(const Case& scene, Findings& findings) {
   if (!(tau > 0.5))
     findings.error(key, fmt::format("the relaxation time is {}; it must be above 0.5 (a viscosity above 0)",
                                     shown(tau)));
-  else if (tau < doubtful_relaxation_low)
+  else if (tau < doubtful_relaxation_low && !lbm::model_of(scene.fluid->collision).has_eddies())
     findings.warning(
-        key, fmt::format("the relaxation time is {}; below {} runs tend to blow up: use smaller cells, a "
-                         "longer time step or a higher viscosity",
+        key, fmt::format("the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
+                         "\"regularised\", smaller cells, a longer time step or a higher viscosity",
                          shown(tau), doubtful_relaxation_low));
   else if (tau > doubtful_relaxation_high)
     findings.warning(
         key, fmt::format("the relaxation time is {}; above {} walls and slow flow lose accuracy: shorten "
                          "the time step",
                          shown(tau), doubtful_relaxation_high));
+}
+
+void check_cell_reynolds(const Case& scene, Findings& findings) {
+  const lbm::Collision model = scene.fluid->collision;
+  const double found = cell_reynolds(scene), measured = measured_reynolds(model);
+  if (found > measured)
+    findings.warning(
+        "fluid.collision",
+        fmt::format("the cell Reynolds number u/nu is {} at the largest speed given; {} was measured to last "
+                    "up to {} (scripts/stability): use {}smaller cells",
+                    shown(found), lbm::model_of(model).name, shown(measured),
+                    lbm::model_of(model).has_eddies() ? "" : "fluid.collision = \"regularised\" or "));
 }
 
 void check_memory(const Case& scene, Findings& findings) {
@@ -94,6 +107,7 @@ void check_fluid(const Case& scene, Findings& findings) {
   if (!scene.fluid) return;
   check_memory(scene, findings);
   check_relaxation(scene, findings);
+  check_cell_reynolds(scene, findings);
   if (!(scene.fluid->magic > 0))
     findings.error("fluid.magic",
                    fmt::format("fluid.magic is {}; it must be above 0", shown(scene.fluid->magic)));

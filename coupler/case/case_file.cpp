@@ -8,6 +8,7 @@
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
+#include "coupler/case/choose_collision.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -38,6 +39,7 @@ void read_sections(TableReader reader, Case& scene) {
   read_outflows(reader, scene);
   read_run(reader, scene.steps, scene.steady, scene.balance_every);
   read_output(reader, scene.output);
+  choose_collision(scene);
   read_quantities(reader, {scene.cells, scene.kind_names, scene.walls}, scene.quantities);
 }
 

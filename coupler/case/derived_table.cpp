@@ -8,6 +8,7 @@
 #include "coupler/case/body_check.hpp"
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/choose_collision.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "coupler/case/lattice.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -93,19 +94,18 @@ void add_fluid(const Case& scene, Table& table) {
                  "cells2/step");
   table.line("relaxation time", "", shown(fluid.relaxation_time));
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
-  const std::string of = model.has_magic()    ? ", Lambda = " + shown(fluid.magic)
-                         : model.has_eddies() ? ", Smagorinsky constant " + shown(fluid.smagorinsky)
-                                              : "";
+  std::string of = model.has_magic() ? ", Lambda = " + shown(fluid.magic) : "";
+  if (model.has_eddies()) of += ", Smagorinsky constant " + shown(fluid.smagorinsky);
+  if (fluid.collision_by_scene)
+    of += fmt::format(" (auto: u/nu = {}, trt lasts to {})", shown(cell_reynolds(scene)),
+                      shown(measured_reynolds(lbm::Collision::trt)));
   table.line("collision", std::string(model.name) + of);
   table.line("storage", std::string(precision_names[fluid.precision]));
-  double fastest = fluid.initial.largest_speed();
-  for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
-  scene.for_each_given(
-      [&](const BodySpec& body, std::uint64_t) { fastest = std::max(fastest, body.velocity.norm()); });
-  for (const FillSpec& fill : scene.fills) fastest = std::max(fastest, fill.velocity.norm());
+  const double fastest = fastest_given(scene);
   if (fastest > 0) {
     table.quantity("largest given speed", fastest, dimension::velocity, "m/s", "cells/step");
     table.line("  its Mach number", "", shown(fastest * std::sqrt(3.)));
+    table.line("  its cell Reynolds number", "", shown(cell_reynolds(scene)));
   }
   if (fluid.body_force.norm() > 0)
     table.quantity("body force", fluid.body_force.norm(), dimension::acceleration, "m/s2", "cells/step2");

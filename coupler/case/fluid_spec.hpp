@@ -36,8 +36,9 @@ struct InitialSpec {
 struct FluidSpec {
   double kinematic_viscosity = 0, relaxation_time = 0;
   lbm::Collision collision = lbm::Collision::trt;
-  double magic = 1. / 6;     // Lambda; with bodies or [[walls]] best_magic of the wall scheme
-  double smagorinsky = 0.1;  // least viscosity of a cell, of collision models that have one
+  bool collision_by_scene = false;  // "auto": chosen once the scene is known
+  double magic = 1. / 6;            // Lambda; with bodies or [[walls]] best_magic of the wall scheme
+  double smagorinsky = 0.1;         // least viscosity of a cell, of collision models that have one
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too

@@ -263,14 +263,20 @@ void read_domain(TableReader& root, Case& scene) {
 
 namespace {
 void read_collision(TableReader& fluid, FluidSpec& spec) {
-  spec.collision = fluid.choice("collision", collision_names).value_or(spec.collision);
+  std::vector<std::string> names = collision_names.list();
+  names.emplace_back("auto");
+  const std::optional<std::string> chosen = fluid.choice("collision", names);
+  spec.collision_by_scene = chosen == "auto";
+  const auto place = std::find(names.begin(), names.end() - 1, chosen.value_or("trt")) - names.begin();
+  if (!spec.collision_by_scene) spec.collision = static_cast<lbm::Collision>(place);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
-  if (fluid.has("smagorinsky") && !model.has_eddies())
+  if (fluid.has("smagorinsky") && !model.has_eddies() && !spec.collision_by_scene)
     fluid.fail("smagorinsky",
                fmt::format("fluid.smagorinsky is of regularised; {} has none, remove it", model.name));
   spec.smagorinsky = fluid.number("smagorinsky", range::between(0, 1)).value_or(spec.smagorinsky);
   if (fluid.has("magic") && !model.has_magic())
-    fluid.fail("magic", fmt::format("fluid.magic is Lambda of trt; {} has none, remove it", model.name));
+    fluid.fail("magic", fmt::format("fluid.magic is Lambda of trt and regularised; {} has none, remove it",
+                                    model.name));
 }
 }  // namespace
 

@@ -27,12 +27,17 @@ FLOWS = tuple(tuple(u * np.array(n) / np.linalg.norm(n)) for n in ((1, 0, 0), (1
 DISTANCES = ((0.02, 0.02), (0.3, 0.3), (0.5, 0.5), (0.7, 0.7), (1, 1), (0.02, 1))
 
 
+def ghosts_as_trt(tau):
+    """Returns how much regularised relaxes third and fourth moments as trt does (equation 26)."""
+    return min(1, max(0, (tau - 0.55) / 0.05))
+
+
 def odd_time(tau, model):
     """Returns the relaxation time of the odd halves (equation 26); the magic of regularised is 1/6 where it can be."""
     if model != REGULARISED:
         return 0.5 + model / (tau - 0.5)
-    wanted = 1 / 6 / max(tau - 0.5, 0.05)
-    return 0.5 + wanted - (1 - min(1, (tau - 0.5) / 0.05)) * max(0, wanted - 0.5)
+    wanted = 1 / 6 / (tau - 0.5)
+    return 0.5 + wanted - (1 - ghosts_as_trt(tau)) * max(0, wanted - 0.5)
 
 
 def magic_of(model, tau):
@@ -64,7 +69,7 @@ def collided(g, tau):
     """Returns what populations become under regularised."""
     rho, u, even = g.sum(), C.T @ g, (g + g[OPPOSITE]) / 2
     keep, keep_third = 1 - 1 / tau, 1 - 1 / odd_time(tau, REGULARISED)
-    keep_fourth = keep * min(1, max(0, (tau - 0.52) / 0.03))
+    keep_fourth = keep * ghosts_as_trt(tau)
 
     def second_order(moments):
         return W * (4.5 * np.einsum("ia,ab,ib->i", C, moments, C) - 1.5 * np.trace(moments))

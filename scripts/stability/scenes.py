@@ -51,7 +51,7 @@ def towed(model, excess, u):
 SCENES = {f.__name__: f for f in (layer, vortices, cavity, stream, towed)}
 MODELS = ("trt", "bgk", "regularised")
 EXCESSES = (1e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1, 2)  # tau - 1/2
-VELOCITIES = (0.01, 0.03, 0.1, 0.2)
+VELOCITIES = (0.01, 0.03, 0.06, 0.1, 0.2)
 FASTEST = 3  # times the velocity given: more is wrong
 
 

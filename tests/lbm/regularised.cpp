@@ -104,7 +104,7 @@ Populations regularised(const Populations& g, const CollisionSpec& spec, double 
                (off[a][b] + delta(a, b) * trace + u[a] * u[b]);
     even[i] = (g[i] + g[opposite(i)]) / 2 - w(i) * sum;
   }
-  const double keep_fourth = (1 - 1 / spec.relaxation_time) * spec.fourth_as_trt();
+  const double keep_fourth = (1 - 1 / spec.relaxation_time) * spec.ghosts_as_trt();
   Populations after;
   for (int i = 0; i < directions; ++i) {
     double sum = rho + added;

@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+"""stability_map SILT: what `silt check` calls safe was measured to last (scripts/stability/map.csv), and what a guard advises cures."""
+import csv
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path[:0] = [str(ROOT / "scripts" / "stability"), str(ROOT / "scripts" / "accuracy")]
+
+from scenes import MODELS, SCENES  # noqa: E402
+
+SILT = sys.argv.pop(1)
+
+
+def silt(command, text, *options):
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "case.toml").write_text(text)
+        out = ["--out", f"{folder}/out"] if command == "run" else []
+        done = subprocess.run([SILT, command, folder, *out, *options], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+
+class Map(unittest.TestCase):
+
+    def test_every_point_that_check_calls_safe_is(self):
+        with open(ROOT / "scripts" / "stability" / "map.csv") as stream:
+            rows = list(csv.DictReader(stream))
+        safe = {model: 0 for model in MODELS}
+        for row in rows:
+            text = SCENES[row["scene"]](row["model"], float(row["tau_less_half"]), float(row["velocity"]))
+            code, said = silt("check", text)
+            if code == 0 and "warning" not in said:
+                safe[row["model"]] += 1
+                self.assertEqual(row["verdict"], "stable", row)
+        self.assertGreater(safe["trt"], 40)
+        self.assertGreater(safe["regularised"], 80)
+
+
+class Cure(unittest.TestCase):
+
+    def test_regularised_cures_what_the_guard_says_it_does(self):
+        for scene in ("layer", "cavity"):
+            with self.subTest(scene):
+                text = SCENES[scene]("trt", 0.001, 0.1)
+                code, said = silt("run", text)
+                self.assertEqual(code, 3, said)
+                self.assertIn('use fluid.collision = "regularised"', said)
+                code, said = silt("run", text, "--set", "fluid.collision=regularised")
+                self.assertEqual(code, 0, said)
+
+    def test_auto_takes_regularised_where_trt_does_not_last(self):
+        for scene, excess, expected in (("layer", 0.001, "regularised"), ("layer", 0.1, "trt")):
+            code, said = silt("check", SCENES[scene]("auto", excess, 0.1))
+            self.assertEqual(code, 0, said)
+            self.assertRegex(said, rf"collision +{expected}, .*\(auto: u/nu = ")
+
+
+if __name__ == "__main__":
+    unittest.main()
