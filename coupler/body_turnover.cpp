@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
+#include "coupler/energy_guard.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/placement/body_records.hpp"
@@ -68,6 +69,7 @@ void BodyTurnover::let_leave(Scene& scene, BodyChanges& changes, RunCounters& co
     ++counters.left;
     expected_.leave(bodies.id[row]);
     brought_.add(-momentum_of(bodies, row));
+    energy_brought_ -= mechanical_energy(scene.setup, bodies, row);
   }
   changes.gone.reindex();
   scene.exchange->take_out(scene.bodies, rows);
@@ -90,6 +92,7 @@ void BodyTurnover::let_come(Scene& scene, std::int64_t steps_done, BodyChanges& 
       bodies.insert(row, {});
       scene.set_placed(row, id, body, shapes[body.shape]);
       brought_.add(momentum_of(bodies, row));
+      energy_brought_ += mechanical_energy(scene.setup, bodies, row);
     });
   }
   bodies.reindex();

@@ -28,6 +28,8 @@ class BodyTurnover {
   const ExpectedBodies& expected() const { return expected_; }
   /// Momentum of the free bodies that came less that of those that left; of this rank.
   const rigid::FixedVec3& momentum_brought() const { return brought_; }
+  /// Their energy (energy_guard.hpp), of a run that goes on since then; of this rank.
+  rigid::FixedSum energy_brought() const { return energy_brought_; }
 
  private:
   void let_leave(Scene&, BodyChanges&, RunCounters&);
@@ -36,6 +38,7 @@ class BodyTurnover {
   rigid::BodyId next_id_;
   ExpectedBodies expected_;
   rigid::FixedVec3 brought_;
+  rigid::FixedSum energy_brought_ = 0;
 };
 
 }  // namespace silt::coupler

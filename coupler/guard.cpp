@@ -37,7 +37,7 @@ std::string flow_remedy(const Case& scene) {
 
 void check_flow(const Case& scene, const FlowTotals& totals, std::int64_t step) {
   const auto stop = [&](const std::string& found) {
-    throw GuardStop(fmt::format("step {}: {}; {}", step, found, flow_remedy(scene)));
+    throw CommonGuardStop(fmt::format("step {}: {}; {}", step, found, flow_remedy(scene)));
   };
   if (!totals.finite)
     stop(fmt::format("the fluid at cell [{}, {}, {}] is not a number", totals.bad_cell[0], totals.bad_cell[1],
@@ -71,43 +71,63 @@ Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t en
 }
 
 /// No row of [begin, end) can have a reason to stop: a few instructions a body, in every step.
-bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds) {
-  return std::isfinite(speeds.sum) && speeds.highest <= furthest_motion * furthest_motion &&
+bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds,
+                   double furthest) {
+  return std::isfinite(speeds.sum) && speeds.highest <= furthest * furthest &&
          std::isfinite(sum_of(bodies.angular_velocity, begin, end)) &&
          std::isfinite(sum_of(bodies.position, begin, end));
 }
 
-void check_rows(const Case& scene, const rigid::BodySet& bodies, std::size_t begin, std::size_t end,
-                std::int64_t step, int rank) {
+std::string speed_remedy(const Case& scene, double too_far, std::int64_t step) {
+  if (scene.fluid)
+    return fmt::format("use {}a smaller {}",
+                       scene.coupling.time == TimeCoupling::explicit_
+                           ? "coupling.time = \"implicit\" (light bodies need it) or "
+                           : "",
+                       scene.units.si ? "units.time_step" : "gravity.acceleration or velocity");
+  if (step > 0 && rigid::resolver_model(scene.contacts.resolver).makes_energy) return contact_remedy(scene);
+  return fmt::format("beyond that it may pass through others: use contacts.substeps = {:.0f}{}",
+                     std::ceil(too_far * scene.contacts.substeps),
+                     scene.units.si ? " or a smaller units.time_step" : "");
+}
+
+void check_rows(const Case& scene, const MotionLimits& limits, const rigid::BodySet& bodies,
+                std::size_t begin, std::size_t end, std::int64_t step, int rank) {
   for (std::size_t row = begin; row < end; ++row) {
-    const double speed = bodies.velocity[row].norm();
+    const double speed = bodies.velocity[row].norm(), limit = limits.of(bodies.shape[row]);
     const double sum =
         speed + bodies.angular_velocity[row].squaredNorm() + bodies.position[row].squaredNorm();
     if (!std::isfinite(sum))
       throw GuardStop(fmt::format("step {}: position or velocity of body {} (rank {}) is not a number; {}",
                                   step, bodies.id[row], rank,
-                                  scene.fluid ? flow_remedy(scene) : "use a smaller units.time_step"));
-    if (scene.fluid && speed > furthest_motion)
+                                  scene.fluid ? flow_remedy(scene) : contact_remedy(scene)));
+    if (speed > limit)
       throw GuardStop(fmt::format(
-          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: use {}a smaller {}",
-          step, bodies.id[row], rank, shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"),
-          furthest_motion,
-          scene.coupling.time == TimeCoupling::explicit_
-              ? "coupling.time = \"implicit\" (light bodies need it) or "
-              : "",
-          scene.units.si ? "units.time_step" : "gravity.acceleration or velocity"));
+          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: {}", step,
+          bodies.id[row], rank, shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"),
+          shown(limit), speed_remedy(scene, speed / limit, step)));
   }
 }
 
 }  // namespace
 
-double check_motion(const Case& scene, const rigid::BodySet& bodies, std::int64_t step, int rank) {
+std::string contact_remedy(const Case& scene) {
+  if (rigid::resolver_model(scene.contacts.resolver).makes_energy)
+    return fmt::format("contacts.resolver = \"{}\" makes energy where several bodies meet: use \"{}\"",
+                       scene.contacts.resolver, rigid::resolver_models().front().name);
+  return fmt::format("raise contacts.substeps (now {}){}", scene.contacts.substeps,
+                     scene.units.si ? ", or use a smaller units.time_step" : "");
+}
+
+double check_motion(const Case& scene, const MotionLimits& limits, const rigid::BodySet& bodies,
+                    std::int64_t step, int rank) {
   constexpr std::size_t at_once = 256;
   double highest = 0;
   for (std::size_t begin = 0; begin < bodies.owned; begin += at_once) {
     const std::size_t end = std::min(begin + at_once, bodies.owned);
     const Speeds speeds = speeds_of(bodies, begin, end);
-    if (!clearly_sound(bodies, begin, end, speeds)) check_rows(scene, bodies, begin, end, step, rank);
+    if (!clearly_sound(bodies, begin, end, speeds, limits.least()))
+      check_rows(scene, limits, bodies, begin, end, step, rank);
     highest = std::max(highest, speeds.highest);
   }
   return std::sqrt(highest);
@@ -117,7 +137,7 @@ std::string overflow_text(const Case& scene, const std::string& what, std::int64
                           std::optional<int> rank) {
   return fmt::format("step {}: a force on a body is out of range{} ({}); {}", step,
                      rank ? fmt::format(" on rank {}", *rank) : "", what,
-                     scene.fluid ? flow_remedy(scene) : "use a smaller units.time_step");
+                     scene.fluid ? flow_remedy(scene) : contact_remedy(scene));
 }
 
 }  // namespace silt::coupler

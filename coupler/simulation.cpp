@@ -30,7 +30,9 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr),
       coupled_step_(observed_parts()),
       turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
-                saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}) {
+                saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
+      motion_limits_(setup()),
+      energy_(setup()) {
   flush_denormals_to_zero();
   if (scene_.flow) {
     if (saved) {
@@ -51,8 +53,9 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     fluid_speed_ = saved->fluid_speed;
   } else {
     initial_ = balance();
-    check_motion(setup(), scene_.bodies, step_, scene_.rank);
+    check_motion(setup(), motion_limits_, scene_.bodies, step_, scene_.rank);
   }
+  energy_.look(scene_, turnover_.energy_brought(), step_);
 }
 
 namespace {
@@ -81,7 +84,7 @@ auto Simulation::guarded(Work&& work) {
   try {
     return work();
   } catch (const ForceOutOfRange& found) {
-    throw GuardStop(overflow_text(setup(), found.what(), step_));
+    throw CommonGuardStop(overflow_text(setup(), found.what(), step_));
   }
 }
 
@@ -126,11 +129,14 @@ void Simulation::step() {
   ++step_;
   count(report);
   if (scene_.anything_moves)
-    counters_.body_speed =
-        std::max(counters_.body_speed, check_motion(setup(), scene_.bodies, step_, scene_.rank));
+    counters_.body_speed = std::max(counters_.body_speed,
+                                    check_motion(setup(), motion_limits_, scene_.bodies, step_, scene_.rank));
   check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
+  energy_.finish(setup());  // of the step before
+  if (scene_.anything_moves && step_ % EnergyGuard::interval == 0)
+    energy_.look(scene_, turnover_.energy_brought(), step_);
   traffic_ += traffic() - before;
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -213,6 +219,7 @@ void Simulation::add_force(BodyId id, const Vec3& force, const Vec3& torque) {
   require_movable(id);
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
+  energy_.start_anew();
   if (row >= bodies.owned) return;
   bodies.add_force(row, force);
   bodies.add_torque(row, torque);
@@ -222,6 +229,7 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
   require_movable(id);
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
+  energy_.start_anew();
   if (row < bodies.size()) bodies.set_velocity(row, velocity, angular_velocity);  // owner and copies alike
 }
 
@@ -234,6 +242,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
     bodies.set_pose(row, pose);
   }
   rigid::forget_impulses(bodies, id);
+  energy_.start_anew();
   scene_.exchange->relocate(bodies);  // it may be another rank's now
 }
 

@@ -12,7 +12,9 @@
 #include <functional>
 
 #include "coupler/body_turnover.hpp"
+#include "coupler/energy_guard.hpp"
 #include "coupler/exchange/traffic.hpp"
+#include "coupler/guard.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
@@ -52,9 +54,10 @@ class Simulation {
 
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
   /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
-  /// GuardStop and std::overflow_error may come on some ranks only: the others then wait for ever, so a
-  /// program on several ranks ends with MPI_Abort after saying what happened. That the fluid's force on a
-  /// body is out of range all ranks find, in the next step or at the next look.
+  /// CommonGuardStop comes on every rank: of bodies that gain energy, and that the fluid's force on a body is
+  /// out of range, which is found in the next step or at the next look. Other GuardStops and
+  /// std::overflow_error may come on some ranks only: the others then wait for ever, so a program on several
+  /// ranks ends with MPI_Abort after saying what happened.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -116,6 +119,8 @@ class Simulation {
   Balance initial_;
   BodyTurnover turnover_;
   CheckUnderWay check_;
+  MotionLimits motion_limits_;
+  EnergyGuard energy_;
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;
   BalanceRecord balance_;

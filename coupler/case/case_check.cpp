@@ -10,6 +10,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/choose_collision.hpp"
 #include "coupler/case/derived_table.hpp"
+#include "coupler/case/motion_limits.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/case/speed_check.hpp"
 #include "coupler/case/turnover_check.hpp"
@@ -177,14 +178,22 @@ void check_lubrication(const Case& scene, Findings& findings) {
                                scene.contacts.resolver));
 }
 
-// A body that moves further in a sub-step than contacts reach ahead may pass through another.
-void check_margin(const Case& scene, Findings& findings, const std::string& key, double speed) {
-  const double step = speed / scene.contacts.substeps;
-  if (step > scene.contacts.margin)
+// A body that moves further in a sub-step than contacts reach ahead may be seen only when it overlaps
+// another, and one that moves much further, not at all.
+void check_margin(const Case& scene, Findings& findings, const std::string& key, double speed, int shape) {
+  const double step = speed / scene.contacts.substeps, limit = MotionLimits(scene).of(shape);
+  if (!scene.fluid && speed > limit)
+    findings.error(
+        key, fmt::format("{}: the body moves {} cells in a step; beyond {} it may pass through "
+                         "others: raise contacts.substeps to {:.0f}{}",
+                         key, shown(speed), shown(limit), std::ceil(speed / limit * scene.contacts.substeps),
+                         scene.units.si ? ", or use a smaller units.time_step" : ""));
+  else if (step > scene.contacts.margin)
     findings.warning(
-        key, fmt::format("{}: the body moves {} cells in a sub-step, but contacts.margin is {}: it may pass "
-                         "through others; raise contacts.margin or contacts.substeps",
-                         key, shown(step), shown(scene.contacts.margin)));
+        key,
+        fmt::format("{}: the body moves {} cells in a sub-step, but contacts.margin is {}: it may overlap "
+                    "others; raise contacts.margin or contacts.substeps",
+                    key, shown(step), shown(scene.contacts.margin)));
 }
 
 /// What drives the scene, against what a single step can take.
@@ -217,7 +226,7 @@ void check_body_speeds(const Case& scene, Findings& findings) {
     const double rim = rigid::bounding_radius(scene.shapes[body.shape]) * body.angular_velocity.norm();
     const std::string entry = fmt::format("bodies[{}]", std::max(0, body.entry));
     check_density(findings, entry, body.density);
-    check_margin(scene, findings, entry + ".velocity", body.velocity.norm());
+    check_margin(scene, findings, entry + ".velocity", body.velocity.norm(), body.shape);
     if (!scene.fluid) return;
     check_speed(scene.units, findings, entry + ".velocity", body.velocity.norm());
     if (rim > 0) check_speed(scene.units, findings, entry + ".angular_velocity", rim);
@@ -228,7 +237,7 @@ void check_fill_speeds(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const std::string key = fmt::format("fill[{}].velocity", i);
     const double speed = scene.fills[i].velocity.norm();
-    check_margin(scene, findings, key, speed);
+    check_margin(scene, findings, key, speed, scene.fills[i].shape);
     if (scene.fluid) check_speed(scene.units, findings, key, speed);
   }
 }

@@ -7,6 +7,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
+#include "coupler/energy_guard.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
@@ -50,13 +51,6 @@ double mean_over(const Simulation& simulation, const QuantitySpec& q, Value&& va
         return std::array<double, 2>{value(row), 1.0};
       });
   return count > 0 ? sum / count : no_value;
-}
-
-/// Where a body is, counting the periods it has crossed.
-Vec3 unwrapped(const BodySet& bodies, std::size_t row, const Vec3& period) {
-  Vec3 x = bodies.position[row];
-  for (int d = 0; d < 3; ++d) x[d] += bodies.image[row][d] * period[d];
-  return x;
 }
 
 /// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.

@@ -101,7 +101,7 @@ Exit Run::go() {
                              resume_with_));
     }
     return end(Exit::done, is_steady() ? "steady" : "completed", "");
-  } catch (const GuardStop& stop) {  // every rank: a guard of the fluid
+  } catch (const GuardStop& stop) {  // every rank
     return end(Exit::guard, "guard", stop.what() + last_checkpoint_text());
   } catch (const std::exception& error) {  // every rank: outputs fail together
     return end(Exit::failed, "error", error.what() + last_checkpoint_text());
@@ -115,6 +115,8 @@ void Run::advance() {
   try {
     simulation_.step();
     quantities_.observe(simulation_);
+  } catch (const CommonGuardStop&) {
+    throw;
   } catch (const GuardStop& stop) {
     if (simulation_.scene().ranks == 1) throw;
     fail_alone(Exit::guard, "guard", stop.what());

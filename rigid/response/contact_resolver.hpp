@@ -75,6 +75,7 @@ class ContactResolver {
 struct ResolverModel {
   std::string_view name;
   bool lubricates, has_impact_phase, has_half_force;
+  bool makes_energy;  // contacts of several bodies may leave more than there was
   std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
 };
 

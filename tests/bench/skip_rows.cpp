@@ -64,10 +64,11 @@ struct Passes {
     guard();
   }
   /// Every scene whose bodies move asks whether they do so within bounds.
-  void guard() { coupler::check_motion(scene.setup, scene.bodies, 1, 0); }
+  void guard() { coupler::check_motion(scene.setup, limits, scene.bodies, 1, 0); }
   Simulation simulation;
   coupler::Scene& scene = simulation.scene();
   coupler::StepClock clock;
+  const coupler::MotionLimits limits{scene.setup};
   const coupler::BodyChanges no_changes;
 };
 

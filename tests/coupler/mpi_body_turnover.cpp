@@ -183,7 +183,7 @@ TEST(BodyTurnover, EveryApplicationHasRandomNumbersOfItsOwn) {
   CaseText c;
   c.domain = domain_of({48, 24, 28}, "\"no-slip\"");
   c.fluid.clear();
-  c.rest = "[[outflow]]\nbox = [[0, 0, 0], [48, 24, 14]]\n";
+  c.rest = "[contacts]\nsubsteps = 5\n[[outflow]]\nbox = [[0, 0, 0], [48, 24, 14]]\n";
   c.shapes = sphere_of("ball", 2);
   const std::string more = "every = 2\nvelocity = [0, 0, -7]\nbox = [[";
   c.bodies = fill_of("ball", 2, 1, more + "0, 0, 16], [24, 24, 28]]") +

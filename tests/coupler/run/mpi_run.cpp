@@ -235,7 +235,7 @@ TEST(Run, ABodyThatIsTooFastIsNamed) {
   simulation.set_velocity(1, Vec3(1.5, 0, 0), Vec3::Zero());
   std::string found;
   try {
-    check_motion(simulation.setup(), simulation.bodies(), 12, rank());
+    check_motion(simulation.setup(), MotionLimits(simulation.setup()), simulation.bodies(), 12, rank());
   } catch (const GuardStop& stop) {
     found = stop.what();
   }

@@ -1,0 +1,34 @@
+#include "coupler/case/motion_limits.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "coupler/case/case.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+constexpr double without_limit = std::numeric_limits<double>::infinity();
+
+double width_of_thinnest_part(const rigid::Shape& shape) {
+  double width = without_limit;
+  for (const rigid::Part& part : rigid::convex_parts(shape))
+    width = std::min(width, std::visit([](const auto& s) { return s.least_width(); }, part.shape));
+  return width;
+}
+
+}  // namespace
+
+MotionLimits::MotionLimits(const Case& scene) : least_(without_limit) {
+  const ContactSpec& contacts = scene.contacts;
+  for (const rigid::Shape& shape : scene.shapes) {
+    of_shape_.push_back(scene.fluid
+                            ? furthest_motion
+                            : contacts.substeps * 0.5 * (contacts.margin + width_of_thinnest_part(shape)));
+    least_ = std::min(least_, of_shape_.back());
+  }
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,28 @@
+#pragma once
+// How far bodies may move in a step.
+#include <vector>
+
+namespace silt::coupler {
+
+struct Case;
+
+/// Bodies that move further in a step (cells) cover cells that no neighbour has seen. Only with a fluid.
+inline constexpr double furthest_motion = 1;
+
+/// The limits of a case, in cells a step, by the shape of a body. With a fluid furthest_motion. Without, in a
+/// sub-step half of contacts.margin and half of the body's least width (of its thinnest part): then of two
+/// bodies that were out of each other's reach before a sub-step none has passed the middle of the other after
+/// it, nor the surface of a wall by its own middle, so that their contact pushes them back where they came
+/// from.
+class MotionLimits {
+ public:
+  explicit MotionLimits(const Case&);
+  double of(int shape) const { return of_shape_[shape]; }
+  double least() const { return least_; }
+
+ private:
+  std::vector<double> of_shape_;
+  double least_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,116 @@
+#include "coupler/energy_guard.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_extent.hpp"
+#include "coupler/exchange/reduce.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/scene.hpp"
+
+namespace silt::coupler {
+
+using rigid::BodySet;
+using rigid::FixedSum;
+using rigid::Vec3;
+
+namespace {
+
+/// 2^62, the range of a sum, for 2^20 bodies.
+constexpr double out_of_proportion = 0x1p42;
+
+FixedSum cut_off(double energy) {
+  return rigid::to_fixed(std::clamp(energy, -out_of_proportion, out_of_proportion));
+}
+
+bool is_driven(const Case& scene) {
+  const auto moves = [](const BoundarySpec& side) {
+    return side.kind == BoundaryKind::moving && side.velocity != Vec3::Zero();
+  };
+  const auto turns = [](const CurvedWall& wall) {
+    return wall.tube.angular_velocity != 0 || wall.tube.velocity != 0;
+  };
+  return std::any_of(scene.boundary.begin(), scene.boundary.end(), moves) ||
+         std::any_of(scene.walls.begin(), scene.walls.end(), turns) ||
+         scene.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+}
+
+/// Of all free bodies of this rank.
+struct Energies {
+  FixedSum mechanical = 0, kinetic = 0, lift = 0;  // lift: of each by its bounding radius
+};
+
+Energies energies_of(const Scene& scene) {
+  const BodySet& bodies = scene.bodies;
+  const double g = scene.setup.gravity.norm();
+  Energies sums;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!bodies.is_free(row)) continue;
+    sums.mechanical += mechanical_energy(scene.setup, bodies, row);
+    sums.kinetic += cut_off(bodies.kinetic_energy(row));
+    sums.lift += cut_off(bodies.mass[row] * std::abs(bodies.weight_in_fluid[row]) * g *
+                         scene.world.bounding_radii[bodies.shape[row]]);
+  }
+  return sums;
+}
+
+std::string energy_text(const Case& scene, double x) {
+  return scene.units.si ? fmt::format("{} J", shown(scene.units.physical(x, dimension::energy)))
+                        : fmt::format("{} (lattice units)", shown(x));
+}
+
+}  // namespace
+
+Vec3 unwrapped(const BodySet& bodies, std::size_t row, const Vec3& period) {
+  Vec3 x = bodies.position[row];
+  for (int d = 0; d < 3; ++d) x[d] += bodies.image[row][d] * period[d];
+  return x;
+}
+
+FixedSum mechanical_energy(const Case& scene, const BodySet& bodies, std::size_t row) {
+  const Vec3 x = unwrapped(bodies, row, extent_of(scene).size);
+  return cut_off(bodies.kinetic_energy(row) -
+                 bodies.mass[row] * bodies.weight_in_fluid[row] * scene.gravity.dot(x));
+}
+
+EnergyGuard::EnergyGuard(const Case& scene) : watched_(!scene.fluid && !is_driven(scene)) {}
+
+void EnergyGuard::look(const Scene& scene, FixedSum brought, std::int64_t step) {
+  if (!watched_) return;
+  const Energies here = energies_of(scene);
+  std::vector<std::int64_t> mine;
+  for (const FixedSum sum : {here.mechanical - brought, here.kinetic, here.lift})
+    for (const std::uint64_t limb : limbs_of(sum)) mine.push_back(std::bit_cast<std::int64_t>(limb));
+  sums_.start(scene.comm, std::move(mine));
+  step_ = step;
+  first_ = fresh_;
+  fresh_ = false;
+}
+
+void EnergyGuard::finish(const Case& scene) {
+  if (!sums_.under_way()) return;
+  const std::vector<std::int64_t>& all = sums_.finish();
+  const auto sum = [&](std::size_t which) {
+    Limbs limbs;
+    for (std::size_t k = 0; k < limbs.size(); ++k)
+      limbs[k] = std::bit_cast<std::uint64_t>(all[which * limbs.size() + k]);
+    return rigid::from_fixed(sum_of(limbs));
+  };
+  const double energy = sum(0), kinetic = sum(1), lift = sum(2);
+  if (first_) start_ = energy, start_step_ = step_, largest_kinetic_ = kinetic;
+  largest_kinetic_ = std::max(largest_kinetic_, kinetic);
+  const double gain = energy - start_, allowed = share_of_motion * largest_kinetic_ + lift;
+  if (gain > allowed)
+    throw CommonGuardStop(
+        fmt::format("step {}: the energy of the bodies has grown by {} since step {}, though nothing drives "
+                    "them (kinetic "
+                    "energy now: {}; allowed: {}); {}",
+                    step_, energy_text(scene, gain), start_step_, energy_text(scene, kinetic),
+                    energy_text(scene, allowed), contact_remedy(scene)));
+}
+
+}  // namespace silt::coupler

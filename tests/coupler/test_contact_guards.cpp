@@ -1,0 +1,112 @@
+// Scenes without a fluid that a resolver or a time step is not up to: each is stopped, with a cure that
+// works.
+#include <gtest/gtest.h>
+
+#include "coupler/case/case.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Vec3;
+
+std::string stop_of(Simulation&& simulation, std::int64_t steps) {
+  try {
+    simulation.run(steps);
+  } catch (const GuardStop& stop) {
+    return stop.what();
+  }
+  return "";
+}
+
+/// Boxes of an edge of 2 in the field of the earth, steps of a millisecond, cells of 0.1 m.
+CaseText boxes_at(const std::vector<Vec3>& positions, int height) {
+  CaseText c;
+  c.domain =
+      domain_of({24, 24, height}, "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
+  c.fluid.clear();
+  c.rest = "[gravity]\nacceleration = [0, 0, -9.81e-5]\n[contacts]\nfriction = 0.5\nmargin = 0.2\n";
+  c.shapes = shape_of("box", "box", "edges = [2, 2, 2]");
+  c.bodies.clear();
+  for (const Vec3& x : positions)
+    c.bodies += body_of("box", 1,
+                        "position = [" + std::to_string(x[0]) + ", " + std::to_string(x[1]) + ", " +
+                            std::to_string(x[2]) + "]");
+  return c;
+}
+
+/// Layers of n by n boxes, n from 6 down to 1, each over the gaps of the one below.
+CaseText pyramid() {
+  std::vector<Vec3> positions;
+  for (int layer = 0; layer < 6; ++layer)
+    for (int i = 0; i < 6 - layer; ++i)
+      for (int j = 0; j < 6 - layer; ++j)
+        positions.push_back({5.0 + layer + 2 * i, 5.0 + layer + 2 * j, 1.0 + 2 * layer});
+  return boxes_at(positions, 24);
+}
+
+/// Thirty boxes over each other, a tenth of an edge apart, every second one a twentieth aside.
+CaseText loose_stack() {
+  std::vector<Vec3> positions;
+  for (int i = 0; i < 30; ++i) positions.push_back({8 + 0.1 * (i % 2), 8, 1.1 + 2.2 * i});
+  return boxes_at(positions, 70);
+}
+
+TEST(ContactGuards, FfdIsStoppedWhereItMakesEnergyAndSffdGoesOn) {
+  for (const auto& [scene, steps] : {std::pair(pyramid(), 200), std::pair(loose_stack(), 1000)}) {
+    const std::string found = stop_of(scene.start(MPI_COMM_SELF, {"contacts.resolver=ffd"}), steps);
+    EXPECT_EQ(found.find("step "), 0u) << found;
+    EXPECT_NE(found.find("use \"sffd\""), std::string::npos) << found;
+    EXPECT_EQ(stop_of(scene.start(MPI_COMM_SELF, {"contacts.resolver=sffd"}), steps), "");
+  }
+}
+
+/// A ball of a diameter of 1 against a plate of a thickness of 0.4.
+CaseText bullet(double speed) {
+  CaseText c;
+  c.domain = domain_of({40, 10, 10});
+  c.fluid.clear();
+  c.rest = "[contacts]\nrestitution = 0.5\nmargin = 0.2\n";
+  c.shapes = shape_of("ball", "sphere", "radius = 0.5") + shape_of("plate", "box", "edges = [0.4, 8, 8]");
+  c.bodies = body_of("plate", 1, "motion = \"fixed\"\nposition = [20, 5, 5]") +
+             body_of("ball", 1, "position = [5.13, 5, 5]\nvelocity = [" + std::to_string(speed) + ", 0, 0]");
+  return c;
+}
+
+/// Its velocity when it has had the time to reach the plate, over that at the start.
+double rebound(double speed, double shift, const Overrides& overrides = {}) {
+  Simulation simulation = bullet(speed).start(MPI_COMM_SELF, overrides);
+  simulation.set_pose(2, {Vec3(5 + shift, 5, 5), rigid::Quat::Identity()});
+  simulation.run(static_cast<std::int64_t>(16 / speed) + 2);
+  return simulation.bodies().velocity[simulation.bodies().row_of(2)][0] / speed;
+}
+
+TEST(ContactGuards, WhatMovesAsFarAsTheyAllowDoesNotPassAPlate) {
+  const double furthest = MotionLimits(bullet(0.1).read()).of(0);
+  EXPECT_DOUBLE_EQ(furthest, 0.6);
+  for (double shift = 0; shift < 0.6; shift += 0.05)
+    EXPECT_NEAR(rebound(furthest, shift), -0.5, 1e-9) << shift;
+}
+
+TEST(ContactGuards, WhatMovesFurtherIsRefusedWithACure) {
+  const std::string fault = bullet(3).fault();
+  EXPECT_NE(fault.find("raise contacts.substeps to 5"), std::string::npos) << fault;
+  for (double shift = 0; shift < 0.6; shift += 0.05)
+    EXPECT_NEAR(rebound(3, shift, {"contacts.substeps=5"}), -0.5, 1e-9) << shift;
+}
+
+TEST(ContactGuards, WhatFallsTooFastIsStoppedWithACure) {
+  CaseText c = bullet(0.5);
+  c.rest += "[gravity]\nacceleration = [0.03, 0, 0]\n";
+  const std::string found = stop_of(c.start(MPI_COMM_SELF), 50);
+  EXPECT_NE(found.find("body 2 (rank 0) moves 0.62 cells in a step; at most 0.6 is possible"),
+            std::string::npos)
+      << found;
+  EXPECT_NE(found.find("use contacts.substeps = 2"), std::string::npos) << found;
+  EXPECT_EQ(stop_of(c.start(MPI_COMM_SELF, {"contacts.substeps=2"}), 50), "");
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
