@@ -20,7 +20,7 @@ double cell_reynolds(const Case& scene) {
 double measured_reynolds(lbm::Collision model) {
   switch (model) {
     case lbm::Collision::trt:
-      return 18;
+      return 10;
     case lbm::Collision::bgk:
       return 10;
     case lbm::Collision::regularised:

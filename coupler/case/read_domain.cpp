@@ -191,18 +191,27 @@ void read_initial(TableReader& fluid, InitialSpec& spec) {
   if (!initial.has("type")) initial.missing("type", "one of " + joined(initial_flow_names.list()));
   spec.type = initial.choice("type", initial_flow_names).value_or(spec.type);
   spec.noise = initial.quantity("noise", dimension::velocity, range::at_least(0)).value_or(0);
+  const auto of = [&](const char* key, InitialFlow type) {
+    const bool given = initial.has(key);
+    if (given && spec.type != type)
+      initial.fail(key, fmt::format("fluid.initial.{} is of \"{}\"; \"{}\" has none, remove it", key,
+                                    initial_flow_names[type], initial_flow_names[spec.type]));
+    else if (!given && spec.type == InitialFlow::vortex && type == spec.type)
+      initial.missing(key,
+                      "the largest speed about the axis of a vortex (swirl), and how far from it (radius)");
+    return given && spec.type == type;
+  };
+  if (of("steepness", InitialFlow::shear_layer))
+    spec.steepness = initial.number("steepness", range::above(0)).value_or(spec.steepness);
+  if (of("perturbation", InitialFlow::shear_layer))
+    spec.perturbation = initial.number("perturbation", range::at_least(0)).value_or(spec.perturbation);
+  if (of("swirl", InitialFlow::vortex))
+    spec.swirl = initial.quantity("swirl", dimension::velocity, range::at_least(0)).value_or(0);
+  if (of("radius", InitialFlow::vortex))
+    spec.radius = initial.quantity("radius", dimension::length, range::above(0)).value_or(1);
   if (spec.type == InitialFlow::rest) return;
   if (!initial.has("velocity")) initial.missing("velocity", "of the fluid at the start, [x, y, z]");
   spec.velocity = initial.vector("velocity", dimension::velocity).value_or(rigid::Vec3::Zero());
-  if (spec.type == InitialFlow::shear_layer) {
-    spec.steepness = initial.number("steepness", range::above(0)).value_or(spec.steepness);
-    spec.perturbation = initial.number("perturbation", range::at_least(0)).value_or(spec.perturbation);
-  } else if (spec.type == InitialFlow::vortex) {
-    if (!initial.has("swirl")) initial.missing("swirl", "the largest speed about the vortex' axis");
-    spec.swirl = initial.quantity("swirl", dimension::velocity, range::at_least(0)).value_or(0);
-    if (!initial.has("radius")) initial.missing("radius", "where the swirl is largest");
-    spec.radius = initial.quantity("radius", dimension::length, range::above(0)).value_or(1);
-  }
 }
 
 void read_coupling(TableReader& root, Case& scene) {
