@@ -261,6 +261,8 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["version"] = build_info().version;
   report["commit"] = build_info().commit;
   report["compiler"] = build_info().compiler;
+  report["flags"] = build_info().flags;
+  report["libraries"] = build_info().libraries;
   report["instruction_set"] = std::string(instruction_set());
   return report;
 }

@@ -28,6 +28,7 @@ class Field:
             origin, spacing = grid.attrs["Origin"], grid.attrs["Spacing"]
             self.x, self.y, self.z = (o + d * np.arange(n) for o, d, n in zip(origin, spacing, self.size))
             self.lower, self.upper = origin - 0.5 * spacing, origin + (np.array(self.size) - 0.5) * spacing
+            self.case_text = text(f["provenance/case_text"][()])
             self.units = {name: text(grid["PointData"][name].attrs.get("unit", "")) for name in self.names}
             self.units["length"], self.units["time"] = (text(f.attrs.get(f"{of}_unit", "")) for of in ("length", "time"))
 
