@@ -125,10 +125,11 @@ void update_series(const Path& field_path, double time) {
 
 }  // namespace
 
-std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step) {
+std::filesystem::path field_path(const std::filesystem::path& folder, const std::string& name,
+                                 std::int64_t step) {
   std::string number = std::to_string(step);
   if (number.size() < 12) number.insert(0, 12 - number.size(), '0');
-  return folder / ("fields_" + number + ".hdf");
+  return folder / (name + "_" + number + ".hdf");
 }
 
 void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,

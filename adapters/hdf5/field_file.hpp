@@ -40,8 +40,9 @@ struct FieldSnapshot {
   std::int64_t step = 0;
 };
 
-/// Returns FOLDER/fields_000000000100.hdf for step 100: names sort like steps.
-std::filesystem::path field_path(const std::filesystem::path& folder, std::int64_t step);
+/// Returns FOLDER/NAME_000000000100.hdf for step 100: names sort like steps.
+std::filesystem::path field_path(const std::filesystem::path& folder, const std::string& name,
+                                 std::int64_t step);
 
 /// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
 /// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are

@@ -273,6 +273,9 @@ void check_run(const Case& scene, Findings& findings) {
   check_steady(scene, findings);
   if (!scene.fluid && !scene.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
+  if (!scene.fluid && !scene.output.slices.empty())
+    findings.error("output.slices",
+                   "output.slices asks for fields of the fluid, but the case has no [fluid]; remove it");
   if (!scene.fluid && scene.output.fields.every > 0)
     findings.error("output.fields",
                    "output.fields asks for fields of the fluid, but the case has no [fluid]; remove it");

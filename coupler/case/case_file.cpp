@@ -38,7 +38,7 @@ void read_sections(TableReader reader, Case& scene) {
   read_fills(reader, scene);
   read_outflows(reader, scene);
   read_run(reader, scene.steps, scene.steady, scene.balance_every);
-  read_output(reader, scene.output);
+  read_output(reader, scene.cells, scene.output);
   choose_collision(scene);
   read_quantities(reader, {scene.cells, scene.kind_names, scene.walls}, scene.quantities);
 }

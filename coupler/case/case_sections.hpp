@@ -44,7 +44,7 @@ struct QuantityScope {
 };
 void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&,
               std::int64_t& balance_every);                                                 // [run]
-void read_output(TableReader& root, OutputSpec&);                                           // [output]
+void read_output(TableReader& root, const std::array<int, 3>& cells, OutputSpec&);          // [output]
 void read_quantities(TableReader& root, const QuantityScope&, std::vector<QuantitySpec>&);  // [[quantities]]
 
 /// Returns the index into the names of materials, 0 ("default") without the key.

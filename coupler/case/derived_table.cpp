@@ -198,13 +198,14 @@ void add_run(const Case& scene, Table& table) {
   table.heading("run");
   table.quantity("length", static_cast<double>(scene.steps), dimension::time, "s", "steps");
   const OutputSpec& output = scene.output;
-  const auto series = [&](const char* name, std::int64_t every, bool at_start) {
+  const auto series = [&](const std::string& name, std::int64_t every, bool at_start) {
     if (every <= 0) return;
     const std::int64_t times = (scene.steps - 1) / every + 1 + at_start;
     table.line(name, fmt::format("every {} steps, {}at the end, {} time{}", every,
                                  at_start ? "at the start and " : "and ", times, times > 1 ? "s" : ""));
   };
   series("fields", output.fields.every, true);
+  for (const FieldsSpec& slice : output.slices) series(slice.name, slice.every, true);
   series("bodies", output.bodies.every, true);
   series("checkpoints", output.checkpoint.every, false);
   series("reports", output.report.every, false);

@@ -1,6 +1,8 @@
 #pragma once
 // What a run writes and when: the table [output] of a case.
+#include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "coupler/case/name_table.hpp"
@@ -11,12 +13,22 @@ struct SeriesSpec {  // 0: never
   std::int64_t every = 0;
 };
 
-enum class Field { velocity, density };
-inline constexpr auto field_names = names_of<Field>("velocity", "density");
+enum class Field { velocity, density, pressure, shear_rate, body_id };
+inline constexpr auto field_names =
+    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id");
+
+/// Fields of the fluid in a box of cells, [lower, upper).
+struct FieldsSpec : SeriesSpec {
+  std::string name = "fields";  // of the files
+  std::vector<Field> quantities = {Field::velocity, Field::density};
+  std::array<int, 3> lower{}, upper{};
+  bool double_precision = false;
+};
 
 struct OutputSpec {
-  SeriesSpec fields, bodies, checkpoint, report;
-  std::vector<Field> quantities;  // of the fields
+  FieldsSpec fields;  // of the whole domain
+  std::vector<FieldsSpec> slices;
+  SeriesSpec bodies, checkpoint, report;
   int keep_checkpoints = 2;
 };
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -17,14 +18,15 @@ void read_series(TableReader& series, SeriesSpec& spec) {
   spec.every = series.integer("every", 0).value_or(0);
 }
 
-void read_field_names(TableReader& fields, OutputSpec& output) {
+double read_length(TableReader& table, const char* key, const char* what) {
+  if (!table.has(key)) table.missing(key, what);
+  return table.quantity(key, dimension::length, range::any).value_or(0);
+}
+
+void read_field_names(TableReader& fields, std::vector<Field>& quantities) {
   const std::vector<std::string> known = field_names.list();
   const Node* list = fields.find("quantities");
-  if (!fields.present()) return;
-  if (!list) {
-    output.quantities = {Field::velocity, Field::density};
-    return;
-  }
+  if (!list) return;
   const bool strings = list->kind == Node::Kind::array && !list->children.empty() &&
                        std::all_of(list->children.begin(), list->children.end(),
                                    [](const Node& n) { return n.kind == Node::Kind::string; });
@@ -32,20 +34,73 @@ void read_field_names(TableReader& fields, OutputSpec& output) {
     fields.refuse("quantities", "a list out of " + joined(known));
     return;
   }
+  quantities.clear();
   for (const Node& name : list->children)
     if (const int i = index_of(fields, "quantities", name.string, known, "quantity"); i >= 0)
-      output.quantities.push_back(Field(i));
+      quantities.push_back(Field(i));
+}
+
+void read_fields(TableReader& table, const std::array<int, 3>& cells, FieldsSpec& fields) {
+  if (!table.present()) return;
+  read_series(table, fields);
+  read_field_names(table, fields.quantities);
+  fields.double_precision = table.choice("precision", {"single", "double"}).value_or("single") == "double";
+  fields.upper = cells;
+}
+
+/// The layer of cells that has a plane in it.
+void read_plane(TableReader& table, FieldsSpec& slice) {
+  const int axis = table.choice("axis", {"x", "y", "z"}).value_or("x")[0] - 'x';
+  const double at = read_length(table, "at", "where the plane is along the axis");
+  const int cells = slice.upper[axis];
+  if (!(at >= 0 && at <= cells)) return table.refuse("at", "within the domain");
+  slice.lower[axis] = std::min(int(at), cells - 1);
+  slice.upper[axis] = slice.lower[axis] + 1;
+}
+
+/// The cells whose centres are in a box.
+void read_cells(TableReader& table, FieldsSpec& slice) {
+  rigid::Vec3 lower, upper;
+  read_box(table, slice.upper, lower, upper);
+  for (int d = 0; d < 3; ++d) {
+    slice.lower[d] = int(std::ceil(std::clamp(lower[d], 0., double(slice.upper[d])) - 0.5));
+    slice.upper[d] = int(std::floor(std::clamp(upper[d], 0., double(slice.upper[d])) - 0.5)) + 1;
+    if (slice.lower[d] >= slice.upper[d]) return table.refuse("box", "one that holds centres of cells");
+  }
+}
+
+/// Names become those of files.
+bool is_file_name(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '-' || c == '.';
+  });
+}
+
+void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vector<FieldsSpec>& slices) {
+  for (TableReader& table : output.tables("slices")) {
+    FieldsSpec slice;
+    if (!table.has("name")) table.missing("name", "of its files, slice_NAME_*.hdf");
+    const std::string name = table.string("name").value_or("");
+    if (table.has("name") && !is_file_name(name))
+      table.refuse("name", "up to 64 letters, digits, dots and hyphens");
+    slice.name = "slice_" + name;
+    for (const FieldsSpec& other : slices)
+      if (other.name == slice.name)
+        table.fail("name", fmt::format("{}: there already is a slice '{}'", table.path("name"), name));
+    read_fields(table, cells, slice);
+    if (table.has("axis") && table.has("box")) table.fail("box", "a slice has a plane (axis, at) or a box");
+    if (table.has("axis"))
+      read_plane(table, slice);
+    else
+      read_cells(table, slice);
+    slices.push_back(slice);
+  }
 }
 
 std::vector<std::string> type_names() {
   std::vector<std::string> names;
   for (const QuantityType& type : quantity_types) names.emplace_back(type.name);
   return names;
-}
-
-double read_length(TableReader& table, const char* key, const char* what) {
-  if (!table.has(key)) table.missing(key, what);
-  return table.quantity(key, dimension::length, range::any).value_or(0);
 }
 
 void read_profile(TableReader& table, QuantitySpec& quantity) {
@@ -141,16 +196,16 @@ void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&
   balance_every = balance.integer("every", 0).value_or(0);
 }
 
-void read_output(TableReader& root, OutputSpec& output) {
+void read_output(TableReader& root, const std::array<int, 3>& cells, OutputSpec& output) {
   TableReader table = root.table("output");
   if (!table.present()) return;
   TableReader fields = table.table("fields"), bodies = table.table("bodies");
   TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
-  read_series(fields, output.fields);
+  read_fields(fields, cells, output.fields);
+  read_slices(table, cells, output.slices);
   read_series(bodies, output.bodies);
   read_series(checkpoint, output.checkpoint);
   read_series(report, output.report);
-  read_field_names(fields, output);
   output.keep_checkpoints =
       static_cast<int>(checkpoint.integer("keep", 1, 1000).value_or(output.keep_checkpoints));
 }

@@ -10,7 +10,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/check_state.hpp"
-#include "coupler/results/output.hpp"
+#include "coupler/results/flow_fields.hpp"
 
 namespace silt::coupler {
 

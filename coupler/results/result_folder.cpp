@@ -42,9 +42,10 @@ bool is_result(const fs::path& path) {
   static const std::vector<std::string> names = {
       "run.log",      "report.json", "report.html", "bodies.h5",  "bodies.h5.journal", "mean_height.png",
       "velocity.png", "bodies.png",  "slice.png",   "stages.png", "render.png"};
-  return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
-         is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
-         is("series", ".csv") || is("checkpoint_", ".h5") || is_unfinished(path);
+  return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("slice_", ".hdf") ||
+         is("slice_", ".hdf.series") || is("fields", ".hdf.series") || is("bodies_", ".hdf") ||
+         is("bodies", ".hdf.series") || is("series", ".csv") || is("checkpoint_", ".h5") ||
+         is_unfinished(path);
 }
 
 namespace {

@@ -131,7 +131,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   add_run(*resume, line);
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);
-  infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf or checkpoint_*.h5")->required();
+  infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf, slice_*.hdf or checkpoint_*.h5")->required();
   if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
     if (loud) fmt::print(stderr, "{}", complaint);
     return Exit::bad_case;

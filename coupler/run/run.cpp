@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -10,9 +11,10 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/guard.hpp"
+#include "coupler/results/body_output.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/output.hpp"
+#include "coupler/results/flow_fields.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
 #include "coupler/results/run_series.hpp"
@@ -160,20 +162,26 @@ void Run::start_outputs() {
   quantities_.observe(simulation_);
   if (simulation_.scene().flow) simulation_.look_at_flow();
   if (body_output_) body_output_->append(simulation_);
-  if (output.fields.every > 0) write_flow_fields(simulation_, folder_, provenance_);
+  if (output.fields.every > 0) write_flow_fields(simulation_, output.fields, folder_, provenance_);
+  for (const FieldsSpec& slice : output.slices)
+    if (slice.every > 0) write_flow_fields(simulation_, slice, folder_, provenance_);
   if (output.report.every > 0) write_report("running", "", true);
 }
 
 void Run::write_outputs() {
   const OutputSpec& output = setup().output;
-  const bool fields = due(output.fields), bodies = body_output_ && due(output.bodies);
+  const bool fields = due(output.fields) || std::any_of(output.slices.begin(), output.slices.end(),
+                                                        [&](const FieldsSpec& slice) { return due(slice); });
+  const bool bodies = body_output_ && due(output.bodies);
   const bool save = due(output.checkpoint), report = due(output.report);
   const std::int64_t step = simulation_.steps_done();
   if (simulation_.scene().flow &&
       (step % guard_interval == 0 || ended() || fields || bodies || save || report))
     simulation_.look_at_flow();
   if (bodies) body_output_->append(simulation_);
-  if (fields) write_flow_fields(simulation_, folder_, provenance_);
+  if (due(output.fields)) write_flow_fields(simulation_, output.fields, folder_, provenance_);
+  for (const FieldsSpec& slice : output.slices)
+    if (due(slice)) write_flow_fields(simulation_, slice, folder_, provenance_);
   if (save) checkpoint();
   if (report && !ended()) write_report("running", "", true);
 }

@@ -232,7 +232,7 @@ axis = "x"
   EXPECT_EQ(scene.pair_materials[0].friction, 0.3);
   EXPECT_EQ(scene.bodies[0].material, 2);
   EXPECT_EQ(scene.output.fields.every, 10);
-  EXPECT_EQ(scene.output.quantities, std::vector{Field::velocity});
+  EXPECT_EQ(scene.output.fields.quantities, std::vector{Field::velocity});
   EXPECT_EQ(scene.output.keep_checkpoints, 3);
   ASSERT_EQ(scene.quantities.size(), 1u);
   EXPECT_EQ(scene.quantities[0].axis, 0);

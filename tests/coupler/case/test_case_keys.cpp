@@ -104,7 +104,7 @@ fill = [{}]
 outflow = [{}]
 run.steady = {}
 run.balance = {}
-output = { fields = {}, bodies = {}, checkpoint = {}, report = {} }
+output = { fields = {}, slices = [{ axis = "x" }], bodies = {}, checkpoint = {}, report = {} }
 quantities = []
 )";
 

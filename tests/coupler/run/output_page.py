@@ -32,7 +32,8 @@ def data_sets(path):
 class Page(SiltTest):
     def setUp(self):
         super().setUp()
-        self.write(CASE.replace("[output]", "[output]\nreport = { every = 20 }"))
+        fields = 'fields = { every = 20, quantities = ["velocity", "density", "pressure", "shear-rate", "body-id"] }'
+        self.write(CASE.replace("[output]", "[output]\nreport = { every = 20 }").replace("fields = { every = 20 }", fields))
         self.silt("run", self.case)
 
     def test_names_every_file(self):

@@ -1,21 +1,12 @@
 #pragma once
-// What a run writes while it goes on: fields of the fluid and the series of the bodies.
+// The series of the bodies, bodies.h5, which a run writes while it goes on.
 #include <filesystem>
 #include <optional>
 
 #include "adapters/hdf5/body_series.hpp"
-#include "adapters/hdf5/boxes.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {
-
-/// Returns the boxes of this rank's blocks; empty without a flow.
-std::vector<adapters::CellBox> boxes_of(const Flow*);
-
-/// Writes velocity and density of every cell, in the units of the case (those that output.fields names). A
-/// solid cell has the velocity of its body and the reference density. Collective; std::runtime_error on every
-/// rank.
-void write_flow_fields(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&);
 
 /// BodyOutput writes the series of the bodies of a run, in the units of the case.
 class BodyOutput {

@@ -1,0 +1,83 @@
+#include "coupler/results/body_output.hpp"
+
+#include "coupler/case/case.hpp"
+#include "coupler/results/tessellation.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::Vec3;
+
+std::array<double, 3> scaled(const Vec3& v, double scale) {
+  return {scale * v[0], scale * v[1], scale * v[2]};
+}
+
+/// Describes each kind by its first entry (the entries of a kind have the same shape).
+adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& world) {
+  adapters::BodySeriesInfo info;
+  const double cell = scene.units.cell_size;
+  for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * cell;
+  if (scene.units.si) {
+    info.length = std::string("m");
+    info.time = std::string("s");
+    info.mass = std::string("kg");
+  }
+  info.kinds.resize(scene.kind_names.size());
+  const auto describe = [&](int kind, int shape, double density) {
+    adapters::BodyKind& k = info.kinds[kind];
+    if (!k.parts.empty()) return;
+    k.name = scene.kind_names[kind];
+    k.bounding_radius = cell * world.bounding_radii[shape];
+    k.density = scene.units.physical(density, dimension::density);
+    for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape]))
+      k.parts.push_back(tessellation(part, cell));
+  };
+  scene.for_each_given(
+      [&](const BodySpec& body, std::uint64_t) { describe(body.kind, body.shape, body.density); });
+  for (const FillSpec& fill : scene.fills) describe(fill.kind, fill.shape, fill.density);
+  return info;
+}
+
+adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const BodyLoad& load,
+                           const Units& units) {
+  const rigid::Quat& q = bodies.orientation[row];
+  adapters::BodyRow r;
+  r.id = bodies.id[row];
+  r.kind = bodies.kind[row];
+  r.image = bodies.image[row];
+  r.position = scaled(bodies.position[row], units.scale(dimension::length));
+  r.orientation = {q.w(), q.x(), q.y(), q.z()};
+  r.velocity = scaled(bodies.velocity[row], units.scale(dimension::velocity));
+  r.angular_velocity = scaled(bodies.angular_velocity[row], units.scale(dimension::angular_velocity));
+  r.force = scaled(load.force, units.scale(dimension::force));
+  r.torque = scaled(load.torque, units.scale(dimension::torque));
+  return r;
+}
+
+}  // namespace
+
+BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path& folder,
+                       const adapters::Provenance& provenance, bool resumed) {
+  const MPI_Comm comm = simulation.scene().comm;
+  const auto path = folder / "bodies.h5";
+  int there = resumed && std::filesystem::exists(path);
+  MPI_Bcast(&there, 1, MPI_INT, 0, comm);
+  if (there)
+    series_ = adapters::BodySeries::open_for_append(comm, path, simulation.steps_done());
+  else
+    series_ = adapters::BodySeries::create(
+        comm, path, series_info(simulation.setup(), simulation.scene().world), provenance);
+}
+
+void BodyOutput::append(const Simulation& simulation) {
+  const rigid::BodySet& bodies = simulation.bodies();
+  const Units& units = simulation.setup().units;
+  const auto loads = simulation.last_loads();
+  const std::int64_t step = simulation.steps_done();
+  series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned,
+                  [&](std::size_t row) { return body_row(bodies, row, loads[row], units); });
+}
+
+}  // namespace silt::coupler

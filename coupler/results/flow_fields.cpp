@@ -1,0 +1,237 @@
+#include "coupler/results/flow_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapters/hdf5/field_file.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/results/strain_rate.hpp"
+#include "lbm/fluid.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using lbm::Int3;
+using rigid::Vec3;
+
+/// Cells of a block that are written: [first, last), counted from the block's first.
+struct Piece {
+  int block;
+  Int3 first, last;
+
+  /// Calls visit(cell, i) for each cell, x fastest.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    std::size_t i = 0;
+    for (int z = first.z; z < last.z; ++z)
+      for (int y = first.y; y < last.y; ++y)
+        for (int x = first.x; x < last.x; ++x) visit(Int3{x, y, z}, i++);
+  }
+  std::size_t index(Int3 cell) const {
+    const Int3 n = last - first, x = cell - first;
+    return (std::size_t(x.z) * n.y + x.y) * n.x + x.x;
+  }
+};
+
+/// What of this rank's blocks is in a box of cells.
+std::vector<Piece> pieces_of(const Flow& flow, const FieldsSpec& spec) {
+  std::vector<Piece> pieces;
+  for (int b = 0; b < flow.blocks(); ++b) {
+    const lbm::CellBox& box = flow.block(b);
+    Piece piece{b, {}, {}};
+    bool any = true;
+    for (int d = 0; d < 3; ++d) {
+      piece.first[d] = std::max(spec.lower[d] - box.lower[d], 0);
+      piece.last[d] = std::min(spec.upper[d] - box.lower[d], box.size[d]);
+      any &= piece.first[d] < piece.last[d];
+    }
+    if (any) pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+/// The bodies as they were when cells were last mapped.
+class SolidCells {
+ public:
+  explicit SolidCells(const Simulation& simulation)
+      : flow_(*simulation.scene().flow),
+        bodies_(simulation.bodies()),
+        world_(simulation.scene().world),
+        extent_(simulation.scene().exchange->extent()) {}
+
+  /// Calls visit(row, cell, r) for the solid cells of a piece and the bodies they lie in, r from the body's
+  /// centre to that of the cell.
+  template <class Visit>
+  void for_each(const Piece& piece, Visit&& visit) const {
+    for (std::size_t row = 0; row < bodies_.first_wall(); ++row)
+      for (int image = 0; image < 27; ++image) {
+        const rigid::Image periods{std::int8_t(image % 3 - 1), std::int8_t(image / 3 % 3 - 1),
+                                   std::int8_t(image / 9 - 1)};
+        if ((!periods.x || extent_.periodic[0]) && (!periods.y || extent_.periodic[1]) &&
+            (!periods.z || extent_.periodic[2]))
+          for_image(piece, row, periods, visit);
+      }
+  }
+
+ private:
+  template <class Visit>
+  void for_image(Piece piece, std::size_t row, const rigid::Image& periods, Visit&& visit) const {
+    const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
+    rigid::Pose pose = mapping_pose(bodies_, row);
+    pose.position += extent_.shift(periods);
+    const rigid::BoundingBox reach = rigid::bounding_box(shape, pose);
+    const Int3 corner = flow_.block(piece.block).lower;
+    for (int d = 0; d < 3; ++d) {
+      piece.first[d] = std::max(piece.first[d], int(std::floor(reach.lower[d])) - corner[d]);
+      piece.last[d] = std::min(piece.last[d], int(std::ceil(reach.upper[d])) - corner[d]);
+    }
+    piece.for_each([&](Int3 cell, std::size_t) {
+      const Int3 global = corner + cell;
+      const Vec3 centre(global.x + 0.5, global.y + 0.5, global.z + 0.5);
+      if (!flow_.is_fluid(piece.block, cell) && rigid::contains(shape, pose.to_body(centre)))
+        visit(row, cell, Vec3(centre - pose.position));
+    });
+  }
+
+  const Flow& flow_;
+  const rigid::BodySet& bodies_;
+  const rigid::World& world_;
+  const rigid::Extent& extent_;
+};
+
+/// Makes the fields of a simulation for the pieces of a box.
+class Fields {
+ public:
+  Fields(const Simulation& simulation, const FieldsSpec& spec)
+      : simulation_(simulation),
+        flow_(*simulation.scene().flow),
+        units_(simulation.setup().units),
+        pieces_(pieces_of(flow_, spec)),
+        double_precision_(spec.double_precision) {}
+
+  const std::vector<Piece>& pieces() const { return pieces_; }
+
+  adapters::FieldQuantity quantity(Field field) const {
+    switch (field) {
+      case Field::velocity:
+        return velocity();
+      case Field::density:
+        return scalar("density", units_.si ? "kg/m3" : "reference densities",
+                      units_.scale(dimension::density), 1,
+                      [](const Flow&, int, Int3, const lbm::Moments& m) { return 1 + m.density_deviation; });
+      case Field::pressure:
+        return scalar("pressure", units_.si ? "Pa" : "cells2/step2 reference densities",
+                      units_.scale(dimension::pressure), 0,
+                      [](const Flow&, int, Int3, const lbm::Moments& m) { return m.density_deviation / 3; });
+      case Field::shear_rate:
+        return scalar(
+            "shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity), 0,
+            [fluid = *simulation_.setup().fluid](const Flow& flow, int b, Int3 cell, const lbm::Moments& m) {
+              return std::sqrt(2 * strain_rate_squared(flow, b, cell, m, fluid));
+            });
+      case Field::body_id:
+        return body_id();
+    }
+    __builtin_unreachable();
+  }
+
+ private:
+  /// A function of(flow, block, cell, moments) of fluid cells; solid ones have a value of their own.
+  template <class Of>
+  adapters::FieldQuantity scalar(const char* name, const char* unit, double scale, double solid,
+                                 Of of) const {
+    const auto values = [this, scale, solid, of](std::size_t k, double* out) {
+      const Piece& piece = pieces_[k];
+      piece.for_each([&](Int3 cell, std::size_t i) {
+        const int b = piece.block;
+        out[i] = scale * (flow_.is_fluid(b, cell) ? of(flow_, b, cell, flow_.moments(b, cell)) : solid);
+      });
+    };
+    return {name, unit, 1, values, double_precision_};
+  }
+
+  adapters::FieldQuantity velocity() const {
+    const double scale = units_.scale(dimension::velocity);
+    const auto values = [this, scale](std::size_t k, double* out) {
+      const Piece& piece = pieces_[k];
+      piece.for_each([&](Int3 cell, std::size_t i) {
+        std::array<double, 3> u{};
+        if (flow_.is_fluid(piece.block, cell)) u = flow_.velocity(flow_.moments(piece.block, cell));
+        for (int d = 0; d < 3; ++d) out[3 * i + d] = scale * u[d];
+      });
+      SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3& r) {
+        const Vec3 u = scale * simulation_.bodies().velocity_at(row, r);
+        std::copy_n(u.data(), 3, out + 3 * piece.index(cell));
+      });
+    };
+    return {"velocity", units_.si ? "m/s" : "cells/step", 3, values, double_precision_};
+  }
+
+  /// 0 in fluid and in walls. In double precision ids are exact to 2^53, in single to 2^24.
+  adapters::FieldQuantity body_id() const {
+    const auto values = [this](std::size_t k, double* out) {
+      const Piece& piece = pieces_[k];
+      piece.for_each([&](Int3, std::size_t i) { out[i] = 0; });
+      SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3&) {
+        double& here = out[piece.index(cell)];  // where bodies overlap the lower id has the cell
+        const double id = double(simulation_.bodies().id[row]);
+        here = here > 0 ? std::min(here, id) : id;
+      });
+    };
+    return {"body-id", "1", 1, values, true};
+  }
+
+  const Simulation& simulation_;
+  const Flow& flow_;
+  const Units& units_;
+  std::vector<Piece> pieces_;
+  bool double_precision_;
+};
+
+}  // namespace
+
+std::vector<adapters::CellBox> boxes_of(const Flow* flow) {
+  std::vector<adapters::CellBox> boxes;
+  for (int b = 0; flow && b < flow->blocks(); ++b) {
+    const lbm::CellBox& box = flow->block(b);
+    const Int3 upper = box.lower + box.size;
+    boxes.push_back({{box.lower.x, box.lower.y, box.lower.z}, {upper.x, upper.y, upper.z}});
+  }
+  return boxes;
+}
+
+void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
+                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+  const Units& units = simulation.setup().units;
+  const Flow& flow = *simulation.scene().flow;
+  const Fields fields(simulation, spec);
+  adapters::FieldSnapshot snapshot;
+  for (int d = 0; d < 3; ++d) {
+    snapshot.grid.cells[d] = spec.upper[d] - spec.lower[d];
+    snapshot.grid.origin[d] = spec.lower[d] * units.cell_size;
+    snapshot.grid.spacing[d] = units.cell_size;
+  }
+  if (units.si) {
+    snapshot.grid.length_unit = std::string("m");
+    snapshot.grid.time_unit = std::string("s");
+  }
+  for (const Field field : spec.quantities) snapshot.quantities.push_back(fields.quantity(field));
+  snapshot.step = simulation.steps_done();
+  snapshot.time = static_cast<double>(snapshot.step) * units.time_step;
+  std::vector<adapters::CellBox> boxes;
+  for (const Piece& piece : fields.pieces()) {
+    adapters::CellBox box;
+    for (int d = 0; d < 3; ++d) {
+      const int corner = flow.block(piece.block).lower[d] - spec.lower[d];
+      box.lower[d] = corner + piece.first[d], box.upper[d] = corner + piece.last[d];
+    }
+    boxes.push_back(box);
+  }
+  adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, spec.name, snapshot.step),
+                         boxes, snapshot, provenance);
+}
+
+}  // namespace silt::coupler

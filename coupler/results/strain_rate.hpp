@@ -1,0 +1,12 @@
+#pragma once
+// The strain rate of the fluid in a cell, which its populations hold.
+#include "coupler/case/fluid_spec.hpp"
+#include "coupler/flow.hpp"
+
+namespace silt::coupler {
+
+/// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]
+/// (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1).
+double strain_rate_squared(const Flow&, int block, lbm::Int3 cell, const lbm::Moments&, const FluidSpec&);
+
+}  // namespace silt::coupler

@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+"""output_fields.py SILT: fields and slices hold what theory and the other files say, the same on any ranks."""
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+from silt_test import CASE, SiltTest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
+
+import silt_results  # noqa: E402
+
+ALL = '["velocity", "density", "pressure", "shear-rate", "body-id"]'
+BALLS = CASE.replace("fields = { every = 20 }", f"fields = {{ every = 20, quantities = {ALL} }}") + """
+[[output.slices]]
+name = "middle"
+every = 15
+axis = "y"
+at = 8.2
+quantities = ["velocity", "body-id"]
+[[output.slices]]
+name = "corner"
+every = 60
+box = [[17, 3.2, 2.5], [24, 9.5, 10]]
+quantities = ["density", "shear-rate"]
+"""
+VORTEX = """
+[units]
+system = "lattice"
+[domain]
+size = [32, 32, 32]
+boundary = "periodic"
+[fluid]
+relaxation_time = 0.8
+precision = "double"
+initial = { type = "taylor-green-3d", velocity = [0.01, 0, 0] }
+[run]
+steps = 1
+[output]
+fields = { every = 1, quantities = ["pressure", "shear-rate", "velocity"], precision = "double" }
+"""
+
+
+class Fields(SiltTest):
+    def slices(self, name, folder=None):
+        return [silt_results.Field(path) for path in sorted((folder or self.out).glob(f"slice_{name}_*.hdf"))]
+
+    def test_pressure_and_shear_of_a_vortex(self):
+        """Taylor and Green's at the start: p = A^2/16 (cos 2kx + cos 2ky)(cos 2kz + 2), S from its gradient."""
+        self.write(VORTEX)
+        self.silt("run", self.case)
+        field = silt_results.open(self.case).fields[0]
+        a, k = 0.01, 2 * np.pi / 32
+        x, y, z = np.meshgrid(field.x, field.y, field.z, indexing="ij")
+        pressure = a * a / 16 * (np.cos(2 * k * x) + np.cos(2 * k * y)) * (np.cos(2 * k * z) + 2)
+        self.assertLess(np.abs(field["pressure"] - pressure).max(), 1e-6 * a * a)
+        sx, cx, sy, cy, sz, cz = (f(k * c) for c in (x, y, z) for f in (np.sin, np.cos))
+        stretch, xz, yz = a * k * cx * cy * cz, -0.5 * a * k * sx * cy * sz, 0.5 * a * k * cx * sy * sz
+        shear = np.sqrt(2 * (2 * stretch**2 + 2 * xz**2 + 2 * yz**2))
+        self.assertLess(np.abs(field["shear-rate"] - shear).max(), 1e-5 * a * k)
+        self.assertEqual(field.unit("shear-rate"), "1/step")
+
+    def test_bodies_are_where_they_are(self):
+        self.write(BALLS)
+        self.silt("run", self.case)
+        run = silt_results.open(self.case)
+        field, bodies = run.fields[-1], run.bodies.at(-1)
+        centres = np.stack(np.meshgrid(field.x, field.y, field.z, indexing="ij"), axis=-1)
+        expected = np.zeros(field.size)
+        for i, x in zip(bodies["id"], bodies["position"]):
+            away = centres - x
+            away[..., :2] -= np.round(away[..., :2] / [24, 16]) * [24, 16]
+            expected[np.linalg.norm(away, axis=-1) < 2.5] = i
+        wrong = (field["body-id"] != expected).sum()  # cells change sides when a body has moved a little
+        self.assertLessEqual(wrong, 3)
+        self.assertEqual(set(np.unique(field["body-id"])), {0, 1, 2})
+        solid = field["body-id"] > 0
+        self.assertTrue((field["shear-rate"][solid] == 0).all() and (field["pressure"][solid] == 0).all())
+        self.assertTrue(np.allclose(field["pressure"], (field["density"] - 1) / 3, atol=1e-7))
+
+    def test_slices_are_parts_of_the_field(self):
+        self.write(BALLS)
+        self.silt("run", self.case)
+        field = silt_results.open(self.case).fields[-1]
+        middle, (corner_start, corner) = self.slices("middle"), self.slices("corner")
+        self.assertEqual([s.step for s in middle], [0, 15, 30, 45, 60])
+        self.assertEqual((middle[-1].size, middle[-1].y[0]), ((24, 1, 16), 8.5))
+        self.assertTrue((middle[-1]["velocity"] == field["velocity"][:, 8:9]).all())
+        self.assertTrue((middle[-1]["body-id"] == field["body-id"][:, 8:9]).all())
+        self.assertEqual((corner.size, corner.x[0], corner.y[0], corner.z[0]), ((7, 7, 8), 17.5, 3.5, 2.5))
+        self.assertTrue((corner["density"] == field["density"][17:24, 3:10, 2:10]).all())
+        self.assertTrue((corner["shear-rate"] == field["shear-rate"][17:24, 3:10, 2:10]).all())
+        self.assertTrue((self.out / "slice_middle.hdf.series").exists())
+
+    def test_same_on_any_ranks(self):
+        self.write(BALLS)
+        self.silt("run", self.case)
+        other = self.case / "other"
+        self.silt("run", self.case, "--out", other, ranks=4)
+        for path in [*self.out.glob("fields_*.hdf"), *self.out.glob("slice_*.hdf")]:
+            a, b = silt_results.Field(path), silt_results.Field(other / path.name)
+            for name in a.names:
+                self.assertTrue((a[name] == b[name]).all(), (path.name, name))
+
+    def test_mistakes_are_named(self):
+        for key, fault in (('name = "a/b"', "letters, digits, dots and hyphens"), ('axis = "y"\nat = 17', "within the domain"),
+                           ('box = [[1.6, 1.6, 1.6], [2.4, 9, 9]]', "holds centres of cells"), ('quantities = ["vorticity"]', "known: velocity, density"),
+                           ('axis = "y"\nat = 1\nbox = [[0, 0, 0], [9, 9, 9]]', "a plane .* or a box")):
+            name = "" if key.startswith("name") else 'name = "s"\n'
+            self.write(CASE + f"[[output.slices]]\n{name}every = 10\n{key}\n")
+            self.assertRegex(self.silt("check", self.case, code=2).stderr, fault)
+
+
+if __name__ == "__main__":
+    unittest.main()
