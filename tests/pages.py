@@ -32,7 +32,7 @@ for page in pages:
     for target in re.findall(r"\]\(([^)#\s]+)", text):
         if "://" not in target and not (page.parent / target).exists():
             faults.append(f"{name}: the link {target} leads nowhere")
-    for command in re.findall(r"`(scripts/[a-z_/.]+)", text):
+    for command in re.findall(r"`(scripts/[a-z_/.-]+)", text):
         if not (root / command).exists():
             faults.append(f"{name}: there is no {command}")
 

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
-from body_series import BodySeries  # noqa: E402
+from silt_results import BodySeries  # noqa: E402
 
 program = sys.argv[1]
 kills = int(sys.argv[2]) if len(sys.argv) > 2 else 10
