@@ -3,6 +3,7 @@
 // velocity and momentum flux where they are asked for (never computed otherwise).
 #include <mpi.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -55,8 +56,15 @@ class Fluid {
         collide_rows(b, orders_[b].rows_of(part));
         after_part(b, part);
       }
-    parity_ = flipped(parity_);
+    end_pass();
   }
+  /// Each plane is looked at in one pass of WatchedPlanes::period, which one is a matter of how many were
+  /// done.
+  std::int64_t passes() const { return passes_; }
+  void set_passes(std::int64_t done) { passes_ = done; }
+  /// Returns the largest speed that a cell of the planes looked at had when the last pass began, on this
+  /// rank, be it a solid one; what is not a number does not count, but comes after what is far too fast.
+  double fastest_in_pass() const { return std::sqrt(fastest_square_); }
   const PassOrder& pass_order(int b) const { return orders_[b]; }
   /// Fills or returns ghost slots and applies domain walls, for the pass just done: sends what messages are
   /// left and waits for all. Cut links of the rim come after it.
@@ -84,6 +92,8 @@ class Fluid {
  private:
   void collide_shells();
   void collide_rows(int b, RowRange);
+  void pass_over(std::size_t b, RowRange);
+  void end_pass() { parity_ = flipped(parity_), ++passes_; }
 
   Domain domain_;
   CollisionSpec spec_;
@@ -93,6 +103,8 @@ class Fluid {
   std::vector<PassOrder> orders_;  // of the blocks
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
+  std::int64_t passes_ = 0;
+  double fastest_square_ = 0;  // of the last pass
   Halo<T> halo_;
 };
 

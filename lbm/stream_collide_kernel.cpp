@@ -5,6 +5,7 @@
 // goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
 // serves the even and the odd step.
 #include "lbm/stream_collide_kernel.hpp"
+#include <algorithm>
 #include "lbm/isa_vector.hpp"
 #include "lbm/prefetch.hpp"
 #include "lbm/recursive_regularised_kernel.hpp"
@@ -67,11 +68,30 @@ struct Prefetch {
   }
 };
 
+/// Keeps, lane by lane, the largest of a model's squares.
+template <class V>
+struct Fastest {
+  V largest = {};
+  template <class Keep>
+  [[gnu::always_inline]] void see(const V& square, const Keep& keep) {
+    largest = larger(keep(square, V{}), largest);
+  }
+  double of_lanes() const {
+    double all = 0;
+    for (std::size_t i = 0; i < sizeof(V) / sizeof(V{}[0]); ++i) all = all < largest[i] ? largest[i] : all;
+    return all;
+  }
+};
+struct Unseen {
+  template <class V, class Keep>
+  [[gnu::always_inline]] void see(const V&, const Keep&) {}
+};
+
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
 /// hold: no other lane of the vector has them.
-template <class Model, bool source, class V, class T, class Keep>
+template <class Model, bool source, class V, class T, class Keep, class Watch>
 [[gnu::always_inline]] inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
-                                           const CollisionRates<T>& r, const Keep& keep) {
+                                           const CollisionRates<T>& r, const Keep& keep, Watch& watch) {
   constexpr Prefetch prefetch;
   V sum[pairs], difference[pairs];
   for (int k = 0; k < pairs; ++k) {
@@ -91,7 +111,10 @@ template <class Model, bool source, class V, class T, class Keep>
     store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));
     store(slots.b[k] + x, keep(V(p + q), load<V>(slots.b[k] + x)));
   };
-  Model::template collide<source>(sum, difference, rest, r, set_rest, set_pair);
+  const auto see = [&](const V& square) __attribute__((always_inline)) {
+    watch.see(square, keep);
+  };
+  Model::template collide<source>(sum, difference, rest, r, set_rest, set_pair, see);
 }
 
 template <class T>
@@ -99,29 +122,55 @@ inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
   for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
 
-template <class Model, bool source, class T>
-void row_range(Block<T>& block, Parity parity, const CollisionRates<T> rates, RowRange range) {
+/// What all rows of a pass need, copied into each run of planes: their loop keeps it at hand.
+template <class T>
+struct Pass {
+  Block<T>& block;
+  Parity parity;
+  CollisionRates<T> rates;
+  Slots<T> slots;
+  FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
+};
+
+/// `watch` sees the cells' squares.
+template <class Model, bool source, class T, class Watch>
+[[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
   using V = typename VectorOf<T>::type;
   constexpr int width = vector_bytes / sizeof(T);
-  const int nx = block.size().x, whole = nx / width * width;
-  const Slots<T> slots(block, parity);
-  const FirstLanes<V, T> rest_of_row(nx - whole);
+  const int nx = pass.block.size().x, whole = nx / width * width;
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
-      const std::ptrdiff_t first = block.cell(0, y, z), end = first + whole;
+      const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
       for (std::ptrdiff_t x = first; x < end; x += width)
-        collide<Model, source, V>(slots, x, rates, AllLanes{});
-      if (whole < nx) collide<Model, source, V>(slots, end, rates, rest_of_row);
-      close_row(block.data() + first, block.row_ends(parity));
+        collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
+      close_row(pass.block.data() + first, pass.block.row_ends(pass.parity));
     }
 }
 
+/// Planes apart from each other: to see anything takes registers.
+template <class Model, bool source, class T>
+double planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+              const WatchedPlanes& watched) {
+  using V = typename VectorOf<T>::type;
+  const Pass<T> pass{
+      block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
+  Fastest<V> fastest;
+  Unseen unseen;
+  for (int z = range.z0; z < range.z1;) {
+    const int plane = std::min(watched.next(z), range.z1);
+    if (z < plane) row_range<Model, source>(pass, {range.y0, range.y1, z, plane}, unseen);
+    if (plane < range.z1) row_range<Model, source>(pass, {range.y0, range.y1, plane, plane + 1}, fastest);
+    z = plane + 1;
+  }
+  return fastest.of_lanes() / double(Model::square_scale(rates));
+}
+
 template <class Model, class T>
-void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range) {
-  if (rates.source)
-    row_range<Model, true>(block, parity, rates, range);
-  else
-    row_range<Model, false>(block, parity, rates, range);
+double rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                  const WatchedPlanes& watched) {
+  return rates.source ? planes<Model, true>(block, parity, rates, range, watched)
+                      : planes<Model, false>(block, parity, rates, range, watched);
 }
 
 }  // namespace
