@@ -17,18 +17,18 @@ std::string in_case_units(const Case& scene, double x, Dimension dimension, cons
   return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si) : "";
 }
 
-/// What to change when a flow runs away: the relaxation time if it is close to 1/2, else the time step or the
-/// drive.
+/// What to change when a flow runs away: the collision or the relaxation time if that is close to 1/2, where
+/// trt and bgk do not last, else the time step or the drive.
 std::string flow_remedy(const Case& scene) {
   constexpr double delicate_relaxation_time = 0.55;
   const double tau = scene.fluid->relaxation_time;
-  if (tau < delicate_relaxation_time)
-    return fmt::format("the relaxation time is {}, close to its limit of 0.5: {}raise {}", shown(tau),
-                       lbm::model_of(scene.fluid->collision).has_eddies()
-                           ? ""
-                           : "use fluid.collision = \"regularised\", or ",
-                       scene.units.si ? "fluid.kinematic_viscosity, or use a smaller units.cell_size"
-                                      : "fluid.relaxation_time");
+  if (tau < delicate_relaxation_time && !lbm::model_of(scene.fluid->collision).has_eddies())
+    return fmt::format(
+        "the relaxation time is {}, close to its limit of 0.5: use fluid.collision = \"regularised\", or "
+        "raise {}",
+        shown(tau),
+        scene.units.si ? "fluid.kinematic_viscosity, or use a smaller units.cell_size"
+                       : "fluid.relaxation_time");
   return scene.units.si ? "use a smaller units.time_step, or lower what drives the flow"
                         : "lower what drives the flow: velocities, fluid.body_force or gravity.acceleration";
 }

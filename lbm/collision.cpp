@@ -29,7 +29,7 @@ CollisionRates<T>::CollisionRates(const CollisionSpec& s) : model(s.model) {
   keep_third = T(1 - 1 / tau_odd);
   keep_fourth = T((1 - 1 / s.relaxation_time) * s.ghosts_as_trt());
   eddy = T(9 * s.smagorinsky * s.smagorinsky);
-  const double resolved = s.relaxation_time * (s.relaxation_time - 0.5) / double(eddy);
+  const double resolved = s.relaxation_time * s.excess() / double(eddy);
   resolved_square = T(resolved * resolved);
   keep_odd = T(1 - 12 * double(momentum)) / 2;
   for (int d = 0; d < 3; ++d) {

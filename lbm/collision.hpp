@@ -1,5 +1,6 @@
 #pragma once
-// The rates of a collision as the dense kernel multiplies with them (README.md, equations 3 to 7).
+// The rates of a collision as the dense kernel multiplies with them (README.md, equations 3 to 7 and 24 to
+// 28).
 #include "lbm/collision_model.hpp"
 
 namespace silt::lbm {
@@ -15,10 +16,10 @@ struct CollisionRates {
   T momentum;  // omega_odd/12, of u
   T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
   T half_force[3], even_force[3], odd_force[3];
-  T keep_fourth;          // 1 - 1/tau_ghost, of fourth moments
-  T keep_third;           // 1 - omega_odd, of third moments
+  T keep_third,
+      keep_fourth;        // of regularised: what is left of moments beyond those that follow from the stress
   T resolved_square;      // half the square of the stress off equilibrium up to which no eddy is more viscous
-  T eddy;                 // 9 C^2 (README.md, equation 28); 0: none
+  T eddy;                 // 9 C^2; 0: none
   T mass_correction = 0;  // added to the density of every cell
   bool source = false;    // force or mass correction present
 

@@ -21,10 +21,10 @@ enum class OddRate : std::uint8_t { by_magic, as_even, by_magic_if_stable };
 struct CollisionModel {
   std::string_view name;
   OddRate odd;
-  constexpr bool has_magic() const { return odd != OddRate::as_even; }  // whether `magic` is free to choose
-  constexpr bool has_eddies() const {
-    return odd == OddRate::by_magic_if_stable;
-  }  // whether `smagorinsky` is
+  /// Whether `magic` is free to choose.
+  constexpr bool has_magic() const { return odd != OddRate::as_even; }
+  /// Whether `smagorinsky` is.
+  constexpr bool has_eddies() const { return odd == OddRate::by_magic_if_stable; }
 };
 /// The models in the order of the enumerators.
 inline constexpr std::array<CollisionModel, 3> collision_models = {

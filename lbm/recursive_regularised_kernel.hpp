@@ -1,5 +1,5 @@
 #pragma once
-// The model regularised, a vector of cells at a time (README.md, equations 24 to 27). Only for *_kernel.cpp
+// The model regularised, a vector of cells at a time (README.md, equations 24 to 28). Only for *_kernel.cpp
 // files, which are built once an instruction set (SILT_ISA).
 #include <cmath>
 #include <cstddef>
@@ -17,8 +17,8 @@ template <class V>
   return y;
 }
 
-/// limited: no cell is less viscous than an eddy of its size.
-template <bool limited>
+/// ghosts: third and fourth moments keep something of their own; else they follow from the stress.
+template <bool ghosts>
 struct RecursiveRegularised {
   /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
   /// with both signs, so that mass and momentum are kept as sums are.
@@ -43,28 +43,30 @@ struct RecursiveRegularised {
     const V mxx = s[0] + (in_xy + in_xz), myy = s[1] + (in_xy + in_yz), mzz = s[2] + (in_xz + in_yz);
     const V mean = T(1. / 3) * (mxx + (myy + mzz));
     const V sxx = ux * ux, syy = uy * uy, szz = uz * uz;
-    const V square = sxx + (syy + szz);
-    see(square);
-    V trace = square;
-    const V third = T(1. / 3) * trace, spread = (mean - T(1. / 3) * rho) - third;  // a third of the trace
+    V trace = sxx + (syy + szz);
+    see(trace);
+    const V third = T(1. / 3) * trace, density = rho;
     const V nxx = (mxx - mean) - (sxx - third), nyy = (myy - mean) - (syy - third);
     const V nxy = (s[3] - s[4]) - ux * uy, nxz = (s[5] - s[6]) - ux * uz, nyz = (s[7] - s[8]) - uy * uz;
 
     // fourth moments, a quarter of what is kept of their part beyond the stress
-    const T quarter_kept = T(0.25) * r.keep_fourth;
-    const V offset = T(1. / 18) * rho - mean;
-    const V gxy = quarter_kept * (in_xy + (T(0.5) * mzz + offset));
-    const V gxz = quarter_kept * (in_xz + (T(0.5) * myy + offset));
-    const V gyz = quarter_kept * (in_yz + (T(0.5) * mxx + offset));
+    V gxy{}, gxz{}, gyz{};
+    if constexpr (ghosts) {
+      const T quarter = T(0.25) * r.keep_fourth;
+      const V offset = T(1. / 18) * rho - mean;
+      gxy = quarter * (in_xy + (T(0.5) * mzz + offset));
+      gxz = quarter * (in_xz + (T(0.5) * myy + offset));
+      gyz = quarter * (in_yz + (T(0.5) * mxx + offset));
+    }
 
     // what they are after the collision, of all the stress
-    const auto keep = kept<V>(r, nxx, nyy, nxy, nxz, nyz);
+    const V keep = share_kept(r, nxx, nyy, nxy, nxz, nyz);
     V axx = sxx + keep * nxx, ayy = syy + keep * nyy;
     V axy = ux * uy + keep * nxy, axz = ux * uz + keep * nxz, ayz = uy * uz + keep * nyz;
     V px = ux, py = uy, pz = uz;  // momentum after the collision
     if constexpr (source) {
       const T* const h = r.half_force;
-      const V share = V{} + (T(1) + keep), power = h[0] * ux + (h[1] * uy + h[2] * uz);
+      const V share = T(1) + keep, power = h[0] * ux + (h[1] * uy + h[2] * uz);
       const V mean_power = T(2. / 3) * (power - share * power);
       axx += share * (T(2) * h[0] * ux) + mean_power;
       ayy += share * (T(2) * h[1] * uy) + mean_power;
@@ -79,29 +81,33 @@ struct RecursiveRegularised {
     }
     const V azz = trace - (axx + ayy);
 
-    // the odd halves: third moments, a quarter of each, what is lost of them and what is kept
-    const T lost = T(1) - r.keep_third;
-    const auto shift = keep - r.keep_third;
-    const V swell = T(0.25) * r.keep_third * spread;
-    const V exx = T(0.25) * (shift * nxx - lost * sxx) - swell;
-    const V eyy = T(0.25) * (shift * nyy - lost * syy) - swell;
-    const V ezz = T(-0.25) * (shift * (nxx + nyy) + lost * szz) - swell;
+    // third moments, a quarter of each: what follows from the stress, then what is kept of the rest
+    const T kept = ghosts ? r.keep_third : T(0), lost = T(1) - kept;
+    const V shift = keep - kept;
+    const V exx = T(0.25) * (shift * nxx - lost * sxx), eyy = T(0.25) * (shift * nyy - lost * syy),
+            ezz = T(-0.25) * (shift * (nxx + nyy) + lost * szz);
     const V oxy = T(0.5) * (shift * nxy + lost * (ux * uy)), oxz = T(0.5) * (shift * nxz + lost * (ux * uz)),
             oyz = T(0.5) * (shift * nyz + lost * (uy * uz));
     V wx = lost * ux, wy = lost * uy, wz = lost * uz;
     if constexpr (source) {
-      wx += (T(1) + r.keep_third) * r.half_force[0];
-      wy += (T(1) + r.keep_third) * r.half_force[1];
-      wz += (T(1) + r.keep_third) * r.half_force[2];
+      wx += (T(1) + kept) * r.half_force[0];
+      wy += (T(1) + kept) * r.half_force[1];
+      wz += (T(1) + kept) * r.half_force[2];
     }
     const V vx = T(1. / 12) * wx, vy = T(1. / 12) * wy, vz = T(1. / 12) * wz;
-    const T share_kept = T(0.25) * r.keep_third;
-    const V xyy = vx + (ux * eyy + uy * oxy) + share_kept * (d[3] + d[4]);
-    const V xzz = vx + (ux * ezz + uz * oxz) + share_kept * (d[5] + d[6]);
-    const V yxx = vy + (uy * exx + ux * oxy) + share_kept * (d[3] - d[4]);
-    const V yzz = vy + (uy * ezz + uz * oyz) + share_kept * (d[7] + d[8]);
-    const V zxx = vz + (uz * exx + ux * oxz) + share_kept * (d[5] - d[6]);
-    const V zyy = vz + (uz * eyy + uy * oyz) + share_kept * (d[7] - d[8]);
+    V xyy = vx + (ux * eyy + uy * oxy), xzz = vx + (ux * ezz + uz * oxz);
+    V yxx = vy + (uy * exx + ux * oxy), yzz = vy + (uy * ezz + uz * oyz);
+    V zxx = vz + (uz * exx + ux * oxz), zyy = vz + (uz * eyy + uy * oyz);
+    if constexpr (ghosts) {
+      const T quarter = T(0.25) * kept;
+      const V spread = (mean - T(1. / 3) * density) - third;  // a third of the trace off equilibrium
+      xyy += quarter * ((d[3] + d[4]) - spread * ux);
+      xzz += quarter * ((d[5] + d[6]) - spread * ux);
+      yxx += quarter * ((d[3] - d[4]) - spread * uy);
+      yzz += quarter * ((d[7] + d[8]) - spread * uy);
+      zxx += quarter * ((d[5] - d[6]) - spread * uz);
+      zyy += quarter * ((d[7] - d[8]) - spread * uz);
+    }
 
     // the even halves
     const V part = T(1. / 18) * rho - T(1. / 12) * trace;
@@ -129,21 +135,17 @@ struct RecursiveRegularised {
   /// Returns the share of the stress off equilibrium that the collision leaves, 1 - 1/tau, or less where the
   /// stress is that of an eddy which the lattice does not resolve.
   template <class V, class T>
-  [[gnu::always_inline]] static auto kept(const CollisionRates<T>& r, const V& nxx, const V& nyy,
-                                          const V& nxy, const V& nxz, const V& nyz) {
-    if constexpr (!limited) {
-      return r.keep_even_twice;
-    } else {
-      const V nzz = nxx + nyy;
-      const V square = T(0.5) * (nxx * nxx + (nyy * nyy + nzz * nzz)) + (nxy * nxy + (nxz * nxz + nyz * nyz));
-      V keep = V{} + r.keep_even_twice;
-      const auto eddies = square > V{} + r.resolved_square;
-      if (any_lane(eddies)) [[unlikely]] {
-        const V tau = T(0.25) + root(V(T(0.0625) + r.eddy * root(square)));
-        keep = eddies ? V(T(1) - T(1) / tau) : keep;
-      }
-      return keep;
+  [[gnu::always_inline]] static V share_kept(const CollisionRates<T>& r, const V& nxx, const V& nyy,
+                                             const V& nxy, const V& nxz, const V& nyz) {
+    const V nzz = nxx + nyy;
+    const V square = T(0.5) * (nxx * nxx + (nyy * nyy + nzz * nzz)) + (nxy * nxy + (nxz * nxz + nyz * nyz));
+    V keep = V{} + r.keep_even_twice;
+    const auto eddies = square > V{} + r.resolved_square;
+    if (any_lane(eddies)) [[unlikely]] {
+      const V tau = T(0.25) + root(V(T(0.0625) + r.eddy * root(square)));
+      keep = eddies ? V(T(1) - T(1) / tau) : keep;
     }
+    return keep;
   }
 };
 

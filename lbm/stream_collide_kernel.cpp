@@ -182,8 +182,8 @@ CollideRows<T> collide_rows(const CollisionRates<T>& rates) {
     case Collision::bgk:
       return rows_under<TwoRelaxationTimes, T>;
     case Collision::regularised:
-      return rates.eddy > 0 ? rows_under<RecursiveRegularised<true>, T>
-                            : rows_under<RecursiveRegularised<false>, T>;
+      return rates.keep_third != 0 || rates.keep_fourth != 0 ? rows_under<RecursiveRegularised<true>, T>
+                                                             : rows_under<RecursiveRegularised<false>, T>;
   }
   __builtin_unreachable();
 }

@@ -120,8 +120,10 @@ void check_fluid(const Case& scene, Findings& findings) {
     findings.error("fluid.initial.type",
                    "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
                    "domain.size the same along x, y and z");
-  if (scene.fluid->initial.type != InitialFlow::rest)
-    check_speed(scene.units, findings, "fluid.initial.velocity", scene.fluid->initial.largest_speed());
+  const InitialSpec& initial = scene.fluid->initial;
+  if (initial.type != InitialFlow::rest)
+    check_speed(scene.units, findings, "fluid.initial.velocity", initial.largest_speed());
+  if (initial.noise > 0) check_speed(scene.units, findings, "fluid.initial.noise", initial.noise);
   bool inlet = false, outlet = false;
   std::string inlet_key;
   for (int side = 0; side < 6; ++side) {

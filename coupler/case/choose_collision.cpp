@@ -1,5 +1,7 @@
 #include "coupler/case/choose_collision.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace silt::coupler {
@@ -33,6 +35,12 @@ void choose_collision(Case& scene) {
   if (!scene.fluid || !scene.fluid->collision_by_scene) return;
   const bool fast = cell_reynolds(scene) > measured_reynolds(lbm::Collision::trt);
   scene.fluid->collision = fast ? lbm::Collision::regularised : lbm::Collision::trt;
+}
+
+std::string collision_reason(const Case& scene) {
+  if (!scene.fluid->collision_by_scene) return "given";
+  return fmt::format("auto: u/nu = {}, trt lasts to {}", shown(cell_reynolds(scene)),
+                     shown(measured_reynolds(lbm::Collision::trt)));
 }
 
 }  // namespace silt::coupler

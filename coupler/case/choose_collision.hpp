@@ -20,4 +20,7 @@ double measured_reynolds(lbm::Collision);
 /// Resolves `fluid.collision = "auto"`: trt, the cheapest, up to what was measured, regularised above.
 void choose_collision(Case&);
 
+/// Returns why the case has its collision model: "given", or what "auto" compared.
+std::string collision_reason(const Case&);
+
 }  // namespace silt::coupler

@@ -96,9 +96,7 @@ void add_fluid(const Case& scene, Table& table) {
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
   std::string of = model.has_magic() ? ", Lambda = " + shown(fluid.magic) : "";
   if (model.has_eddies()) of += ", Smagorinsky constant " + shown(fluid.smagorinsky);
-  if (fluid.collision_by_scene)
-    of += fmt::format(" (auto: u/nu = {}, trt lasts to {})", shown(cell_reynolds(scene)),
-                      shown(measured_reynolds(lbm::Collision::trt)));
+  if (fluid.collision_by_scene) of += " (" + collision_reason(scene) + ")";
   table.line("collision", std::string(model.name) + of);
   table.line("storage", std::string(precision_names[fluid.precision]));
   const double fastest = fastest_given(scene);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/choose_collision.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/skipped_passes.hpp"
@@ -85,6 +86,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
   if (c.fluid) {
     report["collision"] = std::string(collision_names[c.fluid->collision]);
+    report["collision_reason"] = collision_reason(c);
     report["relaxation_time"] = c.fluid->relaxation_time;
     report["precision"] = std::string(precision_names[c.fluid->precision]);
     report["wall_scheme"] = std::string(wall_scheme_names[c.coupling.wall_scheme]);

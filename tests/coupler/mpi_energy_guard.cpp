@@ -5,26 +5,13 @@
 
 #include "coupler/guard.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/gas.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
 
 using rigid::Vec3;
-
-/// Streams of spheres through each other, without friction, gravity or loss; lattice units.
-CaseText gas() {
-  CaseText c;
-  c.domain = domain_of({20, 20, 20});
-  c.fluid.clear();
-  c.rest = "[contacts]\nrestitution = 1\nmargin = 0.2\n";
-  c.shapes = shape_of("ball", "sphere", "radius = 1");
-  c.bodies.clear();
-  for (const char* velocity : {"[0.01, 0, 0]", "[-0.01, 5e-3, 0]", "[0, -0.01, 5e-3]", "[3e-3, 0, -0.01]"})
-    c.bodies += fill_of("ball", 1, 25, "gap = 0.1\nvelocity = " + std::string(velocity));
-  return c;
-}
 
 std::string stop_of(Simulation&& simulation, std::int64_t steps) {
   try {

@@ -6,7 +6,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/gas.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -75,15 +75,7 @@ double kinetic_energy(const Simulation& simulation) {
 }
 
 TEST(DryStability, AGasWithoutLossKeepsItsEnergy) {
-  CaseText c;
-  c.domain = domain_of({20, 20, 20});
-  c.fluid.clear();
-  c.rest = "[contacts]\nrestitution = 1\nmargin = 0.2\nimpact_sweeps = 100\n";
-  c.shapes = shape_of("ball", "sphere", "radius = 1");
-  c.bodies.clear();
-  for (const char* velocity : {"[0.01, 0, 0]", "[-0.01, 5e-3, 0]", "[0, -0.01, 5e-3]", "[3e-3, 0, -0.01]"})
-    c.bodies += fill_of("ball", 1, 25, "gap = 0.1\nvelocity = " + std::string(velocity));
-  Simulation simulation = c.start(MPI_COMM_SELF);
+  Simulation simulation = gas("impact_sweeps = 100\n").start(MPI_COMM_SELF);
   const double start = kinetic_energy(simulation);
   simulation.run(100000);
   EXPECT_GT(simulation.counters().contacts, 50000u);

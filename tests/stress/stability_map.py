@@ -53,6 +53,13 @@ class Cure(unittest.TestCase):
                 code, said = silt("run", text, "--set", "fluid.collision=regularised")
                 self.assertEqual(code, 0, said)
 
+    def test_what_is_too_fast_for_regularised_lasts_at_the_speed_that_check_asks_for(self):
+        code, said = silt("run", SCENES["towed"]("regularised", 0.03, 0.2))
+        self.assertEqual(code, 3, said)
+        self.assertIn("lower what drives the flow: velocities", said)
+        code, said = silt("run", SCENES["towed"]("regularised", 0.03, 0.1))
+        self.assertEqual(code, 0, said)
+
     def test_auto_takes_regularised_where_trt_does_not_last(self):
         for scene, excess, expected in (("layer", 0.001, "regularised"), ("layer", 0.1, "trt")):
             code, said = silt("check", SCENES[scene]("auto", excess, 0.1))

@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""many_ranks SILT: bodies in places that only many ranks have, and the state they lead to, the same to the bit as that of one rank.
+
+One that touches 27 ranks, one five times as large as a subdomain, eight in contact at a corner of eight ranks, bodies that cross a
+subdomain in a few steps, ranks without a cell of fluid or a body; on equal cuts and on those that load balance makes.
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
+
+from case_text import case_text, cube, sphere  # noqa: E402
+
+SILT = sys.argv.pop(1)
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
+
+
+def state(text, ranks, *options):
+    """Returns the report of a run."""
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "case.toml").write_text(text)
+        command = [SILT, "run", folder, "--out", f"{folder}/out", *options]
+        if ranks > 1:
+            command = ["mpirun", "--oversubscribe", "--allow-run-as-root", "-np", str(ranks), *command]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=ENVIRONMENT)
+        if done.returncode:
+            raise RuntimeError(f"code {done.returncode} on {ranks} ranks:\n{done.stderr}")
+        return json.loads(pathlib.Path(folder, "out", "report.json").read_text())
+
+
+class ManyRanks(unittest.TestCase):
+    def same(self, text, *options, ranks=(27, 64), bodies=None):
+        alone = state(text, 1)
+        for n in ranks:
+            found = state(text, n, *options)
+            self.assertEqual(found["state_hash"], alone["state_hash"], f"{n} ranks")
+            self.assertEqual(found["bodies"], bodies or alone["bodies"])
+        return alone
+
+    def test_one_body_touches_27_ranks_and_others_go_round_it(self):
+        ring = [[x, y, z] for x in (3, 27) for y in (3, 27) for z in (3, 27)]
+        text = case_text("A ball over 27 ranks", domain=cube(30), fluid=dict(relaxation_time=0.7),
+                         shapes=[sphere(19, "large"), sphere(5, "small")],
+                         bodies=[dict(shape="large", density=1.1, position=[15, 15, 15], velocity=[0.03, 0.02, 0.01],
+                                      angular_velocity=[0, 0, 3e-3]),
+                                 dict(shape="small", density=2, positions=ring, velocity=[-0.02, 0.01, 0.03])],
+                         run=dict(steps=60))
+        self.same(text)
+        self.same(text, "--set", "run.balance.every=7", ranks=(27,))
+
+    def test_a_body_is_five_times_as_large_as_a_subdomain(self):
+        text = case_text("A rod over many ranks", domain=dict(size=[60, 16, 16], boundary=dict(x="periodic", y="no-slip", z="no-slip")),
+                         fluid=dict(relaxation_time=0.8), gravity=dict(acceleration=[0, 0, -1e-5]),
+                         shapes=[dict(name="rod", type="capsule", radius=3, length=40)],
+                         bodies=[dict(shape="rod", density=3, position=[30, 6, 9], axis=[1, 0.05, 0.02], velocity=[0.02, 0, 0.01]),
+                                 dict(shape="rod", density=3, motion="fixed", position=[30, 13, 3.5], axis=[1, 0, 0])],
+                         run=dict(steps=40))
+        self.same(text, ranks=(8, 27))
+
+    def test_eight_bodies_meet_at_a_corner_of_eight_ranks(self):
+        places = [[x, y, z] for x in (13, 19) for y in (13, 19) for z in (13, 19)]
+        text = case_text("Eight balls at a corner", domain=cube(32), contacts=dict(restitution=0, friction=0.3),
+                         shapes=[sphere(5.9)],
+                         bodies=[dict(shape="sphere", density=2, position=p, velocity=[0.01 * (16 - x) for x in p],
+                                      angular_velocity=[0.01, 0.002 * i, -0.01]) for i, p in enumerate(places)],
+                         run=dict(steps=200))
+        found = self.same(text, ranks=(8, 64))
+        self.assertGreater(found["contacts"], 200)
+        self.same(text, "--set", "run.balance.every=9", ranks=(8, 27))
+
+    def test_bodies_cross_a_subdomain_in_a_few_steps(self):
+        text = case_text("Fast balls", domain=cube(32), contacts=dict(margin=4, restitution=0.9), shapes=[sphere(4)],
+                         fill=[dict(shape="sphere", density=1, count=30, velocity=v) for v in ([1.5, 0.3, 0.2], [-1, -1.2, 0.5])],
+                         run=dict(steps=100))
+        self.same(text)
+
+    def test_ranks_without_fluid_or_bodies(self):
+        text = case_text("A thin pipe in a large box", domain=dict(size=[40, 40, 8], boundary="periodic"),
+                         fluid=dict(relaxation_time=0.8, body_force=[0, 0, 1e-5]),
+                         walls=[dict(name="pipe", type="tube", radius=5, point=[20, 20, 0], axis=[0, 0, 1])],
+                         shapes=[sphere(4)], bodies=[dict(shape="sphere", density=1.5, position=[20, 18, 4])], run=dict(steps=40))
+        self.same(text, ranks=(8, 25))
+
+
+if __name__ == "__main__":
+    unittest.main()
