@@ -73,7 +73,7 @@ void Fluid<T>::set_mass_correction(double density_per_cell) {
 
 template <class T>
 void Fluid<T>::collide_shells() {
-  fastest_square_ = 0;
+  fast_cells_.clear();
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (const RowRange& rows : orders_[b].shell())
       if (!idle_[b]) pass_over(b, rows);
@@ -90,9 +90,10 @@ template <class T>
 void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
-  const WatchedPlanes watched{(first + period) % period};
-  fastest_square_ =
-      std::max(fastest_square_, lbm::stream_collide(blocks_[b], parity_, *rates_, rows, watched));
+  fast_in_pass_.clear();
+  lbm::stream_collide(blocks_[b], parity_, *rates_, rows, {(first + period) % period, fast_in_pass_});
+  for (const FastCell& fast : fast_in_pass_)
+    fast_cells_.push_back({int(b), blocks_[b].cell_at(fast.cell), fast.speed});
 }
 
 template <class T>

@@ -3,7 +3,6 @@
 // velocity and momentum flux where they are asked for (never computed otherwise).
 #include <mpi.h>
 
-#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
 #include "lbm/pass_order.hpp"
+#include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
 
@@ -62,9 +62,14 @@ class Fluid {
   /// done.
   std::int64_t passes() const { return passes_; }
   void set_passes(std::int64_t done) { passes_ = done; }
-  /// Returns the largest speed that a cell of the planes looked at had when the last pass began, on this
-  /// rank, be it a solid one; what is not a number does not count, but comes after what is far too fast.
-  double fastest_in_pass() const { return std::sqrt(fastest_square_); }
+  /// The cells of the planes looked at that were faster than highest_speed when the last pass began, or whose
+  /// speed was not a number; solid ones too.
+  struct Fast {
+    int block;
+    Int3 cell;
+    double speed;
+  };
+  const std::vector<Fast>& fast_cells() const { return fast_cells_; }
   const PassOrder& pass_order(int b) const { return orders_[b]; }
   /// Fills or returns ghost slots and applies domain walls, for the pass just done: sends what messages are
   /// left and waits for all. Cut links of the rim come after it.
@@ -104,7 +109,8 @@ class Fluid {
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   std::int64_t passes_ = 0;
-  double fastest_square_ = 0;  // of the last pass
+  std::vector<FastCell> fast_in_pass_;  // of a range of rows
+  std::vector<Fast> fast_cells_;
   Halo<T> halo_;
 };
 

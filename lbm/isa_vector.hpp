@@ -2,9 +2,11 @@
 // The vectors of the instruction set a kernel is being built for. Only for *_kernel.cpp files, which are
 // built once each (SILT_ISA).
 
-#include <immintrin.h>
 #include <bit>
 #include <cstddef>
+#if defined(SILT_ISA_avx512) || defined(SILT_ISA_avx2)
+#include <immintrin.h>
+#endif
 
 namespace silt::lbm::SILT_ISA {
 
@@ -21,28 +23,6 @@ template <class E, int n = vector_bytes / int(sizeof(E))>
 struct VectorOf {
   typedef E type __attribute__((vector_size(n * sizeof(E))));
 };
-
-/// Returns the larger one in each lane, in one instruction; `kept` where `found` is not a number.
-template <class V>
-[[gnu::always_inline]] inline V larger(const V& found, const V& kept) {
-  constexpr bool single = sizeof(V{}[0]) == 4;
-#if defined(SILT_ISA_avx512)
-  if constexpr (single)
-    return std::bit_cast<V>(_mm512_max_ps(std::bit_cast<__m512>(found), std::bit_cast<__m512>(kept)));
-  else
-    return std::bit_cast<V>(_mm512_max_pd(std::bit_cast<__m512d>(found), std::bit_cast<__m512d>(kept)));
-#elif defined(SILT_ISA_avx2)
-  if constexpr (single)
-    return std::bit_cast<V>(_mm256_max_ps(std::bit_cast<__m256>(found), std::bit_cast<__m256>(kept)));
-  else
-    return std::bit_cast<V>(_mm256_max_pd(std::bit_cast<__m256d>(found), std::bit_cast<__m256d>(kept)));
-#else
-  if constexpr (single)
-    return std::bit_cast<V>(_mm_max_ps(std::bit_cast<__m128>(found), std::bit_cast<__m128>(kept)));
-  else
-    return std::bit_cast<V>(_mm_max_pd(std::bit_cast<__m128d>(found), std::bit_cast<__m128d>(kept)));
-#endif
-}
 
 /// Whether a comparison of two vectors held in any lane.
 template <class Mask>

@@ -5,7 +5,10 @@
 // goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
 // serves the even and the odd step.
 #include "lbm/stream_collide_kernel.hpp"
+
 #include <algorithm>
+#include <cmath>
+
 #include "lbm/isa_vector.hpp"
 #include "lbm/prefetch.hpp"
 #include "lbm/recursive_regularised_kernel.hpp"
@@ -68,23 +71,26 @@ struct Prefetch {
   }
 };
 
-/// Keeps, lane by lane, the largest of a model's squares.
-template <class V>
-struct Fastest {
-  V largest = {};
+/// Notes the cells that are too fast, or whose speed is not a number. Where there is none, which is as good
+/// as always, it takes a comparison and a branch.
+template <class V, class T>
+struct Watch {
+  T limit, scale;  // of the model's squares; what they are times the speeds'
+  std::vector<FastCell>& found;
   template <class Keep>
-  [[gnu::always_inline]] void see(const V& square, const Keep& keep) {
-    largest = larger(keep(square, V{}), largest);
+  [[gnu::always_inline]] void see(const V& square, std::ptrdiff_t x, const Keep& keep) {
+    const V seen = keep(square, V{});
+    if (any_lane(!(seen <= V{} + limit))) [[unlikely]]
+      note(seen, x);
   }
-  double of_lanes() const {
-    double all = 0;
-    for (std::size_t i = 0; i < sizeof(V) / sizeof(V{}[0]); ++i) all = all < largest[i] ? largest[i] : all;
-    return all;
+  [[gnu::noinline, gnu::cold]] void note(const V seen, std::ptrdiff_t x) {
+    for (int i = 0; i < int(sizeof(V) / sizeof(T)); ++i)
+      if (!(seen[i] <= limit)) found.push_back({x + i, std::sqrt(double(seen[i]) / double(scale))});
   }
 };
 struct Unseen {
   template <class V, class Keep>
-  [[gnu::always_inline]] void see(const V&, const Keep&) {}
+  [[gnu::always_inline]] void see(const V&, std::ptrdiff_t, const Keep&) {}
 };
 
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
@@ -112,7 +118,7 @@ template <class Model, bool source, class V, class T, class Keep, class Watch>
     store(slots.b[k] + x, keep(V(p + q), load<V>(slots.b[k] + x)));
   };
   const auto see = [&](const V& square) __attribute__((always_inline)) {
-    watch.see(square, keep);
+    watch.see(square, x, keep);
   };
   Model::template collide<source>(sum, difference, rest, r, set_rest, set_pair, see);
 }
@@ -132,7 +138,7 @@ struct Pass {
   FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
 };
 
-/// `watch` sees the cells' squares.
+/// `watch` sees the cells' squares and where they are.
 template <class Model, bool source, class T, class Watch>
 [[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
   using V = typename VectorOf<T>::type;
@@ -150,27 +156,29 @@ template <class Model, bool source, class T, class Watch>
 
 /// Planes apart from each other: to see anything takes registers.
 template <class Model, bool source, class T>
-double planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-              const WatchedPlanes& watched) {
+void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+            const WatchedPlanes& watched) {
   using V = typename VectorOf<T>::type;
   const Pass<T> pass{
       block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
-  Fastest<V> fastest;
+  const T scale = Model::square_scale(rates);
+  Watch<V, T> watch{T(highest_speed * highest_speed) * scale, scale, watched.found};
   Unseen unseen;
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);
     if (z < plane) row_range<Model, source>(pass, {range.y0, range.y1, z, plane}, unseen);
-    if (plane < range.z1) row_range<Model, source>(pass, {range.y0, range.y1, plane, plane + 1}, fastest);
+    if (plane < range.z1) row_range<Model, source>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
     z = plane + 1;
   }
-  return fastest.of_lanes() / double(Model::square_scale(rates));
 }
 
 template <class Model, class T>
-double rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                  const WatchedPlanes& watched) {
-  return rates.source ? planes<Model, true>(block, parity, rates, range, watched)
-                      : planes<Model, false>(block, parity, rates, range, watched);
+void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                const WatchedPlanes& watched) {
+  if (rates.source)
+    planes<Model, true>(block, parity, rates, range, watched);
+  else
+    planes<Model, false>(block, parity, rates, range, watched);
 }
 
 }  // namespace
