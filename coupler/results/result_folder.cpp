@@ -38,7 +38,7 @@ bool is_result(const fs::path& path) {
       "mean_height.png", "velocity.png", "bodies.png",  "slice.png", "stages.png"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
          is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
-         is("checkpoint_", ".h5") || name.ends_with(".part");
+         is("checkpoint_", ".h5") || is("stopped_", ".h5") || name.ends_with(".part");
 }
 
 namespace {
