@@ -147,7 +147,7 @@ class Program(SiltTest):
         self.write(CASE.replace("-1e-4", "-1").split("[output]")[0])
         for ranks in (1, 4):
             errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
-            self.assertRegex(errors, r"step \d+: body [12] \(rank \d\) moves")
+            self.assertRegex(errors, r"step \d+: the fluid at cell .* from body [12], moves")
             self.assertEqual(self.report()["exit_reason"], "guard")
 
     def test_bad_case_and_usage(self):
