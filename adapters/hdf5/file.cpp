@@ -301,6 +301,9 @@ void File::write_provenance(const Provenance& p) {
   attribute(g, "ranks", p.ranks);
   attribute(g, "backend", p.backend);
   attribute(g, "compiler", p.compiler);
+  attribute(g, "flags", p.flags);
+  attribute(g, "libraries", p.libraries);
+  attribute(g, "processor", p.processor);
   attribute(g, "host", p.host);
   attribute(g, "created", p.created);
   const Handle type = string_type(p.case_text.size(), path_);

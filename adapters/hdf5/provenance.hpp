@@ -12,8 +12,9 @@ struct Provenance {
   std::string version, commit;   // of silt
   std::string title, case_text;  // case.toml as read, with overrides applied
   std::int64_t ranks = 1;
-  std::string backend;                  // of the collision detection
-  std::string compiler, host, created;  // created: ISO 8601
+  std::string backend;  // of the collision detection
+  std::string compiler, flags, libraries;
+  std::string host, processor, created;  // created: ISO 8601
 };
 
 }  // namespace silt::adapters

@@ -96,6 +96,29 @@ void Json::push_back(Json value) {
   values->push_back(std::move(value));
 }
 
+std::vector<std::pair<std::string, std::string>> Json::numbers(const std::string& key) const {
+  std::vector<std::pair<std::string, std::string>> found;
+  if (const auto* members = std::get_if<Object>(&value_))
+    for (const Member& m : *members)
+      if (m.first == key) m.second.list_numbers(key, found);
+  return found;
+}
+
+void Json::list_numbers(const std::string& path,
+                        std::vector<std::pair<std::string, std::string>>& out) const {
+  if (const auto* members = std::get_if<Object>(&value_)) {
+    for (const auto& [key, value] : *members) value.list_numbers(path + '.' + key, out);
+  } else if (const auto* values = std::get_if<Array>(&value_)) {
+    for (std::size_t i = 0; i < values->size(); ++i)
+      (*values)[i].list_numbers(
+          path + '.' + (values->size() == 3 ? std::string(1, "xyz"[i]) : std::to_string(i)), out);
+  } else if (!std::holds_alternative<std::string>(value_) && !std::holds_alternative<bool>(value_)) {
+    std::string text;
+    print(text, 0);
+    out.emplace_back(path, text == "null" ? "" : text);
+  }
+}
+
 std::string Json::text() const {
   std::string out;
   print(out, 0);

@@ -50,6 +50,10 @@ class Json {
   /// Appends a value. A null becomes an array; throws std::logic_error for other values.
   void push_back(Json);
 
+  /// The numbers of a member, each with its path, "member.key", and as printed; of an array of three
+  /// "member.x" and so on. A null is one, with no text: what is not known now. Nothing if there is none.
+  std::vector<std::pair<std::string, std::string>> numbers(const std::string& key) const;
+
   /// The text, indented by two spaces a level; arrays of plain values on one line. Text is UTF-8: bytes that
   /// are not valid become U+FFFD, control characters are escaped.
   std::string text() const;
@@ -58,6 +62,7 @@ class Json {
   using Object = std::vector<Member>;
   using Array = std::vector<Json>;
   void print(std::string& out, int level) const;
+  void list_numbers(const std::string& path, std::vector<std::pair<std::string, std::string>>& out) const;
   bool is_plain() const {
     return !std::holds_alternative<Object>(value_) && !std::holds_alternative<Array>(value_);
   }

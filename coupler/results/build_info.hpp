@@ -9,7 +9,8 @@ namespace silt::coupler {
 struct Case;
 
 struct BuildInfo {
-  std::string version, commit, compiler;
+  std::string version, commit, compiler, flags;
+  std::string libraries;  // with their versions
 };
 const BuildInfo& build_info();
 

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <fstream>
 
 #include <fmt/chrono.h>
 
@@ -9,11 +10,26 @@
 
 namespace silt::coupler {
 
+namespace {
+
+/// What Linux calls the processor, or "".
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) return line.substr(std::min(line.find(": "), line.size() - 2) + 2);
+  return "";
+}
+
+}  // namespace
+
 adapters::Provenance provenance_of(const Case& scene, int ranks, const std::string& backend) {
   adapters::Provenance p;
   p.version = build_info().version;
   p.commit = build_info().commit;
   p.compiler = build_info().compiler;
+  p.flags = build_info().flags;
+  p.libraries = build_info().libraries;
+  p.processor = processor_name();
   p.title = scene.title;
   p.case_text = scene.text;
   p.ranks = ranks;

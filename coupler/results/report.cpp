@@ -10,6 +10,7 @@
 #include "coupler/case/choose_collision.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
+#include "coupler/results/motion_totals.hpp"
 #include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
@@ -114,6 +115,22 @@ void add_balance(Simulation& simulation, Json& report) {
   report["momentum_drift"] = keeps_momentum(simulation.scene()) && scale > 0
                                  ? (now.momentum - before.momentum).norm() / scale
                                  : unknown;
+}
+
+void add_motion(const Simulation& simulation, Json& report) {
+  const Units& units = simulation.setup().units;
+  const MotionTotals t = motion_totals(simulation);
+  const auto energy = [&](double x) { return units.physical(x, dimension::energy); };
+  const auto momentum = [&](const rigid::Vec3& p) {
+    return Json::array_of(std::array<double, 3>{units.physical(p[0], dimension::momentum),
+                                                units.physical(p[1], dimension::momentum),
+                                                units.physical(p[2], dimension::momentum)});
+  };
+  report["energy"] = Json::object({{"bodies", energy(t.bodies_energy)}});
+  report["momentum"] = Json::object({{"bodies", momentum(t.bodies_momentum)}});
+  if (!simulation.scene().flow) return;
+  report["energy"]["fluid"] = energy(t.fluid_energy);
+  report["momentum"]["fluid"] = momentum(t.fluid_momentum);
 }
 
 struct PutCounter {
@@ -231,7 +248,10 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   add_parallel(simulation, status, report);
   report["skipped"] = skipped_passes(scene, scene.setup.fluid, scene.setup.output);
   report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
-  if (status.state_is_sound) add_balance(simulation, report);
+  if (status.state_is_sound) {
+    add_balance(simulation, report);
+    add_motion(simulation, report);
+  }
   FlowTotals totals;
   if (scene.flow) totals = scene.flow->totals();
   add_counters(simulation, scene.flow ? &totals : nullptr, report);
@@ -241,6 +261,8 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["version"] = build_info().version;
   report["commit"] = build_info().commit;
   report["compiler"] = build_info().compiler;
+  report["flags"] = build_info().flags;
+  report["libraries"] = build_info().libraries;
   report["instruction_set"] = std::string(instruction_set());
   return report;
 }

@@ -26,6 +26,12 @@ fs::path first_free(const fs::path& folder) {
   }
 }
 
+/// Whether it is a file under the temporary name of one to come, or one that MPI keeps beside such.
+bool is_unfinished(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.ends_with(".part") || name.find(".part.") != std::string::npos;
+}
+
 }  // namespace
 
 bool is_result(const fs::path& path) {
@@ -34,11 +40,11 @@ bool is_result(const fs::path& path) {
     return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
   };
   static const std::vector<std::string> names = {
-      "run.log",         "report.json",  "report.html", "bodies.h5", "bodies.h5.journal",
-      "mean_height.png", "velocity.png", "bodies.png",  "slice.png", "stages.png"};
+      "run.log",      "report.json", "report.html", "bodies.h5",  "bodies.h5.journal", "mean_height.png",
+      "velocity.png", "bodies.png",  "slice.png",   "stages.png", "render.png"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") ||
          is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies", ".hdf.series") ||
-         is("checkpoint_", ".h5") || is("stopped_", ".h5") || name.ends_with(".part");
+         is("series", ".csv") || is("checkpoint_", ".h5") || is("stopped_", ".h5") || is_unfinished(path);
 }
 
 namespace {
@@ -95,8 +101,8 @@ ReadyFolder return_to_result_folder(const fs::path& folder) {
   if (error) fail(folder, "cannot be made: " + error.message());
   ready.lock = std::make_unique<ResultLock>(folder);
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    fs::path finished = entry.path();
-    if (finished.extension() == ".part" && is_result(finished.replace_extension()))
+    const std::string name = entry.path().filename().string();
+    if (is_unfinished(entry.path()) && is_result(name.substr(0, name.find(".part"))))
       fs::remove(entry.path(), error);
   }
   return ready;

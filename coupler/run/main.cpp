@@ -3,11 +3,13 @@
 #include <mpi.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
 #include "adapters/hdf5/describe_file.hpp"
+#include "coupler/case/case_error.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
@@ -83,6 +85,24 @@ void add_run(CLI::App& command, CommandLine& line) {
       ->type_name("SECONDS");
 }
 
+/// "Open MPI v4.1.4".
+std::string mpi_version() {
+  char text[MPI_MAX_LIBRARY_VERSION_STRING];
+  int length = 0;
+  MPI_Get_library_version(text, &length);
+  const std::string all(text, length);
+  return all.substr(0, all.find_first_of(",\n"));
+}
+
+/// The complaint about a first word that is no subcommand, or "".
+std::string wrong_subcommand(const CLI::App& app, const std::string& word) {
+  if (word.empty() || word[0] == '-') return "";
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (std::count(names.begin(), names.end(), word) > 0) return "";
+  return fmt::format("silt: there is no subcommand '{}'{}\n", word, suggestion(word, names));
+}
+
 Exit main_on(MPI_Comm comm, int argc, char** argv) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
@@ -93,9 +113,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
       "exit codes: 0 done, 1 a file could not be written or the like, 2 bad case or usage, 3 stopped by a "
       "guard,\n"
       "4 interrupted, with a checkpoint");
-  app.set_version_flag("--version",
-                       fmt::format("silt {} ({}), {}, {}", build_info().version, build_info().commit,
-                                   build_info().compiler, instruction_set()));
+  app.set_version_flag("--version", fmt::format("silt {} ({}), {}, {}\n{}, {}", build_info().version,
+                                                build_info().commit, build_info().compiler, instruction_set(),
+                                                mpi_version(), build_info().libraries));
   app.require_subcommand(1);
   CLI::App* run =
       app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");
@@ -112,6 +132,10 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);
   infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf or checkpoint_*.h5")->required();
+  if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
+    if (loud) fmt::print(stderr, "{}", complaint);
+    return Exit::bad_case;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -18,6 +18,7 @@
 #include "coupler/results/output.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
+#include "coupler/results/run_series.hpp"
 #include "coupler/run/abort_alone.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
@@ -76,6 +77,7 @@ class Run {
   StopRequest stop_request_;
   std::unique_ptr<Progress> progress_;
   std::unique_ptr<BodyOutput> body_output_;
+  std::unique_ptr<RunSeries> series_;  // on rank 0, where the case asks for reports
   std::string last_checkpoint_;
 };
 
@@ -166,11 +168,15 @@ void Run::start_outputs() {
   const OutputSpec& output = setup().output;
   if (output.bodies.every > 0 && setup().has_bodies())
     body_output_ = std::make_unique<BodyOutput>(simulation_, folder_, provenance_, resumed_);
+  if (output.report.every > 0)
+    adapters::on_rank_0(comm_,
+                        [&] { series_ = std::make_unique<RunSeries>(folder_, resumed_ ? first_step_ : -1); });
   if (resumed_) return;
   quantities_.observe(simulation_);
   if (simulation_.scene().flow) simulation_.look_at_flow();
   if (body_output_) body_output_->append(simulation_);
   if (output.fields.every > 0) write_flow_fields(simulation_, folder_, provenance_);
+  if (output.report.every > 0) write_report("running", "", true);
 }
 
 void Run::write_outputs() {
@@ -235,8 +241,11 @@ void Run::greet() {
 /// Collective.
 void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
   const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
-  const std::string report = report_of(simulation_, quantities_, status).text();
-  adapters::on_rank_0(comm_, [&] { write_text(folder_ / "report.json", report + "\n"); });
+  const adapters::Json report = report_of(simulation_, quantities_, status);
+  adapters::on_rank_0(comm_, [&] {
+    write_text(folder_ / "report.json", report.text());
+    if (series_ && sound) series_->append(report);
+  });
 }
 
 /// The end that every rank comes to.

@@ -23,7 +23,7 @@ import json
 import pathlib
 
 import h5py
-from body_series import BodySeries
+from silt_results import BodySeries
 
 
 @dataclasses.dataclass(frozen=True)

@@ -19,7 +19,7 @@ import time
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-from body_series import COLUMNS, BodySeries  # noqa: E402
+from silt_results import COLUMNS, BodySeries  # noqa: E402
 
 CASE = """
 [units]

@@ -69,6 +69,7 @@ class BodySeries:
             self.bounding_radius = kinds["bounding_radius"][:]
             self.meshes = read_meshes(kinds, len(self.bounding_radius))
             self.provenance = {name: text(value) for name, value in f["provenance"].attrs.items()}
+            self.case_text = text(f["provenance/case_text"][()])
 
     def __len__(self):
         return len(self.time)

@@ -1,0 +1,69 @@
+#include "coupler/results/run_series.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+#include "coupler/results/result_folder.hpp"
+
+namespace silt::coupler {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What of a report changes while a run goes on; of objects all numbers in them.
+constexpr std::array columns = {
+    "steps",          "time",        "wall_seconds",    "mlups",        "bodies",
+    "bodies_arrived", "bodies_left", "energy",          "momentum",     "max_velocity",
+    "min_density",    "max_density", "mass_drift",      "mass_surplus", "contacts_now",
+    "momentum_drift", "links",       "max_penetration", "quantities",   "stage_seconds"};
+
+/// Whether a line is of a step up to the given one.
+bool is_up_to(std::string_view line, std::int64_t step) {
+  std::int64_t found = 0;
+  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), found);
+  return error == std::errc() && *end == ',' && found <= step;
+}
+
+fs::path first_free(const fs::path& folder) {
+  for (int n = 1;; ++n)
+    if (const fs::path path = folder / ("series." + std::to_string(n) + ".csv"); !fs::exists(path))
+      return path;
+}
+
+}  // namespace
+
+RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(folder / "series.csv") {
+  std::ifstream file(path_);
+  if (resumed_at < 0 || !std::getline(file, columns_)) return;
+  std::string kept = columns_ + '\n', line;
+  while (std::getline(file, line) && !file.eof())  // a line without its end is not whole
+    if (is_up_to(line, resumed_at)) kept += line + '\n';
+  file.close();
+  write_text(path_, kept);
+}
+
+void RunSeries::append(const adapters::Json& report) {
+  std::string names, row;
+  for (const char* column : columns)
+    for (const auto& [name, number] : report.numbers(column)) {
+      if (name.ends_with(".min") || name.ends_with(".max")) continue;  // over the ranks: the mean is enough
+      (names += names.empty() ? "" : ",") += name;
+      (row += row.empty() ? "" : ",") += number;
+    }
+  std::error_code error;
+  if (!columns_.empty() && names != columns_) fs::rename(path_, first_free(path_.parent_path()), error);
+  const bool fresh = names != columns_;
+  std::ofstream file(path_, fresh ? std::ios::trunc : std::ios::app);
+  if (fresh) file << names << '\n';
+  file << row << '\n';
+  file.close();
+  if (!file) throw FileError(path_.string() + ": cannot be written: " + std::strerror(errno));
+  columns_ = names;
+}
+
+}  // namespace silt::coupler

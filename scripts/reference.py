@@ -1,0 +1,48 @@
+"""What a case's reference.toml says (scripts/regress has its form), and how a run compares with it."""
+import math
+import tomllib
+
+KINDS = ("theory", "experiment", "pinned")
+
+
+class Fault(Exception):
+    """What is wrong with a reference.toml."""
+
+
+def references(case, short=False):
+    """Returns the quantities to compare, and the settings of the run they belong to."""
+    file = case / "reference.toml"
+    data = tomllib.loads(file.read_text()) if file.exists() else {}
+    settings = []
+    if short and "short" in data:
+        data = data["short"]
+        settings = [f"run.steps={data['steps']}", *data.get("set", [])]
+    listed = data.get("quantity", [])
+    if not listed:
+        raise Fault(f"{file}: the {'short' if short else 'full'} form of {case.name} compares nothing; "
+                    f"add a [[{'short.' if settings else ''}quantity]]")
+    for quantity in listed:
+        for key in ("name", "value", "tolerance", "kind", "source"):
+            if key not in quantity:
+                raise Fault(f"{file}: a [[quantity]] has no {key}")
+        if quantity["kind"] not in KINDS:
+            raise Fault(f"{file}: kind is {quantity['kind']!r}; it must be one of {', '.join(KINDS)}")
+    return listed, settings
+
+
+def compared(quantity, found):
+    """Returns [found, reference, tolerance, deviation] as text, and whether the quantity is within its tolerance."""
+    value, tolerance = quantity["value"], quantity["tolerance"]
+    allowed = tolerance * abs(value) if quantity.get("relative", False) else tolerance
+    known = isinstance(found, (int, float)) and math.isfinite(found)
+    good = known and abs(found - value) <= allowed
+    if not known:
+        return ["missing", f"{value:g}", f"{allowed:.2g}", "-"], False
+    deviation = f"{100 * (found - value) / abs(value):+.2f} %" if value else f"{found - value:+.2g}"
+    return [f"{found:.6g}", f"{value:g}", f"{allowed:.2g}", deviation], good
+
+
+def belongs(case, report):
+    """Says whether a run is the one that the full form compares: as long as the case says, and ended by itself."""
+    steps = tomllib.loads((case / "case.toml").read_text()).get("run", {}).get("steps")
+    return report["exit_reason"] == "steady" or report["exit_reason"] == "completed" and report["steps"] == steps

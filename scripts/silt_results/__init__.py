@@ -1,0 +1,61 @@
+"""Reads what a run of Silt wrote (cases/OUTPUT.md): numpy and h5py are all it needs.
+
+    import silt_results
+    run = silt_results.open("cases/segregation")        # a case, or a folder of results
+    run.report["quantities"]                             # report.json as a dictionary
+    run.series["energy.fluid"]                           # a column of series.csv, as an array
+    run.bodies.at(-1)["position"]                        # bodies.h5: silt_results.BodySeries
+    run.fields[-1]["velocity"]                           # a field of the fluid at the last time, [x, y, z, 3]
+Files that a run has not written raise FileNotFoundError, which names the key of the case that asks for them.
+"""
+import functools
+import json
+import pathlib
+
+from .body_series import COLUMNS, BodySeries, text
+from .field import Field
+from .scalars import Scalars
+
+__all__ = ["COLUMNS", "BodySeries", "Field", "Run", "Scalars", "open", "text"]
+
+
+class Run:
+    """Run is a folder of results. Files are opened when they are first asked for."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+
+    def file(self, name, wanted):
+        path = self.folder / name
+        if not path.exists():
+            raise FileNotFoundError(f"{path}: not there; a run writes it with {wanted}")
+        return path
+
+    @functools.cached_property
+    def report(self):
+        """report.json as a dictionary."""
+        return json.loads(self.file("report.json", "output.report, and at its end").read_text())
+
+    @functools.cached_property
+    def series(self):
+        """series.csv: Scalars."""
+        return Scalars(self.file("series.csv", "output.report = { every = N }"))
+
+    @functools.cached_property
+    def bodies(self):
+        """bodies.h5: a BodySeries."""
+        return BodySeries(self.file("bodies.h5", "output.bodies = { every = N }"))
+
+    @functools.cached_property
+    def fields(self):
+        """The fields of the fluid, a Field a time, in order."""
+        paths = sorted(self.folder.glob("fields_*.hdf"))
+        if not paths:
+            self.file("fields_*.hdf", "output.fields = { every = N }")
+        return [Field(path) for path in paths]
+
+
+def open(path):  # noqa: A001: silt_results.open reads as it should
+    """Returns the Run of a folder of results, or of a case whose results are in its folder out."""
+    path = pathlib.Path(path)
+    return Run(path / "out" if (path / "case.toml").exists() else path)

@@ -1,0 +1,28 @@
+"""Reads series.csv: what a run said of itself each time it reported.
+
+    series = Scalars("out/series.csv")
+    series.names                                steps, time, energy.fluid, quantities.NAME, ...
+    series["time"], series["energy.fluid"]      arrays, a value a report; NaN is what was not known
+A row that was cut off by a killed run is left out.
+"""
+import csv
+
+import numpy as np
+
+
+class Scalars:
+    def __init__(self, path):
+        with open(path, newline="") as stream:
+            whole = stream.read().rsplit("\n", 1)[0]
+        self.names, *rows = csv.reader(whole.splitlines())
+        rows = [row for row in rows if len(row) == len(self.names)]
+        values = np.array([[float(x) if x else np.nan for x in row] for row in rows]).reshape(len(rows), len(self.names))
+        self.columns = dict(zip(self.names, values.T))
+
+    def __len__(self):
+        return len(self.columns["steps"])
+
+    def __getitem__(self, name):
+        if name not in self.columns:
+            raise KeyError(f"{name}; there are {', '.join(self.names)}")
+        return self.columns[name]

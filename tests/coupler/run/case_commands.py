@@ -1,0 +1,89 @@
+#!/usr/bin/python3
+"""case_commands.py SILT: scripts/clean, new-case and compare do what they say, and nothing else; every command explains itself at once."""
+import os
+import pathlib
+import subprocess
+import time
+import unittest
+
+from silt_test import SiltTest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
+
+
+def command(name, *arguments, code=0, **options):
+    done = subprocess.run([SCRIPTS / name, *map(str, arguments)], capture_output=True, text=True, stdin=subprocess.DEVNULL, **options)
+    assert done.returncode == code, (name, done.returncode, done.stdout, done.stderr)
+    return done.stdout + done.stderr
+
+
+class Commands(SiltTest):
+    def test_clean(self):
+        self.silt("run", self.case)
+        self.silt("run", self.case)  # the first is in out.1 now
+        self.assertIn("would delete", command("clean", self.case))
+        self.assertTrue((self.out / "report.json").exists())
+        self.assertIn("deleted", command("clean", self.case, "--yes"))
+        self.assertFalse(self.out.exists())
+        self.assertTrue((self.case / "out.1").exists())
+        (self.case / "out.1" / "notes.txt").write_text("mine")
+        self.assertIn("notes.txt is no result", command("clean", self.case, "--all", "--yes", code=1))
+        self.assertTrue((self.case / "out.1" / "report.json").exists())
+        (self.case / "out.1" / "notes.txt").unlink()
+        command("clean", self.case, "--all", "--yes")
+        self.assertEqual([path.name for path in self.case.iterdir()], ["case.toml"])
+
+    def test_clean_leaves_a_run_alone(self):
+        run = subprocess.Popen(self.command(["run", self.case, "--steps", 1000000], 1), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            while not (self.out / "run.log").exists():
+                time.sleep(0.05)
+            self.assertIn("a run is writing there", command("clean", self.case, "--yes", code=1))
+            self.assertTrue((self.out / "run.log").exists())
+        finally:
+            run.kill()
+            run.wait()
+
+    def test_new_case(self):
+        made = pathlib.Path(self.scratch.name) / "my-tank"
+        self.assertIn("case.toml, from settling-sphere", command("new-case", made, "--from", "settling-sphere"))
+        self.assertIn("my tank", self.silt("check", made).stdout)
+        self.assertEqual([path.name for path in made.iterdir()], ["case.toml"])
+        self.assertIn("is there already", command("new-case", made, code=2))
+        self.assertIn("Silt's cases are", command("new-case", f"{made}2", "--from", "setling", code=2))
+        self.assertFalse(pathlib.Path(f"{made}2").exists())
+
+    def test_new_case_takes_its_files(self):
+        for case in sorted((SCRIPTS.parent / "cases").glob("*/case.toml")):
+            made = pathlib.Path(self.scratch.name) / case.parent.name
+            command("new-case", made, "--from", case.parent.name)
+            self.silt("check", made)
+
+    def test_compare(self):
+        other, third = (pathlib.Path(self.scratch.name) / name for name in ("other", "third"))
+        self.silt("run", self.case)
+        self.silt("run", self.case, "--out", other, ranks=2)
+        said = command("compare", self.case, other)
+        self.assertIn("ranks", said)
+        self.assertIn("the states are the same to the bit", said)
+        self.silt("run", self.case, "--out", third, "--set", "fluid.relaxation_time=0.9")
+        said = command("compare", self.case, third, code=1)
+        self.assertIn("+# --set fluid.relaxation_time=0.9", said)
+        self.assertIn("quantities.height", said)
+        self.assertIn("largest difference in velocity", said)
+        self.assertIn("report.json: not there", command("compare", self.case, self.scratch.name, code=1))
+
+    def test_every_command_explains_itself(self):
+        for path in sorted(SCRIPTS.iterdir()):
+            if path.is_file() and os.access(path, os.X_OK):
+                start = time.monotonic()
+                self.assertGreater(len(command(path.name, "--help")), 60, path.name)
+                self.assertLess(time.monotonic() - start, 5, path.name)
+
+    def test_a_wrong_word_gets_the_nearest(self):
+        self.assertIn("did you mean 'check'?", self.silt("chek", self.case, code=2).stderr)
+        self.assertRegex(self.silt("--version").stdout, r"silt .*\n.*Open MPI.*HDF5.*Bullet.*FCL")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,119 @@
+#!/usr/bin/python3
+"""output_page.py SILT: cases/OUTPUT.md names every file, key, column and data set of a run, and none that is not there."""
+import csv
+import json
+import pathlib
+import re
+import unittest
+
+import h5py
+from silt_test import CASE, SiltTest
+
+PAGE = pathlib.Path(__file__).resolve().parents[3] / "cases" / "OUTPUT.md"
+SOMETIMES = {"exit_text", "resumed_at"}  # of a run that was stopped, of one that went on
+
+
+def section(name):
+    """Returns the names in backquotes in the first cells of a section's table."""
+    text = PAGE.read_text()
+    begin = text.index(f"## `{name}`")
+    end = text.find("\n## ", begin + 1)
+    rows = re.findall(r"^\| (`[^|]*?) \|", text[begin:end if end > 0 else None], re.M)
+    return {word for row in rows for word in re.findall(r"`([^`]+)`", row)}
+
+
+def data_sets(path):
+    found = set()
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.add(name) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+class Page(SiltTest):
+    def setUp(self):
+        super().setUp()
+        self.write(CASE.replace("[output]", "[output]\nreport = { every = 20 }"))
+        self.silt("run", self.case)
+
+    def test_names_every_file(self):
+        text = PAGE.read_text()
+        for path in self.out.iterdir():
+            name = re.sub(r"_\d+\.", "_STEP.", path.name)
+            self.assertIn(f"`{name}`", text)
+
+    def test_report(self):
+        self.assertEqual(set(self.report()), section("report.json") - SOMETIMES)
+
+    def test_data_sets(self):
+        self.assertEqual(data_sets(self.out / "bodies.h5"), section("bodies.h5"))
+        self.assertEqual(data_sets(next(self.out.glob("fields_*.hdf"))), section("fields_STEP.hdf"))
+
+    def test_columns(self):
+        text = PAGE.read_text()
+        with open(self.out / "series.csv", newline="") as stream:
+            names = next(csv.reader(stream))
+        for name in names:
+            name = re.sub(r"^(momentum.*)\.[yz]$", r"\1.x", name)
+            name = re.sub(r"^stage_seconds\..*\.avg$", "stage_seconds.STAGE.avg", re.sub(r"^quantities\..*", "quantities.NAME", name))
+            self.assertIn(f"`{name}`", text)
+
+
+class Series(SiltTest):
+    """series.csv against report.json, bodies.h5 and what mechanics says."""
+    REPORTS = CASE.replace("[output]", "[output]\nreport = { every = 20 }").replace("every = 7 }", "every = 20 }")
+
+    def rows(self, folder=None):
+        with open((folder or self.out) / "series.csv", newline="") as stream:
+            return list(csv.DictReader(stream))
+
+    def test_last_row_is_the_report(self):
+        self.write(self.REPORTS)
+        self.silt("run", self.case)
+        rows, report = self.rows(), self.report()
+        self.assertEqual([row["steps"] for row in rows], ["0", "20", "40", "60"])
+        self.assertEqual(float(rows[-1]["quantities.height"]), report["quantities"]["height"])
+        self.assertEqual(float(rows[-1]["momentum.fluid.z"]), report["momentum"]["fluid"][2])
+        self.assertEqual(rows[-1]["momentum_drift"], "")
+
+    def test_energy_and_momentum_of_bodies(self):
+        import math
+        self.write(self.REPORTS)
+        self.silt("run", self.case)
+        mass = 1.5 * 4 / 3 * math.pi * 2.5**3
+        inertia = 0.4 * mass * 2.5**2
+        with h5py.File(self.out / "bodies.h5") as file:
+            v = file["bodies/velocity"][:].reshape(-1, 2, 3)
+            w = file["bodies/angular_velocity"][:].reshape(-1, 2, 3)
+        for row, v, w in zip(self.rows(), v, w):
+            self.assertAlmostEqual(float(row["energy.bodies"]), 0.5 * (mass * (v**2).sum() + inertia * (w**2).sum()), delta=1e-12)
+            self.assertAlmostEqual(float(row["momentum.bodies.x"]), mass * v[:, 0].sum(), delta=1e-11)
+
+    def test_same_on_any_ranks(self):
+        self.write(self.REPORTS)
+        self.silt("run", self.case)
+        alone = self.rows()
+        self.silt("run", self.case, ranks=4)
+        clocks = re.compile("seconds|mlups")
+        for a, b in zip(alone, self.rows()):
+            self.assertEqual({k: x for k, x in a.items() if not clocks.search(k)}, {k: x for k, x in b.items() if not clocks.search(k)})
+
+    def test_goes_on_where_the_run_does(self):
+        self.write(self.REPORTS)
+        self.silt("run", self.case, "--steps", 50)
+        with open(self.out / "series.csv", "a") as stream:  # of a run that was killed later on
+            stream.write(self.rows()[-1]["steps"].join(["", "9,1,"]) + "\n70,1,2")
+        self.silt("resume", self.case, "--set", "run.steps=60")
+        self.assertEqual([row["steps"] for row in self.rows()], ["0", "20", "40", "50", "60"])
+
+    def test_other_columns_begin_another_file(self):
+        self.write(self.REPORTS)
+        self.silt("run", self.case, "--steps", 50)
+        text = (self.out / "series.csv").read_text()
+        (self.out / "series.csv").write_text(text.replace("quantities.height", "quantities.depth"))
+        self.silt("resume", self.case, "--set", "run.steps=60")
+        self.assertEqual([row["steps"] for row in self.rows()], ["60"])
+        self.assertEqual(len((self.out / "series.1.csv").read_text().splitlines()), 5)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+"""report_page.py SILT: scripts/report puts a run on one page that needs nothing else, says what is true, and fits a phone."""
+import html.parser
+import pathlib
+import re
+import shutil
+import subprocess
+import unittest
+
+from silt_test import CASE, SiltTest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
+BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
+REFERENCE = """
+[[quantity]]
+name = "height"
+value = {value}
+tolerance = 0.1
+kind = "theory"
+source = "somewhere"
+"""
+
+
+class Outline(html.parser.HTMLParser):
+    """Checks that elements are closed in order, and collects what they refer to."""
+    VOID = {"meta", "img", "br", "path", "use", "rect", "link", "input"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.targets, self.text = [], [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in self.VOID:
+            self.open.append(tag)
+        self.targets += [value for name, value in attributes if name in ("src", "href", "xlink:href")]
+
+    def handle_startendtag(self, tag, attributes):
+        self.targets += [value for name, value in attributes if name in ("src", "href", "xlink:href")]
+
+    def handle_endtag(self, tag):
+        if tag in self.VOID:
+            return
+        assert self.open and self.open[-1] == tag, (tag, self.open)
+        self.open.pop()
+
+    def handle_data(self, data):
+        self.text += data
+
+
+class Page(SiltTest):
+    def page(self, case=CASE, value=8.0, code=0, plot=True):
+        self.write(case.replace("[output]", "[output]\nreport = { every = 10 }"))
+        (self.case / "reference.toml").write_text(REFERENCE.format(value=value))
+        self.silt("run", self.case, "--overwrite", code=code)
+        if plot:
+            subprocess.run([SCRIPTS / "plot", self.case], check=True, capture_output=True)
+        done = subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True)
+        return done.stdout, (self.out / "report.html").read_text()
+
+    def test_is_whole_and_alone(self):
+        said, text = self.page()
+        outline = Outline(text)
+        self.assertEqual(outline.open, [])
+        for target in outline.targets:
+            self.assertRegex(target, r"^(data:image/png;base64,|#)")
+        for word in ("Completed", "stream collide", "change over its mass", "kinematic viscosity", self.report()["state_hash"],
+                     "pairs asked for", "body force"):
+            self.assertIn(word, outline.text)
+        self.assertEqual(text.count("<img "), len(list(self.out.glob("*.png"))))
+        self.assertIn("Kinetic energy", text)
+
+    def test_verdict(self):
+        found = self.page()[0]
+        height = self.report()["quantities"]["height"]
+        self.assertIn(f"height: {height:.6g}, theory 8", found)
+        self.assertIn(": ok" if abs(height - 8) <= 0.1 else ": deviates", found)
+        said, text = self.page(value=12.0)
+        self.assertIn(": deviates", said)
+        self.assertIn("class=bad>deviates", text)
+
+    def test_a_shorter_run_is_not_judged(self):
+        self.page()
+        self.silt("run", self.case, "--overwrite", "--steps", 30)
+        done = subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True)
+        self.assertNotIn("theory", done.stdout)
+
+    def test_a_title_is_text(self):
+        text = self.page(CASE.replace("two balls", r"<b>two</b> & $\\frac{1}$"), plot=False)[1]
+        self.assertIn(r"<h1>&lt;b&gt;two&lt;/b&gt; &amp; $\frac{1}$</h1>", text)
+
+    def test_a_stopped_run_says_why(self):
+        text = self.page(CASE.replace("[0, 0, -1e-4]", "[0, 0, -1]"), code=3)[1]
+        self.assertIn("Stopped by a guard", text)
+        self.assertRegex(text, r"<p class=warning>step \d+: ")
+
+    def test_without_results(self):
+        done = subprocess.run([SCRIPTS / "report", self.case], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "report: .*report.json: not there; a run writes it")
+
+    @unittest.skipUnless(BROWSER, "no Chromium is installed")
+    def test_fits_a_phone(self):
+        text = self.page()[1]
+        probe = "<script>document.title = document.documentElement.scrollWidth + ' of ' + window.innerWidth</script></body>"
+        wide = self.case / "wide.html"
+        wide.write_text(text.replace("</body>", probe))
+        done = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=500,800", "--dump-dom", wide.as_uri()],
+                              capture_output=True, text=True, timeout=60)
+        width, of = map(int, re.search(r"<title>(\d+) of (\d+)", done.stdout).groups())
+        self.assertLessEqual(width, of)
+        self.assertLessEqual(of, 500)
+
+
+if __name__ == "__main__":
+    unittest.main()
