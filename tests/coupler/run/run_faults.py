@@ -3,6 +3,7 @@
 that are none, long paths. run_faults.py SILT [TEST]"""
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import time
@@ -62,6 +63,7 @@ class Faults(SiltTest):
     def test_signals_leave_a_checkpoint(self):
         self.write(ENDLESS)
         for name in ("HUP", "INT", "USR1", "USR2", "XCPU"):
+            shutil.rmtree(self.out, ignore_errors=True)
             process = self.start("run", self.case, "--overwrite")
             self.wait_for(self.out / "checkpoint_000000000250.h5", process)
             process.send_signal(getattr(signal, f"SIG{name}"))
