@@ -1,7 +1,10 @@
 #include "coupler/flow.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
+#include <tuple>
 
 #include "coupler/balance/body_work.hpp"
 #include "coupler/case/case.hpp"
@@ -101,6 +104,17 @@ class FlowOf final : public Flow {
   const lbm::CellBox& block(int b) const override { return fluid_.blocks()[b].box(); }
   bool is_fluid(int b, Int3 x) const override { return !map_.blocks()[b].solid.test(x); }
   lbm::Moments moments(int b, Int3 x) const override { return fluid_.moments(b, x); }
+  std::optional<Fast> too_fast() const override {
+    const auto order = [](const Fast& f) { return std::tuple(-f.speed, f.cell.z, f.cell.y, f.cell.x); };
+    std::optional<Fast> first;
+    for (const auto& found : fluid_.fast_cells()) {
+      if (!is_fluid(found.block, found.cell)) continue;
+      const double speed = std::isnan(found.speed) ? std::numeric_limits<double>::infinity() : found.speed;
+      const Fast here{block(found.block).lower + found.cell, speed};
+      if (!first || order(here) < order(*first)) first = here;
+    }
+    return first;
+  }
   std::array<double, 3> velocity(const lbm::Moments& m) const override { return fluid_.velocity(m); }
   void set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) override {
     fluid_.set_equilibrium(b, x, rho, u);
@@ -115,6 +129,7 @@ class FlowOf final : public Flow {
   }
   void set_mass_correction(const MassCorrectionState& state) override {
     correction_.set_state(state);
+    fluid_.set_passes(state.steps);
     restarted_ = true;
   }
 
@@ -130,6 +145,7 @@ class FlowOf final : public Flow {
     lbm::move_populations(static_cast<const FlowOf&>(other).fluid_, fluid_);
     brought_ = other.momentum_brought();
     set_mass_correction(other.mass_correction());
+    fluid_.set_passes(static_cast<const FlowOf&>(other).fluid_.passes());
   }
   void add_work(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) const override {
     for (const BlockMap& map : map_.blocks()) add_mapped(map, bodies, costs, work);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "coupler/flow_totals.hpp"
 #include "coupler/mass_correction.hpp"
@@ -59,6 +60,13 @@ class Flow {
   virtual const lbm::CellBox& block(int b) const = 0;  // global cells
   virtual bool is_fluid(int b, lbm::Int3 local_cell) const = 0;
   virtual lbm::Moments moments(int b, lbm::Int3 local_cell) const = 0;
+  struct Fast {
+    lbm::Int3 cell;  // global
+    double speed;    // infinite for what is not a number
+  };
+  /// Returns the fastest of this rank's fluid cells that the last pass found to be faster than
+  /// lbm::highest_speed when it began; of several the first, z before y before x.
+  virtual std::optional<Fast> too_fast() const = 0;
   /// Velocity that goes with moments (half the force added).
   virtual std::array<double, 3> velocity(const lbm::Moments&) const = 0;
   virtual void set_equilibrium(int b, lbm::Int3 local_cell, double density_deviation,

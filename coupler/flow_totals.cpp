@@ -14,37 +14,49 @@ using lbm::Int3;
 
 void FlowSums::add(Int3 g, const lbm::Moments& m, const std::array<double, 3>& u) {
   constexpr double no_flow_is_so_fast = 1e3;
+  const std::int64_t index = (std::int64_t(g.z) * cells_.y + g.y) * cells_.x + g.x;
   const double speed = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
   if (!std::isfinite(m.density_deviation) || !(speed < no_flow_is_so_fast)) {
-    first_bad_ = std::min(first_bad_, (std::int64_t(g.z) * cells_.y + g.y) * cells_.x + g.x);
+    first_bad_ = std::min(first_bad_, index);
     return;
   }
   ++count_;
   sums_[0] += std::llrint(m.density_deviation / lbm::mass_quantum);
   for (int d = 0; d < 3; ++d) sums_[1 + d] += std::llrint(m.momentum[d] / lbm::mass_quantum);
-  max_speed_ = std::max(max_speed_, speed);
-  max_deficit_ = std::max(max_deficit_, -m.density_deviation);
+  speed_.see(speed, index);
+  deficit_.see(-m.density_deviation, index);
   max_excess_ = std::max(max_excess_, m.density_deviation);
 }
 
 FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   std::uint64_t count = count_;
   rigid::FixedSum sums[4] = {sums_[0], sums_[1], sums_[2], sums_[3]};
-  double most[3] = {max_speed_, max_deficit_, max_excess_};
-  std::int64_t bad = first_bad_;
+  Extreme speed = speed_, deficit = deficit_;
   sum_over_ranks(comm, std::span(&count, 1));
   sum_over_ranks(comm, sums);
-  max_over_ranks(comm, most);
-  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm);
+  speed.over_ranks(comm);
+  deficit.over_ranks(comm);
+  const auto bad = std::int64_t(least_over_ranks(comm, std::uint64_t(first_bad_)));
   FlowTotals t;
   t.fluid_cells = count;
   t.mass_deviation = double(sums[0]) * lbm::mass_quantum;
   for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[1 + d]) * lbm::mass_quantum;
-  t.max_speed = most[0], t.min_density = 1 - most[1], t.max_density = 1 + most[2];
+  t.max_speed = std::max(speed.value, 0.0), t.min_density = 1 - deficit.value;
+  t.max_density = 1 + max_over_ranks(comm, max_excess_);
   t.finite = bad == none;
-  if (!t.finite)
-    t.bad_cell = {int(bad % cells_.x), int(bad / cells_.x % cells_.y), int(bad / cells_.x / cells_.y)};
+  t.bad_cell = cell_at(bad), t.fastest_cell = cell_at(speed.cell), t.thinnest_cell = cell_at(deficit.cell);
   return t;
+}
+
+void FlowSums::Extreme::over_ranks(MPI_Comm comm) {
+  const double largest = max_over_ranks(comm, value);
+  cell = std::int64_t(least_over_ranks(comm, std::uint64_t(value == largest ? cell : none)));
+  value = largest;
+}
+
+lbm::Int3 FlowSums::cell_at(std::int64_t index) const {
+  if (index == none) return {};
+  return {int(index % cells_.x), int(index / cells_.x % cells_.y), int(index / cells_.x / cells_.y)};
 }
 
 template <class T>

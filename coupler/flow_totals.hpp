@@ -28,7 +28,8 @@ struct FlowTotals {
   std::array<double, 3> momentum{};  // sum of c g (no half force)
   double max_speed = 0, min_density = 0, max_density = 0;
   bool finite = true;  // false: some value is not a number (global cell in bad_cell)
-  std::array<int, 3> bad_cell{};
+  // global; of several the first
+  lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{};
 };
 
 /// Adds up cells. A cell is rounded once to lbm::mass_quantum (2^-40); the sums have 128 bits, where 64 would
@@ -47,12 +48,24 @@ class FlowSums {
  private:
   static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
   static constexpr double lowest = -std::numeric_limits<double>::max();
+  /// The largest of something and the first global cell, by its index, that has it.
+  struct Extreme {
+    double value;
+    std::int64_t cell = none;
+    void see(double x, std::int64_t index) {
+      if (x < value || (x == value && index >= cell)) return;
+      value = x, cell = index;
+    }
+    void over_ranks(MPI_Comm);
+  };
+  lbm::Int3 cell_at(std::int64_t index) const;
 
   lbm::Int3 cells_;
   std::uint64_t count_ = 0;
-  rigid::FixedSum sums_[4] = {};                                       // mass, momentum
-  double max_speed_ = 0, max_deficit_ = lowest, max_excess_ = lowest;  // the last two of the density
-  std::int64_t first_bad_ = none;                                      // index of a global cell
+  rigid::FixedSum sums_[4] = {};         // mass, momentum
+  Extreme speed_{-1}, deficit_{lowest};  // deficit and excess of the density
+  double max_excess_ = lowest;
+  std::int64_t first_bad_ = none;  // index of a global cell
 };
 
 /// Adds up the fluid cells of this rank.

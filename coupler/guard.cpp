@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "coupler/case/case.hpp"
+#include "coupler/exchange/reduce.hpp"
 #include "coupler/flow_totals.hpp"
-#include "rigid/bodies/body_set.hpp"
+#include "coupler/place_text.hpp"
+#include "coupler/scene.hpp"
 
 namespace silt::coupler {
 
@@ -33,83 +35,74 @@ std::string flow_remedy(const Case& scene) {
                         : "lower what drives the flow: velocities, fluid.body_force or gravity.acceleration";
 }
 
-}  // namespace
-
-void check_flow(const Case& scene, const FlowTotals& totals, std::int64_t step) {
-  const auto stop = [&](const std::string& found) {
-    throw CommonGuardStop(fmt::format("step {}: {}; {}", step, found, flow_remedy(scene)));
-  };
-  if (!totals.finite)
-    stop(fmt::format("the fluid at cell [{}, {}, {}] is not a number", totals.bad_cell[0], totals.bad_cell[1],
-                     totals.bad_cell[2]));
-  if (!(totals.max_speed <= highest_speed))
-    stop(fmt::format("the fluid's largest speed is {} cells a step{}; at most {} is possible",
-                     shown(totals.max_speed),
-                     in_case_units(scene, totals.max_speed, dimension::velocity, "m/s"), highest_speed));
-  if (!(totals.min_density > 0))
-    stop(fmt::format("the fluid's smallest density is {} of its reference; it must be above 0",
-                     shown(totals.min_density)));
-}
-
-namespace {
-
-/// Of the components of rows [begin, end): infinite or not a number as soon as one is.
-double sum_of(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
-  return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).sum();
-}
-
-struct Speeds {  // squares; the sum is not a number as soon as one is
-  double sum = 0, highest = 0;
-};
-Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t end) {
-  Speeds speeds;
-  for (std::size_t row = begin; row < end; ++row) {
-    const double square = bodies.velocity[row].squaredNorm();
-    speeds.sum += square, speeds.highest = std::max(speeds.highest, square);
-  }
-  return speeds;
-}
-
-/// No row of [begin, end) can have a reason to stop: a few instructions a body, in every step.
-bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds,
-                   double furthest) {
-  return std::isfinite(speeds.sum) && speeds.highest <= furthest * furthest &&
-         std::isfinite(sum_of(bodies.angular_velocity, begin, end)) &&
-         std::isfinite(sum_of(bodies.position, begin, end));
-}
+constexpr const char* implicit_remedy = "coupling.time = \"implicit\" (light bodies need it)";
 
 std::string speed_remedy(const Case& scene, double too_far, std::int64_t step) {
   if (scene.fluid)
-    return fmt::format("use {}a smaller {}",
-                       scene.coupling.time == TimeCoupling::explicit_
-                           ? "coupling.time = \"implicit\" (light bodies need it) or "
-                           : "",
-                       scene.units.si ? "units.time_step" : "gravity.acceleration or velocity");
+    return fmt::format(
+        "use {}a smaller {}",
+        scene.coupling.time == TimeCoupling::explicit_ ? std::string(implicit_remedy) + " or " : "",
+        scene.units.si ? "units.time_step" : "gravity.acceleration or velocity");
   if (step > 0 && rigid::resolver_model(scene.contacts.resolver).makes_energy) return contact_remedy(scene);
   return fmt::format("beyond that it may pass through others: use contacts.substeps = {:.0f}{}",
                      std::ceil(too_far * scene.contacts.substeps),
                      scene.units.si ? " or a smaller units.time_step" : "");
 }
 
-void check_rows(const Case& scene, const MotionLimits& limits, const rigid::BodySet& bodies,
-                std::size_t begin, std::size_t end, std::int64_t step, int rank) {
-  for (std::size_t row = begin; row < end; ++row) {
-    const double speed = bodies.velocity[row].norm(), limit = limits.of(bodies.shape[row]);
-    const double sum =
-        speed + bodies.angular_velocity[row].squaredNorm() + bodies.position[row].squaredNorm();
-    if (!std::isfinite(sum))
-      throw GuardStop(fmt::format("step {}: position or velocity of body {} (rank {}) is not a number; {}",
-                                  step, bodies.id[row], rank,
-                                  scene.fluid ? flow_remedy(scene) : contact_remedy(scene)));
-    if (speed > limit)
-      throw GuardStop(fmt::format(
-          "step {}: body {} (rank {}) moves {} cells in a step{}; at most {} is possible: {}", step,
-          bodies.id[row], rank, shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"),
-          shown(limit), speed_remedy(scene, speed / limit, step)));
-  }
+/// What moves the fluid at a cell: a body beside it that is about as fast, else the flow itself.
+std::string remedy_at(const Scene& scene, const Neighbours& near, double speed) {
+  const rigid::BodySet& bodies = scene.bodies;
+  if (!near.first || near.first->row >= bodies.first_wall()) return flow_remedy(scene.setup);
+  const std::size_t row = near.first->row;
+  const double body = bodies.velocity[row].norm();
+  if (body < 0.5 * std::min(speed, highest_speed)) return flow_remedy(scene.setup);
+  return fmt::format("the body moves {} cells in a step{}: {}", shown(body),
+                     in_case_units(scene.setup, body, dimension::velocity, "m/s"),
+                     speed_remedy(scene.setup, 1, 0));
+}
+
+std::string fluid_text(const Scene& scene, lbm::Int3 cell, const std::string& what, double speed) {
+  const Neighbours near = neighbours_of(scene, cell);
+  return fmt::format("the fluid at {}{}; {}", place_text(scene, cell, near), what,
+                     remedy_at(scene, near, speed));
+}
+
+std::string speed_text(const Case& scene, double speed) {
+  return fmt::format(", moves {} cells in a step{}; at most {} is possible", shown(speed),
+                     in_case_units(scene, speed, dimension::velocity, "m/s"), highest_speed);
+}
+
+/// The cell at fault and what is wrong with it, if anything is.
+struct FluidFault {
+  lbm::Int3 cell;
+  std::string what;
+};
+std::optional<FluidFault> fault_of(const Case& scene, const FlowTotals& totals) {
+  if (!totals.finite) return FluidFault{totals.bad_cell, ", is not a number"};
+  if (!(totals.max_speed <= highest_speed))
+    return FluidFault{totals.fastest_cell, speed_text(scene, totals.max_speed)};
+  if (!(totals.min_density > 0))
+    return FluidFault{
+        totals.thinnest_cell,
+        fmt::format(", has {} of its reference density; it must be above 0", shown(totals.min_density))};
+  return {};
+}
+
+bool holds(const Flow& flow, lbm::Int3 cell) {
+  for (int b = 0; b < flow.blocks(); ++b)
+    if (flow.block(b).contains(cell)) return true;
+  return false;
 }
 
 }  // namespace
+
+void check_flow(const Scene& scene, const FlowTotals& totals, std::int64_t step) {
+  const std::optional<FluidFault> fault = fault_of(scene.setup, totals);
+  if (!fault) return;
+  const std::string here =
+      holds(*scene.flow, fault->cell) ? fluid_text(scene, fault->cell, fault->what, totals.max_speed) : "";
+  throw CommonGuardStop(fmt::format("step {}: {}", step, text_of_one(scene.comm, here)));
+}
 
 std::string contact_remedy(const Case& scene) {
   if (rigid::resolver_model(scene.contacts.resolver).makes_energy)
@@ -119,18 +112,19 @@ std::string contact_remedy(const Case& scene) {
                      scene.units.si ? ", or use a smaller units.time_step" : "");
 }
 
-double check_motion(const Case& scene, const MotionLimits& limits, const rigid::BodySet& bodies,
-                    std::int64_t step, int rank) {
-  constexpr std::size_t at_once = 256;
-  double highest = 0;
-  for (std::size_t begin = 0; begin < bodies.owned; begin += at_once) {
-    const std::size_t end = std::min(begin + at_once, bodies.owned);
-    const Speeds speeds = speeds_of(bodies, begin, end);
-    if (!clearly_sound(bodies, begin, end, speeds, limits.least()))
-      check_rows(scene, limits, bodies, begin, end, step, rank);
-    highest = std::max(highest, speeds.highest);
-  }
-  return std::sqrt(highest);
+std::string too_fast_text(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
+  const std::string what =
+      std::isfinite(fast.speed) ? speed_text(scene.setup, fast.speed) : ", is not a number";
+  return fmt::format("step {}: {}", step, fluid_text(scene, fast.cell, what, fast.speed));
+}
+
+std::string motion_text(const Case& scene, rigid::BodyId id, double speed, double limit, std::int64_t step) {
+  if (!std::isfinite(speed))
+    return fmt::format("step {}: position or velocity of body {} is not a number; {}", step, id,
+                       scene.fluid ? flow_remedy(scene) : contact_remedy(scene));
+  return fmt::format("step {}: body {} moves {} cells in a step{}; at most {} is possible: {}", step, id,
+                     shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"), shown(limit),
+                     speed_remedy(scene, speed / limit, step));
 }
 
 std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step,

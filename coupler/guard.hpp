@@ -5,16 +5,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "coupler/case/motion_limits.hpp"
-
-namespace silt::rigid {
-struct BodySet;
-}
+#include "coupler/flow.hpp"
+#include "lbm/stream_collide.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
 
 struct Case;
-struct FlowTotals;
+class Scene;
 
 /// GuardStop says that a value left its allowed range. what(): step, where, value, what is allowed, which key
 /// to change.
@@ -26,20 +24,24 @@ struct CommonGuardStop : GuardStop {
   using GuardStop::GuardStop;
 };
 
-/// The fluid is looked at once in so many steps. A look reads every cell once, about the price of two steps:
-/// 2 %. An instability grows tenfold in some tens of steps, so not much time is lost before it is seen.
+/// All of the fluid is looked at once in so many steps, about the price of two. In between the dense pass
+/// finds what is too fast, in lbm::WatchedPlanes::period steps at most.
 inline constexpr std::int64_t guard_interval = 100;
-/// Above this speed (cells a step; sound: 0.58) the scheme's error is of the order of the flow itself.
-inline constexpr double highest_speed = 0.4;
+using lbm::highest_speed;
 
-/// Checks the totals, alike on every rank for the same totals. Throws CommonGuardStop.
-void check_flow(const Case&, const FlowTotals&, std::int64_t step);
+/// Judges the totals of a scene's flow. Throws CommonGuardStop: the cell, what is beside it, the cure.
+/// Collective if something is wrong.
+void check_flow(const Scene&, const FlowTotals&, std::int64_t step);
 
 /// What to change when contacts go wrong without a fluid.
 std::string contact_remedy(const Case&);
 
-/// Checks this rank's bodies and returns their largest speed; GuardStop on the ranks that own a bad one only.
-double check_motion(const Case&, const MotionLimits&, const rigid::BodySet&, std::int64_t step, int rank);
+/// Returns the text for a cell of this rank that is too fast: where it is, what is beside it, the cure.
+std::string too_fast_text(const Scene&, const Flow::Fast&, std::int64_t step);
+
+/// Returns the text for a body that would move further in a step than its limit; a speed that is not finite
+/// stands for a velocity or position that is no number.
+std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, std::int64_t step);
 
 /// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step,

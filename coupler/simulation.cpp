@@ -53,8 +53,14 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     fluid_speed_ = saved->fluid_speed;
   } else {
     initial_ = balance();
-    check_motion(setup(), motion_limits_, scene_.bodies, step_, scene_.rank);
+    faults_.hold_runaways(setup(), motion_limits_, scene_.bodies, step_);
+    settle();
   }
+  if (scene_.rigid_step)
+    scene_.rigid_step->before_drift = [this](rigid::BodySet& bodies) {
+      const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
+      counters_.body_speed = std::max(counters_.body_speed, speed);
+    };
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
 
@@ -84,8 +90,30 @@ auto Simulation::guarded(Work&& work) {
   try {
     return work();
   } catch (const ForceOutOfRange& found) {
+    if (faults_.under_way()) tell(faults_.finish());  // what made it so
     throw CommonGuardStop(overflow_text(setup(), found.what(), step_));
   }
+}
+
+/// What was found a step ago is told; what was found in this one is under way.
+void Simulation::watch() {
+  const bool fluid = scene_.flow != nullptr;
+  if (!fluid && !scene_.anything_moves) return;
+  tell(faults_.finish());
+  if (fluid)
+    if (const auto fast = scene_.flow->too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
+  if (fluid || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
+}
+
+void Simulation::tell(FaultWatch::Found found) {
+  if (found.body) throw CommonGuardStop(faults_.body_fault(scene_.comm));
+  if (found.fluid) throw CommonGuardStop(faults_.fluid_fault(scene_.comm));
+}
+
+void Simulation::settle() {
+  tell(faults_.finish());
+  faults_.start(scene_.comm);
+  tell(faults_.finish());
 }
 
 void Simulation::cut_anew(const lbm::CutTree& tree) {
@@ -128,9 +156,7 @@ void Simulation::step() {
   }
   ++step_;
   count(report);
-  if (scene_.anything_moves)
-    counters_.body_speed = std::max(counters_.body_speed,
-                                    check_motion(setup(), motion_limits_, scene_.bodies, step_, scene_.rank));
+  watch();
   check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
@@ -146,6 +172,7 @@ void Simulation::run(std::int64_t steps) {
     step();
     if (scene_.flow && step_ % guard_interval == 0) look_at_flow();
   }
+  settle();
 }
 
 void Simulation::count(const rigid::RigidStepReport& report) {
@@ -255,7 +282,7 @@ std::uint64_t Simulation::hash() const {
 FlowTotals Simulation::look_at_flow() {
   const FlowTotals totals = guarded([&] { return scene_.flow->totals(); });
   fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
-  check_flow(setup(), totals, step_);
+  check_flow(scene_, totals, step_);
   return totals;
 }
 

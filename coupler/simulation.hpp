@@ -12,8 +12,10 @@
 #include <functional>
 
 #include "coupler/body_turnover.hpp"
+#include "coupler/case/motion_limits.hpp"
 #include "coupler/energy_guard.hpp"
 #include "coupler/exchange/traffic.hpp"
+#include "coupler/fault_watch.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
@@ -54,13 +56,16 @@ class Simulation {
 
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
   /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
-  /// CommonGuardStop comes on every rank: of bodies that gain energy, and that the fluid's force on a body is
-  /// out of range, which is found in the next step or at the next look. Other GuardStops and
-  /// std::overflow_error may come on some ranks only: the others then wait for ever, so a program on several
-  /// ranks ends with MPI_Abort after saying what happened.
+  /// CommonGuardStop comes on every rank, a step after what it tells of: of bodies that gain energy, that
+  /// move too far in a step, or on which the fluid's force is out of range, and of fluid that is too fast.
+  /// GuardStop and std::overflow_error may come on some ranks only: the others then wait for ever, so a
+  /// program on several ranks ends with MPI_Abort after saying what happened.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
+  /// Waits for what the guards of all ranks have seen so far (CommonGuardStop), so that the state can be
+  /// relied on.
+  void settle();
   std::int64_t steps_done() const { return step_; }
 
   Scene& scene() { return scene_; }
@@ -107,6 +112,8 @@ class Simulation {
   SceneParts observed_parts();
   void balance_work();
   void count(const rigid::RigidStepReport&);
+  void watch();
+  void tell(FaultWatch::Found);
   template <class Work>
   auto guarded(Work&&);
   void require_movable(rigid::BodyId) const;
@@ -120,6 +127,7 @@ class Simulation {
   BodyTurnover turnover_;
   CheckUnderWay check_;
   MotionLimits motion_limits_;
+  FaultWatch faults_;
   EnergyGuard energy_;
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;

@@ -73,6 +73,10 @@ class Block {
   /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
   std::ptrdiff_t cell(int x, int y, int z) const { return x + row_ * y + plane_ * z; }
   std::ptrdiff_t cell(Int3 x) const { return cell(x.x, x.y, x.z); }
+  /// The cell (no ghost) at an offset.
+  Int3 cell_at(std::ptrdiff_t offset) const {
+    return {int(offset % plane_ % row_), int(offset % plane_ / row_), int(offset / plane_)};
+  }
   std::ptrdiff_t step(int i) const { return cell(c[i]); }
   std::ptrdiff_t row_stride() const { return row_; }
   std::ptrdiff_t plane_stride() const { return plane_; }

@@ -73,16 +73,27 @@ void Fluid<T>::set_mass_correction(double density_per_cell) {
 
 template <class T>
 void Fluid<T>::collide_shells() {
+  fast_cells_.clear();
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (const RowRange& rows : orders_[b].shell())
-      if (!idle_[b]) lbm::stream_collide(blocks_[b], parity_, *rates_, rows);
+      if (!idle_[b]) pass_over(b, rows);
   halo_.start(blocks_, flipped(parity_));
 }
 
 template <class T>
 void Fluid<T>::collide_rows(int b, RowRange rows) {
-  lbm::stream_collide(blocks_[b], parity_, *rates_, rows);
+  pass_over(b, rows);
   halo_.progress();
+}
+
+template <class T>
+void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
+  constexpr int period = WatchedPlanes::period;
+  const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
+  fast_in_pass_.clear();
+  lbm::stream_collide(blocks_[b], parity_, *rates_, rows, {(first + period) % period, fast_in_pass_});
+  for (const FastCell& fast : fast_in_pass_)
+    fast_cells_.push_back({int(b), blocks_[b].cell_at(fast.cell), fast.speed});
 }
 
 template <class T>
@@ -95,7 +106,7 @@ void Fluid<T>::stream_collide() {
     for (int z = inner.z0; z < inner.z1; z += planes)
       collide_rows(b, {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
   }
-  parity_ = flipped(parity_);
+  end_pass();
 }
 
 template <class T>

@@ -10,6 +10,7 @@
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
 #include "lbm/pass_order.hpp"
+#include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
 
@@ -55,8 +56,20 @@ class Fluid {
         collide_rows(b, orders_[b].rows_of(part));
         after_part(b, part);
       }
-    parity_ = flipped(parity_);
+    end_pass();
   }
+  /// Each plane is looked at in one pass of WatchedPlanes::period, which one is a matter of how many were
+  /// done.
+  std::int64_t passes() const { return passes_; }
+  void set_passes(std::int64_t done) { passes_ = done; }
+  /// The cells of the planes looked at that were faster than highest_speed when the last pass began, or whose
+  /// speed was not a number; solid ones too.
+  struct Fast {
+    int block;
+    Int3 cell;
+    double speed;
+  };
+  const std::vector<Fast>& fast_cells() const { return fast_cells_; }
   const PassOrder& pass_order(int b) const { return orders_[b]; }
   /// Fills or returns ghost slots and applies domain walls, for the pass just done: sends what messages are
   /// left and waits for all. Cut links of the rim come after it.
@@ -84,6 +97,8 @@ class Fluid {
  private:
   void collide_shells();
   void collide_rows(int b, RowRange);
+  void pass_over(std::size_t b, RowRange);
+  void end_pass() { parity_ = flipped(parity_), ++passes_; }
 
   Domain domain_;
   CollisionSpec spec_;
@@ -93,6 +108,9 @@ class Fluid {
   std::vector<PassOrder> orders_;  // of the blocks
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
+  std::int64_t passes_ = 0;
+  std::vector<FastCell> fast_in_pass_;  // of a range of rows
+  std::vector<Fast> fast_cells_;
   Halo<T> halo_;
 };
 

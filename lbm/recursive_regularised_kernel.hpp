@@ -22,10 +22,10 @@ template <bool ghosts>
 struct RecursiveRegularised {
   /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
   /// with both signs, so that mass and momentum are kept as sums are.
-  template <bool source, class V, class T, class SetRest, class SetPair>
+  template <bool source, class V, class T, class SetRest, class SetPair, class See>
   [[gnu::always_inline]] static void collide(const V (&sum)[pairs], const V (&difference)[pairs],
                                              const V& rest, const CollisionRates<T>& r, SetRest&& set_rest,
-                                             SetPair&& set_pair) {
+                                             SetPair&& set_pair, See&& see) {
     const V* const s = sum;
     const V* const d = difference;
     const V in_xy = s[3] + s[4], in_xz = s[5] + s[6], in_yz = s[7] + s[8];
@@ -44,6 +44,7 @@ struct RecursiveRegularised {
     const V mean = T(1. / 3) * (mxx + (myy + mzz));
     const V sxx = ux * ux, syy = uy * uy, szz = uz * uz;
     V trace = sxx + (syy + szz);
+    see(trace);
     const V third = T(1. / 3) * trace, density = rho;
     const V nxx = (mxx - mean) - (sxx - third), nyy = (myy - mean) - (syy - third);
     const V nxy = (s[3] - s[4]) - ux * uy, nxz = (s[5] - s[6]) - ux * uz, nyz = (s[7] - s[8]) - uy * uz;
@@ -124,6 +125,10 @@ struct RecursiveRegularised {
     set_pair(6, V(bxz - qxz), V(xzz - zxx));
     set_pair(7, V(byz + qyz), V(yzz + zyy));
     set_pair(8, V(byz - qyz), V(yzz - zyy));
+  }
+  template <class T>
+  static T square_scale(const CollisionRates<T>&) {
+    return 1;
   }
 
  private:

@@ -6,11 +6,14 @@
 namespace silt::lbm {
 
 template <class T>
-void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range) {
+void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    const WatchedPlanes& watched) {
   const auto kernel_of = chosen(portable::collide_rows<T>, avx2::collide_rows<T>, avx512::collide_rows<T>);
-  kernel_of(rates)(block, parity, rates, range);
+  kernel_of(rates)(block, parity, rates, range, watched);
 }
-template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange);
-template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange);
+template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange,
+                             const WatchedPlanes&);
+template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange,
+                             const WatchedPlanes&);
 
 }  // namespace silt::lbm

@@ -5,6 +5,10 @@
 // goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
 // serves the even and the odd step.
 #include "lbm/stream_collide_kernel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
 #include "lbm/isa_vector.hpp"
 #include "lbm/prefetch.hpp"
 #include "lbm/recursive_regularised_kernel.hpp"
@@ -67,11 +71,33 @@ struct Prefetch {
   }
 };
 
+/// Notes the cells that are too fast, or whose speed is not a number. Where there is none, which is as good
+/// as always, it takes a comparison and a branch.
+template <class V, class T>
+struct Watch {
+  T limit, scale;  // of the model's squares; what they are times the speeds'
+  std::vector<FastCell>& found;
+  template <class Keep>
+  [[gnu::always_inline]] void see(const V& square, std::ptrdiff_t x, const Keep& keep) {
+    const V seen = keep(square, V{});
+    if (any_lane(!(seen <= V{} + limit))) [[unlikely]]
+      note(seen, x);
+  }
+  [[gnu::noinline, gnu::cold]] void note(const V seen, std::ptrdiff_t x) {
+    for (int i = 0; i < int(sizeof(V) / sizeof(T)); ++i)
+      if (!(seen[i] <= limit)) found.push_back({x + i, std::sqrt(double(seen[i]) / double(scale))});
+  }
+};
+struct Unseen {
+  template <class V, class Keep>
+  [[gnu::always_inline]] void see(const V&, std::ptrdiff_t, const Keep&) {}
+};
+
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
 /// hold: no other lane of the vector has them.
-template <class Model, bool source, class V, class T, class Keep>
+template <class Model, bool source, class V, class T, class Keep, class Watch>
 [[gnu::always_inline]] inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
-                                           const CollisionRates<T>& r, const Keep& keep) {
+                                           const CollisionRates<T>& r, const Keep& keep, Watch& watch) {
   constexpr Prefetch prefetch;
   V sum[pairs], difference[pairs];
   for (int k = 0; k < pairs; ++k) {
@@ -91,7 +117,10 @@ template <class Model, bool source, class V, class T, class Keep>
     store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));
     store(slots.b[k] + x, keep(V(p + q), load<V>(slots.b[k] + x)));
   };
-  Model::template collide<source>(sum, difference, rest, r, set_rest, set_pair);
+  const auto see = [&](const V& square) __attribute__((always_inline)) {
+    watch.see(square, x, keep);
+  };
+  Model::template collide<source>(sum, difference, rest, r, set_rest, set_pair, see);
 }
 
 template <class T>
@@ -99,29 +128,57 @@ inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
   for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
 
-template <class Model, bool source, class T>
-void row_range(Block<T>& block, Parity parity, const CollisionRates<T> rates, RowRange range) {
+/// What all rows of a pass need, copied into each run of planes: their loop keeps it at hand.
+template <class T>
+struct Pass {
+  Block<T>& block;
+  Parity parity;
+  CollisionRates<T> rates;
+  Slots<T> slots;
+  FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
+};
+
+/// `watch` sees the cells' squares and where they are.
+template <class Model, bool source, class T, class Watch>
+[[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
   using V = typename VectorOf<T>::type;
   constexpr int width = vector_bytes / sizeof(T);
-  const int nx = block.size().x, whole = nx / width * width;
-  const Slots<T> slots(block, parity);
-  const FirstLanes<V, T> rest_of_row(nx - whole);
+  const int nx = pass.block.size().x, whole = nx / width * width;
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
-      const std::ptrdiff_t first = block.cell(0, y, z), end = first + whole;
+      const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
       for (std::ptrdiff_t x = first; x < end; x += width)
-        collide<Model, source, V>(slots, x, rates, AllLanes{});
-      if (whole < nx) collide<Model, source, V>(slots, end, rates, rest_of_row);
-      close_row(block.data() + first, block.row_ends(parity));
+        collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
+      close_row(pass.block.data() + first, pass.block.row_ends(pass.parity));
     }
 }
 
+/// Planes apart from each other: to see anything takes registers.
+template <class Model, bool source, class T>
+void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+            const WatchedPlanes& watched) {
+  using V = typename VectorOf<T>::type;
+  const Pass<T> pass{
+      block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
+  const T scale = Model::square_scale(rates);
+  Watch<V, T> watch{T(highest_speed * highest_speed) * scale, scale, watched.found};
+  Unseen unseen;
+  for (int z = range.z0; z < range.z1;) {
+    const int plane = std::min(watched.next(z), range.z1);
+    if (z < plane) row_range<Model, source>(pass, {range.y0, range.y1, z, plane}, unseen);
+    if (plane < range.z1) row_range<Model, source>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
+    z = plane + 1;
+  }
+}
+
 template <class Model, class T>
-void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range) {
+void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                const WatchedPlanes& watched) {
   if (rates.source)
-    row_range<Model, true>(block, parity, rates, range);
+    planes<Model, true>(block, parity, rates, range, watched);
   else
-    row_range<Model, false>(block, parity, rates, range);
+    planes<Model, false>(block, parity, rates, range, watched);
 }
 
 }  // namespace

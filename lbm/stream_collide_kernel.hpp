@@ -6,7 +6,7 @@
 namespace silt::lbm {
 
 template <class T>
-using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange);
+using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);
 
 /// The kernel of a collision.
 namespace portable {

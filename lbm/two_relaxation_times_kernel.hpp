@@ -9,11 +9,12 @@ namespace silt::lbm::SILT_ISA {
 struct TwoRelaxationTimes {
   /// Collides cells of which `sum` and `difference` are what arrives along and against the first direction of
   /// each pair, and `rest` what rests. Calls set_rest(what rests afterwards) and set_pair(k, p, q): p + q
-  /// leaves along the first direction of pair k, p - q against it.
-  template <bool source, class V, class T, class SetRest, class SetPair>
+  /// leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
+  /// the cells had, times square_scale).
+  template <bool source, class V, class T, class SetRest, class SetPair, class See>
   [[gnu::always_inline]] static void collide(const V (&sum)[pairs], const V (&difference)[pairs],
                                              const V& rest, const CollisionRates<T>& r, SetRest&& set_rest,
-                                             SetPair&& set_pair) {
+                                             SetPair&& set_pair, See&& see) {
     const V rho =
         ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) + (sum[8] + rest);
     const V* const d = difference;
@@ -33,7 +34,9 @@ struct TwoRelaxationTimes {
       kz += r.even_force[2];
     }
     const V xx = kx * ux, yy = ky * uy, zz = kz * uz;
-    V isotropic = r.density * rho - (xx + yy + zz);
+    const V square = xx + yy + zz;
+    see(square);
+    V isotropic = r.density * rho - square;
     if constexpr (source) isotropic += T(1. / 36) * r.mass_correction;
     V qx = r.momentum * ux, qy = r.momentum * uy, qz = r.momentum * uz;
     if constexpr (source) {
@@ -69,6 +72,11 @@ struct TwoRelaxationTimes {
     relax(6, sxz - xz, qx - qz);
     relax(7, syz + yz, qy + qz);
     relax(8, syz - yz, qy - qz);
+  }
+  /// A force adds to the squares what it does in a step.
+  template <class T>
+  static T square_scale(const CollisionRates<T>& r) {
+    return r.square;
   }
 };
 

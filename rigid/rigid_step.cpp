@@ -87,6 +87,7 @@ void RigidStep::resolve_contacts(BodySet& bodies, double dt, RigidStepReport& re
 void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   take_velocities(bodies, dt);
   if (last && forced_) clear_forces(bodies);
+  if (before_drift) before_drift(bodies);
   take_position_correction(bodies, dt);
   drift(bodies, 0.5 * dt);
 }

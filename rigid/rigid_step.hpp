@@ -1,5 +1,7 @@
 #pragma once
 // One step of the bodies: Algorithm 1 of Goetz et al., SC10.
+#include <functional>
+
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
@@ -40,6 +42,9 @@ class RigidStep {
   RigidStepReport operator()(BodySet&, double dt);
   /// Advances by a step of length 1 in `substeps` equal parts, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);
+  /// What is to be done when the velocities of a sub-step are final and no body has moved by them; may be
+  /// empty.
+  std::function<void(BodySet&)> before_drift;
   /// Returns what tells the seconds of all steps so far, on this rank.
   const RigidClock& clock() const { return clock_; }
 

@@ -87,7 +87,7 @@ std::vector<Triangle> from_text(std::string_view text) {
   words.skip_line();  // the name
   for (;;) {
     const std::string word = words.next();
-    if (word == "endsolid") return triangles;
+    if (word == "endsolid") break;
     if (word != "facet") words.fail("'facet' or 'endsolid'", word);
     words.expect("normal");
     for (int d = 0; d < 3; ++d) words.number();
@@ -99,6 +99,10 @@ std::vector<Triangle> from_text(std::string_view text) {
     }
     words.expect("endloop"), words.expect("endfacet");
   }
+  words.skip_line();
+  if (const std::string more = words.next(); !more.empty())
+    words.fail("the end of the file behind 'endsolid' (one solid a file)", more);
+  return triangles;
 }
 
 bool begins_with_solid(std::string_view bytes) {

@@ -161,6 +161,40 @@ int asserting_line(std::string_view text) {
   return line;
 }
 
+/// Goes on to the end of the string that begins at `at`, a quote; behind the text if there is none.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const std::string three(3, quote);
+  const std::string end = text.substr(at, 3) == three ? three : std::string(1, quote);
+  for (at += end.size(); at < text.size() && text.substr(at, end.size()) != end; ++at)
+    if (quote == '"' && text[at] == '\\') ++at;
+  return std::min(at + end.size(), text.size());
+}
+
+/// toml++ goes on undefined where a value such as "[0,é 0]" has a letter beyond ASCII in it, which only
+/// strings and comments may have. SyntaxError with its place.
+void require_ascii_outside_strings(std::string_view text, const std::string& file) {
+  int line = 1;
+  std::size_t line_begin = 0;
+  const auto pass = [&](std::size_t begin, std::size_t end) {
+    for (; begin < end; ++begin)
+      if (text[begin] == '\n') ++line, line_begin = begin + 1;
+    return end;
+  };
+  const std::size_t mark = text.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  for (std::size_t at = mark; at < text.size();) {
+    if (static_cast<unsigned char>(text[at]) >= 0x80)
+      throw SyntaxError({file, line, int(at - line_begin) + 1},
+                        "letters beyond ASCII may stand in strings and comments only");
+    if (text[at] == '"' || text[at] == '\'')
+      at = pass(at, end_of_string(text, at));
+    else if (text[at] == '#')
+      at = std::min(text.find('\n', at), text.size());
+    else
+      at = pass(at, at + 1);
+  }
+}
+
 void stamp(Node& node, const Place& place) {
   node.place = node.key_place = place;
   for (Node& child : node.children) stamp(child, place);
@@ -169,6 +203,7 @@ void stamp(Node& node, const Place& place) {
 }  // namespace
 
 Node parse_document(std::string_view text, const std::string& file) {
+  require_ascii_outside_strings(text, file);
   try {
     return converted(::toml::parse(text, file), file);
   } catch (const ::toml::parse_error& error) {
@@ -181,6 +216,7 @@ Node parse_document(std::string_view text, const std::string& file) {
 
 Node parse_value(std::string_view text, const Place& place) {
   try {
+    require_ascii_outside_strings(text, place.file);
     const auto table = ::toml::parse("value = " + std::string(text));
     if (table.size() != 1) throw SyntaxError(place, "more than one value");
     Node node = converted(*table.get("value"), place.file);

@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -23,6 +24,9 @@ std::ifstream opened(const fs::path& directory, const fs::path& relative) {
   if (relative.is_absolute() || std::count(relative.begin(), relative.end(), fs::path("..")))
     throw std::invalid_argument(
         "it must lie in the directory of the case, which holds all that a run needs: copy it there");
+  const std::string name = relative.string();
+  if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return std::iscntrl(c); }))
+    throw std::invalid_argument("its name has a line break or another control character in it: rename it");
   std::ifstream stream;
   std::error_code ignored;
   if (fs::is_regular_file(directory / relative, ignored))  // to open anything else could wait forever

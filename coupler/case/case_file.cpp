@@ -28,6 +28,9 @@ Node parsed(const std::string& text, const std::string& file, const std::vector<
 
 void read_sections(TableReader reader, Case& scene) {
   scene.title = reader.string("title").value_or("");
+  if (constexpr std::size_t longest = 1000; scene.title.size() > longest)  // results carry it
+    reader.fail("title",
+                fmt::format("title has {} bytes; at most {} are allowed", scene.title.size(), longest));
   read_units(reader, scene);
   read_domain(reader, scene);
   read_fluid(reader, scene);

@@ -99,6 +99,8 @@ void apply_override(Node& root, const std::string& argument) {
   const auto equals = argument.find('=');
   if (equals == argument.npos || equals == 0 || equals + 1 == argument.size())
     throw CaseError(place, "must have the form key.path=value, as in fluid.density=960");
+  if (argument.find_first_of("\n\r") != argument.npos)
+    throw CaseError(place, "must be of one line; write lists and tables without breaks");
   const std::string path = argument.substr(0, equals);
   Node value = parsed_value(argument.substr(equals + 1), place);
   const auto steps = steps_of(path);

@@ -84,6 +84,10 @@ int read_kind(TableReader& table, int shape, Case& scene) {
   const auto found = std::find(scene.kind_names.begin(), scene.kind_names.end(), name);
   const int kind = static_cast<int>(found - scene.kind_names.begin());
   if (found == scene.kind_names.end()) {
+    if (constexpr std::size_t most = 4000;
+        scene.kind_names.size() == most)  // as many as a table of bodies.h5 has
+      table.fail("name",
+                 fmt::format("there are more than {} names of bodies; give several the same one", most));
     scene.kind_names.push_back(name);
     scene.kind_shapes.push_back(shape);
   } else if (scene.kind_shapes[kind] != shape) {

@@ -41,11 +41,11 @@ void read_field_names(TableReader& fields, std::vector<Field>& quantities) {
 }
 
 void read_fields(TableReader& table, const std::array<int, 3>& cells, FieldsSpec& fields) {
+  fields.upper = cells;
   if (!table.present()) return;
   read_series(table, fields);
   read_field_names(table, fields.quantities);
   fields.double_precision = table.choice("precision", {"single", "double"}).value_or("single") == "double";
-  fields.upper = cells;
 }
 
 /// The layer of cells that has a plane in it.

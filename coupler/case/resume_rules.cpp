@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "coupler/case/case_file.hpp"
@@ -29,19 +30,42 @@ struct Line {
   std::string text;
 };
 
+/// How much deeper in lists and tables a line ends than it begins; brackets in strings and comments do not
+/// count.
+int depth_gained(const std::string& line) {
+  int depth = 0;
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote != 0) {
+      if (c == '\\' && quote == '"') ++i;
+      if (c == quote) quote = 0;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '#') {
+      break;
+    } else {
+      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+    }
+  }
+  return depth;
+}
+
 /// Returns the lines that act on the state: none of the tables that may change, no blank lines, no whole-line
 /// comments.
 std::vector<Line> lines_that_matter(const std::string& text) {
   std::vector<Line> lines;
   std::istringstream stream(text);
   bool skip = false;
-  int number = 0;
+  int number = 0, depth = 0;  // within a value of several lines
   for (std::string line; std::getline(stream, line);) {
     ++number;
     const auto first = line.find_first_not_of(" \t\r");
     if (first == line.npos || line[first] == '#') continue;
     line = line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
-    if (line[0] == '[') {
+    const bool is_header = line[0] == '[' && depth == 0;
+    depth = std::max(0, depth + depth_gained(line));
+    if (is_header) {
       const auto name = line.find_first_not_of("[ \t");
       skip = name != line.npos && may_change(line.substr(name, line.find_first_of("] \t", name) - name));
     }

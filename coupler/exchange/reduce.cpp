@@ -59,4 +59,17 @@ std::uint64_t least_over_ranks(MPI_Comm comm, std::uint64_t x) {
   return x;
 }
 
+std::string text_of_one(MPI_Comm comm, std::string text) {
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  const auto speaker = int(least_over_ranks(comm, std::uint64_t(text.empty() ? ranks : rank)));
+  if (speaker == ranks) return "";
+  std::uint64_t size = text.size();
+  MPI_Bcast(&size, 1, MPI_UINT64_T, speaker, comm);
+  text.resize(size);
+  MPI_Bcast(text.data(), int(size), MPI_CHAR, speaker, comm);
+  return text;
+}
+
 }  // namespace silt::coupler

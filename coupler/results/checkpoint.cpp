@@ -140,13 +140,13 @@ std::vector<std::string> split_lines(const std::string& text) {
 
 }  // namespace
 
-std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
-                                       const std::filesystem::path& folder,
-                                       const adapters::Provenance& provenance,
-                                       const std::optional<SteadyWatch>& steady) {
+namespace {
+
+std::filesystem::path write_state(const Simulation& simulation, const Quantities& quantities,
+                                  const std::filesystem::path& path, const adapters::Provenance& provenance,
+                                  const std::optional<SteadyWatch>& steady) {
   const Case& scene = simulation.setup();
   const Flow* flow = simulation.scene().flow.get();
-  const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
   const RunCounters counters = simulation.counters();
   const auto history = quantities.history(simulation);
 
@@ -178,6 +178,24 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   write_bodies(writer, simulation.bodies());
   writer.commit(scene.output.keep_checkpoints);
   return path;
+}
+
+}  // namespace
+
+std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
+                                       const std::filesystem::path& folder,
+                                       const adapters::Provenance& provenance,
+                                       const std::optional<SteadyWatch>& steady) {
+  const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
+  return write_state(simulation, quantities, path, provenance, steady);
+}
+
+std::filesystem::path write_stopped_state(const Simulation& simulation, const Quantities& quantities,
+                                          const std::filesystem::path& folder,
+                                          const adapters::Provenance& provenance,
+                                          const std::optional<SteadyWatch>& steady) {
+  const auto path = folder / fmt::format("stopped_{:012}.h5", simulation.steps_done());
+  return write_state(simulation, quantities, path, provenance, steady);
 }
 
 CaseOrigin read_origin(const CheckpointReader& reader) {

@@ -17,6 +17,13 @@ std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
                                        const std::filesystem::path& folder, const adapters::Provenance&,
                                        const std::optional<SteadyWatch>& = {});
 
+/// Collective. Writes FOLDER/stopped_STEP.h5, the state in which a guard has stopped a run: a checkpoint that
+/// no run goes on from unless told to (silt resume --checkpoint), and that does not count among those kept.
+/// Returns its path. Errors as above.
+std::filesystem::path write_stopped_state(const Simulation&, const Quantities&,
+                                          const std::filesystem::path& folder, const adapters::Provenance&,
+                                          const std::optional<SteadyWatch>& = {});
+
 /// Returns what the checkpoint remembers of its case, for case_to_resume.
 CaseOrigin read_origin(const adapters::CheckpointReader&);
 

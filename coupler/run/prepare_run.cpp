@@ -88,11 +88,26 @@ ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
   return ready;
 }
 
+/// Collective. Opens the first checkpoint that can be; notes those passed over. If there is none, throws what
+/// is wrong with the first.
+std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
+    const std::vector<adapters::CheckpointName>& there, MPI_Comm comm, std::string& note) {
+  std::exception_ptr first;
+  for (const adapters::CheckpointName& checkpoint : there) try {
+      return std::make_unique<adapters::CheckpointReader>(comm, checkpoint.path);
+    } catch (const std::runtime_error& error) {  // on every rank
+      if (!first) first = std::current_exception();
+      note += fmt::format("{}passed over: {}", note.empty() ? "" : "\n", error.what());
+    }
+  std::rethrow_exception(first);
+}
+
 }  // namespace
 
 std::string examine_case(const RunOptions& options) {
   const Case scene = read_case(options.directory, options.overrides);
   const auto warnings = require_runnable(scene);
+  make_domain(scene, ranks_of(MPI_COMM_WORLD));  // throws if it cannot be cut for them
   const lbm::Domain domain = make_domain(scene, 1);
   require_sound_start(scene, domain, MPI_COMM_SELF);
   place_bodies(scene, domain, MPI_COMM_SELF);
@@ -123,14 +138,15 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
 }
 
 PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
-  const auto there = adapters::list_checkpoints(folder);
+  auto there = adapters::list_checkpoints(folder);
   if (there.empty() && !options.checkpoint)
     throw std::runtime_error(
         fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
                     folder.string(), options.directory.string()));
   ReadyFolder ready = folder_on_rank_0(comm, [&] { return return_to_result_folder(folder); });
-  const adapters::CheckpointReader reader(
-      comm, options.checkpoint.value_or(there.empty() ? fs::path() : there.front().path));
+  if (options.checkpoint) there = {{0, *options.checkpoint}};
+  const auto first_sound = first_sound_checkpoint(there, comm, ready.note);
+  const adapters::CheckpointReader& reader = *first_sound;
   PreparedRun prepared;
   const auto scene = read_once(options.directory, comm, [&](CaseSource& source) {
     return case_to_resume(read_origin(reader), source, options.overrides);

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <optional>
 
@@ -30,6 +32,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// As a shell has to be given it.
+std::string quoted(const std::string& argument) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("/._-+=:,@%", c); };
+  const std::string path = argument.starts_with('-') ? "./" + argument : argument;
+  if (!path.empty() && std::all_of(path.begin(), path.end(), plain)) return path;
+  std::string text = "'";
+  for (const char c : path) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 class Run {
  public:
   Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed);
@@ -50,6 +62,7 @@ class Run {
   void write_report(const std::string& reason, const std::string& text, bool sound);
   Exit end(Exit, const std::string& reason, const std::string& text);
   [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
+  std::string stopped_state_text();
   std::string last_checkpoint_text() const;
 
   PreparedRun prepared_;
@@ -76,7 +89,8 @@ Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool 
       comm_(simulation_.scene().comm),
       folder_(std::move(folder)),
       resumed_(resumed),
-      resume_with_(options.directory.string() + (options.out ? " --out " + options.out->string() : "")),
+      resume_with_(quoted(options.directory.string()) +
+                   (options.out ? " --out " + quoted(options.out->string()) : "")),
       first_step_(simulation_.steps_done()),
       provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
       stop_request_(comm_, options.time_limit) {}
@@ -106,7 +120,7 @@ Exit Run::go() {
     }
     return end(Exit::done, is_steady() ? "steady" : "completed", "");
   } catch (const GuardStop& stop) {  // every rank
-    return end(Exit::guard, "guard", stop.what() + last_checkpoint_text());
+    return end(Exit::guard, "guard", stop.what() + stopped_state_text() + last_checkpoint_text());
   } catch (const std::exception& error) {  // every rank: outputs fail together
     return end(Exit::failed, "error", error.what() + last_checkpoint_text());
   }
@@ -175,6 +189,7 @@ void Run::write_outputs() {
   const bool bodies = body_output_ && due(output.bodies);
   const bool save = due(output.checkpoint), report = due(output.report);
   const std::int64_t step = simulation_.steps_done();
+  if (ended() || fields || bodies || save || report) simulation_.settle();
   if (simulation_.scene().flow &&
       (step % guard_interval == 0 || ended() || fields || bodies || save || report))
     simulation_.look_at_flow();
@@ -187,9 +202,22 @@ void Run::write_outputs() {
 }
 
 void Run::checkpoint() {
+  simulation_.settle();
   last_checkpoint_ =
       write_checkpoint(simulation_, quantities_, folder_, provenance_, prepared_.steady).string();
   progress_->log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
+}
+
+/// Collective: leaves the state that a guard stopped at, for a look at it.
+std::string Run::stopped_state_text() {
+  try {
+    const auto path = write_stopped_state(simulation_, quantities_, folder_, provenance_, prepared_.steady);
+    if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
+    if (body_output_) body_output_->append(simulation_);
+    return fmt::format("\nthe state it stopped in: {}", path.string());
+  } catch (const std::exception& error) {  // on every rank
+    return fmt::format("\nthe state it stopped in could not be written: {}", error.what());
+  }
 }
 
 std::string Run::last_checkpoint_text() const {

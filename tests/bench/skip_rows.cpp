@@ -64,11 +64,12 @@ struct Passes {
     guard();
   }
   /// Every scene whose bodies move asks whether they do so within bounds.
-  void guard() { coupler::check_motion(scene.setup, limits, scene.bodies, 1, 0); }
+  void guard() { faults.hold_runaways(scene.setup, limits, scene.bodies, 1); }
   Simulation simulation;
   coupler::Scene& scene = simulation.scene();
   coupler::StepClock clock;
   const coupler::MotionLimits limits{scene.setup};
+  coupler::FaultWatch faults;
   const coupler::BodyChanges no_changes;
 };
 

@@ -35,7 +35,7 @@ TEST(FlowTotals, NameTheFirstCellThatIsNotANumber) {
   sums.add({0, 0, 0}, good, {0, 0, 0});
   const FlowTotals totals = sums.over_ranks(MPI_COMM_SELF);
   EXPECT_FALSE(totals.finite);
-  EXPECT_EQ(totals.bad_cell, (std::array<int, 3>{3, 1, 3}));
+  EXPECT_EQ(totals.bad_cell, (lbm::Int3{3, 1, 3}));
   EXPECT_EQ(totals.fluid_cells, 1u);
 }
 

@@ -130,7 +130,8 @@ void expect_definition(const CollisionSpec& spec, double added = 0) {
     Populations before;
     for (int i = 0; i < directions; ++i)
       block.data()[block.arriving(i, parity) + block.cell(x)] = before[i] = uniform(random);
-    stream_collide(block, parity, rates, {0, size.y, 0, size.z});
+    std::vector<FastCell> fast;
+    stream_collide(block, parity, rates, {0, size.y, 0, size.z}, {0, fast});
     const Populations expected = regularised(before, spec, added);
     for (int i = 0; i < directions; ++i)
       EXPECT_NEAR(block.data()[block.leaving(i, flipped(parity)) + block.cell(x)], expected[i], same) << i;
@@ -172,7 +173,8 @@ TEST(Regularised, KeepsMassAndMomentumToRounding) {
   };
   for_populations([&](int i) { return block.arriving(i, Parity::settled); }, before,
                   [&](float& g) { g = uniform(random); });
-  stream_collide(block, Parity::settled, rates, {0, size.y, 0, size.z});
+  std::vector<FastCell> fast;
+  stream_collide(block, Parity::settled, rates, {0, size.y, 0, size.z}, {0, fast});
   for_populations([&](int i) { return block.leaving(i, Parity::crossed); }, after, [](float&) {});
   // a tenth of a population's rounding a cell: what a bias would leave, and chance does not
   const double bias = 0.1 * 0x1p-31 * double(size.x) * size.y * size.z;

@@ -3,12 +3,13 @@
 that are none, long paths. run_faults.py SILT [TEST]"""
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import time
 import unittest
 
-from silt_test import CASE, ENVIRONMENT, SiltTest
+from silt_test import CASE, ENVIRONMENT, SILT, SiltTest
 
 ENDLESS = CASE.replace("steps = 60", "steps = 100000000").replace("fields = { every = 20 }\n", "").replace(
     "every = 25, keep = 3", "every = 250, keep = 3")
@@ -55,13 +56,14 @@ class Faults(SiltTest):
         (self.out / "bodies.h5.journal.part").write_text("of a killed run")
         (self.out / "checkpoint_000000000009.h5.part.metadata.0").write_text("of its MPI")
         errors = self.silt("resume", self.case, "--set", "run.steps=60", ranks=4, code=3).stderr
-        self.assertRegex(errors, r"step \d+: body [12] \(rank \d\) moves")
+        self.assertRegex(errors, r"step \d+: the fluid at cell .* from body [12], moves")
         self.assertEqual(self.report()["exit_reason"], "guard")
         self.assertFalse(list(self.out.glob("*.part*")))
 
     def test_signals_leave_a_checkpoint(self):
         self.write(ENDLESS)
         for name in ("HUP", "INT", "USR1", "USR2", "XCPU"):
+            shutil.rmtree(self.out, ignore_errors=True)
             process = self.start("run", self.case, "--overwrite")
             self.wait_for(self.out / "checkpoint_000000000250.h5", process)
             process.send_signal(getattr(signal, f"SIG{name}"))
@@ -128,6 +130,80 @@ class Faults(SiltTest):
         for option in ("--time-limit", "--steps"):
             self.assertIn("nan is not a number above 0", self.silt("run", self.case, option, "nan", code=2).stderr)
         self.silt("run", self.case, "--steps", "99999999999999999999", code=2)
+
+    def test_what_cannot_be_cut_is_told_by_check_too(self):
+        self.write(CASE.replace("blocks = [6, 8, 16]", "blocks = [24, 16, 16]"))
+        self.silt("check", self.case)
+        found = self.silt("run", self.case, ranks=3, code=2).stderr
+        self.assertIn(found.strip().splitlines()[0], self.silt("check", self.case, ranks=3, code=2).stderr)
+
+    def test_a_value_that_toml_cannot_read(self):
+        self.write(CASE.replace("size = [24, 16, 16]", "size = [24,é 16, 16]"))
+        self.assertRegex(self.silt("check", self.case, code=2).stderr, r"case\.toml:\d+.*: this is not TOML")
+
+    def test_line_breaks_in_names_and_values(self):
+        errors = self.silt("run", self.case, "--set", "domain.size=[24,\n16, 16]", code=2).stderr
+        self.assertIn("must be of one line", errors)
+        self.write(CASE.replace('type = "sphere"\nradius = 2.5', 'type = "polyhedron"\nfile = "a\\nb.stl"'))
+        (self.case / "a\nb.stl").write_text("solid\nendsolid\n")
+        self.assertIn("rename it", self.silt("check", self.case, code=2).stderr)
+
+    def test_a_value_of_several_lines_may_change_where_values_may(self):
+        quantity = '[[quantities]]\nname = "density"\ntype = "packing-fraction"\nbox = [\n  [0, 0, 0],\n  [%d, 8, 8]\n]\n'
+        self.write(CASE + quantity % 8)
+        self.silt("run", self.case, "--steps", 25)
+        self.write(CASE + quantity % 9)
+        self.silt("resume", self.case, "--set", "run.steps=30")
+        self.write((CASE + quantity % 8).replace("blocks = [6, 8, 16]", "blocks = [\n6,\n8, 8]"))
+        self.assertIn("has changed", self.silt("resume", self.case, "--set", "run.steps=35", code=2).stderr)
+
+    def test_what_to_go_on_with_can_be_pasted(self):
+        strange = pathlib.Path(self.scratch.name) / "a b$(touch touched)'c"
+        self.case.rename(strange)
+        self.case, self.out = strange, strange / "out"
+        self.write(ENDLESS)
+        errors = self.silt("run", self.case, "--time-limit", 0.1, code=4).stderr
+        command = errors.split("go on with: silt ")[1].strip()
+        subprocess.run(f"{SILT} {command} --time-limit 0.1", shell=True, cwd=self.scratch.name, env=ENVIRONMENT, timeout=60,
+                       capture_output=True)
+        self.assertGreater(self.report()["steps"], int(errors.split("at step ")[1].split(";")[0]))
+        self.assertFalse((pathlib.Path(self.scratch.name) / "touched").exists())
+
+    def test_names_too_long_or_too_many_are_refused(self):
+        self.write(CASE.replace("two balls", "b" * 70000))
+        self.assertIn("title has 70000 bytes", self.silt("check", self.case, code=2).stderr)
+        many = "".join(f'[[fill]]\nname = "f{i}"\nshape = "ball"\ndensity = 1\ncount = 0\n' for i in range(5000))
+        self.write(CASE.replace("[run]", many + "[run]"))
+        self.assertIn("more than 4000 names", self.silt("check", self.case, code=2).stderr)
+
+    def test_a_damaged_checkpoint_is_passed_over(self):
+        self.silt("run", self.case)
+        newest, before = (self.out / f"checkpoint_{step:012d}.h5" for step in (60, 50))
+        reference = self.report()["state_hash"]
+        for ranks in (1, 2):
+            content = bytearray(newest.read_bytes())
+            content[len(content) // 2] ^= 1
+            newest.write_bytes(content)
+            said = self.silt("resume", self.case, ranks=ranks).stdout
+            self.assertIn(f"passed over: cannot use the checkpoint {newest}", said)
+            self.assertIn("goes on from step 50", said)
+            self.assertEqual(self.report()["state_hash"], reference)
+        newest.write_bytes(b"no checkpoint")
+        self.assertIn(str(before), self.silt("resume", self.case, "--checkpoint", newest, code=2).stderr)
+
+    def test_a_guard_leaves_what_it_stopped_at(self):
+        self.write(CASE.replace("-1e-4", "-1"))
+        for ranks in (1, 3):
+            errors = self.silt("run", self.case, "--overwrite", "--set", "run.steps=400", ranks=ranks, code=3).stderr
+            state, = self.out.glob("stopped_*.h5")
+            self.assertIn(f"the state it stopped in: {state}", errors)
+            step = self.report()["steps"]
+            self.assertEqual(state.name, f"stopped_{step:012d}.h5")
+            self.silt("info", state)
+            fields = self.out / f"fields_{step:012d}.hdf"
+            self.assertIn("velocity", self.silt("info", fields).stdout)
+            self.assertNotIn(str(state), self.silt("resume", self.case, "--set", "run.steps=400", ranks=ranks, code=None).stdout)
+            self.silt("resume", self.case, "--checkpoint", state, "--set", f"run.steps={step + 1}", code=None)
 
     def test_long_paths(self):
         out = pathlib.Path(self.scratch.name, *3 * ["a" * 100])

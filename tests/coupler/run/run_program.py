@@ -137,17 +137,17 @@ class Program(SiltTest):
                    "body_force = [1e-2, 2e-2, 0]").split("[output]")[0].replace("steps = 60", "steps = 1000"))
         for ranks in (1, 4):
             errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
-            self.assertEqual(errors.count("step 100: "), 1, errors)
+            self.assertEqual(errors.count(": the fluid at cell ["), 1, errors)
             self.assertIn("raise fluid.relaxation_time", errors)
             self.assertIn("no checkpoint has been written", errors)
             self.assertEqual(self.report()["exit_reason"], "guard")
 
     def test_guard_of_a_body_on_one_rank(self):
-        """Only its owner notices; all ranks end, with one text."""
+        """Only the ranks around it notice; all ranks end, with one text."""
         self.write(CASE.replace("-1e-4", "-1").split("[output]")[0])
         for ranks in (1, 4):
             errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
-            self.assertRegex(errors, r"step \d+: body [12] \(rank \d\) moves")
+            self.assertRegex(errors, r"step \d+: the fluid at cell .* from body [12], moves")
             self.assertEqual(self.report()["exit_reason"], "guard")
 
     def test_bad_case_and_usage(self):
@@ -182,7 +182,7 @@ class Program(SiltTest):
         data = bytearray(last.read_bytes())
         data[len(data) // 2] ^= 0xFF
         last.write_bytes(data)
-        errors = self.silt("resume", self.case, "--steps", 80, ranks=2, code=2).stderr
+        errors = self.silt("resume", self.case, "--steps", 80, "--checkpoint", last, ranks=2, code=2).stderr
         self.assertIn("checkpoint_000000000050.h5", errors)
         self.silt("resume", self.case, "--steps", 80, "--checkpoint", self.out / "checkpoint_000000000050.h5")
         self.assertEqual(self.report()["resumed_at"], 50)

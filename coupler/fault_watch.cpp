@@ -1,0 +1,119 @@
+#include "coupler/fault_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/motion_limits.hpp"
+#include "coupler/exchange/reduce.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/scene.hpp"
+
+namespace silt::coupler {
+
+using rigid::BodySet;
+using rigid::Vec3;
+
+namespace {
+
+/// Of the components of rows [begin, end): infinite or not a number as soon as one is.
+double sum_of(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
+  return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).sum();
+}
+
+struct Speeds {  // squares; the sum is not a number as soon as one is
+  double sum = 0, highest = 0;
+};
+Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t end) {
+  Speeds speeds;
+  for (std::size_t row = begin; row < end; ++row) {
+    const double square = bodies.velocity[row].squaredNorm();
+    speeds.sum += square, speeds.highest = std::max(speeds.highest, square);
+  }
+  return speeds;
+}
+
+/// No row of [begin, end) can have a reason to stop: a few instructions a body, in every step.
+bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds,
+                   double furthest) {
+  return std::isfinite(speeds.sum) && speeds.highest <= furthest * furthest &&
+         std::isfinite(sum_of(bodies.angular_velocity, begin, end)) &&
+         std::isfinite(sum_of(bodies.position, begin, end));
+}
+
+/// A number as soon as velocity and position are, and no more than the speed; else not finite.
+double speed_or_nan(const BodySet& bodies, std::size_t row) {
+  const double rest = bodies.angular_velocity[row].squaredNorm() + bodies.position[row].squaredNorm();
+  return std::isfinite(rest) ? bodies.velocity[row].norm() : std::numeric_limits<double>::quiet_NaN();
+}
+
+void put_to_rest(BodySet& bodies, std::size_t row) {
+  bodies.set_velocity(row, Vec3::Zero(), Vec3::Zero());
+}
+
+}  // namespace
+
+double FaultWatch::hold_runaways(const Case& scene, const MotionLimits& limits, BodySet& bodies,
+                                 std::int64_t step) {
+  constexpr std::size_t at_once = 256;
+  double highest = 0;
+  for (std::size_t begin = 0; begin < bodies.owned; begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, bodies.owned);
+    Speeds speeds = speeds_of(bodies, begin, end);
+    if (!clearly_sound(bodies, begin, end, speeds, limits.least())) {
+      hold_rows(scene, limits, bodies, begin, end, step);
+      speeds = speeds_of(bodies, begin, end);
+    }
+    highest = std::max(highest, speeds.highest);
+  }
+  ++moment_;
+  return std::sqrt(highest);
+}
+
+void FaultWatch::hold_rows(const Case& scene, const MotionLimits& limits, BodySet& bodies, std::size_t begin,
+                           std::size_t end, std::int64_t step) {
+  for (std::size_t row = begin; row < end; ++row) {
+    const double speed = speed_or_nan(bodies, row), limit = limits.of(bodies.shape[row]);
+    if (speed <= limit) continue;
+    const rigid::BodyId id = bodies.id[row];
+    if (!body_ || (body_->moment == moment_ && id < body_->id))
+      body_ = BodyFault{moment_, id, motion_text(scene, id, speed, limit, step)};
+    put_to_rest(bodies, row);
+  }
+}
+
+void FaultWatch::see_fluid(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
+  if (fluid_) return;
+  const auto& [x, y, z] = fast.cell;
+  const auto& n = scene.setup.cells;
+  fluid_ = FluidFault{fast.speed, (std::uint64_t(z) * n[1] + y) * n[0] + x, too_fast_text(scene, fast, step)};
+}
+
+void FaultWatch::start(MPI_Comm comm) {
+  sums_.start(comm, {fluid_.has_value(), body_.has_value()});
+}
+
+FaultWatch::Found FaultWatch::finish() {
+  if (!sums_.under_way()) return {};
+  const std::vector<std::int64_t>& all = sums_.finish();
+  return {all[0] > 0, all[1] > 0};
+}
+
+std::string FaultWatch::body_fault(MPI_Comm comm) const {
+  constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t moment = least_over_ranks(comm, body_ ? body_->moment : none);
+  const bool mine = body_ && body_->moment == moment;
+  const std::uint64_t id = least_over_ranks(comm, mine ? std::uint64_t(body_->id) : none);
+  return text_of_one(comm, mine && body_->id == id ? body_->text : "");
+}
+
+std::string FaultWatch::fluid_fault(MPI_Comm comm) const {
+  const double speed = max_over_ranks(comm, fluid_ ? fluid_->speed : -1);
+  const bool mine = fluid_ && fluid_->speed == speed;
+  const std::uint64_t cell =
+      least_over_ranks(comm, mine ? fluid_->cell : std::numeric_limits<std::uint64_t>::max());
+  return text_of_one(comm, mine && fluid_->cell == cell ? fluid_->text : "");
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,16 @@
+// The reader of cases, and what judges them: anything but CaseError is a fault.
+#include <cstdint>
+#include <string>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace silt::coupler;
+  try {
+    require_runnable(read_case_text({reinterpret_cast<const char*>(bytes), size}, "seeds/case.toml", {}));
+  } catch (const CaseError&) {
+  }
+  return 0;
+}
