@@ -65,7 +65,7 @@ class Flow {
     double speed;    // infinite for what is not a number
   };
   /// Returns the fastest of this rank's fluid cells that the last pass found to be faster than
-  /// lbm::highest_speed when it began; of several the first, z before y before x.
+  /// lbm::speed_of_sound when it began; of several the first, z before y before x.
   virtual std::optional<Fast> too_fast() const = 0;
   /// Velocity that goes with moments (half the force added).
   virtual std::array<double, 3> velocity(const lbm::Moments&) const = 0;

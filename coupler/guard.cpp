@@ -67,9 +67,9 @@ std::string fluid_text(const Scene& scene, lbm::Int3 cell, const std::string& wh
                      remedy_at(scene, near, speed));
 }
 
-std::string speed_text(const Case& scene, double speed) {
+std::string speed_text(const Case& scene, double speed, double limit) {
   return fmt::format(", moves {} cells in a step{}; at most {} is possible", shown(speed),
-                     in_case_units(scene, speed, dimension::velocity, "m/s"), highest_speed);
+                     in_case_units(scene, speed, dimension::velocity, "m/s"), shown(limit));
 }
 
 /// The cell at fault and what is wrong with it, if anything is.
@@ -80,7 +80,7 @@ struct FluidFault {
 std::optional<FluidFault> fault_of(const Case& scene, const FlowTotals& totals) {
   if (!totals.finite) return FluidFault{totals.bad_cell, ", is not a number"};
   if (!(totals.max_speed <= highest_speed))
-    return FluidFault{totals.fastest_cell, speed_text(scene, totals.max_speed)};
+    return FluidFault{totals.fastest_cell, speed_text(scene, totals.max_speed, highest_speed)};
   if (!(totals.min_density > 0))
     return FluidFault{
         totals.thinnest_cell,
@@ -114,7 +114,7 @@ std::string contact_remedy(const Case& scene) {
 
 std::string too_fast_text(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
   const std::string what =
-      std::isfinite(fast.speed) ? speed_text(scene.setup, fast.speed) : ", is not a number";
+      std::isfinite(fast.speed) ? speed_text(scene.setup, fast.speed, lbm::speed_of_sound) : ", is not a number";
   return fmt::format("step {}: {}", step, fluid_text(scene, fast.cell, what, fast.speed));
 }
 

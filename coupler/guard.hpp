@@ -27,7 +27,8 @@ struct CommonGuardStop : GuardStop {
 /// All of the fluid is looked at once in so many steps, about the price of two. In between the dense pass
 /// finds what is too fast, in lbm::WatchedPlanes::period steps at most.
 inline constexpr std::int64_t guard_interval = 100;
-using lbm::highest_speed;
+/// Above this speed (cells a step) the scheme's error is of the order of the flow itself: what a look finds.
+inline constexpr double highest_speed = 0.4;
 
 /// Judges the totals of a scene's flow. Throws CommonGuardStop: the cell, what is beside it, the cure.
 /// Collective if something is wrong.

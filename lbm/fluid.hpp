@@ -62,7 +62,7 @@ class Fluid {
   /// done.
   std::int64_t passes() const { return passes_; }
   void set_passes(std::int64_t done) { passes_ = done; }
-  /// The cells of the planes looked at that were faster than highest_speed when the last pass began, or whose
+  /// The cells of the planes looked at that were faster than sound when the last pass began, or whose
   /// speed was not a number; solid ones too.
   struct Fast {
     int block;

@@ -10,8 +10,10 @@ namespace silt::lbm {
 template <class T>
 struct CollisionRates;
 
-/// Above this speed (cells a step; sound: 0.58) the scheme's error is of the order of the flow itself.
-inline constexpr double highest_speed = 0.4;
+/// The speed of sound, 1/sqrt(3) cells a step: what is faster is no flow of this lattice, but on its way to not a
+/// number. (At 0.4 the scheme's error is of the order of the flow itself; a cell beside a gap may be that fast
+/// for a while and come back.)
+inline constexpr double speed_of_sound = 0.57735026918962576;
 
 /// A cell that was faster when a pass began, by its offset (Block::cell), and its speed. A force adds to it
 /// what it does in a step.

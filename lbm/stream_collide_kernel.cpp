@@ -162,7 +162,7 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
   const Pass<T> pass{
       block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
   const T scale = Model::square_scale(rates);
-  Watch<V, T> watch{T(highest_speed * highest_speed) * scale, scale, watched.found};
+  Watch<V, T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, watched.found};
   Unseen unseen;
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);
