@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "coupler/mapping/mesh_kernels.hpp"
+#include "coupler/mapping/mesh_lines.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler::SILT_ISA {
@@ -49,63 +49,99 @@ struct RoughTriangles {
       lane[l] &= int(high + (above + margin)) > int(low + (above - margin)) ? -1 : 0;
     }
   }
-  /// Bit l: whether lane l may meet one of the lines.
-  unsigned near(const Lines& lines) const {
+  /// Sets a bit of every lane that may meet one of the lines.
+  void find_near(const Lines& lines, int bit, int* found) const {
     int lane[lanes];
     std::fill_n(lane, lanes, -1);
     drop_between(lines.a, float(lines.c_a), lines.axis, lane);
     drop_between(lines.b, float(lines.c_b), lines.axis, lane);
-    unsigned bits = 0;
-    for (int l = 0; l < lanes; ++l) bits |= unsigned(lane[l] & 1) << l;
-    return bits;
+    for (int l = 0; l < lanes; ++l) found[l] |= lane[l] & bit;
   }
 };
 
-/// The lines along one of a half of the directions, and which of them pass cells of a box.
-struct LinesInBox {
-  Lines lines;
-  Range us, vs, ws;
+/// One of a half of the directions, known where code is made.
+template <int number>
+struct Direction {
+  static constexpr Lines lines = Lines(2 * number + 1);
+};
+constexpr int half_directions = (lbm::directions - 1) / 2;
 
-  LinesInBox(int direction, Int3 low, Int3 high) : lines(direction) {
+/// Calls use(Direction<number>()).
+template <class Use>
+void with_direction(int number, Use&& use) {
+  static_assert(half_directions == 9);
+  switch (number) {
+    case 0:
+      return use(Direction<0>());
+    case 1:
+      return use(Direction<1>());
+    case 2:
+      return use(Direction<2>());
+    case 3:
+      return use(Direction<3>());
+    case 4:
+      return use(Direction<4>());
+    case 5:
+      return use(Direction<5>());
+    case 6:
+      return use(Direction<6>());
+    case 7:
+      return use(Direction<7>());
+    case 8:
+      return use(Direction<8>());
+  }
+}
+
+/// The lines along a direction that pass cells of a box.
+struct LinesInBox {
+  Range us, vs;
+
+  LinesInBox(const Lines& lines, Int3 low, Int3 high) {
     const auto range = [&](int d, int slope) {
       const int first = slope * low[lines.axis], last = slope * high[lines.axis];
       return Range{low[d] - std::max(first, last), high[d] - std::min(first, last)};
     };
     us = range(lines.a, lines.c_a), vs = range(lines.b, lines.c_b);
-    ws = {low[lines.axis], high[lines.axis]};
   }
 };
 
-/// Calls visit(lines, u, v, w) for all crossings of the triangles with lines that pass cells of a box, along
-/// `directions` of the half.
+/// Calls visit(direction, u, v, w) for all crossings of the triangles with lines that pass cells of a box,
+/// along the first `directions` of the half.
 template <Touching touching, class Visit>
-void for_crossings(const TriangleView& view, int directions, Int3 low, Int3 high, Visit&& visit) {
-  const auto lines = [&](int k) { return LinesInBox(2 * k + 1, low, high); };
-  const LinesInBox all[] = {lines(0), lines(1), lines(2), lines(3), lines(4),
-                            lines(5), lines(6), lines(7), lines(8)};
+void for_crossings(const TriangleView& view, int directions, Int3 low, Int3 high, const Visit& visit) {
+  const auto in_box = [&](int k) { return LinesInBox(Lines(2 * k + 1), low, high); };
+  const LinesInBox boxes[] = {in_box(0), in_box(1), in_box(2), in_box(3), in_box(4),
+                              in_box(5), in_box(6), in_box(7), in_box(8)};
   float above[3];
   for (int d = 0; d < 3; ++d) above[d] = float(view.base[d] - low[d]);
   for (std::size_t first = 0; first < view.count; first += lanes) {
     const int n = int(std::min<std::size_t>(lanes, view.count - first));
     const RoughTriangles rough(view, first, n, above);
-    for (int k = 0; k < directions; ++k) {
-      const LinesInBox& box = all[k];
-      for (unsigned left = rough.near(box.lines) & ((1u << n) - 1); left != 0; left &= left - 1) {
-        const auto& t = view.triangles[view.wanted[first + std::size_t(std::countr_zero(left))]];
-        const SeenTriangle seen(view.corner[t[0]], view.corner[t[1]], view.corner[t[2]], box.lines);
-        const Range u = box.us.within(seen.u_range()), v = box.vs.within(seen.v_range());
-        if (u.empty() || v.empty()) continue;
-        seen.meet<touching>(
-            u, v, [&](std::int64_t at_u, std::int64_t at_v, std::int64_t w) { visit(box, at_u, at_v, w); });
+    int found[lanes] = {};
+    for (int k = 0; k < directions; ++k)
+      with_direction(k, [&](auto direction) { rough.find_near(direction.lines, 1 << k, found); });
+    for (int l = 0; l < n; ++l)
+      for (unsigned left = unsigned(found[l]); left != 0; left &= left - 1) {
+        const int k = std::countr_zero(left);
+        const auto& t = view.triangles[view.wanted[first + std::size_t(l)]];
+        with_direction(k, [&](auto direction) {
+          const SeenTriangle seen(view.corner[t[0]], view.corner[t[1]], view.corner[t[2]], direction.lines);
+          const Range u = boxes[k].us.within(seen.u_range());
+          if (u.empty()) return;
+          const Range v = boxes[k].vs.within(seen.v_range());
+          if (v.empty()) return;
+          seen.template meet<touching>(u, v, [&](std::int64_t at_u, std::int64_t at_v, std::int64_t w) {
+            visit(direction, at_u, at_v, w);
+          });
+        });
       }
-    }
   }
 }
 
 void mark_changes(const TriangleView& view, const BitFrame& frame, Int3 low, std::uint64_t* words) {
   const Int3 first = low + Int3{2, 2, 2}, last = low + frame.size - Int3{3, 3, 3};
   for_crossings<Touching::is_moved>(
-      view, 1, first, last, [&](const LinesInBox&, std::int64_t y, std::int64_t z, std::int64_t w) {
+      view, 1, first, last, [&](auto, std::int64_t y, std::int64_t z, std::int64_t w) {
         const std::int64_t x = std::max<std::int64_t>((w + cell_units - 1) >> cell_bits, first.x);
         if (x > last.x) return;
         const std::size_t bit = std::size_t(z - low.z) * std::size_t(frame.plane) * 64 +
@@ -142,15 +178,15 @@ void cut_links(const TriangleView& view, Int3 low, const LinkDistances& links) {
   };
   const Int3 high = low + links.frame.size - Int3{1, 1, 1};
   for_crossings<Touching::counts>(
-      view, (lbm::directions - 1) / 2, low, high,
-      [&](const LinesInBox& box, std::int64_t u, std::int64_t v, std::int64_t w) {
+      view, half_directions, low, high, [&](auto direction, std::int64_t u, std::int64_t v, std::int64_t w) {
+        constexpr Lines lines = direction.lines;
         for (std::int64_t k = (w - rounding) >> cell_bits; k <= (w + rounding) >> cell_bits; ++k) {
-          const Int3 from = box.lines.cell(u, v, k) - low, to = box.lines.cell(u, v, k + 1) - low;
+          const Int3 from = lines.cell(u, v, k) - low, to = lines.cell(u, v, k + 1) - low;
           if (!within(links.frame, from) || !within(links.frame, to)) continue;
           const std::size_t bit_from = bit_of(links.frame, from), bit_to = bit_of(links.frame, to);
           const std::int64_t distance = std::clamp<std::int64_t>(w - k * cell_units, 0, cell_units);
-          note(bit_from, bit_to, box.lines.forward, distance);
-          note(bit_to, bit_from, box.lines.backward, cell_units - distance);
+          note(bit_from, bit_to, lines.forward, distance);
+          note(bit_to, bit_from, lines.backward, cell_units - distance);
         }
       });
 }

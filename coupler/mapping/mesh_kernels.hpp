@@ -1,14 +1,20 @@
 #pragma once
 // The kernels of meshes, built once an instruction set: corners at a pose, the triangles near lines of
 // lattice points, and what these cut.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "coupler/mapping/bit_window.hpp"
-#include "coupler/mapping/mesh_lines.hpp"
 #include "cpu/isa.hpp"
 
 namespace silt::coupler {
+
+/// One cell is so many units; the centre of cell 0 of the domain is at 0.
+inline constexpr int cell_bits = 24;
+inline constexpr std::int64_t cell_units = std::int64_t{1} << cell_bits;
+
+using Whole3 = std::array<std::int64_t, 3>;
 
 /// Some triangles at a pose.
 struct TriangleView {

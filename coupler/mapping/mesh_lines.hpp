@@ -1,21 +1,17 @@
 #pragma once
 // Where lines of lattice points meet a triangle: in whole numbers, so that neither blocks nor ranks nor
-// instruction sets have a say. For kernels too: no Eigen.
+// instruction sets have a say. Only for *_kernel.cpp files, which are built once an instruction set
+// (SILT_ISA).
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 
+#include "coupler/mapping/mesh_kernels.hpp"
 #include "lbm/lattice.hpp"
 
-namespace silt::coupler {
-
-/// One cell is so many units; the centre of cell 0 of the domain is at 0.
-inline constexpr int cell_bits = 24;
-inline constexpr std::int64_t cell_units = std::int64_t{1} << cell_bits;
-
-using Whole3 = std::array<std::int64_t, 3>;
+namespace silt::coupler::SILT_ISA {
 
 /// The nearest whole number, of numbers below 2^51; the same with every instruction set.
 inline std::int64_t to_whole(double x) {
@@ -29,10 +25,10 @@ inline std::int64_t to_whole(double x) {
 /// The lines along a direction c: through the lattice points (u, v, w) whose coordinates are w along an axis,
 /// and u + c_a w and v + c_b w along the others, for all w.
 struct Lines {
-  int axis, a, b, c_a, c_b;
-  int forward, backward;  // the directions i that run along them, to greater and to less w
+  int axis = 0, a = 0, b = 0, c_a = 0, c_b = 0;
+  int forward = 0, backward = 0;  // the directions i that run along them, to greater and to less w
 
-  explicit Lines(int direction) {
+  constexpr explicit Lines(int direction) {
     const lbm::Int3 c = lbm::c[direction];
     axis = c.x != 0 ? 0 : c.y != 0 ? 1 : 2;
     a = (axis + 1) % 3, b = (axis + 2) % 3;
@@ -61,7 +57,7 @@ enum class Touching { counts, is_moved };
 /// A triangle seen along lines: its corners in their coordinates u, v, w, in units.
 class SeenTriangle {
  public:
-  SeenTriangle(const Whole3& p, const Whole3& q, const Whole3& r, const Lines& lines) {
+  [[gnu::always_inline]] SeenTriangle(const Whole3& p, const Whole3& q, const Whole3& r, const Lines& lines) {
     const Whole3* const corners[] = {&p, &q, &r};
     for (int k = 0; k < 3; ++k) {
       const Whole3& x = *corners[k];
@@ -71,8 +67,8 @@ class SeenTriangle {
     }
   }
   /// Lattice points in its range of u, or of v.
-  Range u_range() const { return points_between(u_); }
-  Range v_range() const { return points_between(v_); }
+  [[gnu::always_inline]] Range u_range() const { return points_between(u_); }
+  [[gnu::always_inline]] Range v_range() const { return points_between(v_); }
 
   /// Calls visit(u, v, w) for the lines of the ranges that it meets: u, v of the line, w in units where.
   template <Touching touching, class Visit>
@@ -89,7 +85,7 @@ class SeenTriangle {
   static std::int64_t least(const Whole3& x) { return std::min(std::min(x[0], x[1]), x[2]); }
   static std::int64_t largest(const Whole3& x) { return std::max(std::max(x[0], x[1]), x[2]); }
   static std::int64_t extent(const Whole3& x) { return largest(x) - least(x); }
-  static Range points_between(const Whole3& x) {
+  [[gnu::always_inline]] static Range points_between(const Whole3& x) {
     return {(least(x) + cell_units - 1) >> cell_bits, largest(x) >> cell_bits};
   }
 
@@ -155,4 +151,4 @@ class SeenTriangle {
   Whole3 u_, v_, w_;
 };
 
-}  // namespace silt::coupler
+}  // namespace silt::coupler::SILT_ISA
