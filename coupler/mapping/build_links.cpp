@@ -8,7 +8,6 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/crossing_links.hpp"
-#include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "coupler/mapping/window_rows.hpp"
 #include "lbm/pass_order.hpp"
@@ -39,12 +38,13 @@ bool touches_rim(const BitFrame& f, Int3 block, int rim) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme)
+  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme, MeshDistances& meshes)
       : map_(map),
         sweep_(sweep),
         scheme_(scheme),
         reach_(lbm::link_reach(scheme)),
-        places_across_(map.box.size) {
+        places_across_(map.box.size),
+        mesh_(meshes) {
     for (auto& kinds : deferred_) {
       kinds[single_cell].scheme = WallScheme::single_cell_gap;
       kinds[two_cells].scheme = lbm::two_cell_gap_scheme(scheme);
@@ -295,7 +295,7 @@ class LinkWriter {
   const BodyMask* mask_ = nullptr;
   SurfaceParts<T> surface_;
   SurfaceParts<double> tube_;
-  MeshDistances mesh_;
+  MeshDistances& mesh_;
   bool is_tube_ = false, is_mesh_ = false;
   CrossingLinks<T> crossings_;
   BitWindow solid_, inner_, rim_;
@@ -331,7 +331,8 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
-  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme);
+  MeshDistances own;
+  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
     prefetch_bits(map.masks, k);
