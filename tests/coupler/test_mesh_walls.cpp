@@ -112,5 +112,31 @@ TEST(MeshWalls, ATiltedPipeThatTurnsStirsAsATubeDoes) {
   EXPECT_LT(apart, 2e-3);
 }
 
+/// A plate of 1.2 cells, and two plates 0.7 cells apart; one of 3 cells is fine.
+TEST(MeshWalls, ThinPartsAndGapsAreWarnedOf) {
+  const auto warnings = [](const rigid::TriangleMesh& mesh) {
+    std::string all;
+    for (const Diagnostic& d : judgement(read_with(
+             mesh_case("a.ply", "solid = \"inside\"\nposition = [16, 16, 16]"), {{"a.ply", ply_of(mesh)}})))
+      all += d.text + '\n';
+    return all;
+  };
+  using rigid::testing::cuboid_mesh;
+  EXPECT_EQ(warnings(cuboid_mesh({-8, -8, -1.5}, {8, 8, 1.5})), "");
+  EXPECT_NE(warnings(cuboid_mesh({-8, -8, -0.6}, {8, 8, 0.6})).find("a thickness of 1.2 at ["),
+            std::string::npos);
+  const rigid::TriangleMesh low = cuboid_mesh({-8, -8, -4}, {8, 8, 0}), high = low.shifted({0, 0, 4.7});
+  std::vector<Vec3> corners(low.vertices().begin(), low.vertices().end());
+  corners.insert(corners.end(), high.vertices().begin(), high.vertices().end());
+  rigid::testing::Triangles triangles(low.triangles().begin(), low.triangles().end());
+  for (auto t : high.triangles()) {
+    for (auto& corner : t) corner += 8;
+    triangles.push_back(t);
+  }
+  const std::string found = warnings({corners, triangles});
+  EXPECT_NE(found.find("a gap of 0.7 at ["), std::string::npos) << found;
+  EXPECT_NE(found.find("thinner than a cell"), std::string::npos) << found;
+}
+
 }  // namespace
 }  // namespace silt::coupler::testing
