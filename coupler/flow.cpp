@@ -72,6 +72,7 @@ class FlowOf final : public Flow {
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
+    map_walls_where_they_are(bodies);
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);
@@ -281,7 +282,8 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b))}, block.surfaces);
+        build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_},
+                       block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         if (lbm::knows_opposite_wall(coupling_.wall_scheme))
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
@@ -296,6 +298,7 @@ class FlowOf final : public Flow {
   lbm::Fluid<T> fluid_;
   MapBodies map_;
   std::vector<BlockLinks<T>> links_;
+  MeshDistances meshes_;
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<char> wants_pairs_;             // of the blocks, with pairs_
   bool pushes_bodies_;

@@ -38,12 +38,13 @@ bool touches_rim(const BitFrame& f, Int3 block, int rim) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme)
+  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme, MeshDistances& meshes)
       : map_(map),
         sweep_(sweep),
         scheme_(scheme),
         reach_(lbm::link_reach(scheme)),
-        places_across_(map.box.size) {
+        places_across_(map.box.size),
+        mesh_(meshes) {
     for (auto& kinds : deferred_) {
       kinds[single_cell].scheme = WallScheme::single_cell_gap;
       kinds[two_cells].scheme = lbm::two_cell_gap_scheme(scheme);
@@ -83,7 +84,8 @@ class LinkWriter {
     }
     for (auto& kinds : deferred_)
       for (Deferred& deferred : kinds) end_group(deferred);
-    if (scheme_ != WallScheme::bounce_back && !is_tube_ && surface_.has_edges()) crossing_groups();
+    if (scheme_ != WallScheme::bounce_back && !is_tube_ && !is_mesh_ && surface_.has_edges())
+      crossing_groups();
   }
 
   /// Each from both ends, with schemes that read no further than the cell behind, which is fluid.
@@ -263,7 +265,10 @@ class LinkWriter {
   /// Tubes in double: they may be far longer than anything else is wide.
   void prepare_surface(const rigid::Shape& shape) {
     is_tube_ = std::holds_alternative<rigid::Tube>(shape);
-    if (is_tube_)
+    is_mesh_ = std::holds_alternative<rigid::Mesh>(shape);
+    if (is_mesh_)
+      mesh_.find(std::get<rigid::Mesh>(shape), map_, *mask_);
+    else if (is_tube_)
       tube_.reset(shape, mask_->pose.orientation);
     else
       surface_.reset(shape, mask_->pose.orientation);
@@ -273,6 +278,8 @@ class LinkWriter {
     const int padded = int(lbm::padded(n));
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
+    else if (is_mesh_)
+      mesh_.set(corner, place, n, q);
     else if (is_tube_)
       distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), q);
     else
@@ -288,7 +295,8 @@ class LinkWriter {
   const BodyMask* mask_ = nullptr;
   SurfaceParts<T> surface_;
   SurfaceParts<double> tube_;
-  bool is_tube_ = false;
+  MeshDistances& mesh_;
+  bool is_tube_ = false, is_mesh_ = false;
   CrossingLinks<T> crossings_;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> place_, single_cell_;
@@ -323,7 +331,8 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
-  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme);
+  MeshDistances own;
+  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];
     prefetch_bits(map.masks, k);

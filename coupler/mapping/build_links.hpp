@@ -2,6 +2,7 @@
 // From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
 // is.
 #include "coupler/case/coupling_spec.hpp"
+#include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/mapping/surface_links.hpp"
 #include "lbm/cut_links.hpp"
@@ -17,6 +18,7 @@ struct LinkRules {
   const CouplingSpec& coupling;
   const lbm::WallFluid<T>& fluid;
   const lbm::PassOrder& sweep;
+  MeshDistances* meshes = nullptr;  // whose memory serves from one mapping to the next; none: its own
 };
 
 /// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under

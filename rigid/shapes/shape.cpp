@@ -27,6 +27,7 @@ BoundingBox bounding_box(const Shape& shape, const Pose& pose) {
 
 double bounding_radius(const Shape& shape) {
   if (std::holds_alternative<Tube>(shape)) return std::numeric_limits<double>::infinity();
+  if (const auto* mesh = std::get_if<Mesh>(&shape)) return mesh->bounding_radius();
   double radius = 0;
   for (const Part& part : convex_parts(shape)) radius = std::max(radius, reach(part));
   return radius;

@@ -1,15 +1,16 @@
 #pragma once
 // The shapes a body can have, in the body frame: origin at the centre of mass.
 #include "rigid/shapes/compound.hpp"
+#include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/tube.hpp"
 
 namespace silt::rigid {
 
 template <class... S>
-std::variant<S..., Compound, Tube> and_unions_and_walls(const std::variant<S...>&);
+std::variant<S..., Compound, Tube, Mesh> and_unions_walls_and_meshes(const std::variant<S...>&);
 
-/// A convex shape, a union of such, or a wall that is not convex.
-struct Shape : decltype(and_unions_and_walls(std::declval<ConvexShape>())) {
+/// A convex shape, a union of such, a wall that is not convex, or what a surface of triangles encloses.
+struct Shape : decltype(and_unions_walls_and_meshes(std::declval<ConvexShape>())) {
   using variant::variant;
   Shape(const ConvexShape& convex) : Shape(std::visit([](const auto& s) { return Shape(s); }, convex)) {}
 };
@@ -22,24 +23,25 @@ bool contains(const Shape&, const Vec3& x_B);
 /// lower bound in magnitude inside overlapping parts).
 double signed_distance(const Shape&, const Vec3& x_B);
 /// Smallest t in [0, t_max] with origin + t direction on the surface, for an origin outside; t_max where
-/// there is none. Exact (closed form) for every convex shape and the tube. direction need not be a unit
-/// vector.
+/// there is none. Exact (closed form) for every convex shape and the tube; of a mesh with the rounding of its
+/// triangles. direction need not be a unit vector.
 double ray_distance(const Shape&, const Vec3& origin_B, const Vec3& direction_B, double t_max);
-/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space and a tube.
+/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space, a tube and a
+/// hollow mesh.
 BoundingBox bounding_box(const Shape&, const Pose&);
-/// About the origin of the body frame; infinite for a half-space and a tube.
+/// About the origin of the body frame; infinite for a half-space, a tube and a hollow mesh.
 double bounding_radius(const Shape&);
 /// Closed forms, exact; for a compound those of the union of its parts, relative error <= 1e-4,
 /// deterministic.
 MassProperties mass_properties(const Shape&);
-/// Of a compound the diameter of the sphere of its volume.
+/// Of a compound the diameter of the sphere of its volume, of a mesh the least side of its box.
 double least_width(const Shape&);
 /// The same shape expressed about its centre of mass, `centre`, which is subtracted.
 Shape recentred(const Shape&, const Vec3& centre);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
 
-/// The convex parts of any shape (one for a convex shape itself, none for a tube).
+/// The convex parts of any shape (one for a convex shape itself, none for a tube or a mesh).
 std::vector<Part> convex_parts(const Shape&);
 
 }  // namespace silt::rigid

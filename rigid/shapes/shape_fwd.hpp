@@ -8,6 +8,7 @@ struct ConvexShape;
 struct Part;
 struct HalfSpace;
 struct Tube;
+struct Mesh;
 struct BoundingBox;
 struct MassProperties;
 
