@@ -39,11 +39,12 @@ std::unique_ptr<ExactProfile> exact_profile(const Case& scene, Profile profile) 
 
 PipeProfile::PipeProfile(const Case& scene) : viscosity_(scene.fluid->kinematic_viscosity) {
   const rigid::Vec3& force = scene.fluid->body_force;
-  if (scene.walls.size() == 1) tube_ = scene.walls[0].tube;
+  const bool is_tube = scene.walls.size() == 1 && scene.walls[0].tube();
+  if (is_tube) tube_ = *scene.walls[0].tube();
   const bool along = force.cross(tube_.axis).norm() <= 1e-12 * force.norm();
   int axis = 0;
   tube_.axis.cwiseAbs().maxCoeff(&axis);
-  if (scene.walls.size() != 1 || !along || !scene.periodic(axis))
+  if (!is_tube || !along || !scene.periodic(axis))
     throw CaseError(scene.place("quantities"),
                     "the profile \"pipe\" needs one tube in [[walls]], along a periodic axis, and a "
                     "fluid.body_force (if any) along it");

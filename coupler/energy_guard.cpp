@@ -32,7 +32,8 @@ bool is_driven(const Case& scene) {
     return side.kind == BoundaryKind::moving && side.velocity != Vec3::Zero();
   };
   const auto turns = [](const CurvedWall& wall) {
-    return wall.tube.angular_velocity != 0 || wall.tube.velocity != 0;
+    if (const MeshWall* mesh = wall.mesh()) return mesh->motion.moves();
+    return wall.tube()->angular_velocity != 0 || wall.tube()->velocity != 0;
   };
   return std::any_of(scene.boundary.begin(), scene.boundary.end(), moves) ||
          std::any_of(scene.walls.begin(), scene.walls.end(), turns) ||

@@ -85,7 +85,12 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
     take_placed_bodies(shapes);
   count_bodies();
   if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
-  for (const CurvedWall& wall : setup.walls) rigid::add_tube(bodies, world, wall.tube);
+  for (const CurvedWall& wall : setup.walls) {
+    if (const MeshWall* mesh = wall.mesh())
+      rigid::add_mesh_wall(bodies, world, *mesh);
+    else
+      rigid::add_tube(bodies, world, *wall.tube());
+  }
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
     set_mapping_pose(bodies, row, bodies.pose(row));
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
@@ -101,6 +106,13 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
   if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
+}
+
+void Scene::move_walls(std::int64_t step) {
+  const std::size_t first = bodies.size() - setup.walls.size();
+  for (std::size_t k = 0; k < setup.walls.size(); ++k)
+    if (const MeshWall* mesh = setup.walls[k].mesh(); mesh && mesh->motion.moves())
+      rigid::move_mesh_wall(bodies, first + k, *mesh, static_cast<double>(step));
 }
 
 bool Scene::may_be_cut_anew() const {

@@ -47,6 +47,10 @@ class Scene {
   std::unique_ptr<Flow> flow;  // null: no [fluid]
   Evenness evenness_at_start;  // of the work of ranks, under the equal cut and the one taken
 
+  /// Gives walls that move the pose and the velocities that they have after so many steps: a function of the
+  /// step alone. The fluid sees them there when it next maps them.
+  void move_walls(std::int64_t step);
+
   /// Whether the domain may be cut as the work is shared best.
   bool may_be_cut_anew() const;
   /// Collective, between steps, once the flow has started: goes over to another cut, of a leaf a rank or

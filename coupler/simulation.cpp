@@ -13,6 +13,7 @@
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/initial_flow.hpp"
+#include "coupler/mapping/map_bodies.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "rigid/response/warm_start.hpp"
@@ -34,6 +35,10 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
       motion_limits_(setup()),
       energy_(setup()) {
   flush_denormals_to_zero();
+  if (saved && saved->step > 0) {
+    scene_.move_walls(saved->step - 1);  // where the last step mapped them
+    map_walls_where_they_are(scene_.bodies);
+  }
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);
@@ -121,6 +126,7 @@ void Simulation::step() {
   const BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
   const Traffic before = traffic();
   begin_step_of_traffic();
+  scene_.move_walls(step_);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});

@@ -1,6 +1,7 @@
 #pragma once
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]] of a case.
 #include <string>
+#include <variant>
 
 #include "coupler/case/name_table.hpp"
 #include "rigid/bodies/walls.hpp"
@@ -22,10 +23,18 @@ struct BoundarySpec {
   bool lets_bodies_pass() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
 };
 
+/// A wall of triangles from a file.
+struct MeshWall : rigid::MeshWallSpec {
+  std::string file, contents;  // contents: "1280 triangles in 1 shell", and what was mended
+};
+
 /// A curved wall of the domain, for fluid and bodies alike.
 struct CurvedWall {
   std::string name;
-  rigid::TubeSpec tube;
+  std::variant<rigid::TubeSpec, MeshWall> surface;
+
+  const rigid::TubeSpec* tube() const { return std::get_if<rigid::TubeSpec>(&surface); }
+  const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
 };
 
 }  // namespace silt::coupler

@@ -28,6 +28,13 @@ rigid::Tube read_tube(TableReader&);
 // read_walls.cpp
 void read_walls(TableReader& root, const std::vector<std::string>& material_names,
                 std::vector<CurvedWall>&);  // [[walls]]; after the materials
+/// Reads `axis`: "x", "y", "z" or a direction, made a unit vector; `what` says of what.
+rigid::Vec3 read_axis(TableReader&, std::string_view what);
+
+// read_mesh_wall.cpp
+/// Reads a wall of type "mesh" without its name and material; without a surface if its file is no good
+/// (reported).
+MeshWall read_mesh_wall(TableReader&);
 
 // read_bodies.cpp
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]

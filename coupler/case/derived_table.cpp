@@ -51,6 +51,26 @@ std::string side_text(const BoundarySpec& side) {
   return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? " (bodies leave)" : "");
 }
 
+void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {
+  if (const auto* tube = wall.tube())
+    return table.quantity("tube '" + wall.name + "', radius", tube->radius, dimension::length, "m", "cells");
+  const MeshWall& mesh = *wall.mesh();
+  const rigid::BoundingBox box =
+      rigid::Mesh{mesh.mesh.surface, false}.bounding_box(mesh.motion.pose(mesh.start, 0));
+  const auto from_to = [&](double scale) {
+    std::string text;
+    for (int d = 0; d < 3; ++d)
+      text +=
+          fmt::format("{}{} to {}", d ? ", " : "", shown(box.lower[d] * scale), shown(box.upper[d] * scale));
+    return text;
+  };
+  if (scene.units.si)
+    table.line("mesh '" + wall.name + "', box", from_to(scene.units.cell_size) + " m", from_to(1) + " cells");
+  else
+    table.line("mesh '" + wall.name + "', box", from_to(1) + " cells");
+  table.line("  of " + mesh.file, mesh.contents);
+}
+
 void add_domain(const Case& scene, Table& table) {
   const auto& n = scene.cells;
   const double cell = scene.units.cell_size;
@@ -66,8 +86,7 @@ void add_domain(const Case& scene, Table& table) {
     table.line(fmt::format("boundary {}", "xyz"[d]),
                scene.periodic(d) ? "periodic" : side_text(low) + ", " + side_text(high));
   }
-  for (const CurvedWall& wall : scene.walls)
-    table.quantity("tube '" + wall.name + "', radius", wall.tube.radius, dimension::length, "m", "cells");
+  for (const CurvedWall& wall : scene.walls) add_wall(scene, wall, table);
   if (scene.block_cells) {
     const auto& b = *scene.block_cells;
     std::int64_t blocks = 1;

@@ -46,7 +46,7 @@ namespace quantity_rows {
 
 using Q = QuantityType;
 inline constexpr Dimension rate{0, -1, 0}, mass_rate{0, -1, 1}, specific_energy{2, -2, 0},
-    specific_energy_rate{2, -3, 0};
+    specific_energy_rate{2, -3, 0}, power{2, -3, 1};
 
 inline constexpr QuantityType types[] = {
     {"max-speed", dimension::velocity, Q::body, Q::bodies, "largest speed of any of the bodies in the run"},
@@ -104,9 +104,11 @@ inline constexpr QuantityType types[] = {
     {"wall-stress", dimension::pressure, Q::side | Q::axis | Q::time, Q::fluid,
      "force of fluid and bodies along the axis on a side of the domain, per area, mean from a time on"},
     {"wall-force", dimension::force, Q::wall | Q::axis | Q::time, 0,
-     "force of fluid and bodies along the axis on a tube, mean from a time on"},
+     "force of fluid and bodies along the axis on a tube or mesh, mean from a time on"},
     {"wall-torque", dimension::torque, Q::wall | Q::time, 0,
-     "torque of fluid and bodies on a tube about its axis, mean from a time on"},
+     "torque of fluid and bodies on a tube or mesh about its axis, mean from a time on"},
+    {"wall-power", power, Q::wall | Q::time, 0,
+     "power that keeps a tube or mesh moving against fluid and bodies, mean from a time on"},
     {"relative-viscosity", dimension::none, Q::axis | Q::time, Q::fluid | Q::sheared,
      "shear stress on the two walls across the axis over that of the fluid alone at the same velocities, "
      "mean from "

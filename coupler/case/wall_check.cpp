@@ -6,6 +6,7 @@
 
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/mesh_check.hpp"
 #include "coupler/case/speed_check.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -34,7 +35,7 @@ double distance_from_domain(const Case& scene, const rigid::TubeSpec& tube) {
 /// The hole must not cross a periodic border, unless it is the same on both sides: where the axis is that of
 /// the tube. Elsewhere the outermost cells must be solid.
 void check_borders(const Case& scene, Findings& findings, std::size_t index) {
-  const rigid::TubeSpec& tube = scene.walls[index].tube;
+  const rigid::TubeSpec& tube = *scene.walls[index].tube();
   constexpr double straight = 1e-12;  // rounding of a unit vector
   for (int d = 0; d < 3; ++d) {
     const double along = std::abs(tube.axis[d]), size = scene.cells[d];
@@ -61,7 +62,11 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
 
 void find_wall_faults(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    const rigid::TubeSpec& tube = scene.walls[i].tube;
+    if (scene.walls[i].mesh()) {
+      find_mesh_faults(scene, findings, i);
+      continue;
+    }
+    const rigid::TubeSpec& tube = *scene.walls[i].tube();
     check_borders(scene, findings, i);
     if (distance_from_domain(scene, tube) >= tube.radius)
       findings.error(key_of(i, "point"),
@@ -78,15 +83,16 @@ void find_wall_faults(const Case& scene, Findings& findings) {
 std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const std::string& key,
                                   double allowed) {
   for (const CurvedWall& wall : scene.walls) {
-    const rigid::Tube tube{wall.tube.radius};
+    if (!wall.tube()) continue;
+    const rigid::Tube tube{wall.tube()->radius};
     const double gap =
-        rigid::gap_in_tube(scene.shapes[body.shape], body.pose, tube, rigid::pose_of(wall.tube));
+        rigid::gap_in_tube(scene.shapes[body.shape], body.pose, tube, rigid::pose_of(*wall.tube()));
     if (gap >= -allowed) continue;
     return fmt::format(
         "{} is {}: the body reaches {} into the wall '{}', a tube of radius {}; move it towards the tube's "
         "axis",
         key, shown_point(scene, body.pose.position), shown_length(scene, -gap), wall.name,
-        shown_length(scene, wall.tube.radius));
+        shown_length(scene, tube.radius));
   }
   return "";
 }

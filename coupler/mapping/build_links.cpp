@@ -8,6 +8,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/crossing_links.hpp"
+#include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "coupler/mapping/window_rows.hpp"
 #include "lbm/pass_order.hpp"
@@ -83,7 +84,8 @@ class LinkWriter {
     }
     for (auto& kinds : deferred_)
       for (Deferred& deferred : kinds) end_group(deferred);
-    if (scheme_ != WallScheme::bounce_back && !is_tube_ && surface_.has_edges()) crossing_groups();
+    if (scheme_ != WallScheme::bounce_back && !is_tube_ && !is_mesh_ && surface_.has_edges())
+      crossing_groups();
   }
 
   /// Each from both ends, with schemes that read no further than the cell behind, which is fluid.
@@ -263,7 +265,10 @@ class LinkWriter {
   /// Tubes in double: they may be far longer than anything else is wide.
   void prepare_surface(const rigid::Shape& shape) {
     is_tube_ = std::holds_alternative<rigid::Tube>(shape);
-    if (is_tube_)
+    is_mesh_ = std::holds_alternative<rigid::Mesh>(shape);
+    if (is_mesh_)
+      mesh_.find(std::get<rigid::Mesh>(shape), map_, *mask_);
+    else if (is_tube_)
       tube_.reset(shape, mask_->pose.orientation);
     else
       surface_.reset(shape, mask_->pose.orientation);
@@ -273,6 +278,9 @@ class LinkWriter {
     const int padded = int(lbm::padded(n));
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
+    else if (is_mesh_)
+      for (std::uint32_t k = 0; k < n; ++k)
+        q[k] = T(mesh_.of(corner + lbm::place_cell(place[k]), lbm::place_direction(place[k])));
     else if (is_tube_)
       distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), q);
     else
@@ -288,7 +296,8 @@ class LinkWriter {
   const BodyMask* mask_ = nullptr;
   SurfaceParts<T> surface_;
   SurfaceParts<double> tube_;
-  bool is_tube_ = false;
+  MeshDistances mesh_;
+  bool is_tube_ = false, is_mesh_ = false;
   CrossingLinks<T> crossings_;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> place_, single_cell_;

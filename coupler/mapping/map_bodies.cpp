@@ -5,6 +5,7 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/mesh_cells.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -79,6 +80,11 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, doub
   }
 }
 
+void map_walls_where_they_are(rigid::BodySet& bodies) {
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
+    set_mapping_pose(bodies, row, bodies.pose(row));
+}
+
 void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
 }
@@ -93,7 +99,10 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
   found_.clear();
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
-    if (!std::holds_alternative<rigid::Tube>(world_.shapes[bodies.shape[row]])) continue;
+    const rigid::Shape& shape = world_.shapes[bodies.shape[row]];
+    const auto* const mesh = std::get_if<rigid::Mesh>(&shape);
+    if (mesh && !mesh->hollow) add_images(block, bodies, row);
+    if (!std::holds_alternative<rigid::Tube>(shape) && !(mesh && mesh->hollow)) continue;
     // no images: it is alike on both sides of a periodic border, or solid there
     constexpr int m = ghosts + 2;
     const Int3 size = block.box.size + Int3{2 * m, 2 * m, 2 * m};
@@ -142,6 +151,10 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
   const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
     return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
+  if (const auto* mesh = std::get_if<rigid::Mesh>(&shape)) {
+    mesh_.place(*mesh->surface, mask.pose);
+    return mark_mesh(*mesh, mesh_, centre.low, mask.inside);
+  }
   surface_.reset(shape, mask.pose.orientation);
   bit_kernels().mark_parts(frame, centre, surface_.view(), mask.inside.words());
 }

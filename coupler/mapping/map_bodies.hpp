@@ -4,6 +4,7 @@
 // a cell agrees on it.
 #include <span>
 
+#include "coupler/mapping/mesh_crossings.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "lbm/domain.hpp"
@@ -16,6 +17,8 @@ namespace silt::coupler {
 /// those at rest keep their cells and wall distances. Only the state decides: every holder of a body does the
 /// same.
 void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance);
+/// Walls are mapped where they are, however little they have moved: their poses are those of the step.
+void map_walls_where_they_are(rigid::BodySet&);
 
 class MapBodies {
  public:
@@ -49,6 +52,7 @@ class MapBodies {
   std::vector<BlockMap> blocks_;
   std::vector<Image> found_;      // in the block at work
   SurfaceParts<double> surface_;  // of the body at work
+  PlacedMesh mesh_;               // likewise
   std::vector<std::uint8_t> changed_rows_;
 };
 

@@ -20,7 +20,7 @@ Obstacles::Obstacles(const Case& scene, const rigid::Extent& extent, std::span<c
       given_(given),
       given_grid_(extent, std::max(reach, mean_width(scene, given))) {
   for (const CurvedWall& wall : scene.walls)
-    walls_.push_back({{wall.tube.radius}, rigid::pose_of(wall.tube)});
+    if (const auto* tube = wall.tube()) walls_.push_back({{tube->radius}, rigid::pose_of(*tube)});
   for (std::size_t i = 0; i < given.size(); ++i)
     given_grid_.insert(static_cast<int>(i),
                        rigid::bounding_box(scene.shapes[given[i].spec.shape], given[i].spec.pose));

@@ -46,6 +46,26 @@ Vec3 arm_in_tube(const Simulation& simulation, const rigid::TubeSpec& tube, std:
   return Vec3::Zero();
 }
 
+/// About which a wall turns; of a mesh where it is at the start.
+struct AxisOfWall {
+  Vec3 point, along;
+};
+AxisOfWall axis_of(const CurvedWall& wall) {
+  if (const MeshWall* mesh = wall.mesh()) return {mesh->start.position, mesh->axis};
+  return {wall.tube()->point, wall.tube()->axis};
+}
+
+/// Adds the torque of what bodies did to a tube about its point.
+void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
+  const rigid::TubeSpec* const tube = simulation.setup().walls[wall].tube();
+  if (!tube) return;
+  for_contacts(simulation, rigid::first_tube_id + wall,
+               [&](std::size_t row, const rigid::StoredImpulse& s, const Vec3& f) {
+                 const Vec3 of_contact = arm_in_tube(simulation, *tube, row, s).cross(f);
+                 for (int d = 0; d < 3; ++d) torque[d].add(of_contact[d]);
+               });
+}
+
 double area_of(const Case& scene, int axis) {
   return 1. * scene.cells[(axis + 1) % 3] * scene.cells[(axis + 2) % 3];
 }
@@ -77,10 +97,10 @@ Vec3 vector_of(std::span<const double> sums) {
 
 double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
   const BodySet& bodies = simulation.bodies();
-  const rigid::TubeSpec& tube = simulation.setup().walls[q.wall].tube;
+  const AxisOfWall axis = axis_of(simulation.setup().walls[q.wall]);
   return mean_over_bodies(simulation, q, [&](std::size_t row) {
-    const Vec3 from = bodies.position[row] - tube.point;
-    return (from - tube.axis.dot(from) * tube.axis).norm();
+    const Vec3 from = bodies.position[row] - axis.point;
+    return (from - axis.along.dot(from) * axis.along).norm();
   });
 }
 
@@ -128,18 +148,33 @@ double wall_force(const Case&, const QuantitySpec& q, std::span<const double> fo
 bool add_wall_torque(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                      std::span<ExactSum> torque) {
   if (!counts(simulation, q)) return false;
-  const rigid::TubeSpec& tube = simulation.setup().walls[q.wall].tube;
   add_fluid_load(simulation, q.wall, true, torque);
-  for_contacts(simulation, rigid::first_tube_id + q.wall,
-               [&](std::size_t row, const rigid::StoredImpulse& s, const Vec3& f) {
-                 const Vec3 of_contact = arm_in_tube(simulation, tube, row, s).cross(f);
-                 for (int d = 0; d < 3; ++d) torque[d].add(of_contact[d]);
-               });
+  add_contact_torque(simulation, q.wall, torque);
   return true;
 }
 
 double wall_torque(const Case& scene, const QuantitySpec& q, std::span<const double> torque) {
-  return vector_of(torque).dot(scene.walls[q.wall].tube.axis);
+  return vector_of(torque).dot(axis_of(scene.walls[q.wall]).along);
+}
+
+bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h,
+                   std::span<ExactSum> load) {
+  return add_wall_force(simulation, q, h, load.first(3)) &&
+         add_wall_torque(simulation, q, h, load.subspan(3));
+}
+
+/// With the velocities that the wall had in the step.
+void fold_wall_power(const Case& scene, const QuantitySpec& q, std::int64_t step,
+                     std::span<const double> load, QuantityHistory& h) {
+  const CurvedWall& wall = scene.walls[q.wall];
+  rigid::WallMotion::Velocity velocity;
+  if (const MeshWall* mesh = wall.mesh())
+    velocity = mesh->motion.velocity_at(static_cast<double>(step - 1));
+  else
+    velocity = {wall.tube()->velocity * wall.tube()->axis, wall.tube()->angular_velocity * wall.tube()->axis};
+  if (h[0] == not_yet) h = {0, 0};
+  h[0] -= vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular);
+  h[1] += 1;
 }
 
 }  // namespace silt::coupler

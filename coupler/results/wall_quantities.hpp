@@ -35,4 +35,12 @@ double wall_torque(const Case&, const QuantitySpec&, std::span<const double> tor
 template <>
 inline constexpr Computation computation<"wall-torque"> = mean_of<3, add_wall_torque, wall_torque>;
 
+bool add_wall_load(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+                   std::span<rigid::ExactSum> load);
+void fold_wall_power(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> load,
+                     QuantityHistory&);
+template <>
+inline constexpr Computation computation<"wall-power"> = {
+    nullptr, value_mean, {6, add_wall_load, fold_wall_power}};
+
 }  // namespace silt::coupler

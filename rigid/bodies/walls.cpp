@@ -35,25 +35,54 @@ Pose pose_of(const TubeSpec& spec) {
   return {spec.point, Quat::FromTwoVectors(Vec3::UnitZ(), spec.axis)};
 }
 
+namespace {
+
+/// The row of a wall after all others, of the shape that was added last.
+void add_row(BodySet& bodies, const World& world, BodyRecord wall) {
+  const BodyId last = bodies.walls > 0 ? bodies.id.back() : first_wall_id;
+  wall.id = std::max(last + 1, first_tube_id);
+  wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
+  wall.kind = -1;
+  bodies.insert(bodies.size(), wall);
+  ++bodies.walls;
+  bodies.reindex();
+}
+
+void set_pose(BodyRecord& wall, const Pose& pose) {
+  const Quat& q = pose.orientation;
+  Eigen::Map<Vec3>{wall.position} = pose.position;
+  Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+}
+
+}  // namespace
+
 void add_tube(BodySet& bodies, World& world, const TubeSpec& spec) {
   world.shapes.push_back(Tube{spec.radius});
   world.bounding_radii.push_back(std::numeric_limits<double>::infinity());
   BodyRecord wall;
-  const BodyId last = bodies.walls > 0 ? bodies.id.back() : first_wall_id;
-  wall.id = std::max(last + 1, first_tube_id);
-  wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
   wall.material = spec.material;
-  wall.kind = -1;
   const bool moves = spec.angular_velocity != 0 || spec.velocity != 0;
   wall.motion = moves ? Motion::prescribed : Motion::fixed;
-  const Quat q = pose_of(spec).orientation;
-  Eigen::Map<Vec3>{wall.position} = spec.point;
-  Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  set_pose(wall, pose_of(spec));
   Eigen::Map<Vec3>{wall.velocity} = spec.velocity * spec.axis;
   Eigen::Map<Vec3>{wall.angular_velocity} = spec.angular_velocity * spec.axis;
-  bodies.insert(bodies.size(), wall);
-  ++bodies.walls;
-  bodies.reindex();
+  add_row(bodies, world, wall);
+}
+
+void add_mesh_wall(BodySet& bodies, World& world, const MeshWallSpec& spec) {
+  world.shapes.push_back(spec.mesh);
+  world.bounding_radii.push_back(spec.mesh.bounding_radius());
+  BodyRecord wall;
+  wall.material = spec.material;
+  wall.motion = spec.motion.moves() ? Motion::prescribed : Motion::fixed;
+  add_row(bodies, world, wall);
+  move_mesh_wall(bodies, bodies.size() - 1, spec, 0);
+}
+
+void move_mesh_wall(BodySet& bodies, std::size_t row, const MeshWallSpec& spec, double time) {
+  const WallMotion::Velocity velocity = spec.motion.velocity_at(time);
+  bodies.set_pose(row, spec.motion.pose(spec.start, time));
+  bodies.set_velocity(row, velocity.linear, velocity.angular);
 }
 
 }  // namespace silt::rigid

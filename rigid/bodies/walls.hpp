@@ -1,11 +1,13 @@
 #pragma once
-// The walls: sides of the domain as half-spaces, and tubes. The last rows of a BodySet, the same on every
-// rank.
+// The walls: sides of the domain as half-spaces, tubes and meshes. The last rows of a BodySet, the same on
+// every rank.
 #include <array>
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/wall_motion.hpp"
 #include "rigid/bodies/world.hpp"
+#include "rigid/shapes/mesh.hpp"
 
 namespace silt::rigid {
 
@@ -34,5 +36,19 @@ Pose pose_of(const TubeSpec&);
 
 /// Appends the row of a tube, whatever there is already, adds its shape to the world, and reindexes.
 void add_tube(BodySet&, World&, const TubeSpec&);
+
+/// A wall of triangles.
+struct MeshWallSpec {
+  Mesh mesh;                  // about the point that it turns about
+  Pose start;                 // at time 0
+  Vec3 axis = Vec3::UnitZ();  // unit: its torque is that about the point along this
+  int material = 0;
+  WallMotion motion;
+};
+
+/// Appends the row of a mesh, likewise. Its pose is that of time 0.
+void add_mesh_wall(BodySet&, World&, const MeshWallSpec&);
+/// Gives a mesh's row the pose and the velocities of a time.
+void move_mesh_wall(BodySet&, std::size_t row, const MeshWallSpec&, double time);
 
 }  // namespace silt::rigid

@@ -22,13 +22,10 @@ double Mesh::ray_distance(const Vec3& o, const Vec3& d, double t_max) const {
 
 BoundingBox Mesh::bounding_box(const Pose& pose) const {
   if (hollow) return BoundingBox::everything();
-  BoundingBox box = BoundingBox::empty();
+  const Vec3 half = 0.5 * (surface->box().upper - surface->box().lower);
+  const Vec3 middle = 0.5 * (surface->box().upper + surface->box().lower);
   const Mat3 turn = pose.orientation.toRotationMatrix();
-  for (const Vec3& corner : surface->vertices()) {
-    const Vec3 x = pose.position + turn * corner;
-    box.add({x, x});
-  }
-  return box;
+  return BoundingBox::around(pose.position + turn * middle, turn.cwiseAbs() * half);
 }
 
 double Mesh::bounding_radius() const {

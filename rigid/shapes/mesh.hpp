@@ -18,6 +18,7 @@ struct Mesh {
   bool contains(const Vec3& x) const { return surface->encloses(x) != hollow; }
   double signed_distance(const Vec3& x) const;
   double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
+  /// Of its turned box: not the tightest.
   BoundingBox bounding_box(const Pose&) const;
   double bounding_radius() const;
   MassProperties mass_properties() const;

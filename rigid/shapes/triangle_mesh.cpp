@@ -223,7 +223,7 @@ std::optional<TriangleMesh::Hit> TriangleMesh::first_hit(const Vec3& o, const Ve
   return best;
 }
 
-bool TriangleMesh::encloses(const Vec3& x) const {
+bool TriangleMesh::encloses(const Vec3& x, const std::function<bool(std::uint32_t)>& counts) const {
   for (int d = 0; d < 3; ++d)
     if (!(x[d] >= box_.lower[d] && x[d] <= box_.upper[d])) return false;
   const Raster raster(box_);
@@ -234,7 +234,7 @@ bool TriangleMesh::encloses(const Vec3& x) const {
   bool odd = false;
   for_near(ahead, [&](std::uint32_t t) {
     const auto [a, b, c] = corners(t);
-    odd ^= crosses_ahead({raster(a), raster(b), raster(c)}, p);
+    odd ^= crosses_ahead({raster(a), raster(b), raster(c)}, p) && counts(t);
   });
   return odd;
 }

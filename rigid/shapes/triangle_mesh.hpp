@@ -3,6 +3,7 @@
 // who look at it.
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -58,7 +59,11 @@ class TriangleMesh {
   /// the corners and x rounded to 2^-38 of the mesh's size: in whole numbers, as if x were a little further
   /// along x, less along y, still less along z, so that no edge or corner is met twice or not at all. A point
   /// on the surface is on either side.
-  bool encloses(const Vec3& x) const;
+  bool encloses(const Vec3& x) const {
+    return encloses(x, [](std::uint32_t) { return true; });
+  }
+  /// The same by those triangles alone for which counts(triangle) is true.
+  bool encloses(const Vec3& x, const std::function<bool(std::uint32_t)>& counts) const;
 
   /// Calls visit(triangle) for those whose box overlaps another, and perhaps some near it.
   template <class Visit>

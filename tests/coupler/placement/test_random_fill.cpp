@@ -101,7 +101,7 @@ TEST(Fill, StaysInATube) {
   ASSERT_EQ(bodies.size(), 16u);
   for (const BodySpec& body : bodies)
     EXPECT_GE(rigid::gap_in_tube(scene.shapes[body.shape], body.pose, rigid::Tube{14},
-                                 rigid::pose_of(scene.walls[0].tube)),
+                                 rigid::pose_of(*scene.walls[0].tube())),
               0);
 }
 

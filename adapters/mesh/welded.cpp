@@ -1,0 +1,139 @@
+#include "adapters/mesh/welded.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace silt::adapters {
+
+using rigid::Vec3;
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+bool is_before(const Vec3& a, const Vec3& b) {
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+}
+
+/// Finds points near one another: each in a cell of a grid much coarser than the distance, so that few have
+/// to look into the next cell too.
+class Grid {
+ public:
+  Grid(const Vec3& low, double distance, std::size_t points) : low_(low), distance_(distance) {
+    cells_.reserve(points);
+  }
+  /// Calls use(earlier point) for the points within the distance, in the order in which they were added.
+  template <class Use>
+  void near(const std::vector<Vec3>& points, const Vec3& x, Use&& use) const {
+    std::array<std::int64_t, 3> first, last;
+    for (int d = 0; d < 3; ++d) {
+      first[d] = cell_of(x[d] - distance_ - low_[d]), last[d] = cell_of(x[d] + distance_ - low_[d]);
+    }
+    for (std::int64_t k = first[2]; k <= last[2]; ++k)
+      for (std::int64_t j = first[1]; j <= last[1]; ++j)
+        for (std::int64_t i = first[0]; i <= last[0]; ++i)
+          if (const auto found = cells_.find(key(i, j, k)); found != cells_.end())
+            for (std::uint32_t at = found->second; at != none; at = next_[at])
+              if ((points[at] - x).norm() <= distance_) use(at);
+  }
+  void add(const Vec3& x, std::uint32_t number) {
+    std::array<std::int64_t, 3> c;
+    for (int d = 0; d < 3; ++d) c[d] = cell_of(x[d] - low_[d]);
+    next_.resize(number + std::size_t{1}, none);
+    auto [at, is_new] = cells_.try_emplace(key(c[0], c[1], c[2]), number);
+    if (!is_new) next_[number] = std::exchange(at->second, number);
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  std::int64_t cell_of(double y) const { return static_cast<std::int64_t>(std::floor(y / (64 * distance_))); }
+  static std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
+    return (std::uint64_t(i) * 0x9E3779B97F4A7C15 ^ std::uint64_t(j)) * 0xC2B2AE3D27D4EB4F ^ std::uint64_t(k);
+  }
+  Vec3 low_;
+  double distance_;
+  std::unordered_map<std::uint64_t, std::uint32_t> cells_;  // the last one added
+  std::vector<std::uint32_t> next_;
+};
+
+/// The new number of each point; `points` become the welded ones.
+std::vector<std::uint32_t> welded_numbers(std::vector<Vec3>& points, double distance) {
+  std::vector<std::uint32_t> order(points.size()), number(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return is_before(points[a], points[b]); });
+  std::vector<Vec3> sorted;  // the different ones
+  for (const std::uint32_t k : order) {
+    if (sorted.empty() || sorted.back() != points[k]) sorted.push_back(points[k]);
+    number[k] = static_cast<std::uint32_t>(sorted.size() - 1);
+  }
+  std::vector<std::uint32_t> first(sorted.size());  // of those it is welded to
+  if (!sorted.empty()) {
+    Vec3 low = sorted[0];
+    for (const Vec3& x : sorted) low = low.cwiseMin(x);
+    Grid grid(low, distance, sorted.size());
+    for (std::uint32_t k = 0; k < sorted.size(); ++k) {
+      first[k] = k;
+      if (distance > 0) {
+        grid.near(sorted, sorted[k], [&](std::uint32_t at) { first[k] = std::min(first[k], first[at]); });
+        grid.add(sorted[k], k);
+      }
+    }
+  }
+  for (std::uint32_t& k : number) k = first[k];
+  points = std::move(sorted);
+  return number;
+}
+
+std::size_t leave_out_degenerate(std::vector<Triangle>& triangles) {
+  return std::erase_if(triangles,
+                       [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+}
+
+std::size_t leave_out_duplicates(std::vector<Triangle>& triangles) {
+  const auto sorted = [](Triangle t) {
+    std::sort(t.begin(), t.end());
+    return t;
+  };
+  for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  std::sort(triangles.begin(), triangles.end(), [&](const Triangle& a, const Triangle& b) {
+    return std::tuple(sorted(a), a) < std::tuple(sorted(b), b);
+  });
+  const std::size_t before = triangles.size();
+  triangles.erase(std::unique(triangles.begin(), triangles.end(),
+                              [&](const Triangle& a, const Triangle& b) { return sorted(a) == sorted(b); }),
+                  triangles.end());
+  return before - triangles.size();
+}
+
+void leave_out_unused(Soup& soup) {
+  std::vector<char> used(soup.points.size(), 0);
+  for (const Triangle& t : soup.triangles)
+    for (const std::uint32_t k : t) used[k] = 1;
+  std::vector<std::uint32_t> number(soup.points.size());
+  std::uint32_t next = 0;
+  for (std::uint32_t k = 0; k < used.size(); ++k)
+    if (used[k]) soup.points[next] = soup.points[k], number[k] = next++;
+  soup.points.resize(next);
+  for (Triangle& t : soup.triangles)
+    for (std::uint32_t& k : t) k = number[k];
+}
+
+}  // namespace
+
+WeldCounts weld(Soup& soup, double distance) {
+  const std::vector<std::uint32_t> number = welded_numbers(soup.points, distance);
+  for (Triangle& t : soup.triangles)
+    for (std::uint32_t& k : t) k = number[k];
+  WeldCounts counts;
+  counts.degenerate = leave_out_degenerate(soup.triangles);
+  counts.duplicate = leave_out_duplicates(soup.triangles);
+  leave_out_unused(soup);
+  return counts;
+}
+
+}  // namespace silt::adapters

@@ -1,0 +1,124 @@
+#include "coupler/case/mesh_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coupler/case/body_text.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/speed_check.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::TriangleMesh;
+using rigid::Vec3;
+
+std::string key_of(std::size_t wall, const char* key) {
+  return fmt::format("walls[{}].{}", wall, key);
+}
+
+struct Thinnest {
+  double width = std::numeric_limits<double>::infinity();
+  Vec3 place = Vec3::Zero();  // in the frame of the mesh
+};
+
+/// The shortest ray from the middle of a triangle along (sign 1) or against its normal to another triangle
+/// that faces it: the width of a gap, or the thickness of the solid. Of so many triangles at most.
+Thinnest thinnest(const TriangleMesh& mesh, int sign) {
+  constexpr std::uint32_t most = 20000;
+  constexpr double facing = 0.5, above = 1e-6;  // cosine; of the mesh's size: past the triangle itself
+  const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
+  const double start = above * (mesh.box().upper - mesh.box().lower).maxCoeff();
+  Thinnest found;
+  for (std::uint32_t t = 0; t < count; t += 1 + count / most) {
+    const auto [a, b, c] = mesh.corners(t);
+    const Vec3 normal = mesh.area_normal(t);
+    if (!(normal.squaredNorm() > 0)) continue;
+    const Vec3 direction = sign * normal.normalized(), middle = (a + b + c) / 3;
+    const double limit = std::min(found.width, 2 * (mesh.box().upper - mesh.box().lower).norm());
+    const auto hit = mesh.first_hit(middle + start * direction, direction, limit);
+    if (!hit || hit->triangle == t) continue;
+    const Vec3 other = mesh.area_normal(hit->triangle);
+    if (other.dot(normal) > -facing * other.norm() * normal.norm()) continue;
+    if (hit->t + start < found.width) found = {hit->t + start, middle};
+  }
+  return found;
+}
+
+void check_features(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall) {
+  constexpr double thin = 1, coarse = 2;  // cells
+  const int solid = wall.mesh.hollow ? 1 : -1;
+  const auto warn = [&](int sign, const char* what) {
+    const Thinnest found = thinnest(*wall.mesh.surface, sign);
+    if (found.width >= coarse) return;
+    findings.warning(
+        key_of(index, "file"),
+        fmt::format("walls[{}] has {} of {} at {}, {}; use smaller cells, or a mesh without it", index, what,
+                    shown_length(scene, found.width), shown_point(scene, wall.start.to_world(found.place)),
+                    found.width < thin ? "thinner than a cell: parts of it are missing on the lattice"
+                                       : "less than two cells: the flow about it is not resolved"));
+  };
+  warn(solid, "a thickness");
+  warn(-solid, "a gap");
+}
+
+/// It must overlap the domain; a vessel may cross a periodic border only if it goes on beyond it on both
+/// sides.
+void check_place(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall) {
+  constexpr double beyond = 3;  // cells: of the map's ghost layers
+  const rigid::BoundingBox box =
+      rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.motion.pose(wall.start, 0));
+  for (int d = 0; d < 3; ++d) {
+    const double low = box.lower[d], high = box.upper[d], size = scene.cells[d];
+    const auto reach = fmt::format("walls[{}] reaches from {} to {} along {}", index,
+                                   shown_length(scene, low), shown_length(scene, high), "xyz"[d]);
+    const bool crosses = low < 0.5 || high > size - 0.5;
+    const bool goes_on = low <= -beyond && high >= size + beyond;
+    if (!scene.periodic(d) && (high <= 0 || low >= size))
+      findings.error(key_of(index, "position"),
+                     fmt::format("{}; the domain is from 0 to {}: move it, or correct its scale", reach,
+                                 shown_length(scene, size)));
+    else if (wall.mesh.hollow && scene.periodic(d) && crosses && !goes_on)
+      findings.error(
+          key_of(index, "position"),
+          fmt::format("{}, which is periodic; a vessel must stay half a cell within the domain there, "
+                      "or go on alike for {} beyond both sides",
+                      reach, shown_length(scene, beyond)));
+  }
+}
+
+/// Largest speed of a point at `radius` from the reference point, looked for in so many instants.
+double fastest(const Case& scene, const MeshWall& wall) {
+  constexpr int looks = 1000;
+  double speed = 0;
+  for (int k = 0; k <= looks; ++k) {
+    const auto v = wall.motion.velocity_at(static_cast<double>(scene.steps) * k / looks);
+    speed = std::max(speed, v.linear.norm() + v.angular.norm() * wall.mesh.surface->radius());
+  }
+  for (std::size_t k = 0; k + 1 < wall.motion.table.size(); ++k) {
+    const double middle = 0.5 * (wall.motion.table[k].time + wall.motion.table[k + 1].time);
+    const auto v = wall.motion.velocity_at(middle);
+    speed = std::max(speed, v.linear.norm() + v.angular.norm() * wall.mesh.surface->radius());
+  }
+  return speed;
+}
+
+}  // namespace
+
+void find_mesh_faults(const Case& scene, Findings& findings, std::size_t index) {
+  const MeshWall& wall = *scene.walls[index].mesh();
+  check_place(scene, findings, index, wall);
+  check_features(scene, findings, index, wall);
+  if (scene.has_bodies())
+    findings.error(
+        key_of(index, "type"),
+        fmt::format("walls[{}] is a mesh, which bodies cannot touch yet: leave the bodies or the mesh out",
+                    index));
+  if (scene.fluid && wall.motion.moves())
+    check_speed(scene.units, findings, key_of(index, "motion"), fastest(scene, wall));
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,96 @@
+// [[walls]] of type "mesh": their surface and where it goes.
+#include <fmt/format.h>
+
+#include <numbers>
+#include <stdexcept>
+
+#include "adapters/mesh/read_mesh.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "coupler/case/case_source.hpp"
+#include "coupler/case/motion_file.hpp"
+
+namespace silt::coupler {
+namespace {
+
+using rigid::Pose;
+using rigid::Vec3;
+
+/// Calls read(bytes) for the file that the key names; what is wrong with it is reported.
+template <class Read>
+void with_file(TableReader& table, std::string_view key, Read&& read) {
+  const auto name = table.string(key);
+  if (!name) return;
+  ReadContext& context = table.context();
+  try {
+    const AttachedFile& file = context.source->file_named(*name);
+    context.files.push_back(file.fingerprint);
+    read(*name, file.bytes);
+  } catch (const std::invalid_argument& error) {
+    table.fail(key, fmt::format("{}: '{}': {}", table.path(key), *name, error.what()));
+  }
+}
+
+std::string contents_of(const adapters::ReadMesh& read) {
+  std::string text = fmt::format("{} triangles in {} {}", read.surface->triangles().size(),
+                                 read.closed.shells, read.closed.shells == 1 ? "shell" : "shells");
+  const auto add = [&](std::size_t count, const char* what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(read.closed.hollows, "of them hollows");
+  add(read.welded.degenerate, "degenerate triangles left out");
+  add(read.welded.duplicate, "duplicate triangles left out");
+  add(read.closed.turned, "triangles turned over");
+  return text;
+}
+
+void read_oscillation(TableReader table, rigid::WallMotion& motion) {
+  if (!table.present()) return;
+  if (!table.has("amplitude")) table.missing("amplitude", "how far the wall goes to either side, [x, y, z]");
+  if (!table.has("frequency")) table.missing("frequency", "oscillations in a unit of time");
+  motion.amplitude = table.vector("amplitude", dimension::length).value_or(Vec3::Zero());
+  motion.frequency = table.quantity("frequency", dimension::angular_velocity, range::at_least(0)).value_or(0);
+  motion.phase = table.number("phase", range::any).value_or(0) * std::numbers::pi / 180;
+}
+
+/// What turns, turns about `point`, which is left as it is without a turn.
+void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
+  if (!table.present()) return;
+  rigid::WallMotion& motion = wall.motion;
+  motion.velocity = table.vector("velocity", dimension::velocity).value_or(Vec3::Zero());
+  const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
+  if (turn == "angular_velocity" || table.has("axis"))
+    wall.axis = read_axis(table, "about which the wall turns");
+  point = table.vector("point", dimension::length).value_or(point);
+  motion.angular_velocity =
+      table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * wall.axis;
+  read_oscillation(table.table("oscillation"), motion);
+  if (turn == "table")
+    with_file(table, "table", [&](const std::string&, const std::string& bytes) {
+      motion.table = read_motion_file(bytes, table.context().units);
+    });
+}
+
+}  // namespace
+
+MeshWall read_mesh_wall(TableReader& table) {
+  MeshWall wall;
+  if (!table.has("file"))
+    table.missing("file", "the name of an STL, OBJ or PLY file in the directory of the case");
+  if (!table.has("solid")) table.missing("solid", "\"inside\" of the surface, or \"outside\" (a vessel)");
+  const double scale = table.number("scale", range::above(0)).value_or(1) / table.context().units.cell_size;
+  const Vec3 position = table.vector("position", dimension::length).value_or(Vec3::Zero());
+  const rigid::Quat orientation = read_orientation(table);
+  const bool hollow = table.choice("solid", {"inside", "outside"}) == "outside";
+  Vec3 point = position;
+  read_motion(table.table("motion"), wall, point);
+  wall.start = {point, orientation};
+  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
+    const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
+    wall.file = name, wall.contents = contents_of(read);
+    wall.mesh = {read.surface, hollow};
+    if (point != position) wall.mesh = wall.mesh.recentred(orientation.conjugate() * (point - position));
+  });
+  return wall;
+}
+
+}  // namespace silt::coupler

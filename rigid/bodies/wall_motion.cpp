@@ -1,0 +1,94 @@
+#include "rigid/bodies/wall_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double full_turn = 2 * std::numbers::pi;
+
+Quat turn_by(const Vec3& rotation) {
+  const double angle = rotation.norm();
+  if (angle == 0) return Quat::Identity();
+  const Vec3 v = std::sin(0.5 * angle) / angle * rotation;
+  return Quat(std::cos(0.5 * angle), v[0], v[1], v[2]);
+}
+
+/// Displacement and rotation, and their rates.
+struct Interpolated {
+  Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero(), rate = Vec3::Zero();
+};
+
+/// Slope of a parabola through a row and its neighbours; zero at the ends, where the wall is at rest.
+template <class Of>
+Vec3 slope(const std::vector<MotionRow>& table, std::size_t k, Of of) {
+  if (k == 0 || k + 1 == table.size()) return Vec3::Zero();
+  const double before = table[k].time - table[k - 1].time, after = table[k + 1].time - table[k].time;
+  const Vec3 left = (table[k].*of - table[k - 1].*of) / before,
+             right = (table[k + 1].*of - table[k].*of) / after;
+  return (after * left + before * right) / (before + after);
+}
+
+/// The cubic between two rows that has their values and slopes (C. Hermite), and its derivative.
+template <class Of>
+std::pair<Vec3, Vec3> cubic(const std::vector<MotionRow>& table, std::size_t k, double time, Of of) {
+  const double length = table[k + 1].time - table[k].time, s = (time - table[k].time) / length;
+  const Vec3 a = table[k].*of, b = table[k + 1].*of;
+  const Vec3 p = length * slope(table, k, of), q = length * slope(table, k + 1, of);
+  const Vec3 c2 = 3 * (b - a) - 2 * p - q, c3 = 2 * (a - b) + p + q;
+  return {a + s * (p + s * (c2 + s * c3)), (p + s * (2 * c2 + s * 3 * c3)) / length};
+}
+
+Interpolated at(const std::vector<MotionRow>& table, double time) {
+  Interpolated found;
+  if (table.empty()) return found;
+  if (time <= table.front().time || table.size() == 1)
+    return {table.front().displacement, table.front().rotation};
+  if (time >= table.back().time) return {table.back().displacement, table.back().rotation};
+  const auto next = std::upper_bound(table.begin(), table.end(), time,
+                                     [](double t, const MotionRow& row) { return t < row.time; });
+  const auto k = static_cast<std::size_t>(next - table.begin()) - 1;
+  std::tie(found.displacement, found.velocity) = cubic(table, k, time, &MotionRow::displacement);
+  std::tie(found.rotation, found.rate) = cubic(table, k, time, &MotionRow::rotation);
+  return found;
+}
+
+/// Angular velocity of a body whose rotation vector changes at a rate (the left Jacobian of SO(3)).
+Vec3 angular_velocity_of(const Vec3& rotation, const Vec3& rate) {
+  const double angle = rotation.norm();
+  const double small = 1e-4;  // below it the next terms of the series are rounding
+  const double a = angle < small ? 0.5 - angle * angle / 24 : (1 - std::cos(angle)) / (angle * angle);
+  const double b =
+      angle < small ? 1. / 6 - angle * angle / 120 : (angle - std::sin(angle)) / (angle * angle * angle);
+  return rate + a * rotation.cross(rate) + b * rotation.cross(rotation.cross(rate));
+}
+
+}  // namespace
+
+bool WallMotion::moves() const {
+  return !velocity.isZero(0) || !angular_velocity.isZero(0) || (!amplitude.isZero(0) && frequency != 0) ||
+         table.size() > 1;
+}
+
+Pose WallMotion::pose(const Pose& start, double time) const {
+  const Interpolated moved = at(table, time);
+  const Vec3 to =
+      velocity * time + amplitude * std::sin(full_turn * frequency * time + phase) + moved.displacement;
+  const Vec3 turned = angular_velocity * time + moved.rotation;
+  return {start.position + to, (turn_by(turned) * start.orientation).normalized()};
+}
+
+WallMotion::Velocity WallMotion::velocity_at(double time) const {
+  const Interpolated moved = at(table, time);
+  const double swing = full_turn * frequency;
+  return {velocity + amplitude * (swing * std::cos(swing * time + phase)) + moved.velocity,
+          angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
+}
+
+}  // namespace silt::rigid

@@ -1,0 +1,35 @@
+#pragma once
+// The prescribed motion of a wall: its pose is a function of time alone, so a run that goes on, or runs on
+// other ranks, has the same walls to the bit.
+#include <vector>
+
+#include "rigid/math/types.hpp"
+
+namespace silt::rigid {
+
+/// A row of a table of motion: where the wall has gone to since time 0.
+struct MotionRow {
+  double time;
+  Vec3 displacement, rotation;  // rotation: vector along the axis, its length the angle in radian
+};
+
+/// The wall's reference point is carried along and the wall turns about it; what is given of all this is
+/// added up, but a turn at a constant rate and one of a table exclude each other. Lattice units.
+struct WallMotion {
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+  Vec3 amplitude = Vec3::Zero();      // the reference point oscillates about where it would be without
+  double frequency = 0, phase = 0;    // 1 / step; radian at time 0
+  std::vector<MotionRow> table = {};  // times grow; before and after it the wall rests
+
+  bool moves() const;
+  /// Where a wall is that was at `start` at time 0, but for the displacement that the phase or the table give
+  /// it then.
+  Pose pose(const Pose& start, double time) const;
+  struct Velocity {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  };
+  /// The derivative of the pose.
+  Velocity velocity_at(double time) const;
+};
+
+}  // namespace silt::rigid
