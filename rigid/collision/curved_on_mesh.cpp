@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
+#include "rigid/collision/climb.hpp"
 #include "rigid/collision/convex_manifold.hpp"
 #include "rigid/collision/deepest_direction.hpp"
 #include "rigid/collision/manifold.hpp"
@@ -14,6 +16,7 @@ namespace {
 constexpr double rounding = 1e-9;  // part of the pair's size: what a normal that was searched for may be off
 /// Part of a body's least width: deeper behind a triangle, the way out may be another one.
 constexpr double deep = 0.02;
+constexpr double wide_angle = 0.6;  // radian
 
 /// A triangle as a flat polyhedron, whose codes are 1 to 3 its corners, 4 to 6 its edges, 7 its face.
 class FlatPolyhedron {
@@ -65,18 +68,29 @@ class OnTriangle {
     if (over) add_over_face(triangle);
   }
 
-  /// Of the triangles that the body overlaps, keeps the plane that it is the least deep behind.
+  /// Keeps the triangle if the body overlaps it.
   void look_for_overlap(std::uint32_t triangle) {
     const std::optional<double> gap = take(triangle);
-    if (!gap || *gap > 0 || *gap <= least_deep_) return;
+    if (!gap || *gap > 0) return;
     const auto found = approach();
     if (!found || found->peak.core_gap > core_.radius) return;
-    least_deep_ = *gap;
-    const Vec3 on_body = core_.support(-n_) - core_.radius * n_;
-    overlap_ = MeshContact{{on_body, on_body - *gap * n_, -n_, *gap, 0}, 0, mesh_.code_of_facet(triangle)};
+    overlapped_.push_back(triangle);
+    for (const Vec3& m : {n_, Vec3(-found->peak.normal)})
+      if (m.dot(n_) > 0) ways_.push_back(m);
   }
+  /// Adds the contact along the way in which it has to go the least to be clear of the hull of them all.
   void add_overlap() {
-    if (overlap_) add(*overlap_);
+    if (overlapped_.empty()) return;
+    const ConvexShape hull = Polyhedron{hull_of_overlapped()};
+    const ConvexCore other = convex_core(hull, {Vec3::Zero(), Quat::Identity()});
+    std::optional<Peak> best;
+    for (const Vec3& m : ways_)
+      if (const Peak peak = climb(core_, other, -m, wide_angle); !best || peak.core_gap > best->core_gap)
+        best = peak;
+    const Vec3& n = best->normal;
+    const Vec3 on_body = core_.support(n) + core_.radius * n;
+    const double gap = best->core_gap - core_.radius;
+    add({{on_body, on_body + gap * n, n, gap, 0}, 0, mesh_.code_of_facet(overlapped_.front())});
   }
 
  private:
@@ -91,9 +105,33 @@ class OnTriangle {
     return n_.dot(core_.support(-n_) - corners_[0]) - core_.radius;
   }
 
+  /// Enough of a polyhedron to climb on: corners, those along edges from each, faces.
+  std::shared_ptr<const PolyhedronMesh> hull_of_overlapped() const {
+    auto hull = std::make_shared<PolyhedronMesh>();
+    std::map<std::uint32_t, int> number;
+    for (const std::uint32_t t : overlapped_) {
+      PolyhedronMesh::Face face{mesh_.normal(t), 0, {}};
+      for (const std::uint32_t v : mesh_.surface().triangles()[t]) {
+        const auto [at, is_new] = number.try_emplace(v, static_cast<int>(hull->vertices.size()));
+        if (is_new) hull->vertices.push_back(mesh_.corner(v) - pose_.position);
+        face.corners.push_back(at->second);
+      }
+      face.offset = face.normal.dot(hull->vertices[face.corners[0]]);
+      hull->faces.push_back(face);
+    }
+    hull->neighbours.resize(hull->vertices.size());
+    for (const auto& face : hull->faces)
+      for (const int u : face.corners)
+        for (const int v : face.corners)
+          if (u != v) hull->neighbours[u].push_back(v);
+    return hull;
+  }
+
   bool has_sharp(std::uint32_t triangle) const {
     const auto& t = mesh_.surface().triangles()[triangle];
-    return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return mesh_.is_corner(v); });
+    for (int k = 0; k < 3; ++k)
+      if (mesh_.is_corner(t[k]) || mesh_.is_sharp(mesh_.edge_of(triangle, k))) return true;
+    return false;
   }
 
   void add_over_face(std::uint32_t triangle) {
@@ -194,8 +232,8 @@ class OnTriangle {
   Vec3 n_;
   std::array<Vec3, 3> corners_;  // from the body's centre
   FlatPolyhedron flat_;
-  double least_deep_ = -std::numeric_limits<double>::infinity();
-  std::optional<MeshContact> overlap_;
+  std::vector<std::uint32_t> overlapped_;
+  std::vector<Vec3> ways_;  // out
 };
 
 }  // namespace

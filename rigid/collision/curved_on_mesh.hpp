@@ -21,8 +21,8 @@ void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const Mesh
                            std::vector<MeshContact>& out);
 
 /// Appends, for a body that overlaps triangles and yet has no contact, as corners that are deep in corners
-/// may have none, the one with the plane of such a triangle that it is the least deep behind. Of any convex
-/// body.
+/// may have none, the one in which it is the least deep in the hull of these triangles, of those that climb()
+/// finds from their normals. Of any convex body.
 void append_overlap(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
                     std::span<const std::uint32_t> near, std::vector<MeshContact>& out);
 

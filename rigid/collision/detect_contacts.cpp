@@ -87,15 +87,6 @@ void DetectContacts::learn_shapes(const World& world) {
       shape.surfaces.push_back(features_of_polytope(shape.parts[i].shape));
 }
 
-/// Of a mesh the box of its box: its corners may be many.
-BoundingBox DetectContacts::box_at(const World& world, std::size_t shape, const Pose& pose) const {
-  const auto* mesh = std::get_if<Mesh>(&world.shapes[shape]);
-  if (!mesh) return bounding_box(world.shapes[shape], pose);
-  const BoundingBox& box = mesh->surface->box();
-  const Vec3 half = pose.orientation.toRotationMatrix().cwiseAbs() * (0.5 * (box.upper - box.lower));
-  return BoundingBox::around(pose.to_world(0.5 * (box.lower + box.upper)), half);
-}
-
 void DetectContacts::set_reach(const World& world, const BodySet& bodies, double dt) {
   const std::size_t count = bodies.first_wall();
   reach_.resize(count);
@@ -106,7 +97,7 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     const double radius = world.bounding_radii[bodies.shape[row]];
     turn_[row] = shapes_[bodies.shape[row]].sphere ? 0.0 : dt * radius * bodies.angular_velocity[row].norm();
     if (!shapes_[bodies.shape[row]].sphere)
-      boxes_[row] = box_at(world, bodies.shape[row], {Vec3::Zero(), bodies.orientation[row]});
+      boxes_[row] = bounding_box(world.shapes[bodies.shape[row]], {Vec3::Zero(), bodies.orientation[row]});
     const double travel =
         dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_in_fluid[row]);
     double margin = std::min(margin_safety * travel + least_margin * radius, world.contact_margin);
@@ -289,8 +280,10 @@ void DetectContacts::add_mesh_walls(const Call& call) {
   const Extent& extent = call.exchange.extent();
   const auto first = static_cast<std::ptrdiff_t>(pairs_.size());
   for (std::size_t wall = bodies.first_wall(); wall < bodies.size(); ++wall) {
-    if (!shapes_[bodies.shape[wall]].mesh) continue;
-    const BoundingBox box = box_at(call.world, bodies.shape[wall], bodies.pose(wall));
+    const auto& mesh = shapes_[bodies.shape[wall]].mesh;
+    if (!mesh) continue;
+    const BoundingBox box =
+        Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // of a hollow one too
     for (const Image image : images(extent))
       for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
         if (!bodies.is_free(row)) continue;

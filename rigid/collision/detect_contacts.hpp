@@ -54,7 +54,6 @@ class DetectContacts {
     const Pose& pose;
   };
   void learn_shapes(const World&);
-  BoundingBox box_at(const World&, std::size_t shape, const Pose&) const;
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, const Vec3& shift, double dt) const;
   void add_mesh_walls(const Call&);

@@ -47,6 +47,7 @@ MeshFeatures::MeshFeatures(const Mesh& mesh) : mesh_(mesh) {
     throw std::invalid_argument("a mesh of " + std::to_string(surface().triangles().size()) +
                                 " triangles is too fine for contacts: at most 700 million");
   find_rings();
+  find_corners();
   find_facets();
 }
 
@@ -100,16 +101,28 @@ void MeshFeatures::find_edges() {
 
 void MeshFeatures::find_rings() {
   ring_start_.assign(vertex_count() + 1, 0);
-  corner_.assign(vertex_count(), 0);
-  for (std::size_t e = 0; e < edges_.size(); ++e)
-    for (const std::uint32_t v : {edges_[e].low, edges_[e].high}) {
-      ++ring_start_[v + 1];
-      corner_[v] |= sharp_[e];
-    }
+  for (const Edge& e : edges_) ++ring_start_[e.low + 1], ++ring_start_[e.high + 1];
   for (std::size_t v = 0; v + 1 < ring_start_.size(); ++v) ring_start_[v + 1] += ring_start_[v];
   ring_.resize(2 * edges_.size());
   std::vector<std::uint32_t> next(ring_start_.begin(), ring_start_.end() - 1);
   for (const Edge& e : edges_) ring_[next[e.low]++] = e.high, ring_[next[e.high]++] = e.low;
+}
+
+/// But for those on a straight line: where just two sharp edges meet, one going on as the other.
+void MeshFeatures::find_corners() {
+  std::vector<std::uint8_t> ends(vertex_count(), 0);
+  std::vector<Vec3> sum(vertex_count(), Vec3::Zero());
+  constexpr std::uint8_t many = 3;
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    if (!sharp_[e]) continue;
+    const auto& [low, high, triangles, opposite] = edges_[e];
+    const Vec3 along = (corner(high) - corner(low)).normalized();
+    sum[low] += along, sum[high] -= along;
+    for (const std::uint32_t v : {low, high}) ends[v] = std::min<std::uint8_t>(many, ends[v] + 1);
+  }
+  corner_.resize(vertex_count());
+  for (std::uint32_t v = 0; v < vertex_count(); ++v)
+    corner_[v] = ends[v] == many || ends[v] == 1 || (ends[v] == 2 && sum[v].norm() > flat);
 }
 
 /// From the first triangle of each on, to neighbours with its normal.

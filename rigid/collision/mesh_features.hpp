@@ -34,7 +34,7 @@ class MeshFeatures {
   /// Whether the solid is less than a half-space there, by more than `flat` (radian): only such an edge can
   /// touch.
   bool is_sharp(std::uint32_t e) const { return sharp_[e]; }
-  /// Whether a sharp edge ends there.
+  /// Whether a sharp edge ends there, and does not just go on as another.
   bool is_corner(std::uint32_t vertex) const { return corner_[vertex]; }
   /// How many edges end there.
   std::size_t valence(std::uint32_t vertex) const { return ring_start_[vertex + 1] - ring_start_[vertex]; }
@@ -57,6 +57,7 @@ class MeshFeatures {
   std::uint32_t third_corner(std::uint32_t triangle, std::uint32_t low, std::uint32_t high) const;
   void find_edges();
   void find_rings();
+  void find_corners();
   void find_facets();
 
   Mesh mesh_;

@@ -69,17 +69,11 @@ class CornersOn {
   void for_contacts(Use&& use) {
     std::sort(found_.begin(), found_.end(),
               [](const OnFace& p, const OnFace& q) { return p.key() < q.key(); });
-    std::vector<const OnFace*> behind;  // of one corner
-    const OnFace* last = nullptr;
+    std::vector<const OnFace*> nearer;  // of one corner
     for (const OnFace& p : found_) {
-      if (!last || p.vertex != last->vertex) behind.clear();
-      last = &p;
-      if (p.height >= 0) {
-        use(p);
-        continue;
-      }
-      if (!is_way_out(p, behind)) continue;
-      behind.push_back(&p);
+      if (!nearer.empty() && nearer[0]->vertex != p.vertex) nearer.clear();
+      if (p.height < 0 && !is_way_out(p, nearer)) continue;
+      nearer.push_back(&p);
       use(p);
     }
   }
@@ -129,8 +123,8 @@ class CornersOn {
       beside_.push_back({v, code, x, m, distance});
   }
 
-  /// Whether a corner in the solid, behind the nearer faces, has to come out through this one too: where
-  /// they meet as in a room's corner.
+  /// Whether a corner behind a face has to come out there, and not through those that are nearer: all of
+  /// these meet it as in a room's corner.
   bool is_way_out(const OnFace& p, const std::vector<const OnFace*>& nearer) const {
     if (p.height < -1e3 * slack_ && !on_.contains(p.x)) return false;
     const auto own = on_.mesh.surface().corners(p.triangle);
@@ -183,7 +177,7 @@ void cross_edges(const Placed& a, std::uint32_t edge_a, const Placed& b, std::ui
   const double square = cross.squaredNorm();
   if (!(square > parallel * parallel * s.d.squaredNorm() * r.d.squaredNorm())) return;
   const double t = between.cross(r.d).dot(cross) / square, u = between.cross(s.d).dot(cross) / square;
-  if (t < 0 || t > 1 || u < 0 || u > 1) return;
+  if (std::min({t, 1 - t, u, 1 - u}) < -rounding) return;
   Vec3 out_of_b = cross / std::sqrt(square);
   if (!b.edge_supports(edge_b, out_of_b, tilt) || !a.edge_supports(edge_a, -out_of_b, tilt)) {
     out_of_b = -out_of_b;
