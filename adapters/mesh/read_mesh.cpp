@@ -16,7 +16,7 @@ namespace {
 
 using rigid::Vec3;
 
-constexpr double same_corner = 1e-7;  // of the size: that of single precision
+constexpr double same_corner = 5e-7;  // of the size: a few roundings to single precision
 
 Soup stl_soup(std::string_view bytes) {
   Soup soup;
@@ -65,6 +65,9 @@ ReadMesh read_mesh(std::string_view name, std::string_view bytes, double scale) 
   read.closed = close(soup, scale);
   read.surface =
       std::make_shared<const rigid::TriangleMesh>(std::move(soup.points), std::move(soup.triangles));
+  if (!(read.surface->mass_properties().volume > 0))
+    throw std::invalid_argument(
+        "its shells cut one another: what they enclose has no volume; take them apart");
   return read;
 }
 

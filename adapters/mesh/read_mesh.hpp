@@ -17,7 +17,7 @@ struct ReadMesh {
 };
 
 /// Reads the bytes of an STL, OBJ or PLY file, which of them its name's ending says, every length times
-/// `scale`. Corners closer than 1e-7 of its size are one. std::invalid_argument says what is wrong, with
+/// `scale`. Corners closer than 5e-7 of its size are one. std::invalid_argument says what is wrong, with
 /// points in the units of the file, and what to do. Memory: about 300 bytes a triangle, whatever a header
 /// claims.
 ReadMesh read_mesh(std::string_view name, std::string_view bytes, double scale);

@@ -279,8 +279,7 @@ class LinkWriter {
     if (scheme_ == WallScheme::bounce_back)
       std::fill_n(q, n, T(0.5));
     else if (is_mesh_)
-      for (std::uint32_t k = 0; k < n; ++k)
-        q[k] = T(mesh_.of(corner + lbm::place_cell(place[k]), lbm::place_direction(place[k])));
+      mesh_.set(corner, place, n, q);
     else if (is_tube_)
       distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), q);
     else

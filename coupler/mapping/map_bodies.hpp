@@ -4,7 +4,7 @@
 // a cell agrees on it.
 #include <span>
 
-#include "coupler/mapping/mesh_crossings.hpp"
+#include "coupler/mapping/placed_mesh.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "lbm/domain.hpp"

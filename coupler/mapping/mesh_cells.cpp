@@ -40,23 +40,10 @@ void fill(BitWindow& window, bool hollow) {
 
 void mark_mesh(const rigid::Mesh& mesh, PlacedMesh& placed, Int3 low, BitWindow& window) {
   const BitFrame& f = window.frame();
-  const Lines rows(1);
-  const Range us{low[rows.a] + 2, low[rows.a] + f.size[rows.a] - 3},
-      vs{low[rows.b] + 2, low[rows.b] + f.size[rows.b] - 3};
   const Vec3 first(std::min<double>(placed.box().lower[0], low.x), low.y,
                    low.z);  // what is before a row matters
   const Vec3 last(low.x + f.size.x, low.y + f.size.y, low.z + f.size.z);
-  for (const std::uint32_t triangle : placed.near(first, last)) {
-    const SeenTriangle seen(placed.corners(triangle), rows);
-    const Range u = us.within(seen.u_range()), v = vs.within(seen.v_range());
-    if (u.empty() || v.empty()) continue;
-    seen.meet<Touching::is_moved>(u, v, [&](std::int64_t y, std::int64_t z, std::int64_t w) {
-      const std::int64_t x = std::max<std::int64_t>((w + cell_units - 1) >> cell_bits, low.x + 2) - low.x;
-      if (x >= f.size.x - 2) return;
-      const std::size_t bit = f.row(f.low.y + int(y) - low.y, f.low.z + int(z) - low.z) + std::size_t(x);
-      window.words()[bit >> 6] ^= std::uint64_t{1} << (bit & 63);
-    });
-  }
+  mesh_kernels().mark_changes(placed.near(first, last), f, low, window.words());
   fill(window, mesh.hollow);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // The cells inside a mesh.
 #include "coupler/mapping/bit_window.hpp"
-#include "coupler/mapping/mesh_crossings.hpp"
+#include "coupler/mapping/placed_mesh.hpp"
 #include "rigid/shapes/mesh.hpp"
 
 namespace silt::coupler {

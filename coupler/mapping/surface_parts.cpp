@@ -28,7 +28,7 @@ class Preparation {
       std::visit([&](const auto& shape) { shape.surface(*this); }, part.shape);
     }
   }
-  void operator()(const rigid::Mesh&) {}  // its triangles are no parts: mesh_crossings.hpp
+  void operator()(const rigid::Mesh&) {}  // its triangles are no parts: placed_mesh.hpp
   template <class S>
   void operator()(const S& shape) {
     shape.surface(*this);

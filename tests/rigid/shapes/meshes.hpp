@@ -155,6 +155,28 @@ inline TriangleMesh icosphere(double radius, int halvings) {
   return {corners, triangles};
 }
 
+inline TriangleMesh scaled(const TriangleMesh& mesh, double scale) {
+  std::vector<Vec3> corners(mesh.vertices().begin(), mesh.vertices().end());
+  for (Vec3& x : corners) x *= scale;
+  return {std::move(corners), {mesh.triangles().begin(), mesh.triangles().end()}};
+}
+
+/// A cylinder about z between two regular polygons of n corners, whose area is that of the circle.
+inline TriangleMesh prism_mesh(double radius, double half_length, std::uint32_t n) {
+  const double angle = 2 * std::numbers::pi / n, rho = radius * std::sqrt(angle / std::sin(angle));
+  std::vector<Vec3> corners = {{0, 0, -half_length}, {0, 0, half_length}};
+  Triangles triangles;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    for (const double z : {-half_length, half_length})
+      corners.push_back({rho * std::cos(angle * i), rho * std::sin(angle * i), z});
+    const std::uint32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % n);
+    for (const TriangleMesh::Triangle& t :
+         Triangles{{0, b, a}, {1, a + 1, b + 1}, {a, b, b + 1}, {a, b + 1, a + 1}})
+      triangles.push_back(t);
+  }
+  return {std::move(corners), std::move(triangles)};
+}
+
 inline Mesh solid_of(TriangleMesh surface) {
   return {std::make_shared<const TriangleMesh>(std::move(surface)), false};
 }

@@ -1,18 +1,13 @@
 #pragma once
-// Where the lines of lattice points meet the triangles of a mesh: in whole numbers, so that neither blocks
-// nor ranks nor instruction sets have a say. All lines of one direction c at a time, and of the triangles
-// only those near a block.
+// Where lines of lattice points meet a triangle: in whole numbers, so that neither blocks nor ranks nor
+// instruction sets have a say. For kernels too: no Eigen.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
-#include <vector>
 
-#include "lbm/block.hpp"
 #include "lbm/lattice.hpp"
-#include "rigid/math/types.hpp"
-#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::coupler {
 
@@ -22,39 +17,23 @@ inline constexpr std::int64_t cell_units = std::int64_t{1} << cell_bits;
 
 using Whole3 = std::array<std::int64_t, 3>;
 
-/// A mesh at a pose, its corners rounded to whole units: the same in every block.
-class PlacedMesh {
- public:
-  /// Keeps a reference to the mesh.
-  void place(const rigid::TriangleMesh&, const rigid::Pose&);
-  /// Triangles whose boxes overlap a box of cells (an image of the domain's), and perhaps some near it.
-  const std::vector<std::uint32_t>& near(const rigid::Vec3& low, const rigid::Vec3& high);
-  /// In cells, as they are counted in `near`.
-  rigid::BoundingBox box() const;
-  /// Of a triangle that `near` has given.
-  std::array<Whole3, 3> corners(std::uint32_t triangle) const {
-    const rigid::TriangleMesh::Triangle& t = mesh_->triangles()[triangle];
-    return {corner_[t[0]], corner_[t[1]], corner_[t[2]]};
-  }
+/// The nearest whole number, of numbers below 2^51; the same with every instruction set.
+inline std::int64_t to_whole(double x) {
+  constexpr double rounder = 0x1.8p52;  // the low bits of a sum with it are those of the whole number
+  const double sum = x + rounder;
+  std::int64_t bits, zero;
+  std::memcpy(&bits, &sum, sizeof bits), std::memcpy(&zero, &rounder, sizeof zero);
+  return bits - zero;
+}
 
- private:
-  void round_corners(std::uint32_t triangle);
-
-  const rigid::TriangleMesh* mesh_ = nullptr;
-  rigid::Pose pose_;
-  std::vector<Whole3> corner_;
-  std::vector<char> rounded_;
-  std::vector<std::uint32_t> near_;
-};
-
-/// The lines along a direction c that is one of a half: through the lattice points (u, v, w) whose
-/// coordinates are w along an axis, and u + c_a w and v + c_b w along the others, for all w.
+/// The lines along a direction c: through the lattice points (u, v, w) whose coordinates are w along an axis,
+/// and u + c_a w and v + c_b w along the others, for all w.
 struct Lines {
   int axis, a, b, c_a, c_b;
   int forward, backward;  // the directions i that run along them, to greater and to less w
 
   explicit Lines(int direction) {
-    lbm::Int3 c = lbm::c[direction];
+    const lbm::Int3 c = lbm::c[direction];
     axis = c.x != 0 ? 0 : c.y != 0 ? 1 : 2;
     a = (axis + 1) % 3, b = (axis + 2) % 3;
     const bool reversed = c[axis] < 0;
@@ -82,11 +61,13 @@ enum class Touching { counts, is_moved };
 /// A triangle seen along lines: its corners in their coordinates u, v, w, in units.
 class SeenTriangle {
  public:
-  SeenTriangle(const std::array<Whole3, 3>& corners, const Lines& lines) {
+  SeenTriangle(const Whole3& p, const Whole3& q, const Whole3& r, const Lines& lines) {
+    const Whole3* const corners[] = {&p, &q, &r};
     for (int k = 0; k < 3; ++k) {
-      w_[k] = corners[k][lines.axis];
-      u_[k] = corners[k][lines.a] - lines.c_a * w_[k];
-      v_[k] = corners[k][lines.b] - lines.c_b * w_[k];
+      const Whole3& x = *corners[k];
+      w_[k] = x[lines.axis];
+      u_[k] = x[lines.a] - lines.c_a * w_[k];
+      v_[k] = x[lines.b] - lines.c_b * w_[k];
     }
   }
   /// Lattice points in its range of u, or of v.
@@ -105,32 +86,30 @@ class SeenTriangle {
   }
 
  private:
-  static std::int64_t extent(const Whole3& x) {
-    return std::max({x[0], x[1], x[2]}) - std::min({x[0], x[1], x[2]});
-  }
+  static std::int64_t least(const Whole3& x) { return std::min(std::min(x[0], x[1]), x[2]); }
+  static std::int64_t largest(const Whole3& x) { return std::max(std::max(x[0], x[1]), x[2]); }
+  static std::int64_t extent(const Whole3& x) { return largest(x) - least(x); }
   static Range points_between(const Whole3& x) {
-    return {(std::min({x[0], x[1], x[2]}) + cell_units - 1) >> cell_bits,
-            std::max({x[0], x[1], x[2]}) >> cell_bits};
+    return {(least(x) + cell_units - 1) >> cell_bits, largest(x) >> cell_bits};
   }
 
-  /// Of a row v, the lattice points u between its edges, and one more on either side.
+  /// Of a row v, the lattice points u between its edges, to rounding.
   Range row(std::int64_t v, const Range& all) const {
-    constexpr std::int64_t few = 4;  // not worth it
-    if (all.last - all.first < few) return all;
+    if (all.first == all.last) return all;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    const double at = double(v << cell_bits);
+    const std::int64_t at = v << cell_bits;
     for (int k = 0; k < 3; ++k) {
       const int l = (k + 1) % 3;
-      const double a = double(v_[k]), b = double(v_[l]);
-      if (std::max(a, b) < at || std::min(a, b) > at) continue;
-      const double share = a == b ? 0 : (at - a) / (b - a);
+      if (std::max(v_[k], v_[l]) < at || std::min(v_[k], v_[l]) > at) continue;
+      const double share = v_[k] == v_[l] ? 0 : double(at - v_[k]) / double(v_[l] - v_[k]);
       const double u = double(u_[k]) + share * double(u_[l] - u_[k]);
-      low = std::min({low, u, a == b ? double(u_[l]) : u}),
-      high = std::max({high, u, a == b ? double(u_[l]) : u});
+      const double end = v_[k] == v_[l] ? double(u_[l]) : u;
+      low = std::min(low, std::min(u, end)), high = std::max(high, std::max(u, end));
     }
     if (!(low <= high)) return {0, -1};
+    constexpr std::int64_t rounding = 4;  // units
     return all.within(
-        {std::int64_t(std::floor(low / cell_units)) - 1, std::int64_t(std::ceil(high / cell_units)) + 1});
+        {(to_whole(low) - rounding + cell_units - 1) >> cell_bits, (to_whole(high) + rounding) >> cell_bits});
   }
 
   template <class Int, Touching touching, class Visit>
@@ -151,7 +130,7 @@ class SeenTriangle {
   /// side[k]: on which side of the edge opposite to corner k the line passes; ru, rv: the corners from it.
   template <Touching touching, class Int>
   static bool meets(const Int (&side)[3], const Int (&ru)[3], const Int (&rv)[3]) {
-    if (touching == Touching::counts) {
+    if constexpr (touching == Touching::counts) {
       const bool left = side[0] >= 0 && side[1] >= 0 && side[2] >= 0;
       const bool right = side[0] <= 0 && side[1] <= 0 && side[2] <= 0;
       return (left || right) && side[0] + side[1] + side[2] != 0;
@@ -168,10 +147,9 @@ class SeenTriangle {
   template <class Int>
   std::int64_t where(const Int (&side)[3]) const {
     const double area = double(side[0]) + double(side[1]) + double(side[2]);
-    const auto [low, high] = std::minmax({w_[0], w_[1], w_[2]});
     const double from_first =
         (double(side[1]) * double(w_[1] - w_[0]) + double(side[2]) * double(w_[2] - w_[0])) / area;
-    return std::clamp(w_[0] + std::int64_t(std::llround(from_first)), low, high);
+    return std::clamp(w_[0] + to_whole(from_first), least(w_), largest(w_));
   }
 
   Whole3 u_, v_, w_;

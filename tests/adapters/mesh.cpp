@@ -1,0 +1,285 @@
+// Mesh files: what they hold, what is mended and what is refused; and files that are no longer what they
+// were.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "adapters/mesh/read_mesh.hpp"
+
+namespace silt::adapters {
+namespace {
+
+using rigid::Vec3;
+
+const Vec3 corner_of(int i) {
+  return Vec3(i & 1, i >> 1 & 1, i >> 2 & 1);
+}
+
+/// The triangles of a cube.
+std::vector<std::array<int, 3>> cube() {
+  std::vector<std::array<int, 3>> triangles;
+  const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                             {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (const auto& s : squares)
+    triangles.push_back({s[0], s[1], s[2]}), triangles.push_back({s[0], s[2], s[3]});
+  return triangles;
+}
+
+struct Piece {
+  Vec3 at = Vec3::Zero();
+  double size = 1;
+};
+
+/// Cubes as an OBJ file.
+std::string obj_of(const std::vector<Piece>& pieces,
+                   const std::vector<std::array<int, 3>>& triangles = cube()) {
+  std::string text = "# cubes\nmtllib none.mtl\n";
+  char line[100];
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 x = pieces[p].at + pieces[p].size * corner_of(i);
+      std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
+      text += line;
+    }
+    for (const auto& t : triangles) {
+      std::snprintf(line, sizeof line, "f %d/1/2 %d//3 %d\n", t[0] - 8, t[1] - 8, t[2] - 8);
+      text += line;
+    }
+  }
+  return text;
+}
+
+std::string ply_header(const char* format, int vertices, int faces) {
+  return std::string("ply\nformat ") + format + " 1.0\ncomment a cube\nelement vertex " +
+         std::to_string(vertices) +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face " +
+         std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+std::string ply_text() {
+  std::string text = ply_header("ascii", 8, 12);
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 x = corner_of(i);
+    text += std::to_string(int(x[0])) + ' ' + std::to_string(int(x[1])) + ' ' + std::to_string(int(x[2])) +
+            " 255\n";
+  }
+  for (const auto& t : cube())
+    text += "3 " + std::to_string(t[0]) + ' ' + std::to_string(t[1]) + ' ' + std::to_string(t[2]) + '\n';
+  return text;
+}
+std::string ply_binary() {
+  std::string bytes = ply_header("binary_little_endian", 8, 12);
+  const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
+  for (int i = 0; i < 8; ++i) {
+    for (int d = 0; d < 3; ++d) put(float(corner_of(i)[d]));
+    put(std::uint8_t{255});
+  }
+  for (const auto& t : cube()) put(std::uint8_t{3}), put(t);
+  return bytes;
+}
+std::string stl_binary() {
+  std::string bytes(80, ' ');
+  const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
+  put(std::uint32_t{12});
+  for (const auto& t : cube()) {
+    for (int k = 0; k < 3; ++k) put(0.f);
+    for (const int i : t)
+      for (int d = 0; d < 3; ++d) put(float(corner_of(i)[d]));
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+std::string stl_text() {
+  std::string text = "solid cube\n";
+  for (const auto& t : cube()) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int i : t) {
+      const Vec3 x = corner_of(i);
+      text +=
+          "vertex " + std::to_string(x[0]) + ' ' + std::to_string(x[1]) + ' ' + std::to_string(x[2]) + '\n';
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid\n";
+}
+
+std::string error_of(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+std::string error_of_obj(const std::string& text) {
+  return error_of([&] { read_mesh("a.obj", text, 1); });
+}
+
+TEST(ReadMesh, EveryFormatHoldsTheCube) {
+  const std::pair<const char*, std::string> files[] = {{"a.STL", stl_binary()},
+                                                       {"a.stl", stl_text()},
+                                                       {"a.obj", obj_of({{}})},
+                                                       {"a.ply", ply_text()},
+                                                       {"a.ply", ply_binary()}};
+  for (const auto& [name, bytes] : files) {
+    const ReadMesh read = read_mesh(name, bytes, 2);
+    EXPECT_EQ(read.triangles, 12u) << name;
+    EXPECT_EQ(read.surface->vertices().size(), 8u);
+    EXPECT_NEAR(read.surface->mass_properties().volume, 8, 1e-14);
+    EXPECT_EQ(read.closed.shells, 1u);
+    EXPECT_EQ(read.closed.turned + read.closed.hollows + read.welded.degenerate + read.welded.duplicate, 0u);
+  }
+}
+
+TEST(ReadMesh, PolygonsBecomeTriangles) {
+  std::string text;
+  for (int i = 0; i < 8; ++i)
+    text +=
+        "v " + std::to_string(i & 1) + ' ' + std::to_string(i >> 1 & 1) + ' ' + std::to_string(i >> 2) + '\n';
+  text += "f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n";
+  EXPECT_NEAR(read_mesh("a.obj", text, 1).surface->mass_properties().volume, 1, 1e-15);
+  EXPECT_NE(error_of_obj("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 2 3 4 1\nf 1 2 3 4\n").find("not convex"),
+            std::string::npos);
+}
+
+TEST(ReadMesh, DefectsAreMendedAndCounted) {
+  auto triangles = cube();
+  std::swap(triangles[3][0], triangles[3][1]), std::swap(triangles[8][0], triangles[8][1]);
+  triangles.push_back(triangles[5]);
+  triangles.push_back({0, 0, 1});
+  const ReadMesh read = read_mesh("a.obj", obj_of({{}}, triangles), 1);
+  EXPECT_EQ(read.closed.turned, 2u);
+  EXPECT_EQ(read.welded.duplicate, 1u);
+  EXPECT_EQ(read.welded.degenerate, 1u);
+  EXPECT_NEAR(read.surface->mass_properties().volume, 1, 1e-15);
+  for (auto& t : triangles) std::swap(t[0], t[1]);
+  EXPECT_NEAR(read_mesh("a.obj", obj_of({{}}, triangles), 1).surface->mass_properties().volume, 1, 1e-15)
+      << "inside out";
+}
+
+/// A cube in a hollow of a cube, and one beside: outward, inward, outward again.
+TEST(ReadMesh, ShellsAreTurnedByWhatIsAroundThem) {
+  const ReadMesh read =
+      read_mesh("a.obj", obj_of({{{0, 0, 0}, 8}, {{1, 1, 1}, 4}, {{2, 2, 2}, 1}, {{20, 0, 0}, 2}}), 1);
+  EXPECT_EQ(read.closed.shells, 4u);
+  EXPECT_EQ(read.closed.hollows, 1u);
+  EXPECT_NEAR(read.surface->mass_properties().volume, 512 - 64 + 1 + 8, 1e-11);
+  EXPECT_TRUE(read.surface->encloses(Vec3(0.5, 4, 4)));
+  EXPECT_FALSE(read.surface->encloses(Vec3(1.5, 4, 4)));
+  EXPECT_TRUE(read.surface->encloses(Vec3(2.5, 2.5, 2.5)));
+}
+
+TEST(ReadMesh, NearlyEqualCornersAreOne) {
+  std::string bytes = stl_binary();
+  const float off = 1 + 5e-8f * 2;  // of the first corner that is 1
+  for (std::size_t at = 84 + 12; at + 4 <= 84 + 48; at += 4) {
+    float x;
+    std::memcpy(&x, bytes.data() + at, 4);
+    if (x != 1) continue;
+    std::memcpy(bytes.data() + at, &off, 4);
+    break;
+  }
+  EXPECT_EQ(read_mesh("a.stl", bytes, 1).surface->vertices().size(), 8u);
+}
+
+TEST(ReadMesh, WhatCannotBeMendedIsNamedWithItsPlace) {
+  auto open = cube();
+  open.pop_back();
+  EXPECT_NE(error_of_obj(obj_of({{}}, open)).find("3 edges, the first from [0, 0, 1]"), std::string::npos);
+  const std::string touching = error_of_obj(obj_of({{}, {{1, 1, 0}, 1}}));
+  EXPECT_NE(touching.find("more than two triangles meet in 1 edge, from [1, 1, 0] to [1, 1, 1]"),
+            std::string::npos)
+      << touching;
+  // a Moebius strip doubled to have no rim has one side only: here a projective plane of ten triangles
+  std::string plane;
+  for (const char* v : {"0 0 0", "1 0 0.3", "0 1 0.7", "1 1 1.1", "0.4 0.5 2", "0.7 0.2 -1"})
+    plane += std::string("v ") + v + '\n';
+  for (const char* f :
+       {"1 2 3", "1 3 4", "1 4 5", "1 5 6", "1 6 2", "2 3 5", "3 4 6", "4 5 2", "5 6 3", "6 2 4"})
+    plane += std::string("f ") + f + '\n';
+  EXPECT_NE(error_of_obj(plane).find("one side only"), std::string::npos) << error_of_obj(plane);
+  EXPECT_NE(error_of_obj("v 0 0 0\nf 1 2 3\n").find("line 2"), std::string::npos);
+  EXPECT_NE(error_of([] { read_mesh("a.step", "", 1); }).find(".stl, .obj or .ply"), std::string::npos);
+  std::string flat = obj_of({{}});
+  EXPECT_NE(error_of([&] {
+              read_mesh("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\nf 1 2 3\nf 1 3 2\n", 1);
+            }).find("closed"),
+            std::string::npos);
+}
+
+/// A header may claim anything: nothing is set aside for it.
+TEST(ReadMesh, AHeaderAloneIsNotBelieved) {
+  std::string stl(84, '\0');
+  const std::uint32_t claimed = 4'000'000'000;
+  std::memcpy(stl.data() + 80, &claimed, 4);
+  EXPECT_NE(error_of([&] { read_mesh("a.stl", stl, 1); }).find("cut off"), std::string::npos);
+  for (const char* format : {"ascii", "binary_little_endian"}) {
+    const std::string ply =
+        std::string("ply\nformat ") + format +
+        " 1.0\nelement nothing 18446744073709551615\nelement vertex 4000000000\nproperty float x\n"
+        "element face 4000000000\nproperty list uint int vertex_indices\nend_header\n";
+    EXPECT_NE(error_of([&] { read_mesh("a.ply", ply, 1); }).find("cut off"), std::string::npos);
+  }
+}
+
+/// A file with some bytes changed, cut, doubled or put elsewhere.
+std::string mutant(std::string bytes, std::mt19937& random) {
+  const auto place = [&] { return bytes.empty() ? 0 : random() % bytes.size(); };
+  for (unsigned n = 1 + random() % 4; n > 0; --n) switch (random() % 5) {
+      case 0:
+        if (!bytes.empty()) bytes[place()] = char(random());
+        break;
+      case 1:
+        bytes.resize(place());
+        break;
+      case 2: {
+        const std::size_t from = place(), length = std::min<std::size_t>(random() % 64, bytes.size() - from);
+        bytes.insert(place(), std::string(bytes, from, length));
+        break;
+      }
+      case 3: {
+        const std::size_t from = place();
+        bytes.erase(from, random() % 64);
+        break;
+      }
+      default:
+        if (!bytes.empty()) {
+          const char* const odd[] = {"nan", "1e999", "-1", "4294967295", "0", "99999999999999999999",
+                                     "\n",  " "};
+          bytes.insert(place(), odd[random() % 8]);
+        }
+    }
+  return bytes;
+}
+
+/// Either it is a closed surface or it is refused.
+TEST(ReadMesh, TenThousandMutantsAreReadOrRefused) {
+  constexpr int count = 2000;  // of each file
+  const std::pair<const char*, std::string> files[] = {{"a.stl", stl_binary()},
+                                                       {"a.stl", stl_text()},
+                                                       {"a.obj", obj_of({{}, {{0.2, 0.2, 0.2}, 0.5}})},
+                                                       {"a.ply", ply_text()},
+                                                       {"a.ply", ply_binary()}};
+  std::mt19937 random(20);
+  int good = 0;
+  for (const auto& [name, bytes] : files)
+    for (int k = 0; k < count; ++k) {
+      const std::string changed = mutant(bytes, random);
+      try {
+        const ReadMesh read = read_mesh(name, changed, 1);
+        EXPECT_GT(read.surface->mass_properties().volume, 0);
+        EXPECT_LE(read.surface->triangles().size(), changed.size());
+        ++good;
+      } catch (const std::invalid_argument&) {
+      }
+    }
+  EXPECT_GT(good, 0);
+  EXPECT_LT(good, 5 * count);
+}
+
+}  // namespace
+}  // namespace silt::adapters

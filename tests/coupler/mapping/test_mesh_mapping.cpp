@@ -1,0 +1,151 @@
+// Cells and wall distances of meshes, against what the mesh itself says of points and rays.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <tuple>
+
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/map_bodies.hpp"
+#include "lbm/pass_order.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "tests/rigid/shapes/meshes.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using lbm::Int3;
+using rigid::Mesh;
+using rigid::Pose;
+using rigid::Quat;
+using rigid::Vec3;
+
+constexpr int n = 32;
+
+/// The links of a block by their cell in the domain and direction.
+using Links = std::map<std::tuple<int, int, int, int>, double>;
+
+struct Mapped {
+  std::set<std::tuple<int, int, int>> solid;
+  Links links;
+};
+
+std::array<lbm::SideCondition, 6> sides(bool periodic) {
+  std::array<lbm::SideCondition, 6> all;
+  for (auto& side : all) side.kind = periodic ? lbm::SideKind::periodic : lbm::SideKind::bounce;
+  return all;
+}
+
+/// A mesh in a domain of n^3 cells cut into blocks; of each block the cells inside and all links.
+Mapped mapped(const Mesh& mesh, const Pose& pose, bool periodic, Int3 blocks) {
+  const lbm::Domain domain({n, n, n}, sides(periodic), blocks, 1);
+  rigid::World world;
+  rigid::BodySet bodies;
+  rigid::add_mesh_wall(bodies, world, {mesh, pose, Vec3::UnitZ(), 0, {}});
+  map_walls_where_they_are(bodies);
+  std::vector<lbm::CellBox> boxes;
+  for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);
+  MapBodies map(domain, world, boxes, 1);
+  map(bodies);
+  Mapped found;
+  CouplingSpec coupling;
+  coupling.wall_scheme = WallScheme::cli;
+  for (const BlockMap& block : map.blocks()) {
+    for_cells({}, block.box.size, [&](Int3 x) {
+      const Int3 cell = block.box.lower + x;
+      if (block.solid.test(x)) found.solid.insert({cell.x, cell.y, cell.z});
+    });
+    std::vector<SurfaceLinks<double>> surfaces;
+    build_links<double>(block, world, bodies, {coupling, {}, lbm::PassOrder(block.box.size, sizeof(double))},
+                        surfaces);
+    for (const auto& surface : surfaces)
+      for (const lbm::LinkGroup& g : surface.links.groups)
+        for (std::uint32_t l = 0; l < g.count; ++l) {
+          const std::uint32_t p = surface.links.place[g.begin + l];
+          const Int3 cell = block.box.lower + g.corner + lbm::place_cell(p);
+          found.links[{cell.x, cell.y, cell.z, lbm::place_direction(p)}] = surface.links.q[g.begin + l];
+        }
+  }
+  return found;
+}
+
+/// Every cell and link of it by the mesh's own answers; points nearer to the surface than rounding do not
+/// count.
+void expect_as_defined(const Mesh& mesh, const Pose& pose) {
+  const Mapped found = mapped(mesh, pose, false, {n, n, n});
+  constexpr double rounding = 1e-6;
+  const auto in_body = [&](Int3 x) { return pose.to_body(Vec3(x.x + 0.5, x.y + 0.5, x.z + 0.5)); };
+  std::size_t links = 0;
+  for_cells({}, {n, n, n}, [&](Int3 x) {
+    const bool solid = found.solid.contains({x.x, x.y, x.z});
+    if (mesh.surface->nearest(in_body(x), rounding).distance > rounding) {
+      ASSERT_EQ(solid, mesh.contains(in_body(x))) << x.x << ' ' << x.y << ' ' << x.z;
+    }
+    if (solid) return;
+    for (int i = 1; i < lbm::directions; ++i) {
+      const Int3 to = x + lbm::c[i];
+      if (!found.solid.contains({to.x, to.y, to.z})) continue;
+      ++links;
+      const auto at = found.links.find({x.x, x.y, x.z, i});
+      ASSERT_NE(at, found.links.end());
+      const auto hit = mesh.surface->first_hit(in_body(x), in_body(to) - in_body(x), 1);
+      if (hit) {
+        EXPECT_NEAR(at->second, hit->t, rounding) << x.x << ' ' << x.y << ' ' << x.z << ' ' << i;
+      }
+    }
+  });
+  EXPECT_EQ(links, found.links.size());
+  EXPECT_GT(links, 500u);
+}
+
+const Pose tilted{{15.3, 16.1, 16.7}, Quat(0.8, 0.3, -0.4, 0.2).normalized()};
+
+TEST(MeshMapping, CellsAndLinksAreThoseOfTheSurface) {
+  expect_as_defined(rigid::testing::solid_of(rigid::testing::torus_mesh(8, 3.3, 60, 30)), tilted);
+  expect_as_defined(rigid::testing::solid_of(rigid::testing::cuboid_mesh({-9, -6, -4}, {8, 5, 7})), tilted);
+  expect_as_defined(rigid::testing::vessel_of(rigid::testing::cuboid_mesh({-9, -6, -4}, {8, 5, 7})), tilted);
+  expect_as_defined(rigid::testing::solid_of(rigid::testing::icosphere(10, 5)), tilted);
+}
+
+/// A cube whose faces, edges and corners go through cell centres: each belongs to one side, and every link
+/// has its distance.
+TEST(MeshMapping, FacesThroughCellCentresAreDecided) {
+  const Mesh mesh =
+      rigid::testing::solid_of(rigid::testing::cuboid_mesh({8.5, 8.5, 8.5}, {20.5, 16.5, 24.5}));
+  const Mapped found = mapped(mesh, {}, false, {n, n, n});
+  EXPECT_EQ(found.solid.size(), 12u * 8 * 16);
+  for (const auto& [key, q] : found.links) EXPECT_TRUE(q == 0 || q == 1) << q;
+}
+
+TEST(MeshMapping, TheSameInAnyBlocks) {
+  for (const bool periodic : {false, true}) {
+    const Mesh gear = rigid::testing::solid_of(rigid::testing::scaled(rigid::testing::gear_mesh(9, 3), 11));
+    const Pose pose{periodic ? Vec3(2.3, 30.1, 16.7) : tilted.position, tilted.orientation};
+    const Mapped whole = mapped(gear, pose, periodic, {n, n, n});
+    EXPECT_GT(whole.links.size(), 1000u);
+    for (const Int3 blocks : {Int3{16, 16, 16}, Int3{8, 16, 32}, Int3{32, 8, 8}}) {
+      const Mapped cut = mapped(gear, pose, periodic, blocks);
+      EXPECT_EQ(cut.solid, whole.solid);
+      EXPECT_EQ(cut.links, whole.links);
+    }
+  }
+}
+
+/// In whole numbers a motion by whole cells changes nothing else.
+TEST(MeshMapping, MovedByWholeCellsItIsMoved) {
+  const Mesh mesh = rigid::testing::solid_of(rigid::testing::torus_mesh(6, 2.3, 40, 20));
+  const Pose moved{tilted.position + Vec3(2, -3, 1), tilted.orientation};
+  const Mapped a = mapped(mesh, tilted, true, {n, n, n}), b = mapped(mesh, moved, true, {n, n, n});
+  ASSERT_EQ(a.solid.size(), b.solid.size());
+  for (const auto& [x, y, z] : a.solid) EXPECT_TRUE(b.solid.contains({x + 2, y - 3, z + 1}));
+  for (const auto& [key, q] : a.links) {
+    const auto [x, y, z, i] = key;
+    const auto at = b.links.find({(x + 2) % n, (y + n - 3) % n, (z + 1) % n, i});
+    ASSERT_NE(at, b.links.end());
+    EXPECT_NEAR(at->second, q, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing

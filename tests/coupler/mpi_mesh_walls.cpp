@@ -1,0 +1,110 @@
+// A rotor of triangles: the same bits on any number of ranks, in any blocks, with its file in any order, and
+// in a run that goes on; and the power that it takes.
+#include <gtest/gtest.h>
+#include <mpi.h>
+
+#include <algorithm>
+#include <random>
+
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/results/quantities.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/case/mesh_case.hpp"
+#include "tests/world.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+CaseText rotor_case(const std::string& motion) {
+  CaseText c =
+      mesh_case("gear.ply",
+                "scale = 9\nsolid = \"inside\"\nposition = [15.7, 16.2, 16.4]\naxis = [0.2, 0.1, 1]\n"
+                "motion = " +
+                    motion);
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\n";
+  return c;
+}
+const std::string turning =
+    "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], oscillation = { amplitude = [0.5, 0, 0.3], frequency "
+    "= 0.01 } }";
+
+Files gear() {
+  return {{"gear.ply", ply_of(rigid::testing::gear_mesh(7, 3))}};
+}
+
+std::uint64_t hash_of(const CaseText& text, const Files& files, MPI_Comm comm, const Overrides& overrides) {
+  Simulation simulation(read_with(text, files, overrides), comm);
+  simulation.run(60);
+  return simulation.hash();
+}
+
+TEST(MeshWalls, SameBitsForAnyBlocksAndRanks) {
+  for (const std::string force : {"galilean", "exact"}) {
+    const auto hash = [&](const std::string& blocks, MPI_Comm comm) {
+      return hash_of(rotor_case(turning), gear(), comm,
+                     {"domain.blocks=" + blocks, "coupling.force=" + force});
+    };
+    const std::uint64_t alone = hash("[32, 32, 32]", MPI_COMM_SELF);
+    EXPECT_EQ(hash("[16, 16, 16]", MPI_COMM_WORLD), alone) << force;
+    EXPECT_EQ(hash("[32, 8, 8]", MPI_COMM_WORLD), alone) << force;
+    EXPECT_NE(
+        hash_of(rotor_case("{ angular_velocity = 0.003, axis = [0.2, 0.1, 1] }"), gear(), MPI_COMM_SELF, {}),
+        alone);
+  }
+}
+
+TEST(MeshWalls, SameBitsWithTheFileInAnyOrder) {
+  const rigid::TriangleMesh mesh = rigid::testing::gear_mesh(7, 3);
+  std::string obj;
+  std::vector<std::size_t> order(mesh.triangles().size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  char line[120];
+  for (const std::size_t t : order) {  // every triangle with corners of its own
+    for (const rigid::Vec3& x : mesh.corners(std::uint32_t(t))) {
+      std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
+      obj += line;
+    }
+    obj += "f -2 -1 -3\n";
+  }
+  CaseText text = rotor_case(turning);
+  text.rest.replace(text.rest.find("gear.ply"), 8, "gear.obj");
+  EXPECT_EQ(hash_of(text, {{"gear.obj", obj}}, MPI_COMM_WORLD, {}),
+            hash_of(rotor_case(turning), gear(), MPI_COMM_SELF, {}));
+}
+
+TEST(MeshWalls, ARunGoesOnToTheSameBits) {
+  const tests::Scratch scratch;
+  const Case scene = read_with(rotor_case(turning), gear());
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  simulation.run(30);
+  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
+                                     provenance_of(scene, tests::ranks(), "auto"), {});
+  simulation.run(30);
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  Simulation again(scene, MPI_COMM_WORLD, read_state(reader, scene));
+  again.run(30);
+  EXPECT_EQ(again.hash(), simulation.hash());
+}
+
+/// What turns the rotor is the torque of the fluid times its speed.
+TEST(MeshWalls, PowerIsTorqueTimesAngularVelocity) {
+  CaseText text = rotor_case("{ angular_velocity = 0.004, axis = [0.2, 0.1, 1] }");
+  text.run =
+      "[run]\nsteps = 200\n[[quantities]]\nname = \"t\"\ntype = \"wall-torque\"\ntime = 100\n"
+      "[[quantities]]\nname = \"p\"\ntype = \"wall-power\"\ntime = 100\n";
+  const Case scene = read_with(text, gear());
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  Quantities quantities(scene);
+  while (simulation.steps_done() < scene.steps) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  const auto values = quantities.evaluate(simulation);
+  EXPECT_LT(values[0].second, 0) << "the fluid holds it back";
+  EXPECT_NEAR(values[1].second, -0.004 * values[0].second, 1e-9 * values[1].second);
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing

@@ -1,0 +1,61 @@
+// Prescribed motions: their velocity is the derivative of their pose.
+#include "rigid/bodies/wall_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace silt::rigid {
+namespace {
+
+WallMotion table_motion() {
+  WallMotion m;
+  m.table = {{1, {0, 0, 0}, {0, 0, 0}},
+             {3, {1, 0.5, -1}, {0.3, -0.2, 1}},
+             {4, {1.5, 0, -2}, {0.5, 0.4, 2.5}},
+             {8, {0, 0, 0}, {0, 0, 3}}};
+  return m;
+}
+
+std::vector<WallMotion> motions() {
+  WallMotion turn, swing, table = table_motion();
+  turn.angular_velocity = {0.1, -0.3, 0.7}, turn.velocity = {0.01, 0.02, 0};
+  swing.amplitude = {0.5, 0, 2}, swing.frequency = 0.07, swing.phase = 0.4;
+  return {turn, swing, table};
+}
+
+TEST(WallMotion, VelocityIsTheDerivativeOfThePose) {
+  const Pose start{{1, 2, 3}, Quat(0.5, 0.1, -0.7, 0.3).normalized()};
+  const Vec3 point(0.3, -1.2, 2);  // of the wall
+  constexpr double h = 1e-5;
+  for (const WallMotion& m : motions())
+    for (const double t : {0.5, 1.3, 2.9, 3.7, 5.1, 9.}) {
+      const Pose now = m.pose(start, t), before = m.pose(start, t - h), after = m.pose(start, t + h);
+      const WallMotion::Velocity v = m.velocity_at(t);
+      const Vec3 moved = (after.to_world(point) - before.to_world(point)) / (2 * h);
+      EXPECT_LT((v.linear + v.angular.cross(now.to_world(point) - now.position) - moved).norm(), 1e-8) << t;
+    }
+}
+
+TEST(WallMotion, ATableIsMetAndHeldBeforeAndAfterIt) {
+  const WallMotion m = table_motion();
+  for (const MotionRow& row : m.table) {
+    EXPECT_LT((m.pose({}, row.time).position - row.displacement).norm(), 1e-14);
+    const Quat turned(Eigen::AngleAxisd(row.rotation.norm(), row.rotation.stableNormalized()));
+    EXPECT_GT(std::abs(m.pose({}, row.time).orientation.dot(turned)), 1 - 1e-14);
+  }
+  EXPECT_EQ(m.pose({}, 100).position, m.pose({}, 8).position);
+  EXPECT_EQ(m.velocity_at(100).linear.norm() + m.velocity_at(0).linear.norm(), 0);
+  EXPECT_LT(m.velocity_at(1 + 1e-9).linear.norm(), 1e-8) << "it starts from rest";
+}
+
+TEST(WallMotion, OnlyWhatMovesMoves) {
+  EXPECT_FALSE(WallMotion{}.moves());
+  for (const WallMotion& m : motions()) EXPECT_TRUE(m.moves());
+  WallMotion still;
+  still.amplitude = {1, 0, 0};
+  EXPECT_FALSE(still.moves()) << "without a frequency";
+}
+
+}  // namespace
+}  // namespace silt::rigid
