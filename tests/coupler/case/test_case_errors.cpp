@@ -76,9 +76,14 @@ std::string expected(const std::string& text) {
   return filled_in(all, text);
 }
 
+/// Of a case with the other files of the folder beside it.
 std::string fault_of_text(const std::string& text) {
+  CaseSource source{"case.toml", text, {}};
+  for (const auto& entry : fs::directory_iterator(folder()))
+    if (const std::string name = entry.path().filename(); entry.path().extension() != ".toml")
+      source.attached[name] = {file_text(entry.path()), name, 0};
   std::string found;
-  const std::string unread = error_of([&] { found = fault_of(read_case_text(text, "case.toml")); });
+  const std::string unread = error_of([&] { found = fault_of(read_case(source)); });
   return unread + found;
 }
 

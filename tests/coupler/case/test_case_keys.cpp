@@ -97,7 +97,7 @@ coupling = {}
 contacts = {}
 materials = [{ name = "steel" }]
 material_pairs = [{ between = ["steel", "steel"] }]
-walls = [{ type = "tube" }]
+walls = [{ type = "tube" }, { type = "mesh", motion = { oscillation = {} } }]
 shapes = []
 bodies = [{ axis_angle = {} }]
 fill = [{}]
