@@ -16,8 +16,15 @@ namespace {
 /// Cosine up to which normals are much the same.
 constexpr double same_way = 0.95;
 
+/// In full, so that the order in which a backend names triangles does not show.
 bool is_before(const ContactPoint& p, const ContactPoint& q) {
-  return std::tie(p.feature, p.gap) < std::tie(q.feature, q.gap);
+  if (p.feature != q.feature || p.gap != q.gap)
+    return std::tie(p.feature, p.gap) < std::tie(q.feature, q.gap);
+  const auto differs = [](const Vec3& x, const Vec3& y) { return x != y; };
+  const auto less = [](const Vec3& x, const Vec3& y) {
+    return std::lexicographical_compare(x.data(), x.data() + 3, y.data(), y.data() + 3);
+  };
+  return differs(p.normal, q.normal) ? less(p.normal, q.normal) : less(p.on_a, q.on_a);
 }
 
 /// Of one feature the deepest; of those that point the same way as the deepest few.

@@ -59,8 +59,18 @@ class CornersOn {
       : of_(corners), on_(faces), tolerance_(tolerance), slack_(slack) {}
 
   void look(std::uint32_t of_triangle, std::uint32_t on_triangle) {
-    for (const std::uint32_t v : of_.mesh.surface().triangles()[of_triangle])
-      if (of_.mesh.is_corner(v) && !look_over(v, on_triangle)) look_beside(v, on_triangle);
+    const auto& own = of_.mesh.surface().triangles()[of_triangle];
+    if (!of_.mesh.is_corner(own[0]) && !of_.mesh.is_corner(own[1]) && !of_.mesh.is_corner(own[2])) return;
+    const Face face = face_of(on_triangle);
+    const double square = face.area.squaredNorm();
+    if (!(square > 0)) return;
+    for (const std::uint32_t v : own) {
+      if (!of_.mesh.is_corner(v)) continue;
+      const Vec3 x = of_.corner(v);
+      const double above = face.area.dot(x - face.corners[0]);  // times twice the area
+      if (above > 0 && above * above > tolerance_ * tolerance_ * square) continue;
+      if (!look_over(v, x, on_triangle, face, above / std::sqrt(square))) look_beside(v, x, on_triangle);
+    }
   }
 
   const std::vector<BesideFace>& beside() const { return beside_; }
@@ -79,26 +89,29 @@ class CornersOn {
   }
 
  private:
-  /// Returns whether the corner is over the triangle, or too far from it.
-  bool look_over(std::uint32_t v, std::uint32_t triangle) {
-    const Vec3 n_own = on_.mesh.normal(triangle);
-    if (n_own.isZero(0)) return true;
-    const Vec3 n = on_.turn * n_own, x = of_.corner(v);
-    std::array<Vec3, 3> face;
-    const auto own = on_.mesh.surface().triangles()[triangle];
-    for (int k = 0; k < 3; ++k) face[k] = on_.corner(own[k]);
-    const double height = n.dot(x - face[0]);
-    if (height > tolerance_) return true;
-    if (on_.mesh.mesh().hollow) std::swap(face[1], face[2]);  // counter-clockwise about n
-    if (!is_over(face, n, x, slack_)) return false;
+  struct Face {
+    std::array<Vec3, 3> corners;  // counter-clockwise seen from outside the solid
+    Vec3 area;                    // outward, of length twice the area
+  };
+  Face face_of(std::uint32_t triangle) const {
+    const auto& t = on_.mesh.surface().triangles()[triangle];
+    Face face{{on_.corner(t[0]), on_.corner(t[1]), on_.corner(t[2])}, {}};
+    if (on_.mesh.mesh().hollow) std::swap(face.corners[1], face.corners[2]);
+    face.area = (face.corners[1] - face.corners[0]).cross(face.corners[2] - face.corners[0]);
+    return face;
+  }
+
+  /// Returns whether the corner at x is over the triangle.
+  bool look_over(std::uint32_t v, const Vec3& x, std::uint32_t triangle, const Face& face, double height) {
+    const Vec3 n = face.area.normalized();
+    if (!is_over(face.corners, n, x, slack_)) return false;
     if (of_.mesh.corner_supports(v, of_.direction(-n), tilt))
       found_.push_back({v, on_.mesh.facet(triangle), triangle, height, x});
     return true;
   }
 
   /// As two convex bodies do that are apart.
-  void look_beside(std::uint32_t v, std::uint32_t triangle) {
-    const Vec3 x = of_.corner(v);
+  void look_beside(std::uint32_t v, const Vec3& x, std::uint32_t triangle) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t e = on_.mesh.edge_of(triangle, k);
       if (!on_.mesh.is_sharp(e)) continue;

@@ -280,15 +280,15 @@ TEST(Determinism, ImpactsToo) {
 }
 
 TEST(Determinism, MeshesToo) {
-  const Outcome reference = on_one_rank("sffd", 1, 300, meshes_on_a_floor);
-  EXPECT_GT(reference.contacts, 4000u);
-  expect_same(reference, on_one_rank("sffd", 2, 300, meshes_on_a_floor));
-  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 300, meshes_on_a_floor));
-  for (const char* backend : {"bullet", "fcl"}) {
+  for (const char* backend : {"analytic", "bullet", "fcl"}) {
+    SCOPED_TRACE(backend);
     testing::backend_name = backend;
-    expect_same(reference, on_ranks("sffd", 3, 300, meshes_on_a_floor));
-    testing::backend_name = "analytic";
+    const Outcome reference = on_one_rank("sffd", 1, 300, meshes_on_a_floor);
+    EXPECT_GT(reference.contacts, 4000u);
+    expect_same(reference, on_one_rank("sffd", 2, 300, meshes_on_a_floor));
+    for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 300, meshes_on_a_floor));
   }
+  testing::backend_name = "analytic";
 }
 
 TEST(Determinism, PrescribedBodyLargerThanASlab) {
