@@ -31,7 +31,7 @@ class CollisionBackend {
                        double tolerance, std::vector<ContactPoint>& out) = 0;
 
   using SharedMesh = std::shared_ptr<const TriangleMesh>;
-  /// Appends, in any order, each once, at least the triangles whose boxes overlap `near` (frame of the mesh).
+  /// Appends, in any order, each once, at least the triangles that reach into `near` (frame of the mesh).
   /// By the mesh's own tree; an engine asks its own, made once for a mesh.
   virtual void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
                               std::vector<std::uint32_t>& out) {

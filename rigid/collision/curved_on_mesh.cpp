@@ -53,21 +53,21 @@ class OnTriangle {
         pose_(pose),
         mesh_(mesh),
         core_(convex_core(body, {Vec3::Zero(), pose.orientation})),
-        width_(std::visit([](const auto& s) { return s.least_width(); }, body)),
+        deep_(deep_behind_faces(body)),
         tolerance_(tolerance),
         out_(out) {}
 
   void look(std::uint32_t triangle) {
     const std::optional<double> gap = take(triangle);
     if (!gap || *gap > tolerance_) return;
+    const bool sharp = has_sharp(triangle), is_deep = *gap < -deep_;
     bool over = true;
-    if (has_sharp(triangle)) {
+    if (sharp || is_deep) {
       const std::optional<Vec3> found = meet_features(triangle);
-      over = found && (*gap > -deep * width_ || found->dot(n_) > 1 - tilt);
+      over = found && (!is_deep || !sharp || found->dot(n_) > 1 - tilt);
     }
     if (over) add_over_face(triangle);
   }
-
   /// Keeps the triangle if the body overlaps it.
   void look_for_overlap(std::uint32_t triangle) {
     const std::optional<double> gap = take(triangle);
@@ -145,7 +145,7 @@ class OnTriangle {
   bool is_over(const Vec3& x) const {
     for (int k = 0; k < 3; ++k) {
       const Vec3 along = corners_[(k + 1) % 3] - corners_[k];
-      if (n_.dot(along.cross(x - corners_[k])) < -1e-12 * width_ * along.norm()) return false;
+      if (n_.dot(along.cross(x - corners_[k])) < -rounding * deep_ * along.norm()) return false;
     }
     return true;
   }
@@ -227,7 +227,7 @@ class OnTriangle {
   const Pose& pose_;
   const MeshFeatures& mesh_;
   const ConvexCore core_;  // about the origin
-  double width_, tolerance_;
+  double deep_, tolerance_;
   std::vector<MeshContact>& out_;
   Vec3 n_;
   std::array<Vec3, 3> corners_;  // from the body's centre
@@ -237,6 +237,10 @@ class OnTriangle {
 };
 
 }  // namespace
+
+double deep_behind_faces(const ConvexShape& body) {
+  return deep * std::visit([](const auto& s) { return s.least_width(); }, body);
+}
 
 void append_on_plane(const ConvexShape& body, const Pose& pose, const Vec3& origin, const Vec3& outward,
                      std::uint32_t code, double tolerance, std::vector<MeshContact>& out) {

@@ -26,6 +26,9 @@ void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const Mesh
 void append_overlap(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
                     std::span<const std::uint32_t> near, std::vector<MeshContact>& out);
 
+/// How deep (lattice units) it may be behind a triangle that it does not touch; `near` has to hold those.
+double deep_behind_faces(const ConvexShape& body);
+
 /// Appends the points of the body within `tolerance` of the half-space under the plane through `origin` with
 /// unit `outward` normal, as those of a mesh's feature.
 void append_on_plane(const ConvexShape& body, const Pose& pose, const Vec3& origin, const Vec3& outward,

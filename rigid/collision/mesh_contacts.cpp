@@ -111,8 +111,9 @@ void append_mesh_contacts(const ConvexPart& part, const Pose& pose_of_part, cons
                           std::vector<ContactPoint>& out) {
   const Pose pose = pose_of_part.seen_from(pose_of_mesh);
   BoundingBox box = std::visit([&](const auto& s) { return s.bounding_box(pose); }, part.shape);
-  box.lower.array() -= tolerance;
-  box.upper.array() += tolerance;
+  const double reach = std::max(tolerance, deep_behind_faces(part.shape));
+  box.lower.array() -= reach;
+  box.upper.array() += reach;
   thread_local std::vector<std::uint32_t> near;
   near.clear();
   backend.triangles_near(mesh.mesh().surface, box, near);
@@ -131,8 +132,8 @@ void append_mesh_contacts(const ConvexPart& part, const Pose& pose_of_part, cons
   } else if (part.surface) {
     thread_local std::vector<TrianglePair> pairs;
     pairs.clear();
-    backend.triangle_pairs_near(part.surface->mesh().surface, pose, mesh.mesh().surface, Pose{}, tolerance,
-                                pairs);
+    backend.triangle_pairs_near(part.surface->mesh().surface, pose, mesh.mesh().surface, Pose{},
+                                std::max(tolerance, deepest(*part.surface, mesh)), pairs);
     append_mesh_on_mesh(*part.surface, pose, mesh, pairs, tolerance, contacts);
   } else {
     append_curved_on_mesh(part.shape, pose, mesh, near, tolerance, contacts);
@@ -149,7 +150,8 @@ void append_mesh_contacts(const MeshFeatures& a, const Pose& pose_a, const MeshF
   pairs.clear();
   contacts.clear();
   const Pose pose = pose_a.seen_from(pose_b);
-  backend.triangle_pairs_near(a.mesh().surface, pose, b.mesh().surface, Pose{}, tolerance, pairs);
+  backend.triangle_pairs_near(a.mesh().surface, pose, b.mesh().surface, Pose{},
+                              std::max(tolerance, deepest(a, b)), pairs);
   append_mesh_on_mesh(a, pose, b, pairs, tolerance, contacts);
   finish(with_features(contacts), pose_b, out);
 }

@@ -56,7 +56,11 @@ bool is_over(const std::array<Vec3, 3>& corners, const Vec3& n, const Vec3& x, d
 class CornersOn {
  public:
   CornersOn(const Placed& corners, const Placed& faces, double tolerance, double slack)
-      : of_(corners), on_(faces), tolerance_(tolerance), slack_(slack) {}
+      : of_(corners),
+        on_(faces),
+        tolerance_(tolerance),
+        deepest_(deepest(corners.mesh, faces.mesh)),
+        slack_(slack) {}
 
   void look(std::uint32_t of_triangle, std::uint32_t on_triangle) {
     const auto& own = of_.mesh.surface().triangles()[of_triangle];
@@ -68,7 +72,8 @@ class CornersOn {
       if (!of_.mesh.is_corner(v)) continue;
       const Vec3 x = of_.corner(v);
       const double above = face.area.dot(x - face.corners[0]);  // times twice the area
-      if (above > 0 && above * above > tolerance_ * tolerance_ * square) continue;
+      const double most = above > 0 ? tolerance_ : deepest_;
+      if (above * above > most * most * square) continue;
       if (!look_over(v, x, on_triangle, face, above / std::sqrt(square))) look_beside(v, x, on_triangle);
     }
   }
@@ -151,7 +156,7 @@ class CornersOn {
   }
 
   const Placed &of_, &on_;
-  double tolerance_, slack_;
+  double tolerance_, deepest_, slack_;
   std::vector<OnFace> found_;
   std::vector<BesideFace> beside_;
 };
@@ -198,7 +203,7 @@ void cross_edges(const Placed& a, std::uint32_t edge_a, const Placed& b, std::ui
   }
   const Vec3 on_a = s.at(t);
   const double gap = out_of_b.dot(on_a - r.at(u));
-  if (gap > tolerance) return;
+  if (gap > tolerance || gap < -deepest(a.mesh, b.mesh)) return;
   if (gap < 0 && std::min(length_behind(s, b, edge_b), length_behind(r, a, edge_a)) < -gap) return;
   out.push_back({{on_a, on_a - gap * out_of_b, -out_of_b, gap, 0},
                  a.mesh.code_of_edge(edge_a),
@@ -215,6 +220,14 @@ void for_own_edges(const MeshFeatures& mesh, std::uint32_t triangle, Use&& use) 
 }
 
 }  // namespace
+
+double deepest(const MeshFeatures& a, const MeshFeatures& b) {
+  constexpr double share = 0.05;
+  const auto side = [](const MeshFeatures& m) {
+    return (m.surface().box().upper - m.surface().box().lower).minCoeff();
+  };
+  return share * std::min(side(a), side(b));
+}
 
 void append_mesh_on_mesh(const MeshFeatures& mesh_a, const Pose& pose, const MeshFeatures& mesh_b,
                          std::span<const TrianglePair> near, double tolerance,

@@ -17,7 +17,8 @@ struct MeshContact {
 };
 
 /// Appends the contacts within `tolerance` (lattice units) of two solids, in any order, perhaps one twice, in
-/// the frame of b, a at `pose`; `near`: at least the pairs of triangles within the tolerance.
+/// the frame of b, a at `pose`; `near`: at least the pairs of triangles no further
+/// apart than the tolerance and than deepest(a, b), to which overlaps of corners and edges are seen.
 ///
 /// A corner touches a face that it is over, if nothing near it on its own mesh is further that way by more
 /// than `tilt`; of faces that it is behind, the nearest and those that meet this one at an angle below pi.
@@ -27,6 +28,9 @@ struct MeshContact {
 /// Corners and edges within a facet touch nothing that others do not.
 void append_mesh_on_mesh(const MeshFeatures& a, const Pose& pose, const MeshFeatures& b,
                          std::span<const TrianglePair> near, double tolerance, std::vector<MeshContact>& out);
+
+/// Lattice units: a part of the least side of both meshes' boxes.
+double deepest(const MeshFeatures& a, const MeshFeatures& b);
 
 /// Sine of the angle by which bodies that lie flat may be tilted and still touch with all corners.
 inline constexpr double tilt = 0.1;

@@ -221,7 +221,7 @@ TEST_P(MeshPairs, EveryBackendGivesTheSameBits) {
     for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(std::memcmp(&a[k], &b[k], sizeof a[k]), 0);
   };
   const Pose pose_b{{100, 200, 300}, random_orientation(random)};
-  for (int i = 0; i < 15; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const Pose at{pose_b.position + 10 * random_direction(random), random_orientation(random)};
     for (const Kind kind : bodies()) {
       const ConvexShape shape = random_shape(kind, random);
