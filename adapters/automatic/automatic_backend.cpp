@@ -40,6 +40,19 @@ bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) cons
   return analytic_.supports(a, b);
 }
 
+void AutomaticBackend::triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+                                      std::vector<std::uint32_t>& out) {
+  ++counters_.queries;
+  engines_[0]->triangles_near(mesh, near, out);
+}
+
+void AutomaticBackend::triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+                                           const Pose& pose_b, double margin,
+                                           std::vector<TrianglePair>& out) {
+  ++counters_.queries;
+  engines_[0]->triangle_pairs_near(a, pose_a, b, pose_b, margin, out);
+}
+
 void AutomaticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
                                const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
   ++counters_.queries;

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <variant>
 
+#include "adapters/bullet/bullet_meshes.hpp"
 #include "adapters/common/engine_backend.hpp"
 #include "rigid/shapes/convex_shape.hpp"
 
@@ -147,6 +148,16 @@ class BulletBackend : public EngineBackend {
  public:
   BulletBackend() : dispatcher_(&configuration_), world_(&dispatcher_, nullptr, &configuration_) {}
   std::string_view name() const override { return "bullet"; }
+  void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+                      std::vector<std::uint32_t>& out) override {
+    ++counters_.queries;
+    meshes_.append_near(mesh, near, out);
+  }
+  void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
+                           double margin, std::vector<TrianglePair>& out) override {
+    ++counters_.queries;
+    meshes_.append_pairs_near(a, pose_a, b, pose_b, margin, out);
+  }
 
  protected:
   /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
@@ -244,6 +255,7 @@ class BulletBackend : public EngineBackend {
     return answer;
   }
 
+  BulletMeshes meshes_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btCollisionWorld world_;

@@ -19,6 +19,7 @@
 #include <variant>
 
 #include "adapters/common/engine_backend.hpp"
+#include "adapters/fcl/fcl_meshes.hpp"
 #include "rigid/collision/convex_core.hpp"
 
 // Debian's FCL is built for plain x86-64, where Eigen aligns to 16 bytes; another value changes its types.
@@ -201,6 +202,16 @@ std::optional<Answer> distance(const FclShape& a, const Pose& pose_a, const FclS
 class FclBackend : public EngineBackend {
  public:
   std::string_view name() const override { return "fcl"; }
+  void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+                      std::vector<std::uint32_t>& out) override {
+    ++counters_.queries;
+    meshes_.append_near(mesh, near, out);
+  }
+  void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
+                           double margin, std::vector<TrianglePair>& out) override {
+    ++counters_.queries;
+    meshes_.append_pairs_near(a, pose_a, b, pose_b, margin, out);
+  }
 
  protected:
   /// Best first: see ask.
@@ -316,6 +327,8 @@ class FclBackend : public EngineBackend {
     if (answer) answer->gap += lift;
     return within(q, answer);
   }
+
+  FclMeshes meshes_;
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace hdf5 {
 class File;
 }
 
-/// TriangleMesh is the closed surface of a convex piece of a body, in the frame of the body (origin at the
+/// TriangleMesh is the closed surface of a piece of a body, in the frame of the body (origin at the
 /// centre of mass).
 struct TriangleMesh {
   std::vector<std::array<double, 3>> vertices;

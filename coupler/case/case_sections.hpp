@@ -35,6 +35,8 @@ rigid::Vec3 read_axis(TableReader&, std::string_view what);
 /// Reads a wall of type "mesh" without its name and material; without a surface if its file is no good
 /// (reported).
 MeshWall read_mesh_wall(TableReader&);
+/// Reads the shape of a body of type "mesh"; a sphere if its file is no good (reported).
+rigid::Shape read_mesh_body(TableReader&);
 
 // read_bodies.cpp
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]

@@ -112,11 +112,6 @@ void find_mesh_faults(const Case& scene, Findings& findings, std::size_t index) 
   const MeshWall& wall = *scene.walls[index].mesh();
   check_place(scene, findings, index, wall);
   check_features(scene, findings, index, wall);
-  if (scene.has_bodies())
-    findings.error(
-        key_of(index, "type"),
-        fmt::format("walls[{}] is a mesh, which bodies cannot touch yet: leave the bodies or the mesh out",
-                    index));
   if (scene.fluid && wall.motion.moves())
     check_speed(scene.units, findings, key_of(index, "motion"), fastest(scene, wall));
 }

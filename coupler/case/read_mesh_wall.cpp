@@ -1,4 +1,4 @@
-// [[walls]] of type "mesh": their surface and where it goes.
+// [[walls]] of type "mesh": their surface and where it goes; and [[shapes]] of it.
 #include <fmt/format.h>
 
 #include <numbers>
@@ -8,6 +8,7 @@
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
 #include "coupler/case/motion_file.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -52,6 +53,13 @@ void read_oscillation(TableReader table, rigid::WallMotion& motion) {
   motion.phase = table.number("phase", range::any).value_or(0) * std::numbers::pi / 180;
 }
 
+const char* const file_doc = "the name of an STL, OBJ or PLY file in the directory of the case";
+
+/// Lattice units in one of the file's.
+double read_scale(TableReader& table) {
+  return table.number("scale", range::above(0)).value_or(1) / table.context().units.cell_size;
+}
+
 /// What turns, turns about `point`, which is left as it is without a turn.
 void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
   if (!table.present()) return;
@@ -74,10 +82,9 @@ void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
 
 MeshWall read_mesh_wall(TableReader& table) {
   MeshWall wall;
-  if (!table.has("file"))
-    table.missing("file", "the name of an STL, OBJ or PLY file in the directory of the case");
+  if (!table.has("file")) table.missing("file", file_doc);
   if (!table.has("solid")) table.missing("solid", "\"inside\" of the surface, or \"outside\" (a vessel)");
-  const double scale = table.number("scale", range::above(0)).value_or(1) / table.context().units.cell_size;
+  const double scale = read_scale(table);
   const Vec3 position = table.vector("position", dimension::length).value_or(Vec3::Zero());
   const rigid::Quat orientation = read_orientation(table);
   const bool hollow = table.choice("solid", {"inside", "outside"}) == "outside";
@@ -91,6 +98,19 @@ MeshWall read_mesh_wall(TableReader& table) {
     if (point != position) wall.mesh = wall.mesh.recentred(orientation.conjugate() * (point - position));
   });
   return wall;
+}
+
+rigid::Shape read_mesh_body(TableReader& table) {
+  if (!table.has("file")) table.missing("file", file_doc);
+  const double scale = read_scale(table);
+  rigid::Shape shape = rigid::Sphere{1};
+  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
+    const rigid::Mesh mesh{adapters::read_mesh(name, bytes, scale).surface, false};
+    if (!(mesh.mass_properties().volume > 0))
+      throw std::invalid_argument("it encloses no volume: a body needs some");
+    shape = mesh;
+  });
+  return shape;
 }
 
 }  // namespace silt::coupler

@@ -63,9 +63,9 @@ std::vector<Vec3> read_vertices(TableReader& table, const Units& units) {
   return points.size() == node->children.size() ? points : std::vector<Vec3>{};
 }
 
-using Mesh = std::shared_ptr<const rigid::PolyhedronMesh>;
+using Hull = std::shared_ptr<const rigid::PolyhedronMesh>;
 
-Mesh hull_of_vertices(TableReader& table, const Units& units) {
+Hull hull_of_vertices(TableReader& table, const Units& units) {
   const auto points = read_vertices(table, units);
   if (points.empty()) return {};
   const auto hull = adapters::convex_hull(points);
@@ -78,7 +78,7 @@ Mesh hull_of_vertices(TableReader& table, const Units& units) {
   return hull.mesh;
 }
 
-Mesh body_of_file(TableReader& table) {
+Hull body_of_file(TableReader& table) {
   const auto name = table.string("file");
   const double scale = table.number("scale", range::above(0)).value_or(1);
   if (!name) return {};
@@ -99,7 +99,7 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
   if (given != "file" && table.has("scale"))
     table.fail("scale", fmt::format("{} goes with a file; the vertices are in the units of the case already",
                                     table.path("scale")));
-  Mesh mesh;
+  Hull mesh;
   try {
     if (given == "vertices") mesh = hull_of_vertices(table, table.context().units);
     if (given == "file") mesh = body_of_file(table);
@@ -146,6 +146,7 @@ std::vector<std::string> convex_names() {
 std::vector<std::string> shape_types() {
   auto names = convex_names();
   names.emplace_back(rigid::Compound::name);
+  names.emplace_back(rigid::Mesh::name);
   return names;
 }
 
@@ -172,6 +173,12 @@ rigid::Compound read_compound(TableReader& table) {
   if (compound.parts.empty() && table.has("parts"))
     table.fail("parts", table.path("parts") + " has no usable part");
   return compound;
+}
+
+rigid::Shape read_shape(TableReader& table, const std::string& type) {
+  if (type == rigid::Compound::name) return read_compound(table);
+  if (type == rigid::Mesh::name) return read_mesh_body(table);
+  return read_convex(table, type);
 }
 
 }  // namespace
@@ -223,8 +230,7 @@ void read_shapes(TableReader& root, std::vector<std::string>& names, rigid::Shap
                              table.path("type"), joined(shape_types())));
       table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types())) {
-      shapes.push_back(*type == rigid::Compound::name ? rigid::Shape(read_compound(table))
-                                                      : rigid::Shape(read_convex(table, *type)));
+      shapes.push_back(read_shape(table, *type));
     } else {
       table.judge_no_keys();
     }

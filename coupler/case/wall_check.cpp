@@ -83,7 +83,13 @@ void find_wall_faults(const Case& scene, Findings& findings) {
 std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const std::string& key,
                                   double allowed) {
   for (const CurvedWall& wall : scene.walls) {
-    if (!wall.tube()) continue;
+    if (const MeshWall* mesh = wall.mesh()) {
+      const rigid::Pose pose = mesh->motion.pose(mesh->start, 0);
+      if (mesh->mesh.surface && mesh->mesh.contains(pose.to_body(body.pose.position)))
+        return fmt::format("{} is {}: this is in the solid of the wall '{}', a mesh; move it out", key,
+                           shown_point(scene, body.pose.position), wall.name);
+      continue;
+    }
     const rigid::Tube tube{wall.tube()->radius};
     const double gap =
         rigid::gap_in_tube(scene.shapes[body.shape], body.pose, tube, rigid::pose_of(*wall.tube()));

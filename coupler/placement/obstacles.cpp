@@ -20,7 +20,10 @@ Obstacles::Obstacles(const Case& scene, const rigid::Extent& extent, std::span<c
       given_(given),
       given_grid_(extent, std::max(reach, mean_width(scene, given))) {
   for (const CurvedWall& wall : scene.walls)
-    if (const auto* tube = wall.tube()) walls_.push_back({{tube->radius}, rigid::pose_of(*tube)});
+    if (const auto* tube = wall.tube())
+      walls_.push_back({{tube->radius}, rigid::pose_of(*tube)});
+    else if (const auto* mesh = wall.mesh())
+      meshes_.push_back({mesh->mesh, mesh->motion.pose(mesh->start, 0)});
   for (std::size_t i = 0; i < given.size(); ++i)
     given_grid_.insert(static_cast<int>(i),
                        rigid::bounding_box(scene.shapes[given[i].spec.shape], given[i].spec.pose));
@@ -37,10 +40,16 @@ void Obstacles::add_ball(const Vec3& centre) {
 }
 
 bool Obstacles::clear_of_walls(const Vec3& centre, double distance) const {
-  return std::all_of(walls_.begin(), walls_.end(), [&](const PlacedTube& wall) {
+  const auto clear_of_mesh = [&](const PlacedMesh& wall) {
+    const Vec3 x = wall.pose.to_body(centre);
+    return wall.mesh.surface->nearest(x, distance).distance >= distance && !wall.mesh.contains(x);
+  };
+  const auto clear_of_tube = [&](const PlacedTube& wall) {
     return rigid::gap_in_tube(rigid::Sphere{distance}, {centre, rigid::Quat::Identity()}, wall.tube,
                               wall.pose) >= 0;
-  });
+  };
+  return std::all_of(walls_.begin(), walls_.end(), clear_of_tube) &&
+         std::all_of(meshes_.begin(), meshes_.end(), clear_of_mesh);
 }
 
 bool Obstacles::clear_of_given(const Vec3& centre, double distance) const {

@@ -7,6 +7,7 @@
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/neighbour_grid.hpp"
 #include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/tube.hpp"
 
 namespace silt::coupler {
@@ -27,6 +28,10 @@ class Obstacles {
     rigid::Tube tube;
     rigid::Pose pose;
   };
+  struct PlacedMesh {
+    rigid::Mesh mesh;
+    rigid::Pose pose;  // at time 0
+  };
   struct Balls {
     double radius;
     NeighbourGrid grid;
@@ -39,6 +44,7 @@ class Obstacles {
   const rigid::Extent extent_;
   const std::span<const GivenBody> given_;
   std::vector<PlacedTube> walls_;
+  std::vector<PlacedMesh> meshes_;
   NeighbourGrid given_grid_;
   std::vector<Balls> balls_;
 };

@@ -33,6 +33,8 @@ adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& worl
     k.density = scene.units.physical(density, dimension::density);
     for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape]))
       k.parts.push_back(tessellation(part, cell));
+    if (const auto* mesh = std::get_if<rigid::Mesh>(&world.shapes[shape]))
+      k.parts.push_back(tessellation(*mesh->surface, cell));
   };
   scene.for_each_given(
       [&](const BodySpec& body, std::uint64_t) { describe(body.kind, body.shape, body.density); });

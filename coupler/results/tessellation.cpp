@@ -130,4 +130,18 @@ adapters::TriangleMesh tessellation(const rigid::Part& part, double unit) {
   return mesh;
 }
 
+adapters::TriangleMesh tessellation(const rigid::TriangleMesh& surface, double unit) {
+  adapters::TriangleMesh mesh;
+  for (const Vec3& v : surface.vertices()) mesh.vertices.push_back(array_of(unit * v));
+  const auto count = static_cast<std::int32_t>(surface.triangles().size());
+  for (std::int32_t t = 0; t < count; ++t) {
+    const auto& [a, b, c] = surface.triangles()[t];
+    mesh.triangles.push_back(
+        {static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), static_cast<std::int32_t>(c)});
+    mesh.normals.push_back(array_of(surface.area_normal(t).normalized()));
+    mesh.triangle_normals.push_back({t, t, t});
+  }
+  return mesh;
+}
+
 }  // namespace silt::coupler

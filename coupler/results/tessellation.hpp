@@ -12,6 +12,9 @@ namespace silt::coupler {
 /// std::invalid_argument for a part without end (a half-space).
 adapters::TriangleMesh tessellation(const rigid::Part&, double unit);
 
+/// Returns the triangles of a mesh as they are, each with its own normal, lengths times `unit`.
+adapters::TriangleMesh tessellation(const rigid::TriangleMesh&, double unit);
+
 /// Distance between a curved surface and its mesh, relative to half the shape's width along the normal or, if
 /// that is less, to the middle one of its three half extents.
 inline constexpr double tessellation_tolerance = 0.006;

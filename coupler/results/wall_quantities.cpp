@@ -36,7 +36,12 @@ void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visi
 Vec3 arm_in_tube(const Simulation& simulation, const rigid::TubeSpec& tube, std::size_t row,
                  const rigid::StoredImpulse& s) {
   const BodySet& bodies = simulation.bodies();
-  const auto parts = rigid::convex_parts(simulation.scene().world.shapes[bodies.shape[row]]);
+  const rigid::Shape& shape = simulation.scene().world.shapes[bodies.shape[row]];
+  if (const auto* mesh = std::get_if<rigid::Mesh>(&shape)) {  // it touches with its corners
+    const Vec3& corner = mesh->surface->vertices()[rigid::feature_of(s.feature)];
+    return bodies.pose(row).to_world(corner) - tube.point;
+  }
+  const auto parts = rigid::convex_parts(shape);
   const rigid::Part& part = parts[rigid::part_a_of(s.feature)];
   std::vector<rigid::ContactPoint> points;
   rigid::append_tube_contacts(part.shape, bodies.pose(row) * part.pose, {tube.radius}, rigid::pose_of(tube),

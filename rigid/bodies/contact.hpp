@@ -10,12 +10,12 @@
 
 namespace silt::rigid {
 
-/// One point of a contact between two convex shapes, in the frame the query was made in.
+/// One point of a contact between two shapes, in the frame the query was made in.
 struct ContactPoint {
   Vec3 on_a, on_b;        // surface points: on_b - on_a = gap * normal
   Vec3 normal;            // unit, from a to b
   double gap;             // < 0: overlap
-  std::uint32_t feature;  // stable from step to step for the same pair of features (vertex, edge, face)
+  std::uint64_t feature;  // stable from step to step for the same pair of features (vertex, edge, face)
 };
 
 /// Which periodic image of body b is meant: -1, 0, 1 an axis.
@@ -27,9 +27,13 @@ struct Image {
 /// Set in the feature of a contact with a lubrication film.
 inline constexpr std::uint64_t lubrication_feature = std::uint64_t{1} << 63;
 
-/// Packs which parts of two bodies a contact is between, and the feature of those.
-inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std::uint32_t feature) {
+/// Packs which parts of two bodies a contact is between, and the feature of those, of 32 bits.
+inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std::uint64_t feature) {
   return std::uint64_t{part_a} << 48 | std::uint64_t{part_b} << 32 | feature;
+}
+/// The same where one of the two is a mesh, which has no parts: the feature has 52 bits then.
+inline std::uint64_t packed_mesh_feature(std::size_t part_of_other, std::uint64_t feature) {
+  return std::uint64_t{part_of_other} << 52 | feature;
 }
 inline std::size_t part_a_of(std::uint64_t packed) {
   return (packed & ~lubrication_feature) >> 48;

@@ -1,12 +1,14 @@
 #pragma once
-// The narrow phase rigid/ asks for contact points, one pair of convex shapes at a time. Engines implement
-// it in adapters/; rigid/ never sees them.
+// The narrow phase rigid/ asks for contact points, one pair of convex shapes at a time, and for the triangles
+// of meshes that are near. Engines implement it in adapters/; rigid/ never sees them.
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
+#include "rigid/collision/triangle_search.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {
@@ -27,6 +29,22 @@ class CollisionBackend {
   /// b may be a half-space; a never is. Points are ordered by feature, which is unique within the call.
   virtual void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
                        double tolerance, std::vector<ContactPoint>& out) = 0;
+
+  using SharedMesh = std::shared_ptr<const TriangleMesh>;
+  /// Appends, in any order, each once, at least the triangles that reach into `near` (frame of the mesh).
+  /// By the mesh's own tree; an engine asks its own, made once for a mesh.
+  virtual void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+                              std::vector<std::uint32_t>& out) {
+    ++counters_.queries;
+    append_triangles_near(*mesh, near, out);
+  }
+  /// Appends, in any order, each once, at least the pairs of triangles no further apart than `margin`
+  /// (lattice units).
+  virtual void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+                                   const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
+    ++counters_.queries;
+    append_triangle_pairs_near(*a, pose_a, *b, pose_b, margin, out);
+  }
   const BackendCounters& counters() const { return counters_; }
 
  protected:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/reduce_manifold.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -13,9 +14,17 @@ struct DetectContacts::ShapeParts {
   std::vector<Part> parts;
   std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
   bool sphere, half_space;
-  std::optional<Tube> tube;  // then there are no parts
-  bool plain;                // one part, whose pose is the body's
-  bool smooth;               // some part of it: lubrication films may form there
+  std::optional<Tube> tube;                                   // then there are no parts
+  std::shared_ptr<const MeshFeatures> mesh;                   // nor here
+  std::vector<std::shared_ptr<const MeshFeatures>> surfaces;  // of the parts that are polytopes, for meshes
+  bool plain;                                                 // one part, whose pose is the body's
+  bool smooth;  // some part of it: lubrication films may form there
+
+  std::size_t pieces() const { return tube || mesh ? 1 : parts.size(); }
+  Pose pose_of(std::size_t piece, const Pose& body) const {
+    return tube || mesh || plain ? body : body * parts[piece].pose;
+  }
+  ConvexPart part_with_surface(std::size_t i) const { return {parts[i].shape, surfaces[i].get()}; }
 };
 
 namespace {
@@ -37,6 +46,16 @@ Vec3 into_domain(const Extent& extent, Vec3 x) {
   return x;
 }
 
+/// Those that a body may meet a wall through.
+std::vector<Image> images(const Extent& extent) {
+  std::vector<Image> all;
+  const auto last = [&](int d) -> std::int8_t { return extent.periodic[d] ? 1 : 0; };
+  for (std::int8_t x = -last(0); x <= last(0); ++x)
+    for (std::int8_t y = -last(1); y <= last(1); ++y)
+      for (std::int8_t z = -last(2); z <= last(2); ++z) all.push_back({x, y, z});
+  return all;
+}
+
 }  // namespace
 
 DetectContacts::DetectContacts(std::unique_ptr<BroadPhase> broad_phase)
@@ -55,11 +74,17 @@ void DetectContacts::learn_shapes(const World& world) {
     known.sphere = is_sphere(world.shapes[s]);
     known.half_space = std::holds_alternative<HalfSpace>(world.shapes[s]);
     if (const auto* tube = std::get_if<Tube>(&world.shapes[s])) known.tube = *tube;
-    const Pose pose = known.tube ? Pose{} : known.parts[0].pose;
+    if (const auto* mesh = std::get_if<Mesh>(&world.shapes[s]))
+      known.mesh = std::make_shared<const MeshFeatures>(*mesh), with_meshes_ = true;
+    const Pose pose = known.parts.empty() ? Pose{} : known.parts[0].pose;
     known.plain =
         known.parts.size() == 1 && pose.position.isZero(0) && pose.orientation.isApprox(Quat::Identity(), 0);
     shapes_.push_back(std::move(known));
   }
+  if (!with_meshes_) return;
+  for (ShapeParts& shape : shapes_)
+    for (std::size_t i = shape.surfaces.size(); i < shape.parts.size(); ++i)
+      shape.surfaces.push_back(features_of_polytope(shape.parts[i].shape));
 }
 
 void DetectContacts::set_reach(const World& world, const BodySet& bodies, double dt) {
@@ -86,16 +111,23 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     const Quat& turn = bodies.orientation[row];
     if (const auto* tube = std::get_if<Tube>(&shape))
       walls_.push_back({bodies.position[row], turn * Vec3::UnitZ(), tube->radius});
+    else if (std::holds_alternative<Mesh>(shape))
+      walls_.push_back(WallSurface::out_of_sight());
     else
       walls_.push_back({bodies.position[row], turn * std::get<HalfSpace>(shape).normal});
   }
 }
 
 double DetectContacts::pair_margin(const World& world, const BodySet& bodies, const CandidatePair& p,
-                                   double dt) const {
+                                   const Vec3& shift, double dt) const {
   const bool wall = is_wall(bodies.id[p.row_b]);
-  const double approach = dt * (bodies.velocity[p.row_b] - bodies.velocity[p.row_a]).norm();
-  const double turn = turn_[p.row_a] + (wall ? 0.0 : turn_[p.row_b]);
+  const bool turns = wall && shapes_[bodies.shape[p.row_b]].mesh;  // the others turn in their own surface
+  const Vec3 arm = turns ? Vec3(bodies.position[p.row_a] - bodies.position[p.row_b] - shift) : Vec3::Zero();
+  const double approach = dt * (bodies.velocity_at(p.row_b, arm) - bodies.velocity[p.row_a]).norm();
+  const double turn =
+      turn_[p.row_a] + (turns  ? dt * bodies.angular_velocity[p.row_b].norm() * reach_[p.row_a].radius
+                        : wall ? 0.0
+                               : turn_[p.row_b]);
   const double fall =
       dt * dt * world.gravity.norm() *
       (std::abs(bodies.weight_in_fluid[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_in_fluid[p.row_b])));
@@ -108,6 +140,7 @@ double DetectContacts::pair_margin(const World& world, const BodySet& bodies, co
 
 bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b,
                                  std::size_t j, const Pose& pose_b, double margin) const {
+  if (a.mesh || b.mesh) return false;
   const Vec3 centre_a = pose_a.to_world(a.parts[i].pose.position);
   if (b.tube) return signed_distance(*b.tube, pose_b.to_body(centre_a)) > a.radii[i] + margin;
   if (b.half_space) {
@@ -155,15 +188,36 @@ void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, c
   if (c.lubrication) c.feature |= lubrication_feature;
 }
 
-/// Fills points_ with those of a part of one body and a part or the tube of the other.
-void DetectContacts::collide_parts(const PosedPart& a, const ShapeParts& b, std::size_t j, const Pose& pose_b,
-                                   double margin, CollisionBackend& backend) {
+/// Fills points_ with those of a piece of one body and a piece of the other.
+void DetectContacts::collide_pieces(const Piece& a, const Piece& b, double margin,
+                                    CollisionBackend& backend) {
   points_.clear();
-  if (b.tube)
-    append_tube_contacts(a.shape, a.pose, *b.tube, pose_b, margin, points_);
+  if (a.of.mesh || b.of.mesh) return collide_meshes(a, b, margin, backend);
+  const ConvexShape& shape = a.of.parts[a.index].shape;
+  if (b.of.tube)
+    append_tube_contacts(shape, a.pose, *b.of.tube, b.pose, margin, points_);
   else
-    backend.collide(a.shape, a.pose, b.parts[j].shape, pose_b, margin, points_);
+    backend.collide(shape, a.pose, b.of.parts[b.index].shape, b.pose, margin, points_);
   reduce_manifold(points_);
+}
+
+void DetectContacts::collide_meshes(const Piece& a, const Piece& b, double margin,
+                                    CollisionBackend& backend) {
+  if (a.of.mesh && b.of.mesh) {
+    append_mesh_contacts(*a.of.mesh, a.pose, *b.of.mesh, b.pose, margin, backend, points_);
+  } else if (b.of.mesh) {
+    append_mesh_contacts(a.of.part_with_surface(a.index), a.pose, *b.of.mesh, b.pose, margin, backend,
+                         points_);
+  } else if (b.of.tube) {
+    append_mesh_contacts(*a.of.mesh, a.pose, *b.of.tube, b.pose, margin, points_);
+  } else if (b.of.half_space) {
+    append_mesh_contacts(*a.of.mesh, a.pose, std::get<HalfSpace>(b.of.parts[b.index].shape), b.pose, margin,
+                         points_);
+  } else {
+    append_mesh_contacts(b.of.part_with_surface(b.index), b.pose, *a.of.mesh, a.pose, margin, backend,
+                         points_);
+    exchange_sides(points_);
+  }
 }
 
 void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, const Vec3& from_a_to_b,
@@ -173,26 +227,26 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
   const ShapeParts &a = shapes_[bodies.shape[p.row_a]], &b = shapes_[bodies.shape[p.row_b]];
   const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
       pose_b{from_a_to_b, bodies.orientation[p.row_b]};
-  const std::size_t parts_b = b.tube ? 1 : b.parts.size();
-  const bool single = a.parts.size() == 1 && parts_b == 1;
+  const bool single = a.pieces() == 1 && b.pieces() == 1, with_mesh = a.mesh || b.mesh;
+  const bool at_wall = is_wall(bodies.id[p.row_b]);
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
   const LubricationLaw* const lubrication = a.smooth && b.smooth ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   std::size_t deepest = first;
-  for (std::size_t i = 0; i < a.parts.size(); ++i)
-    for (std::size_t j = 0; j < parts_b; ++j) {
+  for (std::size_t i = 0; i < a.pieces(); ++i)
+    for (std::size_t j = 0; j < b.pieces(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
-      const Pose part_a = a.plain ? pose_a : pose_a * a.parts[i].pose;
-      const Pose part_b = b.tube || b.plain ? pose_b : pose_b * b.parts[j].pose;
-      collide_parts({a.parts[i].shape, part_a}, b, j, part_b, margin, call.backend);
+      const Pose piece_a = a.pose_of(i, pose_a), piece_b = b.pose_of(j, pose_b);
+      collide_pieces({a, i, piece_a}, {b, j, piece_b}, margin, call.backend);
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
-        const Vec3 common = b.half_space || b.tube ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
-        contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image,
-                            packed_feature(i, j, point.feature), point.normal, point.gap, common,
-                            common - from_a_to_b, material.restitution, material.friction});
+        const Vec3 common = at_wall ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
+        const std::uint64_t feature =
+            with_mesh ? packed_mesh_feature(i + j, point.feature) : packed_feature(i, j, point.feature);
+        contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, feature, point.normal, point.gap,
+                            common, common - from_a_to_b, material.restitution, material.friction});
         if (lubrication && points_.size() == 1 && point.gap < lubrication->reach())
-          put_lubrication(call, p, {a.parts[i].shape, part_a}, {b.parts[j].shape, part_b}, point,
+          put_lubrication(call, p, {a.parts[i].shape, piece_a}, {b.parts[j].shape, piece_b}, point,
                           contacts.back());
         if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }
@@ -219,6 +273,35 @@ Vec3 DetectContacts::displacement_to(const World& world, const BodySet& bodies, 
   return displacement - axis.dot(displacement) * axis;
 }
 
+/// The broad phase sees no wall that is a mesh: it may be as large as the domain, and move, while few of its
+/// triangles are near a body, which the mesh's tree tells. Adds the free bodies that come near its box.
+void DetectContacts::add_mesh_walls(const Call& call) {
+  const BodySet& bodies = call.bodies;
+  const Extent& extent = call.exchange.extent();
+  const auto first = static_cast<std::ptrdiff_t>(pairs_.size());
+  for (std::size_t wall = bodies.first_wall(); wall < bodies.size(); ++wall) {
+    const auto& mesh = shapes_[bodies.shape[wall]].mesh;
+    if (!mesh) continue;
+    const BoundingBox box =
+        Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // of a hollow one too
+    for (const Image image : images(extent))
+      for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
+        if (!bodies.is_free(row)) continue;
+        const CandidatePair p{row, wall, image};
+        const Vec3 shift = extent.shift(image), x = bodies.position[row] - shift;
+        const double reach = reach_[row].radius + pair_margin(call.world, bodies, p, shift, call.dt);
+        const double beyond = (box.lower - x).cwiseMax(x - box.upper).maxCoeff();
+        if (beyond <= reach) pairs_.push_back(p);
+      }
+  }
+  const auto before = [&](const CandidatePair& p, const CandidatePair& q) {
+    return std::tuple(bodies.id[p.row_a], bodies.id[p.row_b], p.image) <
+           std::tuple(bodies.id[q.row_a], bodies.id[q.row_b], q.image);
+  };
+  std::sort(pairs_.begin() + first, pairs_.end(), before);
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + first, pairs_.end(), before);
+}
+
 std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies,
                                        const BodyExchange& exchange, CollisionBackend& backend, double dt,
                                        std::vector<Contact>& contacts) {
@@ -228,8 +311,9 @@ std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies
   set_reach(world, bodies, dt);
   const Call call{world, bodies, exchange, backend, dt};
   (*broad_phase_)(bodies, exchange.extent(), reach_, walls_, pairs_);
+  if (with_meshes_) add_mesh_walls(call);
   for (const CandidatePair& p : pairs_) {
-    const double margin = pair_margin(world, bodies, p, dt);
+    const double margin = pair_margin(world, bodies, p, exchange.extent().shift(p.image), dt);
     const Vec3 from_a_to_b = displacement_to(world, bodies, exchange.extent(), p);
     if (!is_wall(bodies.id[p.row_b]) && bodies_apart(bodies, p, from_a_to_b, margin)) continue;
     collide_pair(call, p, from_a_to_b, margin, contacts);

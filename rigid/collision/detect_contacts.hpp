@@ -48,13 +48,19 @@ class DetectContacts {
     const ConvexShape& shape;
     const Pose& pose;  // in the frame of the query
   };
+  struct Piece {  // a part of a body, or a mesh or tube
+    const ShapeParts& of;
+    std::size_t index;
+    const Pose& pose;
+  };
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
-  double pair_margin(const World&, const BodySet&, const CandidatePair&, double dt) const;
+  double pair_margin(const World&, const BodySet&, const CandidatePair&, const Vec3& shift, double dt) const;
+  void add_mesh_walls(const Call&);
   bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
   Vec3 displacement_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
-  void collide_parts(const PosedPart& a, const ShapeParts& b, std::size_t j, const Pose& pose_b,
-                     double margin, CollisionBackend&);
+  void collide_pieces(const Piece& a, const Piece& b, double margin, CollisionBackend&);
+  void collide_meshes(const Piece& a, const Piece& b, double margin, CollisionBackend&);
   void collide_pair(const Call&, const CandidatePair&, const Vec3& from_a_to_b, double margin,
                     std::vector<Contact>& contacts);
   void put_lubrication(const Call&, const CandidatePair&, const PosedPart& a, const PosedPart& b,
@@ -64,6 +70,7 @@ class DetectContacts {
                    const Pose& pose_b, double margin) const;
 
   std::vector<ShapeParts> shapes_;
+  bool with_meshes_ = false;
   std::unique_ptr<BroadPhase> broad_phase_;
   std::vector<Reach> reach_;
   std::vector<BoundingBox> boxes_;  // about the bodies' positions, axis-aligned; of spheres not set

@@ -1,5 +1,6 @@
 #pragma once
 // What a broad phase sees: the bodies at hand, how far they reach, and the walls; and what a pair of them is.
+#include <limits>
 #include <span>
 
 #include "rigid/bodies/body_exchange.hpp"
@@ -31,6 +32,10 @@ struct WallSurface {
   Vec3 direction;     // outward normal of a plane, or along the axis; unit
   double radius = 0;  // of a tube; 0: a plane
 
+  /// A wall that no body meets here (a mesh: rigid/collision/detect_contacts finds what is near it).
+  static WallSurface out_of_sight() {
+    return {Vec3::Zero(), Vec3::UnitZ(), std::numeric_limits<double>::infinity()};
+  }
   /// Returns the distance of a point from the surface, negative in the wall.
   double distance(const Vec3& x_W) const {
     const Vec3 from = x_W - point;

@@ -19,6 +19,10 @@ struct Pose {
 
   Vec3 to_world(const Vec3& x_B) const { return position + orientation * x_B; }
   Vec3 to_body(const Vec3& x_W) const { return orientation.conjugate() * (x_W - position); }
+  /// The same pose seen from another one of the same frame.
+  Pose seen_from(const Pose& other) const {
+    return {other.to_body(position), (other.orientation.conjugate() * orientation).normalized()};
+  }
   /// The pose of a child given in this frame.
   Pose operator*(const Pose& child) const {
     return {to_world(child.position), (orientation * child.orientation).normalized()};

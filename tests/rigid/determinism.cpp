@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/rigid/scene.hpp"
+#include "tests/rigid/shapes/meshes.hpp"
 #include "tests/rigid/threaded_ranks.hpp"
 
 namespace silt::rigid {
@@ -105,6 +106,32 @@ Scene carousel(unsigned order) {
   s.add_with_id(1000, turntable, {3, 3, 1}, {0.2, 0, 0}, {0, 0.05, 2}, 1);
   s.bodies.motion[s.row(1000)] = Motion::prescribed;
   s.floor();
+  return s;
+}
+
+/// Rings and cubes of triangles, balls, boxes and capsules on a floor of triangles, with a paddle of
+/// triangles across a periodic border.
+Scene meshes_on_a_floor(unsigned order) {
+  Scene s = hasty_box(0.4, 0.3);
+  s.extent.periodic = {true, true, false};
+  s.world.gravity = {0, 0, -9.81};
+  const int shapes[] = {
+      s.shape(testing::solid_of(testing::torus_mesh(0.22, 0.07, 10, 6))),
+      s.shape(testing::solid_of(testing::cuboid_mesh(Vec3::Constant(-0.2), Vec3::Constant(0.2)))),
+      s.shape(Sphere{0.2}),
+      s.shape(Box{{0.2, 0.15, 0.25}}),
+      s.shape(Capsule{0.12, 0.2}),
+      s.shape(star())};
+  for (const int n : shuffled(36, order)) {
+    add_falling(s, n, shapes[n % 6], 1 + n % 3);
+    s.bodies.position[s.row(10 + 3 * n)][2] += 0.9;
+  }
+  const auto floor = testing::solid_of(testing::random_slab(9, 0.5, 6, 3));
+  add_mesh_wall(s.bodies, s.world, {floor, {{-3, -3, 0.6}, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
+  WallMotion turns;
+  turns.angular_velocity = {0, 0, 0.5};
+  const auto paddle = testing::solid_of(testing::cuboid_mesh({-0.8, -0.1, -0.2}, {0.8, 0.1, 0.2}));
+  add_mesh_wall(s.bodies, s.world, {paddle, {{0.2, 1.5, 0.9}, Quat::Identity()}, Vec3::UnitZ(), 0, turns});
   return s;
 }
 
@@ -250,6 +277,18 @@ TEST(Determinism, ImpactsToo) {
   EXPECT_GT(reference.impact_sweeps, 300u);
   expect_same(reference, on_one_rank("sffd", 2, 250, tumble_of_impacts));
   for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 250, tumble_of_impacts));
+}
+
+TEST(Determinism, MeshesToo) {
+  for (const char* backend : {"analytic", "bullet", "fcl"}) {
+    SCOPED_TRACE(backend);
+    testing::backend_name = backend;
+    const Outcome reference = on_one_rank("sffd", 1, 300, meshes_on_a_floor);
+    EXPECT_GT(reference.contacts, 4000u);
+    expect_same(reference, on_one_rank("sffd", 2, 300, meshes_on_a_floor));
+    for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 300, meshes_on_a_floor));
+  }
+  testing::backend_name = "analytic";
 }
 
 TEST(Determinism, PrescribedBodyLargerThanASlab) {

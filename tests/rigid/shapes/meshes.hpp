@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include "rigid/shapes/mesh.hpp"
@@ -66,6 +67,64 @@ inline TriangleMesh gear_mesh(std::uint32_t teeth, std::uint32_t fine) {
                                  : -half;
     return {rho * std::cos(u), rho * std::sin(u), z};
   });
+}
+
+/// About z; the profile's points are (radius, height), upwards, the first and the last on the axis.
+inline TriangleMesh lathe_mesh(const std::vector<std::pair<double, double>>& profile, std::uint32_t n) {
+  std::vector<Vec3> corners = {{0, 0, profile.front().second}, {0, 0, profile.back().second}};
+  Triangles triangles;
+  const auto rings = static_cast<std::uint32_t>(profile.size() - 2);
+  for (std::uint32_t k = 0; k < rings; ++k)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double u = 2 * std::numbers::pi * i / n, rho = profile[k + 1].first;
+      corners.push_back({rho * std::cos(u), rho * std::sin(u), profile[k + 1].second});
+    }
+  const auto corner = [&](std::uint32_t k, std::uint32_t i) { return 2 + k * n + i % n; };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    triangles.push_back({0, corner(0, i + 1), corner(0, i)});
+    triangles.push_back({1, corner(rings - 1, i), corner(rings - 1, i + 1)});
+    for (std::uint32_t k = 0; k + 1 < rings; ++k) {
+      triangles.push_back({corner(k, i), corner(k, i + 1), corner(k + 1, i + 1)});
+      triangles.push_back({corner(k, i), corner(k + 1, i + 1), corner(k + 1, i)});
+    }
+  }
+  return {corners, triangles};
+}
+
+/// A slab below z = 0, its upper side n times n quads of random corners and diagonals, as its lower one at
+/// z = -height.
+inline TriangleMesh random_slab(double length, double height, std::uint32_t n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<> u(-0.4, 0.4);
+  std::vector<Vec3> corners;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t j = 0; j <= n; ++j) {
+      const double x = i + (i > 0 && i < n ? u(random) : 0), y = j + (j > 0 && j < n ? u(random) : 0);
+      corners.push_back({length * x / n, length * y / n, 0});
+    }
+  const auto below = static_cast<std::uint32_t>(corners.size());
+  for (std::uint32_t k = 0; k < below; ++k) corners.push_back(corners[k] - height * Vec3::UnitZ());
+  Triangles triangles;
+  const auto at = [&](std::uint32_t i, std::uint32_t j) { return i * (n + 1) + j; };
+  const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    if (random() % 2)
+      triangles.push_back({a, b, c}), triangles.push_back({a, c, d});
+    else
+      triangles.push_back({b, c, d}), triangles.push_back({b, d, a});
+  };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+      quad(a, b, c, d);
+      quad(below + d, below + c, below + b, below + a);
+    }
+    const auto side = [&](std::uint32_t a, std::uint32_t b) { quad(below + a, below + b, b, a); };
+    side(at(i, 0), at(i + 1, 0));
+    side(at(i + 1, n), at(i, n));
+    side(at(0, i + 1), at(0, i));
+    side(at(n, i), at(n, i + 1));
+  }
+  return {corners, triangles};
 }
 
 /// A sphere of 20 * 4^halvings triangles, corners on it.

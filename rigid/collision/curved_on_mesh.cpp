@@ -1,0 +1,272 @@
+#include "rigid/collision/curved_on_mesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "rigid/collision/climb.hpp"
+#include "rigid/collision/convex_manifold.hpp"
+#include "rigid/collision/deepest_direction.hpp"
+#include "rigid/collision/manifold.hpp"
+
+namespace silt::rigid {
+
+namespace {
+
+constexpr double rounding = 1e-9;  // part of the pair's size: what a normal that was searched for may be off
+/// Part of a body's least width: deeper behind a triangle, the way out may be another one.
+constexpr double deep = 0.02;
+constexpr double wide_angle = 0.6;  // radian
+
+/// A triangle as a flat polyhedron, whose codes are 1 to 3 its corners, 4 to 6 its edges, 7 its face.
+class FlatPolyhedron {
+ public:
+  FlatPolyhedron() : mesh_(std::make_shared<PolyhedronMesh>()), shape_(Polyhedron{mesh_}) {
+    mesh_->vertices.resize(3);
+    mesh_->faces = {{Vec3::Zero(), 0, {0, 1, 2}}, {Vec3::Zero(), 0, {0, 2, 1}}};
+    mesh_->edges = {{{0, 1}, {0, 1}}, {{1, 2}, {0, 1}}, {{2, 0}, {0, 1}}};
+    mesh_->neighbours = {{1, 2}, {2, 0}, {0, 1}};
+  }
+  /// Returns where its middle is.
+  Vec3 set(const std::array<Vec3, 3>& corners, const Vec3& n) {
+    const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+    for (int k = 0; k < 3; ++k) mesh_->vertices[k] = corners[k] - middle;
+    for (const int side : {0, 1}) {
+      mesh_->faces[side].normal = side == 0 ? n : Vec3(-n);
+      mesh_->faces[side].offset = 0;
+    }
+    return middle;
+  }
+  const ConvexShape& shape() const { return shape_; }
+
+ private:
+  std::shared_ptr<PolyhedronMesh> mesh_;
+  ConvexShape shape_;
+};
+
+/// The body and one triangle after the other.
+class OnTriangle {
+ public:
+  OnTriangle(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
+             std::vector<MeshContact>& out)
+      : body_(body),
+        pose_(pose),
+        mesh_(mesh),
+        core_(convex_core(body, {Vec3::Zero(), pose.orientation})),
+        deep_(deep_behind_faces(body)),
+        tolerance_(tolerance),
+        out_(out) {}
+
+  void look(std::uint32_t triangle) {
+    const std::optional<double> gap = take(triangle);
+    if (!gap || *gap > tolerance_) return;
+    const bool sharp = has_sharp(triangle), is_deep = *gap < -deep_;
+    bool over = true;
+    if (sharp || is_deep) {
+      const std::optional<Vec3> found = meet_features(triangle);
+      over = found && (!is_deep || !sharp || found->dot(n_) > 1 - tilt);
+    }
+    if (over) add_over_face(triangle);
+  }
+  /// Keeps the triangle if the body overlaps it.
+  void look_for_overlap(std::uint32_t triangle) {
+    const std::optional<double> gap = take(triangle);
+    if (!gap || *gap > 0) return;
+    const auto found = approach();
+    if (!found || found->peak.core_gap > core_.radius) return;
+    overlapped_.push_back(triangle);
+    for (const Vec3& m : {n_, Vec3(-found->peak.normal)})
+      if (m.dot(n_) > 0) ways_.push_back(m);
+  }
+  /// Adds the contact along the way in which it has to go the least to be clear of the hull of them all.
+  void add_overlap() {
+    if (overlapped_.empty()) return;
+    const ConvexShape hull = Polyhedron{hull_of_overlapped()};
+    const ConvexCore other = convex_core(hull, {Vec3::Zero(), Quat::Identity()});
+    std::optional<Peak> best;
+    for (const Vec3& m : ways_)
+      if (const Peak peak = climb(core_, other, -m, wide_angle); !best || peak.core_gap > best->core_gap)
+        best = peak;
+    const Vec3& n = best->normal;
+    const Vec3 on_body = core_.support(n) + core_.radius * n;
+    const double gap = best->core_gap - core_.radius;
+    add({{on_body, on_body + gap * n, n, gap, 0}, 0, mesh_.code_of_facet(overlapped_.front())});
+  }
+
+ private:
+  /// Returns the gap to the plane of a triangle; nothing if it does not look at the body's centre.
+  std::optional<double> take(std::uint32_t triangle) {
+    n_ = mesh_.normal(triangle);
+    if (n_.isZero(0)) return {};
+    corners_ = mesh_.surface().corners(triangle);
+    if (mesh_.mesh().hollow) std::swap(corners_[1], corners_[2]);  // counter-clockwise about n
+    for (Vec3& x : corners_) x -= pose_.position;
+    if (!(n_.dot(corners_[0]) < 0)) return {};
+    return n_.dot(core_.support(-n_) - corners_[0]) - core_.radius;
+  }
+
+  /// Enough of a polyhedron to climb on: corners, those along edges from each, faces.
+  std::shared_ptr<const PolyhedronMesh> hull_of_overlapped() const {
+    auto hull = std::make_shared<PolyhedronMesh>();
+    std::map<std::uint32_t, int> number;
+    for (const std::uint32_t t : overlapped_) {
+      PolyhedronMesh::Face face{mesh_.normal(t), 0, {}};
+      for (const std::uint32_t v : mesh_.surface().triangles()[t]) {
+        const auto [at, is_new] = number.try_emplace(v, static_cast<int>(hull->vertices.size()));
+        if (is_new) hull->vertices.push_back(mesh_.corner(v) - pose_.position);
+        face.corners.push_back(at->second);
+      }
+      face.offset = face.normal.dot(hull->vertices[face.corners[0]]);
+      hull->faces.push_back(face);
+    }
+    hull->neighbours.resize(hull->vertices.size());
+    for (const auto& face : hull->faces)
+      for (const int u : face.corners)
+        for (const int v : face.corners)
+          if (u != v) hull->neighbours[u].push_back(v);
+    return hull;
+  }
+
+  bool has_sharp(std::uint32_t triangle) const {
+    const auto& t = mesh_.surface().triangles()[triangle];
+    for (int k = 0; k < 3; ++k)
+      if (mesh_.is_corner(t[k]) || mesh_.is_sharp(mesh_.edge_of(triangle, k))) return true;
+    return false;
+  }
+
+  void add_over_face(std::uint32_t triangle) {
+    thread_local std::vector<MeshContact> points;
+    points.clear();
+    append_on_plane(body_, {Vec3::Zero(), pose_.orientation}, corners_[0], n_, mesh_.code_of_facet(triangle),
+                    tolerance_, points);
+    for (MeshContact& c : points)
+      if (is_over(c.point.on_a)) add(c);
+  }
+  bool is_over(const Vec3& x) const {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 along = corners_[(k + 1) % 3] - corners_[k];
+      if (n_.dot(along.cross(x - corners_[k])) < -rounding * deep_ * along.norm()) return false;
+    }
+    return true;
+  }
+
+  /// The triangle as a convex body.
+  ConvexCore flat() {
+    const Vec3 middle = flat_.set(corners_, n_);
+    return convex_core(flat_.shape(), {middle, Quat::Identity()});
+  }
+  std::optional<Approach> approach() { return deepest_direction(core_, flat(), tolerance_ + core_.radius); }
+
+  /// The contact with the triangle's sharp edges and corners; returns the direction from the triangle to the
+  /// body, nothing where they are apart.
+  std::optional<Vec3> meet_features(std::uint32_t triangle) {
+    const auto found = approach();
+    if (!found) return {};
+    const Vec3 m = -found->peak.normal;
+    if (!is_true(triangle, m, rounding * length_scale(core_, flat()))) return m;
+    thread_local std::vector<ContactPoint> points;
+    points.clear();
+    append_convex_manifold(core_, flat(), found->peak.normal, found->peak.core_gap, found->where, tolerance_,
+                           points);
+    for (const ContactPoint& p : points)
+      if (const auto code = sharp_code(triangle, p.feature & 0xffff))
+        add({p, static_cast<std::uint32_t>(p.feature >> 16), *code});
+    return m;
+  }
+
+  /// Corner k of the triangle as the mesh numbers it: those of a hollow one run the other way.
+  int in_mesh(int k) const { return mesh_.mesh().hollow ? (3 - k) % 3 : k; }
+  std::uint32_t corner_of(std::uint32_t triangle, int k) const {
+    return mesh_.surface().triangles()[triangle][in_mesh(k)];
+  }
+  /// From corner k to the next.
+  std::uint32_t edge_of(std::uint32_t triangle, int k) const {
+    return mesh_.edge_of(triangle, mesh_.mesh().hollow ? 2 - k : k);
+  }
+
+  /// Whether the surface near what of the triangle is furthest along m is not further.
+  bool is_true(std::uint32_t triangle, const Vec3& m, double slack) const {
+    std::array<double, 3> height;
+    for (int k = 0; k < 3; ++k) height[k] = m.dot(corners_[k]);
+    const double highest = *std::max_element(height.begin(), height.end());
+    std::array<bool, 3> top;
+    for (int k = 0; k < 3; ++k) top[k] = height[k] >= highest - slack;
+    if (top[0] && top[1] && top[2]) return m.dot(n_) > 0;
+    for (int k = 0; k < 3; ++k)
+      if (top[k] && top[(k + 1) % 3]) {
+        const std::uint32_t e = edge_of(triangle, k);
+        return mesh_.is_sharp(e) && mesh_.edge_supports(e, m, rounding);
+      }
+    for (int k = 0; k < 3; ++k)
+      if (top[k]) {
+        const std::uint32_t v = corner_of(triangle, k);
+        return mesh_.is_corner(v) && mesh_.corner_supports(v, m, rounding);
+      }
+    return false;
+  }
+
+  std::optional<std::uint32_t> sharp_code(std::uint32_t triangle, std::uint32_t of_flat) const {
+    const int k = static_cast<int>(of_flat) - 1;
+    if (k < 3) {
+      const std::uint32_t v = corner_of(triangle, k);
+      if (mesh_.is_corner(v)) return mesh_.code_of_corner(v);
+    } else if (k < 6) {
+      const std::uint32_t e = edge_of(triangle, k - 3);
+      if (mesh_.is_sharp(e)) return mesh_.code_of_edge(e);
+    }
+    return {};
+  }
+
+  void add(MeshContact c) {
+    c.point.on_a += pose_.position;
+    c.point.on_b += pose_.position;
+    out_.push_back(c);
+  }
+
+  const ConvexShape& body_;
+  const Pose& pose_;
+  const MeshFeatures& mesh_;
+  const ConvexCore core_;  // about the origin
+  double deep_, tolerance_;
+  std::vector<MeshContact>& out_;
+  Vec3 n_;
+  std::array<Vec3, 3> corners_;  // from the body's centre
+  FlatPolyhedron flat_;
+  std::vector<std::uint32_t> overlapped_;
+  std::vector<Vec3> ways_;  // out
+};
+
+}  // namespace
+
+double deep_behind_faces(const ConvexShape& body) {
+  return deep * std::visit([](const auto& s) { return s.least_width(); }, body);
+}
+
+void append_on_plane(const ConvexShape& body, const Pose& pose, const Vec3& origin, const Vec3& outward,
+                     std::uint32_t code, double tolerance, std::vector<MeshContact>& out) {
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  const bool rounded = has_rounded_box(body);
+  if (rounded)
+    append_plane_manifold(rounded_box(body, pose), origin, outward, tolerance, points);
+  else
+    append_convex_plane_manifold(convex_core(body, pose), origin, outward, tolerance, points);
+  for (const ContactPoint& p : points)
+    out.push_back({p, static_cast<std::uint32_t>(rounded ? p.feature : p.feature >> 16), code});
+}
+
+void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
+                           std::span<const std::uint32_t> near, double tolerance,
+                           std::vector<MeshContact>& out) {
+  OnTriangle on(body, pose, mesh, tolerance, out);
+  for (const std::uint32_t t : near) on.look(t);
+}
+
+void append_overlap(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
+                    std::span<const std::uint32_t> near, std::vector<MeshContact>& out) {
+  OnTriangle on(body, pose, mesh, 0, out);
+  for (const std::uint32_t t : near) on.look_for_overlap(t);
+  on.add_overlap();
+}
+
+}  // namespace silt::rigid

@@ -1,0 +1,207 @@
+#include "rigid/collision/mesh_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rigid/collision/ball_on_mesh.hpp"
+#include "rigid/collision/curved_on_mesh.hpp"
+#include "rigid/collision/mesh_on_mesh.hpp"
+#include "rigid/collision/reduce_manifold.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::rigid {
+
+namespace {
+
+/// Cosine up to which normals are much the same.
+constexpr double same_way = 0.95;
+
+/// In full, so that the order in which a backend names triangles does not show.
+bool is_before(const ContactPoint& p, const ContactPoint& q) {
+  if (p.feature != q.feature || p.gap != q.gap)
+    return std::tie(p.feature, p.gap) < std::tie(q.feature, q.gap);
+  const auto differs = [](const Vec3& x, const Vec3& y) { return x != y; };
+  const auto less = [](const Vec3& x, const Vec3& y) {
+    return std::lexicographical_compare(x.data(), x.data() + 3, y.data(), y.data() + 3);
+  };
+  return differs(p.normal, q.normal) ? less(p.normal, q.normal) : less(p.on_a, q.on_a);
+}
+
+/// Of one feature the deepest; of those that point the same way as the deepest few.
+void reduce(std::vector<ContactPoint>& points) {
+  std::sort(points.begin(), points.end(), is_before);
+  const auto same = [](const ContactPoint& p, const ContactPoint& q) { return p.feature == q.feature; };
+  points.erase(std::unique(points.begin(), points.end(), same), points.end());
+  if (points.size() <= most_contact_points) return;
+  std::vector<ContactPoint> kept, group;
+  while (!points.empty()) {
+    const ContactPoint deepest = *std::min_element(
+        points.begin(), points.end(), [](const auto& p, const auto& q) { return p.gap < q.gap; });
+    const auto rest = std::stable_partition(points.begin(), points.end(), [&](const ContactPoint& p) {
+      return p.normal.dot(deepest.normal) >= same_way;
+    });
+    group.assign(points.begin(), rest);
+    points.erase(points.begin(), rest);
+    reduce_manifold(group);
+    kept.insert(kept.end(), group.begin(), group.end());
+  }
+  std::sort(kept.begin(), kept.end(), is_before);
+  points.swap(kept);
+}
+
+/// From the frame of the query to that of the call.
+void finish(std::vector<ContactPoint>& points, const Pose& frame, std::vector<ContactPoint>& out) {
+  reduce(points);
+  const Mat3 turn = frame.orientation.toRotationMatrix();
+  for (ContactPoint& p : points) {
+    p.on_a = frame.position + turn * p.on_a;
+    p.on_b = frame.position + turn * p.on_b;
+    p.normal = turn * p.normal;
+    out.push_back(p);
+  }
+}
+
+std::vector<ContactPoint>& with_features(const std::vector<MeshContact>& contacts) {
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  for (const MeshContact& c : contacts) {
+    points.push_back(c.point);
+    points.back().feature = std::uint64_t{c.code_a} << 32 | c.code_b;
+  }
+  return points;
+}
+
+/// A body with its centre in the solid.
+void append_deep(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
+                 std::vector<MeshContact>& out) {
+  const TriangleMesh::Nearest nearest = mesh.surface().nearest(pose.position);
+  const Vec3 up = nearest.point - pose.position;
+  const Vec3 outward = nearest.distance > 0 ? Vec3(up / nearest.distance) : mesh.normal(nearest.triangle);
+  append_on_plane(body, pose, nearest.point, outward, mesh.code_of_facet(nearest.triangle), tolerance, out);
+}
+
+Vec3 middle_of(const BoxTree::Node& node) {
+  return 0.5 *
+         Vec3(node.lower[0] + node.upper[0], node.lower[1] + node.upper[1], node.lower[2] + node.upper[2]);
+}
+Vec3 half_of(const BoxTree::Node& node) {
+  return 0.5 *
+         Vec3(node.upper[0] - node.lower[0], node.upper[1] - node.lower[1], node.upper[2] - node.lower[2]);
+}
+
+/// Calls use(corner) for the corners of triangles whose box may have a gap up to the tolerance.
+template <class Bound, class Use>
+void for_corners(const MeshFeatures& mesh, const Bound& gap_of_box, double tolerance, Use&& use) {
+  thread_local std::vector<std::uint32_t> corners;
+  corners.clear();
+  const auto bound = [&](const BoxTree::Node& node) { return gap_of_box(middle_of(node), half_of(node)); };
+  mesh.surface().tree().search(bound, tolerance, [&](std::uint32_t t) {
+    for (const std::uint32_t v : mesh.surface().triangles()[t])
+      if (mesh.is_corner(v)) corners.push_back(v);
+  });
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  for (const std::uint32_t v : corners) use(v);
+}
+
+}  // namespace
+
+void append_mesh_contacts(const ConvexPart& part, const Pose& pose_of_part, const MeshFeatures& mesh,
+                          const Pose& pose_of_mesh, double tolerance, CollisionBackend& backend,
+                          std::vector<ContactPoint>& out) {
+  const Pose pose = pose_of_part.seen_from(pose_of_mesh);
+  BoundingBox box = std::visit([&](const auto& s) { return s.bounding_box(pose); }, part.shape);
+  const double reach = std::max(tolerance, deep_behind_faces(part.shape));
+  box.lower.array() -= reach;
+  box.upper.array() += reach;
+  thread_local std::vector<std::uint32_t> near;
+  near.clear();
+  backend.triangles_near(mesh.mesh().surface, box, near);
+  if (near.empty()) return;
+  std::sort(near.begin(), near.end());
+  if (const auto* ball = std::get_if<Sphere>(&part.shape)) {
+    thread_local std::vector<ContactPoint> points;
+    points.clear();
+    append_ball_contacts(pose.position, ball->radius, mesh, near, tolerance, points);
+    return finish(points, pose_of_mesh, out);
+  }
+  thread_local std::vector<MeshContact> contacts;
+  contacts.clear();
+  if (mesh.mesh().contains(pose.position)) {
+    append_deep(part.shape, pose, mesh, tolerance, contacts);
+  } else if (part.surface) {
+    thread_local std::vector<TrianglePair> pairs;
+    pairs.clear();
+    backend.triangle_pairs_near(part.surface->mesh().surface, pose, mesh.mesh().surface, Pose{},
+                                std::max(tolerance, deepest(*part.surface, mesh)), pairs);
+    append_mesh_on_mesh(*part.surface, pose, mesh, pairs, tolerance, contacts);
+  } else {
+    append_curved_on_mesh(part.shape, pose, mesh, near, tolerance, contacts);
+  }
+  if (contacts.empty()) append_overlap(part.shape, pose, mesh, near, contacts);
+  finish(with_features(contacts), pose_of_mesh, out);
+}
+
+void append_mesh_contacts(const MeshFeatures& a, const Pose& pose_a, const MeshFeatures& b,
+                          const Pose& pose_b, double tolerance, CollisionBackend& backend,
+                          std::vector<ContactPoint>& out) {
+  thread_local std::vector<TrianglePair> pairs;
+  thread_local std::vector<MeshContact> contacts;
+  pairs.clear();
+  contacts.clear();
+  const Pose pose = pose_a.seen_from(pose_b);
+  backend.triangle_pairs_near(a.mesh().surface, pose, b.mesh().surface, Pose{},
+                              std::max(tolerance, deepest(a, b)), pairs);
+  append_mesh_on_mesh(a, pose, b, pairs, tolerance, contacts);
+  finish(with_features(contacts), pose_b, out);
+}
+
+void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const HalfSpace& wall,
+                          const Pose& pose_of_plane, double tolerance, std::vector<ContactPoint>& out) {
+  const Pose seen = pose_of_plane.seen_from(pose);
+  const Vec3 outward = seen.orientation * wall.normal;
+  const auto gap_of = [&](const Vec3& x) { return outward.dot(x - seen.position); };
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  const auto lowest = [&](const Vec3& middle, const Vec3& half) {
+    return gap_of(middle) - half.dot(outward.cwiseAbs());
+  };
+  for_corners(mesh, lowest, tolerance, [&](std::uint32_t v) {
+    const Vec3& x = mesh.corner(v);
+    const double gap = gap_of(x);
+    if (gap <= tolerance) points.push_back({x, x - gap * outward, -outward, gap, mesh.code_of_corner(v)});
+  });
+  finish(points, pose, out);
+}
+
+void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const Tube& tube,
+                          const Pose& pose_of_tube, double tolerance, std::vector<ContactPoint>& out) {
+  const Pose seen = pose_of_tube.seen_from(pose);
+  const Vec3 axis = seen.orientation * Vec3::UnitZ();
+  const auto from_axis = [&](const Vec3& x) -> Vec3 {
+    const Vec3 from = x - seen.position;
+    return from - axis.dot(from) * axis;
+  };
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  const auto least = [&](const Vec3& middle, const Vec3& half) {
+    return tube.radius - from_axis(middle).norm() - half.norm();
+  };
+  for_corners(mesh, least, tolerance, [&](std::uint32_t v) {
+    const Vec3 &x = mesh.corner(v), from = from_axis(x);
+    const double distance = from.norm(), gap = tube.radius - distance;
+    if (gap > tolerance) return;
+    const Vec3 normal = distance > 0 ? Vec3(from / distance) : Vec3(seen.orientation * Vec3::UnitX());
+    points.push_back({x, x + gap * normal, normal, gap, mesh.code_of_corner(v)});
+  });
+  finish(points, pose, out);
+}
+
+void exchange_sides(std::vector<ContactPoint>& points) {
+  for (ContactPoint& p : points) {
+    std::swap(p.on_a, p.on_b);
+    p.normal = -p.normal;
+  }
+}
+
+}  // namespace silt::rigid

@@ -1,0 +1,76 @@
+#include "rigid/collision/triangle_search.hpp"
+
+namespace silt::rigid {
+
+namespace {
+
+/// Walks down two trees at once.
+class PairSearch {
+ public:
+  PairSearch(const TriangleMesh& a, const Pose& pose_a, const TriangleMesh& b, const Pose& pose_b,
+             double margin, std::vector<TrianglePair>& out)
+      : a_(a), b_(b), margin_(margin), out_(out) {
+    const Pose a_in_b = pose_a.seen_from(pose_b);
+    turn_ = a_in_b.orientation.toRotationMatrix();
+    shift_ = a_in_b.position;
+  }
+
+  void descend(std::uint32_t at_a, std::uint32_t at_b) {
+    const BoxTree::Node &in_a = a_.tree().nodes()[at_a], &in_b = b_.tree().nodes()[at_b];
+    const BoundingBox box = seen_from_b(box_of(in_a));
+    if (!in_b.overlaps(box)) return;
+    if (in_a.count > 0 && in_b.count > 0) return add_leaves(in_a, in_b);
+    const bool into_a = in_b.count > 0 || (in_a.count == 0 && size_of(in_a) >= size_of(in_b));
+    for (std::uint32_t child = 0; child < 2; ++child)
+      into_a ? descend(in_a.first + child, at_b) : descend(at_a, in_b.first + child);
+  }
+
+ private:
+  static BoundingBox box_of(const BoxTree::Node& node) {
+    return {{node.lower[0], node.lower[1], node.lower[2]}, {node.upper[0], node.upper[1], node.upper[2]}};
+  }
+  static double size_of(const BoxTree::Node& node) {
+    const BoundingBox box = box_of(node);
+    return (box.upper - box.lower).maxCoeff();
+  }
+  static BoundingBox box_of(const TriangleMesh& mesh, std::uint32_t triangle) {
+    BoundingBox box = BoundingBox::empty();
+    for (const Vec3& x : mesh.corners(triangle)) box.add({x, x});
+    return box;
+  }
+  BoundingBox seen_from_b(const BoundingBox& box) const {
+    const Vec3 half = turn_.cwiseAbs() * (0.5 * (box.upper - box.lower));
+    return BoundingBox::around(turn_ * (0.5 * (box.lower + box.upper)) + shift_,
+                               half + Vec3::Constant(margin_));
+  }
+  void add_leaves(const BoxTree::Node& in_a, const BoxTree::Node& in_b) {
+    for (std::uint32_t i = in_a.first; i < in_a.first + in_a.count; ++i) {
+      const BoundingBox of_i = seen_from_b(box_of(a_, i));
+      for (std::uint32_t j = in_b.first; j < in_b.first + in_b.count; ++j) {
+        const BoundingBox of_j = box_of(b_, j);
+        if (((of_i.lower - of_j.upper).array() <= 0).all() && ((of_j.lower - of_i.upper).array() <= 0).all())
+          out_.push_back({i, j});
+      }
+    }
+  }
+
+  const TriangleMesh &a_, &b_;
+  double margin_;
+  std::vector<TrianglePair>& out_;
+  Mat3 turn_;
+  Vec3 shift_;
+};
+
+}  // namespace
+
+void append_triangles_near(const TriangleMesh& mesh, const BoundingBox& near,
+                           std::vector<std::uint32_t>& out) {
+  mesh.for_near(near, [&](std::uint32_t t) { out.push_back(t); });
+}
+
+void append_triangle_pairs_near(const TriangleMesh& a, const Pose& pose_a, const TriangleMesh& b,
+                                const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
+  PairSearch(a, pose_a, b, pose_b, margin, out).descend(0, 0);
+}
+
+}  // namespace silt::rigid
