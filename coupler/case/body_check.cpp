@@ -48,22 +48,6 @@ void check_size(const Case& scene, Findings& findings, int shape, Motion motion,
                            key, scene.shape_names[shape], shown(reach), "xyz"[d], scene.cells[d]));
 }
 
-/// The cells of a mesh that moves freely are not mapped yet.
-void check_meshes(const Case& scene, Findings& findings) {
-  if (!scene.fluid) return;
-  const auto check = [&](int shape, const std::string& key) {
-    if (std::holds_alternative<rigid::Mesh>(scene.shapes[shape]))
-      findings.error(key, fmt::format("{}: shape '{}' is a mesh, which the fluid does not see as a body yet: "
-                                      "leave [fluid] out, or give it as a polyhedron, a compound or a wall",
-                                      key, scene.shape_names[shape]));
-  };
-  std::set<int> seen;
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
-    if (seen.insert(body.entry).second) check(body.shape, entry_key(body.entry) + ".shape");
-  });
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) check(scene.fills[i].shape, of_fill(i, "shape"));
-}
-
 void check_sizes(const Case& scene, Findings& findings) {
   std::set<int> seen;
   scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
@@ -193,7 +177,6 @@ void Findings::add(Diagnostic::Severity severity, const std::string& key, const 
 void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
   check_sizes(scene, findings);
-  check_meshes(scene, findings);
   const auto is_half_space = [&](const BodySpec& body) {
     if (!std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) return false;
     findings.error(entry_key(body.entry) + ".shape", entry_key(body.entry) +
