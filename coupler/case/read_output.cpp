@@ -40,8 +40,7 @@ void read_field_names(TableReader& fields, std::vector<Field>& quantities) {
       quantities.push_back(Field(i));
 }
 
-void read_fields(TableReader& table, const std::array<int, 3>& cells, FieldsSpec& fields) {
-  fields.upper = cells;
+void read_fields(TableReader& table, FieldsSpec& fields) {
   if (!table.present()) return;
   read_series(table, fields);
   read_field_names(table, fields.quantities);
@@ -87,7 +86,8 @@ void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vect
     for (const FieldsSpec& other : slices)
       if (other.name == slice.name)
         table.fail("name", fmt::format("{}: there already is a slice '{}'", table.path("name"), name));
-    read_fields(table, cells, slice);
+    slice.upper = cells;
+    read_fields(table, slice);
     if (table.has("axis") && table.has("box")) table.fail("box", "a slice has a plane (axis, at) or a box");
     if (table.has("axis"))
       read_plane(table, slice);
@@ -198,10 +198,11 @@ void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&
 
 void read_output(TableReader& root, const std::array<int, 3>& cells, OutputSpec& output) {
   TableReader table = root.table("output");
+  output.fields.upper = cells;
   if (!table.present()) return;
   TableReader fields = table.table("fields"), bodies = table.table("bodies");
   TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
-  read_fields(fields, cells, output.fields);
+  read_fields(fields, output.fields);
   read_slices(table, cells, output.slices);
   read_series(bodies, output.bodies);
   read_series(checkpoint, output.checkpoint);

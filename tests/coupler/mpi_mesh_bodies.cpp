@@ -8,6 +8,7 @@
 
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
+#include "tests/coupler/solid_cells.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -35,18 +36,6 @@ const std::string torus_shape = shape_of("body", "mesh", "file = \"torus.ply\"")
 const rigid::TriangleMesh torus = rigid::testing::torus_mesh(6, 2.5, 40, 20);
 Files torus_file() {
   return {{"torus.ply", ply_of(torus)}};
-}
-
-double solid_cells(const Simulation& s) {
-  const Flow& flow = *s.scene().flow;
-  double count = 0;
-  for (int b = 0; b < flow.blocks(); ++b) {
-    const lbm::Int3 n = flow.block(b).size;
-    for (int z = 0; z < n.z; ++z)
-      for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) count += !flow.is_fluid(b, {x, y, z});
-  }
-  return tests::sum_over_ranks(count);
 }
 
 TEST(MeshBodies, ATorusCoversItsVolumeAndKeepsMomentum) {

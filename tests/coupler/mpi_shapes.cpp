@@ -10,6 +10,7 @@
 #include "coupler/simulation.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/solid_cells.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -44,18 +45,6 @@ CaseText alone(const Body& body) {
       "position = [2.3, 20.1, 13.7]\nvelocity = [0.03, 0.01, -0.02]\nangular_velocity = [0.004, 0.003, "
       "-0.005]\n";
   return c;
-}
-
-double solid_cells(const Simulation& s) {
-  const Flow& flow = *s.scene().flow;
-  double count = 0;
-  for (int b = 0; b < flow.blocks(); ++b) {
-    const lbm::Int3 n = flow.block(b).size;
-    for (int z = 0; z < n.z; ++z)
-      for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) count += !flow.is_fluid(b, {x, y, z});
-  }
-  return tests::sum_over_ranks(count);
 }
 
 TEST(Shapes, CoverTheirVolumeAndKeepMomentum) {
