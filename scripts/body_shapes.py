@@ -7,7 +7,7 @@ class NoMesh(ValueError):
 
 
 class Mesh:
-    """A Mesh is the closed surface of a convex part in the frame of its body (origin at the centre of mass).
+    """A Mesh is the closed surface of a part, convex but for bodies of triangles, in the frame of its body (origin at the centre of mass).
 
     vertices [V, 3]; triangles [T, 3], vertices counter-clockwise seen from outside; normals [N, 3], outward unit
     normals of the surface; triangle_normals [T, 3], which of them the corners of each triangle have.
@@ -30,6 +30,13 @@ class Mesh:
             raise NoMesh("the mesh of a body is not closed") from None
         if len(directed) != 2 * len(self.edges) or len(owner) != len(directed):
             raise NoMesh("the mesh of a body is not closed")
+        self.is_convex = self._is_convex()
+
+    def _is_convex(self):
+        """Says whether at every edge each triangle is behind the plane of the other."""
+        first, second = self.triangles[self.sides[:, 0]], self.triangles[self.sides[:, 1]]
+        ahead = np.einsum("ed,ekd->ek", self.facing[self.sides[:, 0]], self.vertices[second] - self.vertices[first[:, :1]])
+        return bool(ahead.max() <= 1e-5 * np.linalg.norm(self.facing, axis=1).max() * self.reach)
 
 
 def rotation(q):
@@ -69,6 +76,40 @@ def silhouette(mesh, position, turned, view):
     front = mesh.facing @ (turned.T @ view[2]) > 0
     rim = np.unique(mesh.edges[front[mesh.sides[:, 0]] != front[mesh.sides[:, 1]]])
     return in_order((position + mesh.vertices[rim] @ turned.T) @ view[:2].T)
+
+
+def silhouettes(mesh, position, turned, view):
+    """Returns polygons [n, 2] that cover what is seen of a part: its outline, or, if it is not convex, the triangles that face the eye."""
+    if mesh.is_convex:
+        return [silhouette(mesh, position, turned, view)]
+    front = mesh.facing @ (turned.T @ view[2]) > 0
+    return list(((position + mesh.vertices @ turned.T) @ view[:2].T)[mesh.triangles[front]])
+
+
+def cuts(mesh, position, turned, axis, level):
+    """Returns the outlines [n, 3] of a part's points with coordinate `axis` at `level`; those of holes go round the other way."""
+    if mesh.is_convex:
+        polygon = cut(mesh, position, turned, axis, level)
+        return [polygon] if len(polygon) else []
+    points = position + mesh.vertices @ turned.T
+    height = points[:, axis] - level
+    after = {}  # of an edge that goes up, in its triangle, the edge there that goes down: the next triangle's first
+    above = height[mesh.triangles] > 0
+    for triangle in mesh.triangles[above.any(axis=1) & ~above.all(axis=1)]:
+        edges = list(zip(triangle, np.roll(triangle, -1)))
+        up = next(e for e in edges if height[e[0]] <= 0 < height[e[1]])
+        down = next(e for e in edges if height[e[1]] <= 0 < height[e[0]])
+        after[up] = down[::-1]
+    loops = []
+    while after:
+        start, edge = next(iter(after.items()))
+        loop = [after.pop(start)]
+        while loop[-1] in after:
+            loop.append(after.pop(loop[-1]))
+        a, b = np.array(loop).T
+        share = (height[a] / (height[a] - height[b]))[:, None]
+        loops.append(points[a] + share * (points[b] - points[a]))
+    return loops
 
 
 def cut(mesh, position, turned, axis, level):
