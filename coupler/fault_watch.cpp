@@ -90,14 +90,30 @@ void FaultWatch::see_fluid(const Scene& scene, const Flow::Fast& fast, std::int6
   fluid_ = FluidFault{fast.speed, (std::uint64_t(z) * n[1] + y) * n[0] + x, too_fast_text(scene, fast, step)};
 }
 
+void FaultWatch::see_overlaps(const Case& scene, const MotionLimits& limits, const BodySet& bodies,
+                              std::span<const rigid::Contact> contacts, std::int64_t step) {
+  if (overlap_) return;  // before
+  const auto half_width = [&](rigid::BodyId id) {
+    const std::size_t row = bodies.row_of(id);
+    return row < bodies.first_wall() ? limits.half_width(bodies.shape[row])
+                                     : std::numeric_limits<double>::infinity();
+  };
+  for (const rigid::Contact& c : contacts) {
+    if (-c.gap <= limits.least_half_width()) continue;
+    const double allowed = std::min(half_width(c.a), half_width(c.b)), share = -c.gap / allowed;
+    if (share > (overlap_ ? overlap_->share : 1))
+      overlap_ = OverlapFault{moment_, share, c.a, overlap_text(scene, c, allowed, step)};
+  }
+}
+
 void FaultWatch::start(MPI_Comm comm) {
-  sums_.start(comm, {fluid_.has_value(), body_.has_value()});
+  sums_.start(comm, {fluid_.has_value(), body_.has_value(), overlap_.has_value()});
 }
 
 FaultWatch::Found FaultWatch::finish() {
   if (!sums_.under_way()) return {};
   const std::vector<std::int64_t>& all = sums_.finish();
-  return {all[0] > 0, all[1] > 0};
+  return {all[0] > 0, all[1] > 0, all[2] > 0};
 }
 
 std::string FaultWatch::body_fault(MPI_Comm comm) const {
@@ -106,6 +122,16 @@ std::string FaultWatch::body_fault(MPI_Comm comm) const {
   const bool mine = body_ && body_->moment == moment;
   const std::uint64_t id = least_over_ranks(comm, mine ? std::uint64_t(body_->id) : none);
   return text_of_one(comm, mine && body_->id == id ? body_->text : "");
+}
+
+std::string FaultWatch::overlap_fault(MPI_Comm comm) const {
+  constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t moment = least_over_ranks(comm, overlap_ ? overlap_->moment : none);
+  const bool first = overlap_ && overlap_->moment == moment;
+  const double share = max_over_ranks(comm, first ? overlap_->share : -1);
+  const bool mine = first && overlap_->share == share;
+  const std::uint64_t a = least_over_ranks(comm, mine ? std::uint64_t(overlap_->a) : none);
+  return text_of_one(comm, mine && overlap_->a == a ? overlap_->text : "");
 }
 
 std::string FaultWatch::fluid_fault(MPI_Comm comm) const {

@@ -5,11 +5,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "coupler/exchange/sums_under_way.hpp"
 #include "coupler/flow.hpp"
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/contact.hpp"
 
 namespace silt::coupler {
 
@@ -30,8 +32,13 @@ class FaultWatch {
   /// Notes a cell that was too fast when the pass of a step began (Flow::too_fast).
   void see_fluid(const Scene&, const Flow::Fast&, std::int64_t step);
 
+  /// Notes of the contacts of a (sub-)step the pair that overlaps deepest, by the width of the thinner body,
+  /// if by more than half. Called with hold_runaways.
+  void see_overlaps(const Case&, const MotionLimits&, const rigid::BodySet&, std::span<const rigid::Contact>,
+                    std::int64_t step);
+
   struct Found {
-    bool fluid = false, body = false;  // on any rank
+    bool fluid = false, body = false, overlap = false;  // on any rank
   };
   /// Starts the sums of what was seen so far. Collective, but waits for nobody.
   void start(MPI_Comm);
@@ -39,8 +46,9 @@ class FaultWatch {
   /// Returns what all ranks had seen when the sums were started; nothing if none are under way. Collective.
   Found finish();
   /// Return what is to be said, the same on every rank. Collective, once finish has told of one: of the body
-  /// held first (of several at a time the lowest id), of the fastest cell.
+  /// held first (of several at a time the lowest id), of the fastest cell, of the deepest overlap.
   std::string body_fault(MPI_Comm) const;
+  std::string overlap_fault(MPI_Comm) const;
   std::string fluid_fault(MPI_Comm) const;
 
  private:
@@ -58,6 +66,13 @@ class FaultWatch {
     std::string text;
   };
   std::optional<FluidFault> fluid_;
+  struct OverlapFault {
+    std::uint64_t moment;
+    double share;  // of the half-width
+    rigid::BodyId a;
+    std::string text;
+  };
+  std::optional<OverlapFault> overlap_;
   std::uint64_t moment_ = 0;
   SumsUnderWay sums_;
 };

@@ -8,6 +8,7 @@
 #include "coupler/flow.hpp"
 #include "lbm/stream_collide.hpp"
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/contact.hpp"
 
 namespace silt::coupler {
 
@@ -43,6 +44,9 @@ std::string too_fast_text(const Scene&, const Flow::Fast&, std::int64_t step);
 /// Returns the text for a body that would move further in a step than its limit; a speed that is not finite
 /// stands for a velocity or position that is no number.
 std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, std::int64_t step);
+
+/// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one.
+std::string overlap_text(const Case&, const rigid::Contact&, double half_width, std::int64_t step);
 
 /// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step,

@@ -65,6 +65,7 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     scene_.rigid_step->before_drift = [this](rigid::BodySet& bodies) {
       const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
       counters_.body_speed = std::max(counters_.body_speed, speed);
+      faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);
     };
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
@@ -113,6 +114,7 @@ void Simulation::watch() {
 void Simulation::tell(FaultWatch::Found found) {
   if (found.body) throw CommonGuardStop(faults_.body_fault(scene_.comm));
   if (found.fluid) throw CommonGuardStop(faults_.fluid_fault(scene_.comm));
+  if (found.overlap) throw CommonGuardStop(faults_.overlap_fault(scene_.comm));
 }
 
 void Simulation::settle() {

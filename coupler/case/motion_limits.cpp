@@ -21,13 +21,14 @@ double width_of_thinnest_part(const rigid::Shape& shape) {
 
 }  // namespace
 
-MotionLimits::MotionLimits(const Case& scene) : least_(without_limit) {
+MotionLimits::MotionLimits(const Case& scene) : least_(without_limit), least_half_width_(without_limit) {
   const ContactSpec& contacts = scene.contacts;
   for (const rigid::Shape& shape : scene.shapes) {
-    of_shape_.push_back(scene.fluid
-                            ? furthest_motion
-                            : contacts.substeps * 0.5 * (contacts.margin + width_of_thinnest_part(shape)));
+    const double width = width_of_thinnest_part(shape);
+    of_shape_.push_back(scene.fluid ? furthest_motion : contacts.substeps * 0.5 * (contacts.margin + width));
+    half_width_.push_back(0.5 * width);
     least_ = std::min(least_, of_shape_.back());
+    least_half_width_ = std::min(least_half_width_, half_width_.back());
   }
 }
 

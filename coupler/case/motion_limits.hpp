@@ -1,5 +1,5 @@
 #pragma once
-// How far bodies may move in a step.
+// How far bodies may move in a step, and how deep they may overlap.
 #include <vector>
 
 namespace silt::coupler {
@@ -19,10 +19,14 @@ class MotionLimits {
   explicit MotionLimits(const Case&);
   double of(int shape) const { return of_shape_[shape]; }
   double least() const { return least_; }
+  /// Half of the least width of the thinnest part, in cells: what overlaps deeper than that is pushed out on
+  /// the other side. Infinite for meshes.
+  double half_width(int shape) const { return half_width_[shape]; }
+  double least_half_width() const { return least_half_width_; }
 
  private:
-  std::vector<double> of_shape_;
-  double least_;
+  std::vector<double> of_shape_, half_width_;
+  double least_, least_half_width_;
 };
 
 }  // namespace silt::coupler
