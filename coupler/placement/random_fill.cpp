@@ -17,7 +17,9 @@ namespace {
 using rigid::BoundingBox;
 using rigid::Vec3;
 
-constexpr double points_a_body = 20000;  // that found no room before the box counts as full
+/// Points that found no room before the box counts as full: at the start, where what is missing ends the run,
+/// and later, when it comes with the next application.
+constexpr double points_a_body_at_start = 20000, points_a_body_later = 1000;
 constexpr double bodies_a_cell = 4;
 
 enum class State : std::uint8_t { open, stays, goes };
@@ -48,6 +50,7 @@ class RandomFill {
         spec_(scene.fills[application.fill]),
         radius_(radius),
         distance_(2 * radius + spec_.gap),
+        points_a_body_(application.is_first() ? points_a_body_at_start : points_a_body_later),
         around_(around),
         obstacles_(obstacles),
         rain_(room, spec_.seed, application.stream(),
@@ -77,6 +80,7 @@ class RandomFill {
   const FillApplication application_;
   const FillSpec& spec_;
   const double radius_, distance_;  // least one of two centres
+  const double points_a_body_;
   Surroundings& around_;
   Obstacles& obstacles_;
   const Rain rain_;
@@ -97,7 +101,7 @@ RandomlyFilled RandomFill::bodies() {
     keep(enough ? time_of_last(missing) : std::numeric_limits<std::uint64_t>::max());
     missing -= enough ? missing : all.stay;
     round += rounds;
-    const bool full = static_cast<double>(all.fallen) >= points_a_body * static_cast<double>(all.stay + 1) ||
+    const bool full = static_cast<double>(all.fallen) >= points_a_body_ * static_cast<double>(all.stay + 1) ||
                       round >= Rain::most_rounds;
     if (!enough && full && application_.is_first()) refuse(spec_.count - missing);
     if (enough || full) break;
@@ -112,7 +116,7 @@ std::uint64_t RandomFill::next_rounds(std::uint64_t rounds, const Tally& last, s
   const auto cells = static_cast<double>(rain_.total_cells());
   const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);
   const double wanted = 1.1 * a_body * static_cast<double>(missing);
-  const double most = std::max(2 * points_a_body, 16 * static_cast<double>(spec_.count));
+  const double most = std::max(2 * points_a_body_, 16 * static_cast<double>(spec_.count));
   const double next = std::ceil(std::min(wanted, most) / cells);
   return static_cast<std::uint64_t>(std::clamp(next, 1.0, 16.0 * static_cast<double>(rounds)));
 }
