@@ -33,17 +33,18 @@ void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` is stable, and
-/// the acceleration of the fluid.
+/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` and of what
+/// else is curved is stable, and the acceleration of the fluid.
 template <class T>
 struct WallFluid {
-  T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1);
+  T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1), curved = T(1);
   T force[3] = {};
   WallFluid() = default;
   explicit WallFluid(const CollisionSpec& s)
       : magic(T(s.magic_in_effect())),
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
         share(T(stable_share(s))),
+        curved(T(curved_share(s))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
 };
 
@@ -103,7 +104,7 @@ constexpr V gap_distance(V q) {
 template <class V, class T>
 constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& opposite, const WallFluid<T>& fluid) {
   const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(opposite.q);
-  const V share = h * T(0.25) - T(2.0 / 3) * fluid.magic;
+  const V share = fluid.curved * (h * T(0.25) - T(2.0 / 3) * fluid.magic);
   const V second = T(2) * ((u_w - u) / h + (opposite.u - u) / p) / (h + p);
   return opposite.q > none ? (share > none ? -share * second : none) : none;
 }
@@ -116,7 +117,7 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
   if constexpr (scheme == WallScheme::cli) {
     return central(q, least, weight6, fluid);
   } else if constexpr (scheme == WallScheme::parabolic) {
-    const V wanted = T(parabola) * q * q - fluid.magic;
+    const V wanted = fluid.curved * (T(parabola) * q * q - fluid.magic);
     return central(q, V(wanted > least ? wanted : least), weight6, fluid);
   } else if constexpr (scheme == WallScheme::multireflection) {
     return multireflection(q, least, weight6, fluid);

@@ -29,10 +29,17 @@ enum class WallScheme : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
                                                                       "parabolic", "multireflection"};
 
+/// How much of what a scheme has beyond linear interpolation is left where the fluid is hardly viscous
+/// (README.md, equation 20a).
+constexpr double curved_share(const CollisionSpec& collision) {
+  constexpr double enough = 0.01;  // tau - 1/2
+  return std::min(1.0, collision.excess() * collision.excess() / (enough * enough));
+}
 /// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it.
 constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
-  return std::min(1.0, slope * collision.excess() * collision.excess() / collision.magic_in_effect());
+  return curved_share(collision) *
+         std::min(1.0, slope * collision.excess() * collision.excess() / collision.magic_in_effect());
 }
 
 /// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall

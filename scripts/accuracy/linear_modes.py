@@ -18,6 +18,7 @@ W = np.array([1 / 3] + [1 / 18] * 6 + [1 / 36] * 12)
 OPPOSITE = np.array([0] + [i + 1 if i % 2 else i - 1 for i in range(1, 19)])
 EXCESS = 0.0005             # least excess, lbm/README.md, equation 14
 SHARE_SLOPE = 1.8           # equation 20
+CURVED = 0.01               # equation 20a
 ALONG_AXES = np.abs(C).sum(axis=1) == 1
 REGULARISED = "regularised"
 WAVES = (0, np.pi / 2, np.pi)
@@ -95,7 +96,7 @@ def central(q, excess, tau):
 
 def stable_share(tau, model):
     """Returns the part of multireflection that does not amplify (equation 20)."""
-    return min(1, SHARE_SLOPE * (tau - 0.5)**2 / magic_of(model, tau))
+    return min(1, ((tau - 0.5) / CURVED)**2) * min(1, SHARE_SLOPE * (tau - 0.5)**2 / magic_of(model, tau))
 
 
 def coefficients(scheme, q, tau, model, share=None):

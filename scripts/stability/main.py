@@ -6,23 +6,17 @@ A point is "stable" if the run ends by itself and no fluid was three times as fa
 map.png; those of this folder are what the page shows and `silt check` is tested against.
 """
 import argparse
-import concurrent.futures
 import csv
-import hashlib
 import json
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 FOLDER = pathlib.Path(__file__).resolve().parent
-ROOT = FOLDER.parent.parent
-sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "accuracy"), str(FOLDER.parent)]
+sys.path.insert(0, str(FOLDER))
 
-from harness.results import Results, digest  # noqa: E402
+from kept_runs import KeptRuns, add_options  # noqa: E402
 from scenes import EXCESSES, FASTEST, MODELS, SCENES, VELOCITIES, cell_reynolds  # noqa: E402
 
-GUARD = 3  # exit code of silt where a guard ends a run
 QUICK = {"scenes": ("layer", "cavity"), "excesses": (1e-3, 0.03), "velocities": (0.1,)}
 
 
@@ -32,29 +26,6 @@ def points(quick):
             for excess in QUICK["excesses"] if quick else EXCESSES:
                 for u in QUICK["velocities"] if quick else VELOCITIES:
                     yield model, scene, excess, u
-
-
-def verdict(silt, text, u):
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = pathlib.Path(scratch)
-        (folder / "case.toml").write_text(text)
-        done = subprocess.run([silt, "run", folder, "--out", folder / "out"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-        if done.returncode == GUARD:
-            return "stopped"
-        if done.returncode != 0:
-            raise RuntimeError(f"silt ended with code {done.returncode}:\n{done.stderr}\n{text}")
-        report = json.loads((folder / "out" / "report.json").read_text())
-        return "stable" if report["max_velocity_lattice"] <= FASTEST * u else "wrong"
-
-
-def measure(results, silt, program, point):
-    model, scene, excess, u = point
-    text = SCENES[scene](model, excess, u)
-    key = digest(text, program)
-    if not (kept := results.get(key)):
-        kept = {"fingerprint": key, "verdict": verdict(silt, text, u)}
-        results.add(kept)
-    return kept["verdict"]
 
 
 def write_csv(path, found):
@@ -99,27 +70,20 @@ def largest_safe(found, model, scenes):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/bench stability", description=__doc__,
+    if sys.argv[1:2] == ["contacts"]:
+        import contacts
+        return contacts.main(sys.argv[2:])
+    parser = argparse.ArgumentParser(prog="scripts/bench stability [contacts]", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="twelve points")
-    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="also write the figures there")
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "stability-out", metavar="DIR")
-    parser.add_argument("-j", "--jobs", type=int, default=1, metavar="N")
-    parser.add_argument("--silt", type=pathlib.Path, metavar="PROGRAM", help="use this one; build nothing")
+    add_options(parser)
     options = parser.parse_args()
-    silt = options.silt.resolve() if options.silt else ROOT / "build/release/coupler/silt"
-    if not options.silt:
-        subprocess.run([ROOT / "scripts/build", "release", "silt"], check=True)
-    options.out.mkdir(parents=True, exist_ok=True)
-    program = hashlib.sha256(silt.read_bytes()).hexdigest()
-    results = Results(options.out / "results.jsonl")
-    wanted = list(points(options.quick))
-    found = {}
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for i, (point, word) in enumerate(zip(wanted, pool.map(lambda p: measure(results, silt, program, p), wanted)), 1):
-            found[point] = word
-            if word != "stable" or i % 20 == 0:
-                print(f"{i} of {len(wanted)}: {point[0]}, {point[1]}, tau - 1/2 = {point[2]:g}, {point[3]:g} cells a step: {word}", flush=True)
+
+    def judge(report, _, point):
+        return "stable" if report["max_velocity_lattice"] <= FASTEST * point[3] else "wrong"
+
+    found = KeptRuns(options, judge).verdicts(
+        list(points(options.quick)), lambda p: SCENES[p[1]](p[0], p[2], p[3]),
+        lambda p: f"{p[0]}, {p[1]}, tau - 1/2 = {p[2]:g}, {p[3]:g} cells a step")
     write_csv(options.out / "map.csv", found)
     if not options.quick:
         draw(options.out / "map.png", found)

@@ -1,0 +1,70 @@
+#!/usr/bin/python3
+"""drifts SILT [--steps N]: mass and momentum over many steps in single precision (a million; 20 000 in short form).
+
+What rounding may do to the mass of the fluid, in all: each step rounds a few numbers a cell to 2^-24 of their size, the deviation from
+rest. Rounding is to nearest, so errors of many cells and steps add as a random walk, not as a sum: the bound is that walk's standard
+deviation, 2^-24 times the largest deviation times sqrt(steps cells), six times, over the mass. A bias would pass it after a few thousand
+steps. Momentum of fluid and bodies with force = "exact" is a sum over cells and bodies, bounded alike by that of one population.
+"""
+import argparse
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
+
+from case_text import case_text, cube, sphere  # noqa: E402
+
+ROUNDING = 2.0**-24
+BALL = dict(shapes=[sphere(6)], bodies=[dict(name="ball", shape="sphere", density=1.5, position=[8.2, 8.1, 8], velocity=[0.02, 0.01, 0])])
+
+
+def scenes():
+    """Yields name, cells, case."""
+    yield "vortices, noise", 16**3, dict(domain=cube(16), fluid=dict(relaxation_time=0.52, body_force=[1e-6, 0, 0], initial=dict(
+        type="taylor-green-3d", velocity=[0.05, 0, 0], noise=0.01)))
+    yield "channel", 16**3, dict(domain=dict(size=[16, 16, 16], boundary=dict(x="periodic", y="periodic", z="no-slip")),
+                                 fluid=dict(relaxation_time=0.7, body_force=[1e-5, 0, 0]))
+    yield "lid-driven box", 16**3, dict(domain=dict(size=[16, 16, 16], boundary=dict(
+        x=[dict(type="moving", velocity=[0, 0.05, 0]), "no-slip"], y="no-slip", z="no-slip")), fluid=dict(relaxation_time=0.55))
+    yield "free sphere, driven", 16**3, dict(domain=cube(16), fluid=dict(relaxation_time=0.6, body_force=[2e-6, 0, 0]),
+                                             gravity=dict(acceleration=[-2e-5, 0, 0]), **BALL)
+    yield "fixed sphere", 16**3, dict(domain=cube(16), fluid=dict(relaxation_time=0.6, body_force=[1e-6, 0, 0]),
+                                      **dict(BALL, bodies=[dict(BALL["bodies"][0], motion="fixed", velocity=[0, 0, 0])]))
+
+
+def report_of(silt, text):
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "case.toml").write_text(text)
+        done = subprocess.run([silt, "run", folder, "--out", f"{folder}/out"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        if done.returncode:
+            raise SystemExit(f"silt ended with code {done.returncode}:\n{done.stderr}\n{text}")
+        return json.loads(pathlib.Path(folder, "out", "report.json").read_text())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("silt")
+    parser.add_argument("--steps", type=int, default=1_000_000)
+    options = parser.parse_args()
+    failed = False
+    print(f"{'scene':24} {'mass drift':>12} {'allowed':>12} {'momentum drift':>15} {'largest velocity':>17}")
+    for name, cells, tables in scenes():
+        tables["fluid"]["precision"] = "single"
+        report = report_of(options.silt, case_text(name, run=dict(steps=options.steps), output=dict(report=dict(every=max(1000, options.steps // 50))), **tables))
+        deviation = max(report["max_velocity_lattice"], 1e-3)
+        allowed = 6 * ROUNDING * deviation * math.sqrt(options.steps * cells) / cells
+        drift = abs(report["mass_drift"])
+        failed |= not drift <= allowed
+        momentum = report["momentum_drift"]
+        print(f"{name:24} {drift:12.2g} {allowed:12.2g} {'-' if momentum is None else f'{momentum:.2g}':>15}"
+              f" {report['max_velocity_lattice']:17.4g}{'' if drift <= allowed else '   TOO FAR'}", flush=True)
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()
