@@ -113,8 +113,9 @@ std::string contact_remedy(const Case& scene) {
 }
 
 std::string too_fast_text(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
-  const std::string what =
-      std::isfinite(fast.speed) ? speed_text(scene.setup, fast.speed, lbm::speed_of_sound) : ", is not a number";
+  const std::string what = std::isfinite(fast.speed)
+                               ? speed_text(scene.setup, fast.speed, lbm::speed_of_sound)
+                               : ", is not a number";
   return fmt::format("step {}: {}", step, fluid_text(scene, fast.cell, what, fast.speed));
 }
 

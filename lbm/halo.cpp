@@ -297,7 +297,7 @@ void Halo<T>::progress() {
 }
 
 template <class T>
-void Halo<T>::finish_peers(std::span<Block<T>> blocks, Parity parity) {
+void Halo<T>::finish_peers(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
   for (std::size_t k = 0; k < peers_.size(); ++k)
     if (!peers_[k].early) send(std::span<const Block<T>>(blocks), parity, k);
   MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
@@ -305,7 +305,7 @@ void Halo<T>::finish_peers(std::span<Block<T>> blocks, Parity parity) {
   for (Peer& p : peers_) {
     const T* from = (fill ? p.ghost_buffer : p.home_buffer).data();
     for (const Place& run : fill ? p.ghosts : p.homes) {
-      copy_slots(from, blocks[run.block].data() + run.slot, run.length);
+      if (!idle[run.block]) copy_slots(from, blocks[run.block].data() + run.slot, run.length);
       from += run.length;
     }
   }
@@ -348,7 +348,7 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
 template <class T>
 void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
   const bool fill = parity == Parity::crossed;
-  finish_peers(blocks, parity);
+  finish_peers(blocks, idle, parity);
   for (const Copy& copy : copies_) {
     if (idle[copy.ghost_block] || idle[copy.home_block]) continue;
     T* const ghost = blocks[copy.ghost_block].data();

@@ -37,8 +37,8 @@ class Halo {
   void start(std::span<const Block<T>> blocks, Parity parity);
   /// Gives the messages under way a chance to move.
   void progress();
-  /// Call when the pass is done. Between an idle block and another of this rank nothing moves: its slots mean
-  /// nothing, and cut links cover every way into it.
+  /// Call when the pass is done. Nothing moves into an idle block, nor from it to another of this rank: its
+  /// slots mean nothing, and cut links cover every way into it.
   void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
   /// The bytes that this rank sends in one exchange, and those of them that set out with the shells.
   std::size_t message_bytes() const;
@@ -83,7 +83,7 @@ class Halo {
   static void add_to(std::vector<Place>&, int block, std::uint32_t slot);
 
   void send(std::span<const Block<T>> blocks, Parity parity, std::size_t peer);
-  void finish_peers(std::span<Block<T>> blocks, Parity parity);
+  void finish_peers(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
   void apply_outlet(Block<T>&, const Outlet&, Parity) const;
 
   MPI_Comm comm_;

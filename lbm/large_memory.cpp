@@ -1,32 +1,43 @@
 #include "lbm/large_memory.hpp"
 
-#include <cstring>
-#include <new>
-
-#if defined(__linux__)
 #include <sys/mman.h>
-#endif
+#include <unistd.h>
+
+#include <cstdint>
+#include <new>
 
 namespace silt::lbm {
 
 namespace {
-constexpr std::size_t cache_line = 64, large_page = std::size_t{2} << 20;
+constexpr std::size_t large_page = std::size_t{2} << 20;
 
-std::size_t rounded_up(std::size_t n, std::size_t to) {
-  return (n + to - 1) / to * to;
+void* mapped(std::size_t bytes) {
+  void* const p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (p == MAP_FAILED) throw std::bad_alloc();
+  return p;
 }
 }  // namespace
 
 void* zeroed_memory(std::size_t bytes) {
-  const std::size_t alignment = bytes >= large_page ? large_page : cache_line;
-  void* const p = std::aligned_alloc(alignment, rounded_up(bytes, alignment));
-  if (!p) throw std::bad_alloc();
-#if defined(__linux__)
+  if (bytes < large_page) return mapped(bytes);
+  // A large page begins at a multiple of its size: what lies before the first and behind the last is given
+  // back.
+  char* const from = static_cast<char*>(mapped(bytes + large_page));
+  const std::size_t before = (large_page - reinterpret_cast<std::uintptr_t>(from) % large_page) % large_page;
+  char* const p = from + before;
+  const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
+  char* const end = p + (bytes + page - 1) / page * page;
+  if (before) munmap(from, before);
+  if (from + bytes + large_page > end) munmap(end, std::size_t(from + bytes + large_page - end));
+#if defined(MADV_HUGEPAGE)
   // A wish: without large pages it is the same memory. What does not fill the last one stays on small pages.
-  if (const std::size_t whole = bytes / large_page * large_page) madvise(p, whole, MADV_HUGEPAGE);
+  madvise(p, bytes / large_page * large_page, MADV_HUGEPAGE);
 #endif
-  std::memset(p, 0, bytes);
   return p;
+}
+
+void FreeMemory::operator()(void* p) const {
+  munmap(p, bytes);
 }
 
 }  // namespace silt::lbm

@@ -10,9 +10,9 @@ namespace silt::lbm {
 template <class T>
 struct CollisionRates;
 
-/// The speed of sound, 1/sqrt(3) cells a step: what is faster is no flow of this lattice, but on its way to not a
-/// number. (At 0.4 the scheme's error is of the order of the flow itself; a cell beside a gap may be that fast
-/// for a while and come back.)
+/// The speed of sound, 1/sqrt(3) cells a step: what is faster is no flow of this lattice, but on its way to
+/// not a number. (At 0.4 the scheme's error is of the order of the flow itself; a cell beside a gap may be
+/// that fast for a while and come back.)
 inline constexpr double speed_of_sound = 0.57735026918962576;
 
 /// A cell that was faster when a pass began, by its offset (Block::cell), and its speed. A force adds to it

@@ -40,16 +40,14 @@ bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) cons
   return analytic_.supports(a, b);
 }
 
-void AutomaticBackend::triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+void AutomaticBackend::find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                                       std::vector<std::uint32_t>& out) {
-  ++counters_.queries;
   engines_[0]->triangles_near(mesh, near, out);
 }
 
-void AutomaticBackend::triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+void AutomaticBackend::find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
                                            const Pose& pose_b, double margin,
                                            std::vector<TrianglePair>& out) {
-  ++counters_.queries;
   engines_[0]->triangle_pairs_near(a, pose_a, b, pose_b, margin, out);
 }
 

@@ -18,11 +18,13 @@ class AutomaticBackend : public rigid::CollisionBackend {
   bool supports(const rigid::ConvexShape& a, const rigid::ConvexShape& b) const override;
   void collide(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
                const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override;
+
+ protected:
   /// Both by Bullet's tree, the fastest for small bodies (adapters/README.md); which one is asked shows in no
   /// contact.
-  void triangles_near(const SharedMesh&, const rigid::BoundingBox& near,
+  void find_triangles(const SharedMesh&, const rigid::BoundingBox& near,
                       std::vector<std::uint32_t>& out) override;
-  void triangle_pairs_near(const SharedMesh& a, const rigid::Pose& pose_a, const SharedMesh& b,
+  void find_triangle_pairs(const SharedMesh& a, const rigid::Pose& pose_a, const SharedMesh& b,
                            const rigid::Pose& pose_b, double margin,
                            std::vector<rigid::TrianglePair>& out) override;
 

@@ -148,18 +148,17 @@ class BulletBackend : public EngineBackend {
  public:
   BulletBackend() : dispatcher_(&configuration_), world_(&dispatcher_, nullptr, &configuration_) {}
   std::string_view name() const override { return "bullet"; }
-  void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+
+ protected:
+  void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                       std::vector<std::uint32_t>& out) override {
-    ++counters_.queries;
     meshes_.append_near(mesh, near, out);
   }
-  void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
+  void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
                            double margin, std::vector<TrianglePair>& out) override {
-    ++counters_.queries;
     meshes_.append_pairs_near(a, pose_a, b, pose_b, margin, out);
   }
 
- protected:
   /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
   /// they are; with margins, where Bullet has them (coaxial cylinders that overlap are always wrong without).
   int methods(const Query& q) const override {

@@ -202,18 +202,17 @@ std::optional<Answer> distance(const FclShape& a, const Pose& pose_a, const FclS
 class FclBackend : public EngineBackend {
  public:
   std::string_view name() const override { return "fcl"; }
-  void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+
+ protected:
+  void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                       std::vector<std::uint32_t>& out) override {
-    ++counters_.queries;
     meshes_.append_near(mesh, near, out);
   }
-  void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
+  void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
                            double margin, std::vector<TrianglePair>& out) override {
-    ++counters_.queries;
     meshes_.append_pairs_near(a, pose_a, b, pose_b, margin, out);
   }
 
- protected:
   /// Best first: see ask.
   int methods(const Query& q) const override {
     return is<HalfSpace>(q.b) || (is<Box>(q.a) && is<Box>(q.b)) ? 1 : 2;

@@ -242,6 +242,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   if (status.first_step > 0) report["resumed_at"] = status.first_step;
   report["time"] = double(simulation.steps_done()) * scene.setup.units.time_step;
   report["units"] = scene.setup.units.si ? "si" : "lattice";
+  report["overrides"] = Json::array_of(scene.setup.overrides);
   add_scene(simulation, report);
   report["state_hash"] = status.state_is_sound ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);

@@ -35,6 +35,16 @@ fs::path first_free(const fs::path& folder) {
       return path;
 }
 
+/// Moves a series away, so that another can begin in its place.
+void set_aside(const fs::path& path) {
+  const fs::path aside = first_free(path.parent_path());
+  std::error_code error;
+  fs::rename(path, aside, error);
+  if (error)
+    throw FileError(path.string() + ": cannot be moved to " + aside.filename().string() + ": " +
+                    error.message());
+}
+
 }  // namespace
 
 RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(folder / "series.csv") {
@@ -55,9 +65,8 @@ void RunSeries::append(const adapters::Json& report) {
       (names += names.empty() ? "" : ",") += name;
       (row += row.empty() ? "" : ",") += number;
     }
-  std::error_code error;
-  if (!columns_.empty() && names != columns_) fs::rename(path_, first_free(path_.parent_path()), error);
   const bool fresh = names != columns_;
+  if (fresh && !columns_.empty()) set_aside(path_);
   std::ofstream file(path_, fresh ? std::ios::trunc : std::ios::app);
   if (fresh) file << names << '\n';
   file << row << '\n';

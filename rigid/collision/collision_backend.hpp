@@ -32,22 +32,31 @@ class CollisionBackend {
 
   using SharedMesh = std::shared_ptr<const TriangleMesh>;
   /// Appends, in any order, each once, at least the triangles that reach into `near` (frame of the mesh).
-  /// By the mesh's own tree; an engine asks its own, made once for a mesh.
-  virtual void triangles_near(const SharedMesh& mesh, const BoundingBox& near,
-                              std::vector<std::uint32_t>& out) {
+  void triangles_near(const SharedMesh& mesh, const BoundingBox& near, std::vector<std::uint32_t>& out) {
     ++counters_.queries;
-    append_triangles_near(*mesh, near, out);
+    find_triangles(mesh, near, out);
   }
   /// Appends, in any order, each once, at least the pairs of triangles no further apart than `margin`
   /// (lattice units).
-  virtual void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
-                                   const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
+  void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
+                           double margin, std::vector<TrianglePair>& out) {
     ++counters_.queries;
-    append_triangle_pairs_near(*a, pose_a, *b, pose_b, margin, out);
+    find_triangle_pairs(a, pose_a, b, pose_b, margin, out);
   }
   const BackendCounters& counters() const { return counters_; }
 
  protected:
+  /// What answers triangles_near and triangle_pairs_near: the mesh's own tree; an engine asks its own, made
+  /// once for a mesh.
+  virtual void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
+                              std::vector<std::uint32_t>& out) {
+    append_triangles_near(*mesh, near, out);
+  }
+  virtual void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+                                   const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
+    append_triangle_pairs_near(*a, pose_a, *b, pose_b, margin, out);
+  }
+
   BackendCounters counters_;
 };
 

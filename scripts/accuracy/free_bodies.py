@@ -1,7 +1,7 @@
 """Spheres, discs, needles and stars, from light to heavy and from thick fluid to thin, that settle in a periodic box: stability and velocity.
 
 Each has the volume of a sphere of D cells: a disc 1.46 D across and 0.31 D thick, broadside; a spheroid needle 2.08 D long, along its
-axis; a star of three crossing capsules, 1.42 D from tip to tip. Gravity pulls the body along x, a force on the fluid balances it, so the
+axis; a star of three crossing capsules, 1.76 D from tip to tip. Gravity pulls the body along x, a force on the fluid balances it, so the
 drag is known, whatever the ratio of densities (which of the two moves, too, depends on it: velocities are those of the body less the mean
 of the box). The Reynolds number is of order 1. Reference: the same body at D = 20, tau = 0.7; errors are of the drag coefficient.
 """
@@ -19,7 +19,10 @@ REYNOLDS = 1                                               # were the body a sph
 BOX = 3                                                    # diameters
 SAMPLES = 20
 
-STAR_RADIUS, STAR_LENGTH = 0.2, 1.0245                     # of a capsule, of the line between its ends, diameters
+STAR_RADIUS = 0.2                                          # of a capsule, diameters
+# Of the line between a capsule's ends: three capsules less what pairs of their cylinders share, 16/3 r^3 each, plus what all
+# three do, 8 (2 - sqrt(2)) r^3.
+STAR_LENGTH = (math.pi / 6 + (16 - 4 * math.pi - 8 * (2 - math.sqrt(2))) * STAR_RADIUS**3) / (3 * math.pi * STAR_RADIUS**2)
 
 
 def disc(d):

@@ -19,7 +19,9 @@ class Bound {
   explicit Bound(std::ptrdiff_t cells)
       : cells_((cells + line - 1) / line * line),
         stride_(cells_ + 13 * line),
-        data_(lbm::zeroed<T>(19 * stride_)) {}
+        data_(lbm::zeroed<T>(19 * stride_)) {
+    std::fill_n(data_.get(), 19 * stride_, T(0));  // memory is there once it is written
+  }
 
   /// One sample of every shape, MLUPS; `together` is called before each (a barrier, where several ranks
   /// measure).

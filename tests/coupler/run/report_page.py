@@ -55,8 +55,10 @@ class Page(SiltTest):
         self.silt("run", self.case, "--overwrite", code=code)
         if plot:
             subprocess.run([SCRIPTS / "plot", self.case], check=True, capture_output=True)
-        done = subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True)
-        return done.stdout, (self.out / "report.html").read_text()
+        return self.told(), (self.out / "report.html").read_text()
+
+    def told(self):
+        return subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True).stdout
 
     def test_is_whole_and_alone(self):
         said, text = self.page()
@@ -79,11 +81,22 @@ class Page(SiltTest):
         self.assertIn(": deviates", said)
         self.assertIn("class=bad>deviates", text)
 
+    def test_a_length_in_seconds_is_judged(self):
+        case = CASE.replace("steps = 60", "time = 60.0")
+        self.assertNotEqual(case, CASE)
+        self.assertIn("height: ", self.page(case)[0])
+
+    def test_other_physics_is_not_judged(self):
+        self.page()
+        self.silt("run", self.case, "--overwrite", "--set", "gravity.acceleration=[0, 0, -2e-4]")
+        self.assertNotIn("theory", self.told())
+        self.silt("run", self.case, "--overwrite", "--set", "output.bodies={ every = 30 }", "--backend", "fcl")
+        self.assertIn("theory", self.told())
+
     def test_a_shorter_run_is_not_judged(self):
         self.page()
         self.silt("run", self.case, "--overwrite", "--steps", 30)
-        done = subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True)
-        self.assertNotIn("theory", done.stdout)
+        self.assertNotIn("theory", self.told())
 
     def test_a_title_is_text(self):
         text = self.page(CASE.replace("two balls", r"<b>two</b> & $\\frac{1}$"), plot=False)[1]
