@@ -242,8 +242,9 @@ RunCounters Simulation::counters() const {
   RunCounters c = counters_;
   c.migrations += scene_.exchange->counters().migrations;
   if (scene_.backend) {
-    c.queries += scene_.backend->counters().queries;
-    c.fallbacks += scene_.backend->counters().fallbacks;
+    const rigid::BackendCounters& asked = scene_.backend->counters();
+    c.queries += asked.queries, c.answered += asked.answered;
+    c.refined += asked.refined, c.fallbacks += asked.fallbacks;
   }
   return over_ranks(c, scene_.comm);
 }
