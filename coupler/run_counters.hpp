@@ -14,8 +14,8 @@ struct RunCounters {
   std::uint64_t arrived = 0, left = 0;       // bodies since the start
   std::uint64_t refused = 0;                 // bodies that a later application of a fill had no room for
   std::uint64_t contacts = 0, mixed_owner_contacts = 0;
-  std::uint64_t infeasible = 0;              // of the resolver (ResolverStatistics), as sweeps and residual
-  std::uint64_t queries = 0, fallbacks = 0;  // of the collision backend
+  std::uint64_t infeasible = 0;  // of the resolver (ResolverStatistics), as sweeps and residual
+  std::uint64_t queries = 0, answered = 0, refined = 0, fallbacks = 0;  // of the collision backend
   std::uint64_t lubricated_contacts = 0,
                 unlubricated_contacts = 0;               // contacts with lubrication, and as narrow without
   double sweeps = 0;                                     // of the rank with most
@@ -41,6 +41,8 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"sweeps", "resolver_sweeps"}, c.sweeps);
   visit(CounterName{"infeasible", "infeasible"}, c.infeasible);
   visit(CounterName{"queries", "collision_queries"}, c.queries);
+  visit(CounterName{"answered", "answered_by_engine"}, c.answered);
+  visit(CounterName{"refined", "refined_from_engine"}, c.refined);
   visit(CounterName{"fallbacks", "fallbacks"}, c.fallbacks);
   visit(CounterName{"lubricated_contacts", "lubricated_contacts"}, c.lubricated_contacts);
   visit(CounterName{"unlubricated_contacts", "unlubricated_contacts"}, c.unlubricated_contacts);

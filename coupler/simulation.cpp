@@ -23,6 +23,15 @@ namespace silt::coupler {
 using rigid::BodyId;
 using rigid::Vec3;
 
+namespace {
+
+bool asks_for_torques(const Case& scene) {
+  return std::any_of(scene.quantities.begin(), scene.quantities.end(),
+                     [](const QuantitySpec& q) { return q.type == "wall-torque" || q.type == "wall-power"; });
+}
+
+}  // namespace
+
 Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {}
 Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
     : Simulation(std::move(scene), comm, &saved) {}
@@ -62,7 +71,10 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     settle();
   }
   if (scene_.rigid_step)
-    scene_.rigid_step->before_drift = [this](rigid::BodySet& bodies) {
+    scene_.rigid_step->before_drift = [this, torques = asks_for_torques(setup())](rigid::BodySet& bodies) {
+      if (torques)
+        contact_torques_ =
+            coupler::contact_torques(bodies, scene_.rigid_step->contacts(), scene_.exchange->extent());
       const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
       counters_.body_speed = std::max(counters_.body_speed, speed);
       faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);
@@ -232,8 +244,9 @@ RunCounters Simulation::counters() const {
   RunCounters c = counters_;
   c.migrations += scene_.exchange->counters().migrations;
   if (scene_.backend) {
-    c.queries += scene_.backend->counters().queries;
-    c.fallbacks += scene_.backend->counters().fallbacks;
+    const rigid::BackendCounters& asked = scene_.backend->counters();
+    c.queries += asked.queries, c.answered += asked.answered;
+    c.refined += asked.refined, c.fallbacks += asked.fallbacks;
   }
   return over_ranks(c, scene_.comm);
 }

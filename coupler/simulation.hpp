@@ -16,6 +16,7 @@
 #include "coupler/energy_guard.hpp"
 #include "coupler/exchange/traffic.hpp"
 #include "coupler/fault_watch.hpp"
+#include "coupler/forces/contact_torque.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
@@ -104,6 +105,9 @@ class Simulation {
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
+  /// Returns the torques of owned bodies' contacts with [[walls]] in the last sub-step; empty where no
+  /// quantity of the case asks for a wall's torque or power. Local.
+  std::span<const ContactTorque> contact_torques() const { return contact_torques_; }
   std::uint64_t body_count() const;    // that have an owner on any rank, counted
   std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
@@ -132,6 +136,7 @@ class Simulation {
   double fluid_speed_ = 0, step_seconds_ = 0;
   Traffic traffic_;
   BalanceRecord balance_;
+  std::vector<ContactTorque> contact_torques_;
 };
 
 }  // namespace silt::coupler

@@ -45,7 +45,7 @@ class RigidStep {
   /// What is to be done when the velocities of a sub-step are final and no body has moved by them; may be
   /// empty.
   std::function<void(BodySet&)> before_drift;
-  /// Returns the contacts of the last sub-step that this rank found or was sent.
+  /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// Returns what tells the seconds of all steps so far, on this rank.
   const RigidClock& clock() const { return clock_; }

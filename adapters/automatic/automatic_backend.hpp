@@ -20,6 +20,7 @@ class AutomaticBackend : public rigid::CollisionBackend {
                const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override;
 
  protected:
+  bool finds_triangles() const override { return true; }
   /// Both by Bullet's tree, the fastest for small bodies (adapters/README.md); which one is asked shows in no
   /// contact.
   void find_triangles(const SharedMesh&, const rigid::BoundingBox& near,

@@ -150,6 +150,7 @@ class BulletBackend : public EngineBackend {
   std::string_view name() const override { return "bullet"; }
 
  protected:
+  bool finds_triangles() const override { return true; }
   void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                       std::vector<std::uint32_t>& out) override {
     meshes_.append_near(mesh, near, out);

@@ -33,6 +33,13 @@ bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer&
   return true;
 }
 
+/// Whether no contact is right.
+bool confirmed_apart(const RoundedBox& a, const RoundedBox& b, double tolerance) {
+  const double slack = answer_tolerance * length_scale(a, b);
+  return best_separating_axis(a, b).core_gap - a.radius - b.radius > tolerance - slack ||
+         !deepest_separation(a, b, tolerance - slack);
+}
+
 }  // namespace
 
 double support_gap(const Query& q, const Vec3& n) {
@@ -66,12 +73,10 @@ void EngineBackend::collide_boxes(const Query& q, std::vector<ContactPoint>& out
   const double radii = a.radius + b.radius, tolerance = q.tolerance;
   for (int method = 0; method < methods(q); ++method) {
     std::optional<Answer> answer = ask(method, q);
-    if (answer && confirmed(q, a, b, *answer))
-      return append_manifold(a, b, answer->normal, answer->gap + radii, tolerance, out);
-    if (!answer) {
-      const double slack = answer_tolerance * length_scale(a, b);
-      if (best_separating_axis(a, b).core_gap - radii > tolerance - slack) return;
-      if (!deepest_separation(a, b, tolerance - slack)) return;
+    if (answer ? confirmed(q, a, b, *answer) : confirmed_apart(a, b, tolerance)) {
+      ++counters_.answered;
+      if (answer) append_manifold(a, b, answer->normal, answer->gap + radii, tolerance, out);
+      return;
     }
     ++counters_.fallbacks;
   }
@@ -89,13 +94,19 @@ void EngineBackend::collide_convex(const Query& q, std::vector<ContactPoint>& ou
     const std::optional<Answer> answer = ask(method, q);
     if (!answer) {
       const auto found = deepest_direction(a, b, q.tolerance + radii);
-      if (!found) return;
-      if (found->peak.core_gap - radii > q.tolerance - slack) return append(*found);
+      if (!found || found->peak.core_gap - radii > q.tolerance - slack) {
+        ++counters_.answered;
+        if (found) append(*found);
+        return;
+      }
     } else if (std::abs(answer->normal.squaredNorm() - 1) < 1e-6) {
       const auto found = proven_direction(a, b, answer->normal.normalized(), q.tolerance + radii);
-      if (!found && answer->gap > q.tolerance - slack) return;
-      if (found && std::abs(found->peak.core_gap - radii - answer->gap) <= slack + answer->padding)
-        return append(*found);
+      if (found ? std::abs(found->peak.core_gap - radii - answer->gap) <= slack + answer->padding
+                : answer->gap > q.tolerance - slack) {
+        ++counters_.refined;
+        if (found) append(*found);
+        return;
+      }
     }
     ++counters_.fallbacks;
   }

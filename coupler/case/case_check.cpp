@@ -328,18 +328,6 @@ void check_shear(const Case& scene, Findings& findings, const QuantitySpec& quan
                                   key, "xyz"[quantity.axis]));
 }
 
-/// Where bodies touch a mesh is not kept, only how hard.
-void check_mesh_wall(const Case& scene, Findings& findings, const QuantitySpec& quantity,
-                     const std::string& entry) {
-  const bool needs_arms = quantity.type == "wall-torque" || quantity.type == "wall-power";
-  if (!needs_arms || !scene.has_bodies() || !scene.walls[quantity.wall].mesh()) return;
-  findings.error(
-      entry + ".wall",
-      fmt::format("{0}.wall is a mesh, about which \"{1}\" knows only what the fluid does, and the case has "
-                  "bodies: use \"wall-force\", or leave {0} out",
-                  entry, quantity.type));
-}
-
 void check_quantities(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.quantities.size(); ++i) {
     const QuantitySpec& quantity = scene.quantities[i];
@@ -357,7 +345,6 @@ void check_quantities(const Case& scene, Findings& findings) {
           fmt::format("{}.time is not before the end of the run: the quantity will have no value", entry));
     if (type.takes(QuantityType::side)) check_side(scene, findings, quantity, entry + ".side");
     if (type.asks_for(QuantityType::sheared)) check_shear(scene, findings, quantity, entry + ".axis");
-    if (type.takes(QuantityType::wall)) check_mesh_wall(scene, findings, quantity, entry);
     if (type.takes(QuantityType::box)) check_sampled_box(scene, findings, quantity, entry + ".box");
   }
 }

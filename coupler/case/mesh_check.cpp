@@ -111,9 +111,9 @@ double fastest(const Case& scene, const MeshWall& wall) {
 void find_mesh_faults(const Case& scene, Findings& findings, std::size_t index) {
   const MeshWall& wall = *scene.walls[index].mesh();
   check_place(scene, findings, index, wall);
+  if (!scene.fluid) return;
   check_features(scene, findings, index, wall);
-  if (scene.fluid && wall.motion.moves())
-    check_speed(scene.units, findings, key_of(index, "motion"), fastest(scene, wall));
+  if (wall.motion.moves()) check_speed(scene.units, findings, key_of(index, "motion"), fastest(scene, wall));
 }
 
 }  // namespace silt::coupler

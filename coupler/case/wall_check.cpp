@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "coupler/case/body_text.hpp"
@@ -80,14 +81,32 @@ void find_wall_faults(const Case& scene, Findings& findings) {
   }
 }
 
+namespace {
+
+/// How far a body reaches into a mesh, at least; not above 0 if it is not seen to.
+double depth_in_mesh(const Case& scene, const BodySpec& body, const MeshWall& wall, const rigid::Pose& pose) {
+  double depth = 0;
+  for (const rigid::InnerBall& ball : rigid::inner_balls(scene.shapes[body.shape]))
+    depth = std::max(depth,
+                     ball.radius - wall.mesh.signed_distance(pose.to_body(body.pose.to_world(ball.centre))));
+  return depth;
+}
+
+}  // namespace
+
 std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const std::string& key,
                                   double allowed) {
   for (const CurvedWall& wall : scene.walls) {
     if (const MeshWall* mesh = wall.mesh()) {
       const rigid::Pose pose = mesh->motion.pose(mesh->start, 0);
-      if (mesh->mesh.surface && mesh->mesh.contains(pose.to_body(body.pose.position)))
+      if (!mesh->mesh.surface) continue;
+      if (mesh->mesh.contains(pose.to_body(body.pose.position)))
         return fmt::format("{} is {}: this is in the solid of the wall '{}', a mesh; move it out", key,
                            shown_point(scene, body.pose.position), wall.name);
+      if (const double depth = depth_in_mesh(scene, body, *mesh, pose); depth > allowed)
+        return fmt::format("{} is {}: the body reaches at least {} into the wall '{}', a mesh; move it out",
+                           key, shown_point(scene, body.pose.position), shown_length(scene, depth),
+                           wall.name);
       continue;
     }
     const rigid::Tube tube{wall.tube()->radius};

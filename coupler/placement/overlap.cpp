@@ -18,7 +18,7 @@ constexpr double none = -std::numeric_limits<double>::infinity();
 // How far the balls of a reach into b.
 double depth_into(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
   double depth = none;
-  for (const rigid::InnerBall& ball : inner_balls(a)) {
+  for (const rigid::InnerBall& ball : rigid::inner_balls(a)) {
     const Vec3 x_B = pose_b.to_body(pose_a.to_world(ball.centre));
     depth = std::max(depth, ball.radius - rigid::signed_distance(b, x_B));
   }
@@ -36,16 +36,6 @@ void for_images(const Extent& extent, F&& f) {
 }
 
 }  // namespace
-
-std::vector<rigid::InnerBall> inner_balls(const Shape& shape) {
-  std::vector<rigid::InnerBall> balls;
-  for (const rigid::Part& part : rigid::convex_parts(shape)) {
-    const std::size_t first = balls.size();
-    std::visit([&](const auto& convex) { convex.add_inner_balls(balls); }, part.shape);
-    for (std::size_t i = first; i < balls.size(); ++i) balls[i].centre = part.pose.to_world(balls[i].centre);
-  }
-  return balls;
-}
 
 double overlap_depth(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
   return std::max(depth_into(a, pose_a, b, pose_b), depth_into(b, pose_b, a, pose_a));

@@ -1,17 +1,10 @@
 #pragma once
 // Do two bodies overlap? For where bodies are placed: errs to the side of "no", so that no legal scene is
 // refused.
-#include <vector>
-
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
-#include "rigid/shapes/solid.hpp"
 
 namespace silt::coupler {
-
-/// Balls and points inside a shape that together stand for it: exact for a sphere; for a compound those of
-/// its parts.
-std::vector<rigid::InnerBall> inner_balls(const rigid::Shape&);
 
 /// How far a shape reaches into another, at least, in cells; negative if no overlap is found (then, for two
 /// spheres, minus their distance). Positive only if they do overlap; exact for a sphere against anything.

@@ -1,12 +1,8 @@
 #include "coupler/results/wall_quantities.hpp"
 
-#include <limits>
-
 #include "coupler/case/case.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "lbm/cut_links.hpp"
-#include "rigid/collision/tube_contacts.hpp"
-#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -21,34 +17,14 @@ bool counts(const Simulation& simulation, const QuantitySpec& q) {
   return simulation.steps_done() > 0 && static_cast<double>(simulation.steps_done()) >= q.time;
 }
 
-/// Calls visit(row, stored impulse, its force) for what this rank's bodies did to a wall in the last step.
+/// Calls visit(force) for what this rank's bodies did to a wall in the last step.
 template <class Visit>
 void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visit) {
   const BodySet& bodies = simulation.bodies();
   const double steps = simulation.setup().contacts.substeps;
   for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row])
-      if (s.partner == wall) visit(row, s, Vec3(steps * s.impulse));
-}
-
-/// Returns the vector from the point of the tube's axis to where a body touches the tube; zero where the body
-/// no longer has that feature.
-Vec3 arm_in_tube(const Simulation& simulation, const rigid::TubeSpec& tube, std::size_t row,
-                 const rigid::StoredImpulse& s) {
-  const BodySet& bodies = simulation.bodies();
-  const rigid::Shape& shape = simulation.scene().world.shapes[bodies.shape[row]];
-  if (const auto* mesh = std::get_if<rigid::Mesh>(&shape)) {  // it touches with its corners
-    const Vec3& corner = mesh->surface->vertices()[rigid::feature_of(s.feature)];
-    return bodies.pose(row).to_world(corner) - tube.point;
-  }
-  const auto parts = rigid::convex_parts(shape);
-  const rigid::Part& part = parts[rigid::part_a_of(s.feature)];
-  std::vector<rigid::ContactPoint> points;
-  rigid::append_tube_contacts(part.shape, bodies.pose(row) * part.pose, {tube.radius}, rigid::pose_of(tube),
-                              std::numeric_limits<double>::infinity(), points);
-  for (const rigid::ContactPoint& p : points)
-    if (p.feature == rigid::feature_of(s.feature)) return p.on_a - tube.point;
-  return Vec3::Zero();
+      if (s.partner == wall) visit(Vec3(steps * s.impulse));
 }
 
 /// About which a wall turns; of a mesh where it is at the start.
@@ -60,15 +36,12 @@ AxisOfWall axis_of(const CurvedWall& wall) {
   return {wall.tube()->point, wall.tube()->axis};
 }
 
-/// Adds the torque of what bodies did to a tube about its point.
+/// Adds the torque of what bodies did to a wall about its point.
 void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
-  const rigid::TubeSpec* const tube = simulation.setup().walls[wall].tube();
-  if (!tube) return;
-  for_contacts(simulation, rigid::first_tube_id + wall,
-               [&](std::size_t row, const rigid::StoredImpulse& s, const Vec3& f) {
-                 const Vec3 of_contact = arm_in_tube(simulation, *tube, row, s).cross(f);
-                 for (int d = 0; d < 3; ++d) torque[d].add(of_contact[d]);
-               });
+  const double steps = simulation.setup().contacts.substeps;
+  for (const ContactTorque& contact : simulation.contact_torques())
+    if (contact.wall == wall)
+      for (int d = 0; d < 3; ++d) torque[d].add(steps * contact.torque[d]);
 }
 
 double area_of(const Case& scene, int axis) {
@@ -79,10 +52,9 @@ double area_of(const Case& scene, int axis) {
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   const auto fluid = simulation.scene().flow->side_force(side / 2, side % 2 != 0);
   for (int d = 0; d < 3; ++d) force[d].add(sign * fluid[d], lbm::link_quantum);
-  for_contacts(simulation, rigid::first_wall_id + side,
-               [&](std::size_t, const rigid::StoredImpulse&, const Vec3& f) {
-                 for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
-               });
+  for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) {
+    for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
+  });
 }
 
 /// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
@@ -139,10 +111,9 @@ bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const Q
                     std::span<ExactSum> force) {
   if (!counts(simulation, q)) return false;
   add_fluid_load(simulation, q.wall, false, force);
-  for_contacts(simulation, rigid::first_tube_id + q.wall,
-               [&](std::size_t, const rigid::StoredImpulse&, const Vec3& f) {
-                 for (int d = 0; d < 3; ++d) force[d].add(f[d]);
-               });
+  for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) {
+    for (int d = 0; d < 3; ++d) force[d].add(f[d]);
+  });
   return true;
 }
 

@@ -13,8 +13,12 @@
 
 namespace silt::rigid {
 
+/// What the narrow phase was asked, and of that what an engine did. A query that is neither answered nor
+/// refined is ours, checked by the engine or not.
 struct BackendCounters {
-  std::uint64_t queries = 0;    // pairs of convex shapes asked about
+  std::uint64_t queries = 0;    // pairs of shapes, and meshes asked for triangles
+  std::uint64_t answered = 0;   // an engine's answer was taken: its normal, that there is none, its triangles
+  std::uint64_t refined = 0;    // an engine's normal was where our search for the exact one started
   std::uint64_t fallbacks = 0;  // answers that failed their check and were replaced by another method's
 };
 
@@ -34,6 +38,7 @@ class CollisionBackend {
   /// Appends, in any order, each once, at least the triangles that reach into `near` (frame of the mesh).
   void triangles_near(const SharedMesh& mesh, const BoundingBox& near, std::vector<std::uint32_t>& out) {
     ++counters_.queries;
+    counters_.answered += finds_triangles();
     find_triangles(mesh, near, out);
   }
   /// Appends, in any order, each once, at least the pairs of triangles no further apart than `margin`
@@ -41,11 +46,14 @@ class CollisionBackend {
   void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
                            double margin, std::vector<TrianglePair>& out) {
     ++counters_.queries;
+    counters_.answered += finds_triangles();
     find_triangle_pairs(a, pose_a, b, pose_b, margin, out);
   }
   const BackendCounters& counters() const { return counters_; }
 
  protected:
+  /// Whether an engine's tree answers the two below.
+  virtual bool finds_triangles() const { return false; }
   /// What answers triangles_near and triangle_pairs_near: the mesh's own tree; an engine asks its own, made
   /// once for a mesh.
   virtual void find_triangles(const SharedMesh& mesh, const BoundingBox& near,

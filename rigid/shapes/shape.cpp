@@ -62,4 +62,16 @@ std::vector<Part> convex_parts(const Shape& shape) {
       shape);
 }
 
+std::vector<InnerBall> inner_balls(const Shape& shape) {
+  std::vector<InnerBall> balls;
+  if (const auto* mesh = std::get_if<Mesh>(&shape))
+    for (const Vec3& corner : mesh->surface->vertices()) balls.push_back({corner, 0});
+  for (const Part& part : convex_parts(shape)) {
+    const std::size_t first = balls.size();
+    std::visit([&](const auto& convex) { convex.add_inner_balls(balls); }, part.shape);
+    for (std::size_t i = first; i < balls.size(); ++i) balls[i].centre = part.pose.to_world(balls[i].centre);
+  }
+  return balls;
+}
+
 }  // namespace silt::rigid

@@ -44,4 +44,8 @@ bool is_sphere(const Shape&);
 /// The convex parts of any shape (one for a convex shape itself, none for a tube or a mesh).
 std::vector<Part> convex_parts(const Shape&);
 
+/// Balls and points inside a shape that together stand for it: exact for a sphere; for a compound those of
+/// its parts; of a mesh its corners.
+std::vector<InnerBall> inner_balls(const Shape&);
+
 }  // namespace silt::rigid

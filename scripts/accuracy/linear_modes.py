@@ -108,7 +108,7 @@ def coefficients(scheme, q, tau, model, share=None):
     if scheme == "cli":
         return central(q, least, tau)
     if scheme == "parabolic":
-        return central(q, max(5 / 8 * q * q - magic, least), tau)
+        return central(q, max(min(1, ((tau - 0.5) / CURVED)**2) * (5 / 8 * q * q - magic), least), tau)
     assert scheme == "multireflection", scheme
     share = stable_share(tau, model) if share is None else share
     m, odd = 1 / (1 + q)**2, 2 * magic / (tau - 0.5)

@@ -9,7 +9,7 @@ import sys
 
 from stokes_scene import REFERENCE
 
-PROBLEMS = ("two_spheres", "sphere_at_wall", "rotating_sphere", "spheroid", "cube", "random_array", "arrangements")
+PROBLEMS = ("two_spheres", "sphere_at_wall", "rotating_sphere", "spheroid", "cube", "random_array", "arrangements", "torus", "stirrer")
 HEAD = """# Stokes flow around bodies in the boxes that the problems of this folder simulate, computed by stokes_periodic.py
 # and stokes_panels.py (scripts/accuracy/stokes_boxes.py). Quantities, lengths and setups as in the module named "problem". change: of the value
 # from fewer point forces or panels, relative: a bound of its error.

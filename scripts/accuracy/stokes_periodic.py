@@ -230,10 +230,27 @@ def sphere_points(centre, radius, count=400, depth=0.65):
 def spheroid_points(centre, polar, equatorial, rotation, count=600, depth=0.6):
     """Returns the points of a spheroid whose axis of symmetry is the last column of rotation, with the point forces on a confocal one (inside it all of an
     isolated spheroid's singularities lie between the foci), whose smaller axis is depth times the body's."""
-    shift = (1 - depth**2) * min(polar, equatorial)**2
-    axes = np.array([equatorial, equatorial, polar])
+    return ellipsoid_points(centre, (equatorial, equatorial, polar), rotation, count, depth)
+
+
+def ellipsoid_points(centre, axes, rotation, count=600, depth=0.6):
+    """Returns the points of an ellipsoid with these semi-axes in its own frame, likewise."""
+    axes = np.array(axes, float)
+    shift = (1 - depth**2) * axes.min()**2
     return Surface(np.array(centre, float), centre + (fibonacci(2 * count) * axes) @ rotation.T,
                    centre + (fibonacci(count) * np.sqrt(axes**2 - shift)) @ rotation.T)
+
+
+def torus_points(centre, radius, tube, rotation, count=600, depth=0.4):
+    """Returns the points of a torus about the last column of rotation, with the point forces on one whose tube is depth times as thick."""
+    def lattice(number, thickness):
+        around = round(math.sqrt(number * radius / tube))
+        across = round(number / around)
+        i, j = (x.ravel() for x in np.meshgrid(np.arange(around), np.arange(across), indexing="ij"))
+        u, v = 2 * np.pi * (i + j % 2 / 2 + 0.25) / around, 2 * np.pi * (j + 0.5) / across
+        rho = radius + thickness * np.cos(v)
+        return centre + np.stack([rho * np.cos(u), rho * np.sin(u), thickness * np.sin(v)], -1) @ rotation.T
+    return Surface(np.array(centre, float), lattice(2 * count, tube), lattice(count, depth * tube))
 
 
 def uniform(velocity):

@@ -93,12 +93,13 @@ def alternating(series, scale):
     return 100 * max(abs(series[-1] - 2 * series[-2] + series[-3])) / 4 / scale
 
 
-def drag(run, outcome, axis="x"):
-    """Returns the drag coefficient of fixed bodies along an axis, with the steady force in place of that of the last step."""
+def drag(run, outcome, axis="x", volume=None):
+    """Returns the drag coefficient of fixed bodies along an axis, with the steady force in place of that of the last step. Takes the volume
+    of a body where the keys of its shape do not tell it."""
     scene = tomllib.loads(run.case)
     forces = outcome.bodies.array("force")
     i = "xyz".index(axis)
-    displaced = forces.shape[1] * volume_of(scene["shapes"][0]) * scene["fluid"]["body_force"][i]
+    displaced = forces.shape[1] * (volume or volume_of(scene["shapes"][0])) * scene["fluid"]["body_force"][i]
     whole = forces.sum(1)
     return outcome.quantity(f"drag_{axis}") * (settled(whole, max(abs(whole[-1])))[i] + displaced) / (whole[-1, i] + displaced)
 

@@ -14,8 +14,8 @@ import numpy as np  # noqa: E402
 
 import random_array  # noqa: E402
 import stokes_scene  # noqa: E402
-from stokes_periodic import (Channel, Mirrors, PeriodicBox, rotation_about, solve, sphere_points,  # noqa: E402
-                             spheroid_points, uniform)
+from stokes_periodic import (Channel, Mirrors, PeriodicBox, ellipsoid_points, rotation_about, solve,  # noqa: E402
+                             sphere_points, spheroid_points, torus_points, uniform)
 
 HASIMOTO = 2.837297  # mobility of a point force in a cube of edge L: 1 / (6 pi a) - HASIMOTO / (6 pi L)
 ORIGIN = np.zeros(3)
@@ -72,11 +72,54 @@ class Periodic(unittest.TestCase):
                 found = unbounded(flow.force(0)[direction] / (6 * math.pi), 1, 30, 4 * math.pi / 3)
                 self.assertAlmostEqual(found / table[name][table["r"].index(aspect)], 1, delta=1e-3)
 
+    def test_torus_of_johnson_and_wu(self):
+        """Broadside, of a thin torus; the next term is of the order of the square of the tube's radius, over the ring's."""
+        ring, edge = 8, 64
+        flow, = solve(PeriodicBox((edge,) * 3), [torus_points(ORIGIN, ring, 1, np.eye(3), 1200)], [uniform((0, 0, 1))],
+                      Mirrors(ORIGIN, (1, 1, -1)))
+        found = 1 / (1 / flow.force(0)[2] + HASIMOTO / (6 * math.pi * edge))
+        self.assertAlmostEqual(found / (8 * math.pi**2 * ring / (math.log(8 * ring) + 0.5)), 1, delta=6e-3)
+
+    def test_turning_ellipsoid_of_jeffery(self):
+        """16 pi (a^2 + b^2) / (3 (a^2 alpha + b^2 beta)) about the third axis; what the images add falls with the box's volume."""
+        axes = np.array([1.0, 0.25, 0.5])
+        s = np.tan((np.arange(20000) + 0.5) / 20000 * np.pi / 2)          # of lambda: the integral by the midpoint rule
+        weight = 2 * s * (1 + s**2) * np.pi / 2 / 20000 / np.sqrt(((axes**2)[:, None] + s**2).prod(0))
+        alpha, beta, _ = (weight / ((axes**2)[:, None] + s**2)).sum(1)
+        exact = 16 * math.pi * (axes[0]**2 + axes[1]**2) / (3 * (axes[0]**2 * alpha + axes[1]**2 * beta))
+        torque = {}
+        for edge in (6, 8):
+            flow, = solve(PeriodicBox((edge,) * 3), [ellipsoid_points(ORIGIN, axes, np.eye(3), 500, 0.55)],
+                          [rotation_about(ORIGIN, (0, 0, 1))], Mirrors(ORIGIN, (-1, -1, 1)))
+            torque[edge] = flow.torque(0, ORIGIN)[2]
+        far = (8**3 * torque[8] - 6**3 * torque[6]) / (8**3 - 6**3)
+        self.assertAlmostEqual(far / exact, 1, delta=2e-3)
+
     def test_torque_on_a_turning_sphere(self):
         for edge in (10, 20):
             flow, = solve(PeriodicBox((edge,) * 3), [sphere_points(ORIGIN, 1, 120, 0.6)], [rotation_about(ORIGIN, (0, 0, 1))])
             found = flow.torque(0, ORIGIN)[2] / (8 * math.pi)
             self.assertAlmostEqual(found, 1 / (1 - 4 * math.pi / 3 / edge**3), delta=1e-4)
+
+
+class Cases(unittest.TestCase):
+    def test_ring_that_sinks(self):
+        """What cases/torus is compared with."""
+        folder = ACCURACY.parent.parent / "cases" / "torus"
+        case = tomllib.loads((folder / "case.toml").read_text())
+        reference = {q["name"]: q["value"] for q in tomllib.loads((folder / "reference.toml").read_text())["quantity"]}
+        edge, tube, ring = case["domain"]["size"][0], 4, 12
+        turn = case["bodies"][0]["axis_angle"]
+        body = torus_points(ORIGIN, ring, tube, stokes_scene.rotation_about(turn["axis"], turn["degrees"]), 500)
+        flows = solve(PeriodicBox((edge,) * 3), [body], [uniform((1, 0, 0)), uniform((0, 0, 1))], Mirrors(ORIGIN, (0, 1, 0)))
+        resistance = np.stack([flow.force(0)[[0, 2]] for flow in flows], -1) * (case["fluid"]["relaxation_time"] - 0.5) / 3
+        fluid = edge**3 - 2 * math.pi**2 * ring * tube**2
+        force = case["fluid"]["body_force"][2]
+        weight = (case["bodies"][0]["density"] - 1) * (edge**3 - fluid) * -case["gravity"]["acceleration"][2]
+        self.assertAlmostEqual(weight / (force * fluid), 1, delta=2e-3)
+        aside, up = np.linalg.solve(resistance, (0, force * edge**3))   # of the box, seen from the ring
+        self.assertAlmostEqual(up / reference["sinking_velocity"], 1, delta=2e-3)
+        self.assertAlmostEqual(aside / reference["gliding_velocity"], 1, delta=2e-2)
 
 
 class BetweenPlates(unittest.TestCase):

@@ -149,6 +149,31 @@ TEST_P(Conformance, TheEngineAnswersByItselfNearlyAlways) {
   RecordProperty("fallbacks_shallow", int(boxes.shallow_fallbacks + others.shallow_fallbacks));
 }
 
+/// Of every query the engine's answer is taken, or made exact, or replaced, or it was about a half-space; one
+/// without an engine has none.
+TEST_P(Conformance, WhatTheEngineDidAddsUp) {
+  std::uint64_t on_planes = 0;
+  for (const Scene& s : random_scenes()) {
+    const rigid::BackendCounters before = backend->counters();
+    collide(*backend, s.pair);
+    const rigid::BackendCounters now = backend->counters();
+    const auto answered = now.answered - before.answered, refined = now.refined - before.refined;
+    on_planes += s.b == half_space;
+    ASSERT_LE(answered + refined, 1u);
+    if (GetParam() != "bullet" && GetParam() != "fcl") {
+      ASSERT_EQ(answered + refined, 0u);
+    } else if (s.b == half_space) {
+      ASSERT_EQ(answered + refined, 0u);
+    } else if (has_closed_form(s.a, s.b)) {
+      ASSERT_EQ(refined, 0u);
+      ASSERT_TRUE(answered == 1 || now.fallbacks > before.fallbacks);
+    } else {
+      ASSERT_TRUE(answered + refined == 1 || now.fallbacks > before.fallbacks);
+    }
+  }
+  EXPECT_GT(on_planes, 0u);
+}
+
 /// A weak bound, and meant so: of bodies that overlap by more than a third of their size an engine may fail
 /// for every fifth pair with a closed form (both engines' tests of two boxes prefer a face to crossed edges
 /// that are 5 % less deep) and for every second pair with a curved shape or a polyhedron (Bullet's EPA and

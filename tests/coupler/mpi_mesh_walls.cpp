@@ -106,5 +106,30 @@ TEST(MeshWalls, PowerIsTorqueTimesAngularVelocity) {
   EXPECT_NEAR(values[1].second, -0.004 * values[0].second, 1e-9 * values[1].second);
 }
 
+/// Two balls at rest on a cube, one on either side of the axis, the one in a block of its own: their weights
+/// times their distances.
+TEST(MeshWalls, TorqueOfBodiesIsTheirWeightTimesItsArm) {
+  CaseText text = mesh_case("cube.ply", "solid = \"inside\"\nposition = [16, 16, 16]");
+  text.fluid = "";
+  text.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2\n";
+  text.bodies =
+      "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [26, 21, 13]\n"
+      "[[bodies]]\nshape = \"ball\"\ndensity = 3\nposition = [26, 13.5, 20]\n";
+  text.run =
+      "[gravity]\nacceleration = [-1e-4, 0, 0]\n[contacts]\nsubsteps = 2\n[run]\nsteps = 60\n"
+      "[[quantities]]\nname = \"t\"\ntype = \"wall-torque\"\ntime = 30\n";
+  const Case scene =
+      read_with(text, {{"cube.ply", ply_of(rigid::testing::cuboid_mesh({-8, -8, -8}, {8, 8, 8}))}},
+                {"domain.blocks=[16, 16, 16]"});
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  Quantities quantities(scene);
+  while (simulation.steps_done() < scene.steps) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  const double volume = 4 * M_PI / 3 * 8;
+  EXPECT_NEAR(quantities.evaluate(simulation)[0].second, 1e-4 * volume * (2 * 5 - 3 * 2.5), 1e-9);
+}
+
 }  // namespace
 }  // namespace silt::coupler::testing

@@ -1,0 +1,50 @@
+"""Walls of triangles in pictures: their surfaces from the files of a case, where they are at a time."""
+import pathlib
+
+import numpy as np
+
+from body_shapes import rotation
+
+
+def triangles_of(file):
+    """Returns the corners [T, 3, 3] of a binary STL file or an OBJ file; ValueError for another."""
+    data = pathlib.Path(file).read_bytes()
+    if len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
+        rows = np.frombuffer(data[84:], np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")]))
+        return rows["corners"].astype(float)
+    if pathlib.Path(file).suffix == ".obj":
+        lines = [line.split() for line in data.decode().splitlines()]
+        points = np.array([line[1:4] for line in lines if line[:1] == ["v"]], float)
+        faces = [[int(word.split("/")[0]) - 1 for word in line[1:]] for line in lines if line[:1] == ["f"]]
+        return np.array([points[[face[0], face[k], face[k + 1]]] for face in faces for k in range(1, len(face) - 1)])
+    raise ValueError(f"{file}: neither a binary STL file nor an OBJ file")
+
+
+def about(axis, angle):
+    """Returns the matrix of a rotation by an angle (radian)."""
+    return rotation([np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
+
+
+def turned_as_at_rest(wall):
+    """Returns the matrix from the file's frame to the domain's."""
+    if "axis_angle" in wall:
+        axis = np.array(wall["axis_angle"]["axis"], float)
+        return about(axis / np.linalg.norm(axis), np.radians(wall["axis_angle"]["degrees"]))
+    if "axis" in wall:
+        axis = np.array(wall["axis"], float) / np.linalg.norm(wall["axis"])
+        across = np.cross((0, 0, 1), axis)
+        size = np.linalg.norm(across)
+        return about(across / size if size > 0 else np.array([1.0, 0, 0]), np.arctan2(size, axis[2]))
+    return rotation(np.array(wall.get("orientation", (1, 0, 0, 0)), float) / np.linalg.norm(wall.get("orientation", (1, 0, 0, 0))))
+
+
+def at_time(wall, folder, time):
+    """Returns the corners [T, 3, 3] of a wall, with what its motion has of rotation and velocity."""
+    turned, position = turned_as_at_rest(wall), np.array(wall.get("position", (0, 0, 0)), float)
+    points = position + wall.get("scale", 1) * triangles_of(folder / wall["file"]) @ turned.T
+    motion = wall.get("motion", {})
+    axis = motion.get("axis", turned[:, 2])
+    axis = np.eye(3)["xyz".index(axis)] if isinstance(axis, str) else np.array(axis, float) / np.linalg.norm(axis)
+    point = np.array(motion.get("point", position), float)
+    spun = about(axis, motion.get("angular_velocity", 0) * time)
+    return point + np.array(motion.get("velocity", (0, 0, 0)), float) * time + (points - point) @ spun.T
