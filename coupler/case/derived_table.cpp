@@ -50,7 +50,8 @@ std::string three(double a, double b, double c) {
 }
 
 std::string side_text(const BoundarySpec& side) {
-  return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? " (bodies leave)" : "");
+  const char* leaving = side.removes_bodies() ? " (bodies leave)" : " (stops where a body leaves)";
+  return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? leaving : "");
 }
 
 void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {

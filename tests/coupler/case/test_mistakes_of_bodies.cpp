@@ -175,6 +175,23 @@ TEST_P(OfBodiesInFluid, IsNamed) {
 INSTANTIATE_TEST_SUITE_P(Mistakes, OfBodiesInFluid, ::testing::ValuesIn(in_fluid), name_of);
 
 const std::vector<Mistake> dry = {
+    {"BodyThatIsMovedOut",
+     "shape = \"brick\"\ndensity",
+     "shape = \"brick\"\nmotion = \"prescribed\"\nvelocity = [0.5, 0, 0]\ndensity",
+     "velocity = [0.5",
+     {"out of the domain past x-high by step", "the run stops there"}},
+    {"LeavingOfAWall",
+     "boundary = \"no-slip\"",
+     "boundary = { x = [{ type = \"no-slip\", leaving = \"stop\" }, \"no-slip\"], y = [\"no-slip\", "
+     "\"no-slip\"], z = [\"no-slip\", \"no-slip\"] }",
+     "boundary",
+     {"is of a side that bodies leave by", "solid_for_bodies = false"}},
+    {"LeavingUnknown",
+     "boundary = \"no-slip\"",
+     "boundary = { x = [{ type = \"no-slip\", solid_for_bodies = false, leaving = \"delete\" }, "
+     "\"no-slip\"], y = [\"no-slip\", \"no-slip\"], z = [\"no-slip\", \"no-slip\"] }",
+     "boundary",
+     {"must be one of remove, stop"}},
     {"WallTypeUnknown", "\"tube\"", "\"pipe\"", "", {"must be one of tube, mesh"}},
     {"WallWithoutRadius", "radius = 0.06\n", "", "[[walls]]", {"needs one of radius, diameter"}},
     {"WallWithoutPoint", "point = [0.078, 0.015, 0.078]\n", "", "[[walls]]", {"point is missing"}},
