@@ -156,6 +156,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   add_run(*resume, line);
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);
+  checks->add_option("-n,--ranks", line.run.ranks, "estimate a run on so many ranks (as many as there are)")
+      ->check(above_zero)
+      ->type_name("N");
   infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf, slice_*.hdf or checkpoint_*.h5")->required();
   if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
     if (loud) fmt::print(stderr, "{}", complaint);
