@@ -1,5 +1,6 @@
 # What `cmake --install` puts where: the program, and the library with its headers for find_package(silt).
 # In another project the library is silt::coupler, by find_package or by add_subdirectory alike.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # not the tests
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
