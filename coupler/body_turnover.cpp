@@ -19,27 +19,31 @@ bool is_in(const OutflowSpec& outflow, const Vec3& x) {
   return (x.array() >= outflow.lower.array()).all() && (x.array() <= outflow.upper.array()).all();
 }
 
-bool is_beyond_a_side(const Scene& scene, const Vec3& x, double radius) {
-  const auto& boundary = scene.setup.boundary;
-  for (int d = 0; d < 3; ++d) {
-    if (boundary[2 * d].lets_bodies_pass() && x[d] + radius < 0) return true;
-    if (boundary[2 * d + 1].lets_bodies_pass() && x[d] - radius > scene.setup.cells[d]) return true;
-  }
-  return false;
+/// The way by which a body leaves now, if by any.
+std::optional<int> way_out(const Scene& scene, std::size_t row) {
+  const rigid::BodySet& bodies = scene.bodies;
+  const Vec3& x = bodies.position[row];
+  if (bodies.motion[row] == rigid::Motion::fixed) return {};
+  const auto side = side_behind(scene.setup, x, scene.world.bounding_radii[bodies.shape[row]]);
+  if (side && scene.setup.boundary[*side].removes_bodies()) return side;
+  if (!bodies.is_free(row)) return {};
+  const auto& outflows = scene.setup.outflows;
+  const auto at =
+      std::find_if(outflows.begin(), outflows.end(), [&](const OutflowSpec& o) { return is_in(o, x); });
+  if (at == outflows.end()) return {};
+  return first_outflow + static_cast<int>(at - outflows.begin());
 }
 
-std::vector<std::size_t> rows_that_leave(const Scene& scene) {
-  const rigid::BodySet& bodies = scene.bodies;
-  const auto& outflows = scene.setup.outflows;
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < bodies.owned + bodies.copies; ++row) {
-    const Vec3& x = bodies.position[row];
-    if (!bodies.is_free(row)) continue;
-    if (std::any_of(outflows.begin(), outflows.end(), [&](const OutflowSpec& o) { return is_in(o, x); }) ||
-        is_beyond_a_side(scene, x, scene.world.bounding_radii[bodies.shape[row]]))
-      rows.push_back(row);
-  }
-  return rows;
+struct Leaver {
+  std::size_t row;
+  int way;
+};
+
+std::vector<Leaver> leavers(const Scene& scene) {
+  std::vector<Leaver> found;
+  for (std::size_t row = 0; row < scene.bodies.owned + scene.bodies.copies; ++row)
+    if (const auto way = way_out(scene, row)) found.push_back({row, *way});
+  return found;
 }
 
 /// With what the fluid still has to give it or to get from it.
@@ -54,20 +58,26 @@ BodyTurnover::BodyTurnover(const Scene& scene, rigid::BodyId next_id, const rigi
 
 BodyChanges BodyTurnover::before_step(Scene& scene, std::int64_t steps_done, RunCounters& counters) {
   BodyChanges changes;
-  if (scene.setup.bodies_leave()) let_leave(scene, changes, counters);
+  if (scene.setup.bodies_leave()) let_leave(scene, steps_done, changes, counters);
   if (scene.setup.bodies_come()) let_come(scene, steps_done, changes, counters);
   return changes;
 }
 
-void BodyTurnover::let_leave(Scene& scene, BodyChanges& changes, RunCounters& counters) {
+void BodyTurnover::let_leave(Scene& scene, std::int64_t steps_done, BodyChanges& changes,
+                             RunCounters& counters) {
   const rigid::BodySet& bodies = scene.bodies;
-  const std::vector<std::size_t> rows = rows_that_leave(scene);
-  if (rows.empty()) return;
-  for (const std::size_t row : rows) {
+  const std::vector<Leaver> leaving = leavers(scene);
+  if (leaving.empty()) return;
+  std::vector<std::size_t> rows;
+  for (const auto& [row, way] : leaving) {
+    rows.push_back(row);
     changes.gone.add(bodies.record(row));
     if (row >= bodies.owned) continue;
-    ++counters.left;
+    ++counters.left, ++counters.left_by[std::min(way, first_outflow)];
+    const Vec3& x = bodies.position[row];
+    departures_.push_back({steps_done, bodies.id[row], way, {x[0], x[1], x[2]}});
     expected_.leave(bodies.id[row]);
+    if (!bodies.is_free(row)) continue;
     brought_.add(-momentum_of(bodies, row));
     energy_brought_ -= mechanical_energy(scene.setup, bodies, row);
   }

@@ -2,11 +2,15 @@
 // Bodies come and go while a run goes on, always before a step: so everything between steps, files and cuts
 // of the domain too, is of one set of bodies.
 //
-// Free bodies leave when their centre of mass is in the box of an [[outflow]], or their bounding sphere is
-// wholly beyond a side of the domain that lets bodies pass. That is told from the pose alone, which all
-// holders of a body know: they drop it without a word. Bodies come where a [[fill]] is applied again; a step
-// in which none is has nothing to do with it. The first id that nobody has had is known to all ranks, and
-// grows by what all have placed. Lattice units.
+// Free bodies leave when their centre of mass is in the box of an [[outflow]]; bodies that move, when their
+// bounding sphere is wholly beyond a side of the domain that takes them out. That is told from the pose
+// alone, which all holders of a body know: they drop it without a word. Bodies come where a [[fill]] is
+// applied again; a step in which none is has nothing to do with it. The first id that nobody has had is known
+// to all ranks, and grows by what all have placed. Lattice units.
+#include <utility>
+#include <vector>
+
+#include "coupler/departures.hpp"
 #include "coupler/exchange/check_exchange.hpp"
 #include "coupler/mapping/body_changes.hpp"
 #include "coupler/run_counters.hpp"
@@ -30,15 +34,18 @@ class BodyTurnover {
   const rigid::FixedVec3& momentum_brought() const { return brought_; }
   /// Their energy (energy_guard.hpp), of a run that goes on since then; of this rank.
   rigid::FixedSum energy_brought() const { return energy_brought_; }
+  /// Returns the bodies of this rank that have left since the last call.
+  std::vector<Departure> take_departures() { return std::exchange(departures_, {}); }
 
  private:
-  void let_leave(Scene&, BodyChanges&, RunCounters&);
+  void let_leave(Scene&, std::int64_t steps_done, BodyChanges&, RunCounters&);
   void let_come(Scene&, std::int64_t steps_done, BodyChanges&, RunCounters&);
 
   rigid::BodyId next_id_;
   ExpectedBodies expected_;
   rigid::FixedVec3 brought_;
   rigid::FixedSum energy_brought_ = 0;
+  std::vector<Departure> departures_;
 };
 
 }  // namespace silt::coupler

@@ -6,6 +6,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/motion_limits.hpp"
+#include "coupler/departures.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/scene.hpp"
@@ -76,10 +77,23 @@ void FaultWatch::hold_rows(const Case& scene, const MotionLimits& limits, BodySe
   for (std::size_t row = begin; row < end; ++row) {
     const double speed = speed_or_nan(bodies, row), limit = limits.of(bodies.shape[row]);
     if (speed <= limit) continue;
-    const rigid::BodyId id = bodies.id[row];
-    if (!body_ || (body_->moment == moment_ && id < body_->id))
-      body_ = BodyFault{moment_, id, motion_text(scene, id, speed, limit, step)};
+    note_body(bodies.id[row], motion_text(scene, bodies.id[row], speed, limit, step));
     put_to_rest(bodies, row);
+  }
+}
+
+void FaultWatch::note_body(rigid::BodyId id, std::string text) {
+  if (!body_ || (body_->moment == moment_ && id < body_->id)) body_ = BodyFault{moment_, id, std::move(text)};
+}
+
+void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
+  const BodySet& bodies = scene.bodies;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (bodies.motion[row] == rigid::Motion::fixed) continue;
+    const double radius = scene.world.bounding_radii[bodies.shape[row]];
+    const auto side = side_behind(scene.setup, bodies.position[row], radius);
+    if (side && !scene.setup.boundary[*side].removes_bodies())
+      note_body(bodies.id[row], outside_text(scene.setup, bodies.id[row], bodies.is_free(row), *side, step));
   }
 }
 

@@ -29,6 +29,9 @@ class FaultWatch {
   /// the others. Called when the velocities of a (sub-)step are final, before positions follow; `step` is the
   /// one under way. Lattice units.
   double hold_runaways(const Case&, const MotionLimits&, rigid::BodySet&, std::int64_t step);
+  /// Notes bodies that are wholly beyond a side of the domain that does not take them out: an open one whose
+  /// rule is to stop, or a wall that they have gone through. `step`: so many are done.
+  void see_outside(const Scene&, std::int64_t step);
   /// Notes a cell that was too fast when the pass of a step began (Flow::too_fast).
   void see_fluid(const Scene&, const Flow::Fast&, std::int64_t step);
 
@@ -52,6 +55,7 @@ class FaultWatch {
   std::string fluid_fault(MPI_Comm) const;
 
  private:
+  void note_body(rigid::BodyId, std::string text);
   void hold_rows(const Case&, const MotionLimits&, rigid::BodySet&, std::size_t begin, std::size_t end,
                  std::int64_t step);
   struct BodyFault {

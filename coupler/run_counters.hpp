@@ -12,6 +12,7 @@ struct RunCounters {
   std::uint64_t covered = 0, uncovered = 0;  // cells, by bodies
   std::uint64_t migrations = 0;              // bodies that changed their owner
   std::uint64_t arrived = 0, left = 0;       // bodies since the start
+  std::uint64_t left_by[7] = {};             // of these by each side of the domain, by an [[outflow]]
   std::uint64_t refused = 0;                 // bodies that a later application of a fill had no room for
   std::uint64_t contacts = 0, mixed_owner_contacts = 0;
   std::uint64_t infeasible = 0;  // of the resolver (ResolverStatistics), as sweeps and residual
@@ -23,7 +24,7 @@ struct RunCounters {
 };
 
 struct CounterName {
-  const char *checkpoint, *report;        // attribute of a checkpoint, key of report.json
+  const char *checkpoint, *report;        // attribute of a checkpoint, key of report.json (or none)
   Dimension dimension = dimension::none;  // of the value in the report
 };
 
@@ -36,6 +37,9 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"arrived", "bodies_arrived"}, c.arrived);
   visit(CounterName{"refused", "bodies_refused"}, c.refused);
   visit(CounterName{"left", "bodies_left"}, c.left);
+  constexpr const char* ways[7] = {"left_x_low", "left_x_high", "left_y_low",  "left_y_high",
+                                   "left_z_low", "left_z_high", "left_outflow"};
+  for (int way = 0; way < 7; ++way) visit(CounterName{ways[way], nullptr}, c.left_by[way]);
   visit(CounterName{"contacts", "contacts"}, c.contacts);
   visit(CounterName{"mixed_owner_contacts", "mixed_owner_contacts"}, c.mixed_owner_contacts);
   visit(CounterName{"sweeps", "resolver_sweeps"}, c.sweeps);

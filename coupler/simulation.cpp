@@ -113,6 +113,14 @@ auto Simulation::guarded(Work&& work) {
   }
 }
 
+namespace {
+bool stops_beyond_sides(const Case& scene) {
+  return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& side) {
+    return side.lets_bodies_pass() && !side.removes_bodies();
+  });
+}
+}  // namespace
+
 /// What was found a step ago is told; what was found in this one is under way.
 void Simulation::watch() {
   const bool fluid = scene_.flow != nullptr;
@@ -120,7 +128,13 @@ void Simulation::watch() {
   tell(faults_.finish());
   if (fluid)
     if (const auto fast = scene_.flow->too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
+  constexpr std::int64_t walls_interval = 64;  // what is beyond an open side is looked for in every step
+  if (stops_beyond_sides(setup()) || step_ % walls_interval == 0) see_outside();
   if (fluid || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
+}
+
+void Simulation::see_outside() {
+  if (scene_.anything_moves) faults_.see_outside(scene_, step_);
 }
 
 void Simulation::tell(FaultWatch::Found found) {
@@ -131,6 +145,7 @@ void Simulation::tell(FaultWatch::Found found) {
 
 void Simulation::settle() {
   tell(faults_.finish());
+  see_outside();
   faults_.start(scene_.comm);
   tell(faults_.finish());
 }

@@ -58,9 +58,10 @@ class Simulation {
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
   /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
   /// CommonGuardStop comes on every rank, a step after what it tells of: of bodies that gain energy, that
-  /// move too far in a step, or on which the fluid's force is out of range, and of fluid that is too fast.
-  /// GuardStop and std::overflow_error may come on some ranks only: the others then wait for ever, so a
-  /// program on several ranks ends with MPI_Abort after saying what happened.
+  /// move too far in a step or are outside the domain (within 64 steps), or on which the fluid's force is out
+  /// of range, and of fluid that is too fast. GuardStop and std::overflow_error may come on some ranks only:
+  /// the others then wait for ever, so a program on several ranks ends with MPI_Abort after saying what
+  /// happened.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
@@ -93,6 +94,8 @@ class Simulation {
   /// What bodies that came and went did to the momentum of all there is; collective.
   rigid::FixedVec3 momentum_brought() const;
   rigid::BodyId next_id() const { return turnover_.next_id(); }  // the first that no body has had
+  /// Returns this rank's bodies that have left since the last call. Local.
+  std::vector<Departure> take_departures() { return turnover_.take_departures(); }
   const Balance& initial_balance() const { return initial_; }
   Balance balance() const;
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
@@ -117,6 +120,7 @@ class Simulation {
   void balance_work();
   void count(const rigid::RigidStepReport&);
   void watch();
+  void see_outside();
   void tell(FaultWatch::Found);
   template <class Work>
   auto guarded(Work&&);

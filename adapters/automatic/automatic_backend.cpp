@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "adapters/bullet/bullet_backend.hpp"
+#include "adapters/automatic/engines.hpp"
 #include "adapters/common/engine_backend.hpp"
-#include "adapters/fcl/fcl_backend.hpp"
 
 namespace silt::adapters {
 
@@ -34,7 +33,11 @@ bool needs_search(const ConvexShape& a, const ConvexShape& b) {
 
 }  // namespace
 
-AutomaticBackend::AutomaticBackend() : engines_{make_bullet_backend(), make_fcl_backend()} {}
+AutomaticBackend::AutomaticBackend() {
+  for (const engines::MakeBackend make : {engines::bullet_backend, engines::fcl_backend})
+    if (make) engines_.push_back(make());
+  if (engines_.empty()) engines_.push_back(std::make_unique<AnalyticBackend>());  // for its trees
+}
 
 bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
   return analytic_.supports(a, b);

@@ -1,6 +1,7 @@
 #pragma once
 // "auto": the best answer pair by pair.
 #include <memory>
+#include <vector>
 
 #include "rigid/collision/analytic_backend.hpp"
 
@@ -9,8 +10,8 @@ namespace silt::adapters {
 /// The analytic backend's own methods are both the most exact (1e-12 of a cell) and the fastest of all for
 /// every pair (table in adapters/README.md), so they answer. Where the answer involves a search (no
 /// half-space, and no sphere among spheres, capsules and boxes) it is checked against the supporting planes;
-/// if it fails Bullet answers, then FCL, and the fallback is counted. A shape that an engine knows better
-/// would go to it here.
+/// if it fails Bullet answers, then FCL, of those that this build has, and the fallback is counted. A shape
+/// that an engine knows better would go to it here.
 class AutomaticBackend : public rigid::CollisionBackend {
  public:
   AutomaticBackend();
@@ -31,7 +32,7 @@ class AutomaticBackend : public rigid::CollisionBackend {
 
  private:
   rigid::AnalyticBackend analytic_;
-  std::unique_ptr<rigid::CollisionBackend> engines_[2];
+  std::vector<std::unique_ptr<rigid::CollisionBackend>> engines_;  // of this build; never empty
 };
 
 }  // namespace silt::adapters

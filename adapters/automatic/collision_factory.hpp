@@ -1,6 +1,7 @@
 #pragma once
 // Collision backends by name: all that is seen of the engines from outside adapters/.
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -8,8 +9,13 @@
 
 namespace silt::adapters {
 
-/// The names make_backend knows, the default ("auto") first.
+/// The names make_backend knows, the default ("auto") first; without engines left out of this build.
 std::vector<std::string_view> backend_names();
+
+/// Returns what to say of a backend, or the broad phase of its engine, that this build was configured
+/// without;
+/// "" for any other name.
+std::string left_out_of_this_build(std::string_view name);
 
 /// Makes a backend. "auto" is the best answer pair by pair, "analytic" closed forms, "bullet" and "fcl" that
 /// engine for every pair. Throws std::invalid_argument that lists the known names for any other name, and

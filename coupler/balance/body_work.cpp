@@ -13,10 +13,6 @@ using rigid::Motion;
 
 namespace {
 
-/// Links that cross a unit of surface, mean over its directions: half the sum of |c_i . n| over the 18
-/// directions, where the mean of |cos| is a half: (6 + 12 sqrt(2)) / 4.
-constexpr double links_of_a_surface = 5.743;
-
 std::uint64_t first_cells(std::uint64_t cells, int n) {
   return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
 }

@@ -9,6 +9,10 @@
 
 namespace silt::coupler {
 
+/// Links that cross a unit of surface, mean over its directions: half the sum of |c_i . n| over the 18
+/// directions, where the mean of |cos| is a half: (6 + 12 sqrt(2)) / 4.
+inline constexpr double links_of_a_surface = 5.743;
+
 /// Adds the work of the bodies owned here as bodies: their motion, and their contacts as of the last step.
 void add_bodies(const rigid::BodySet&, const WorkCosts&, WorkMap&);
 

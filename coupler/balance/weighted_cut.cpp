@@ -1,11 +1,6 @@
 #include "coupler/balance/weighted_cut.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numeric>
-
+#include "coupler/balance/best_plane.hpp"
 #include "coupler/exchange/messages.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "lbm/equal_cut.hpp"
@@ -16,11 +11,6 @@ using lbm::CellBox;
 using lbm::Int3;
 
 namespace {
-
-/// The share of an item's work in its first cells along an axis.
-std::int64_t work_below(const WorkItem& item, int axis, int cells) {
-  return item.work * cells / item.box.size[axis];
-}
 
 /// A part of the domain and the ranks that cut it.
 class Bisection {
@@ -50,12 +40,6 @@ class Bisection {
   }
 
  private:
-  struct Plane {
-    int axis = -1, below = 0;                                  // cells of the lower part
-    double largest = std::numeric_limits<double>::infinity();  // work a rank in the part that has more of it
-    double face = 0;
-  };
-
   int size() const {
     int n = 1;
     MPI_Comm_size(group_, &n);
@@ -69,61 +53,15 @@ class Bisection {
 
   /// The work of each layer of cells across each axis, one axis after the other.
   std::vector<std::uint64_t> layers() const {
-    std::vector<std::uint64_t> work(box_.size.x + box_.size.y + box_.size.z, 0);
-    for (const WorkItem& item : items_) {
-      std::size_t first = 0;
-      for (int d = 0; d < 3; first += box_.size[d++])
-        for (int k = 0; k < item.box.size[d]; ++k)
-          work[first + item.box.lower[d] - box_.lower[d] + k] +=
-              work_below(item, d, k + 1) - work_below(item, d, k);
-    }
+    std::vector<std::uint64_t> work = work_of_layers(box_, items_);
     sum_over_ranks(group_, std::span(work));
-    std::size_t first = 0;
-    for (int d = 0; d < 3; first += box_.size[d++])
-      for (int k = 0; k < box_.size[d]; ++k)
-        work[first + k] += std::uint64_t(work_of_a_cell_ * (box_.cells() / box_.size[d]));
+    add_cells(box_, work_of_a_cell_, work);
     return work;
-  }
-
-  /// The plane across an axis that divides the work best by the numbers of ranks; of several the one nearest
-  /// to where it divides the cells.
-  Plane best_across(int axis, const lbm::CutRoom& room, std::span<const std::uint64_t> layers) const {
-    const auto range = room.along(axis, box_.size);
-    if (range.empty()) return {};
-    const double all = double(std::accumulate(layers.begin(), layers.end(), std::uint64_t(0)));
-    const double even = double(box_.size[axis]) * room.lower_leaves / (room.lower_leaves + room.upper_leaves);
-    Plane best;
-    std::uint64_t below = 0;
-    for (int at = 1; at <= range.last; ++at) {
-      below += layers[at - 1];
-      if (at < range.first) continue;
-      const double largest =
-          std::max(double(below) / room.lower_leaves, (all - double(below)) / room.upper_leaves);
-      if (best.axis < 0 || largest < best.largest ||
-          (largest == best.largest && std::abs(at - even) < std::abs(best.below - even)))
-        best = {axis, at, largest, lbm::cost_of_face(axis) * double(box_.cells() / box_.size[axis])};
-    }
-    return best;
-  }
-
-  Plane best_plane(const lbm::CutRoom& room) const {
-    constexpr double as_well = 1.01;
-    const auto work = layers();
-    std::array<Plane, 3> planes;
-    std::size_t first = 0;
-    for (int d = 0; d < 3; first += box_.size[d++])
-      planes[d] = best_across(d, room, std::span(work).subspan(first, box_.size[d]));
-    const Plane* best = &*std::min_element(
-        planes.begin(), planes.end(), [](const Plane& a, const Plane& b) { return a.largest < b.largest; });
-    const double bound = as_well * best->largest;
-    for (const Plane& plane : planes)
-      if (plane.largest <= bound && plane.face < best->face) best = &plane;
-    return *best;
   }
 
   void cut(int ranks) {
     const lbm::CutRoom room = lbm::room_to_cut(box_.size, ranks);
-    const Plane best = best_plane(room);
+    const CutPlane best = best_plane(box_, room, layers());
     const int here = rank(), at = box_.lower[best.axis] + best.below;
     const bool upper = here >= room.lower_leaves;
     if (here == room.lower_leaves) node_ = {number_, {best.axis, at, room.lower_leaves}};
@@ -146,12 +84,7 @@ class Bisection {
     Messages messages(group_);
     std::vector<WorkItem> kept, given;
     for (const WorkItem& item : items_) {
-      WorkItem below = item, above = item;
-      const int cells = std::clamp(at - item.box.lower[axis], 0, item.box.size[axis]);
-      below.box.size[axis] = cells;
-      below.work = work_below(item, axis, cells);
-      above.box.lower[axis] += cells, above.box.size[axis] -= cells;
-      above.work -= below.work;
+      const auto [below, above] = parted(item, axis, at);
       if (below.work > 0) (upper ? given : kept).push_back(below);
       if (above.work > 0) (upper ? kept : given).push_back(above);
     }

@@ -12,8 +12,10 @@
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
+#include "coupler/case/curved_walls.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "coupler/case/lattice.hpp"
+#include "coupler/case/size_check.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -22,37 +24,16 @@ namespace {
 using rigid::Motion;
 using rigid::Vec3;
 
-constexpr double fewest_cells_across = 6;  // at 5 the drag of a dilute array is off by about 1 %
 constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
 
 std::string of_fill(std::size_t index, const char* key) {
   return fmt::format("fill[{}].{}", index, key);
 }
 
-void check_size(const Case& scene, Findings& findings, int shape, Motion motion, const std::string& key) {
-  const double across = rigid::least_width(scene.shapes[shape]);
-  if (scene.fluid && across < fewest_cells_across)
-    findings.warning(key,
-                     fmt::format("{}: shape '{}' is {} cells across; below {} its drag is inaccurate: use "
-                                 "smaller cells",
-                                 key, scene.shape_names[shape], shown(across), fewest_cells_across));
-  if (motion == Motion::fixed) return;
-  const rigid::Shape& given = scene.shapes[shape];
-  const rigid::Shape centred = rigid::recentred(given, rigid::mass_properties(given).centre);
-  const double reach = 2 * rigid::bounding_radius(centred) + scene.contacts.margin;
-  for (int d = 0; d < 3; ++d)
-    if (scene.periodic(d) && reach > scene.cells[d])
-      findings.error(
-          key, fmt::format("{}: shape '{}' with its contact margin reaches over {} cells, but the periodic "
-                           "axis {} has {}: the body would meet itself; lengthen the axis",
-                           key, scene.shape_names[shape], shown(reach), "xyz"[d], scene.cells[d]));
-}
-
-void check_sizes(const Case& scene, Findings& findings) {
+void check_entries(const Case& scene, Findings& findings) {
   std::set<int> seen;
   scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
     if (!seen.insert(body.entry).second) return;
-    check_size(scene, findings, body.shape, body.motion, entry_key(body.entry) + ".shape");
     if (!(body.density > 0))
       findings.error(
           entry_key(body.entry) + ".density",
@@ -60,7 +41,6 @@ void check_sizes(const Case& scene, Findings& findings) {
   });
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
-    check_size(scene, findings, fill.shape, Motion::free, of_fill(i, "shape"));
     if (!(fill.density > 0))
       findings.error(of_fill(i, "density"),
                      fmt::format("fill[{}].density is {}; it must be above 0", i, shown(fill.density)));
@@ -132,16 +112,20 @@ void check_backend(const Case& scene, Findings& findings) {
 // A fill whose bounding spheres are more than the densest packing of its box needs no try.
 void check_fill_volumes(const Case& scene, Findings& findings) {
   const double densest = std::numbers::pi / std::sqrt(18);
+  constexpr double sampling = 1.1;  // what walls leave is no less exact
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
     const FillSpec& fill = scene.fills[i];
     const double volume = rigid::mass_properties(scene.shapes[fill.shape]).volume;
-    const double room = (fill.upper - fill.lower).prod();
+    const double left = CurvedWalls(scene).share_left({fill.lower, fill.upper}, 0);
+    const double room = std::min(1., sampling * left) * (fill.upper - fill.lower).prod();
     if (static_cast<double>(fill.count) * volume <= room * densest) continue;
-    findings.error(of_fill(i, "count"),
-                   fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
-                               "box; at most {:.0f} can fit",
-                               i, fill.count, shown(static_cast<double>(fill.count) * volume / room),
-                               room * densest / volume));
+    findings.error(
+        of_fill(i, "count"),
+        fmt::format("fill[{}].count is {}: the bodies have {} times the volume of their "
+                    "box{}; at most {:.0f} can fit",
+                    i, fill.count, shown(static_cast<double>(fill.count) * volume / room),
+                    scene.walls.empty() ? "" : fmt::format(", of which walls leave {:.0f} %", 100 * left),
+                    room * densest / volume));
   }
 }
 
@@ -157,17 +141,6 @@ void check_fill_rooms(const Case& scene, Findings& findings) {
     }
 }
 
-void check_falling(const Case& scene, Findings& findings) {
-  const bool something_fixed = scene.any_given([](const BodySpec& b) { return b.motion != Motion::free; });
-  const bool walls = !scene.walls.empty() ||
-                     std::any_of(scene.boundary.begin(), scene.boundary.end(),
-                                 [](const BoundarySpec& b) { return b.kind != BoundaryKind::periodic; });
-  if (scene.gravity.norm() > 0 && !walls && !something_fixed)
-    findings.warning("gravity.acceleration",
-                     "gravity acts, but nothing holds the fluid and the bodies: a domain that is "
-                     "periodic all round accelerates for ever unless they balance");
-}
-
 }  // namespace
 
 void Findings::add(Diagnostic::Severity severity, const std::string& key, const std::string& text) {
@@ -176,7 +149,6 @@ void Findings::add(Diagnostic::Severity severity, const std::string& key, const 
 
 void find_body_faults(const Case& scene, Findings& findings) {
   if (!scene.has_bodies()) return;
-  check_sizes(scene, findings);
   const auto is_half_space = [&](const BodySpec& body) {
     if (!std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) return false;
     findings.error(entry_key(body.entry) + ".shape", entry_key(body.entry) +
@@ -185,10 +157,11 @@ void find_body_faults(const Case& scene, Findings& findings) {
     return true;
   };
   if (scene.any_given(is_half_space)) return;
+  check_entries(scene, findings);
+  find_size_faults(scene, findings);
   check_backend(scene, findings);
   check_fill_volumes(scene, findings);
   if (!has_errors(findings.list)) check_fill_rooms(scene, findings);
-  check_falling(scene, findings);
 }
 
 }  // namespace silt::coupler

@@ -15,12 +15,18 @@ enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, 
 inline constexpr auto boundary_names =
     names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
 
+/// What becomes of a body beyond a side that is open to bodies: it is taken out, or the run stops.
+enum class Leaving { remove, stop };
+inline constexpr auto leaving_names = names_of<Leaving>("remove", "stop");
+
 struct BoundarySpec {
   BoundaryKind kind = BoundaryKind::periodic;
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
   double density = 1;                          // outlets
   bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+  Leaving leaving = Leaving::remove;           // of a side that is not solid for them
   bool lets_bodies_pass() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
+  bool removes_bodies() const { return lets_bodies_pass() && leaving == Leaving::remove; }
 };
 
 /// A wall of triangles from a file.

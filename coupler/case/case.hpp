@@ -83,7 +83,7 @@ struct Case {
   }
   bool bodies_leave() const {
     return !outflows.empty() || std::any_of(boundary.begin(), boundary.end(),
-                                            [](const BoundarySpec& side) { return side.lets_bodies_pass(); });
+                                            [](const BoundarySpec& side) { return side.removes_bodies(); });
   }
   bool has_lubrication() const {
     return fluid && coupling.lubrication && rigid::resolver_model(contacts.resolver).lubricates;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <tuple>
 
 namespace silt::coupler {
@@ -35,6 +36,19 @@ bool one_contains_the_other(std::string_view a, std::string_view b) {
   return a.find(b) != a.npos || b.find(a) != b.npos;
 }
 
+/// "body", "bodies": short names of one stem, which are far from each other as a whole.
+bool begin_alike(std::string_view a, std::string_view b) {
+  constexpr std::size_t stem = 3;
+  return a.size() <= 2 * stem && b.size() <= 2 * stem && a.substr(0, stem) == b.substr(0, stem);
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
 }  // namespace
 
 std::string Diagnostic::line() const {
@@ -65,7 +79,8 @@ std::string listed(std::span<const Diagnostic> list) {
   return text;
 }
 
-std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
+std::string nearest_name(std::string_view as_written, std::span<const std::string> names) {
+  const std::string wanted = lower_case(as_written);
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(wanted.size() / 3, 1) + 1;
   for (const std::string& name : names)
@@ -73,7 +88,7 @@ std::string nearest_name(std::string_view wanted, std::span<const std::string> n
       best = name, best_distance = distance;
   if (best.empty())
     for (const std::string& name : names)
-      if (best.empty() && one_contains_the_other(wanted, name)) best = name;
+      if (best.empty() && (one_contains_the_other(wanted, name) || begin_alike(wanted, name))) best = name;
   if (best.empty()) {  // "viscocity" is far from "kinematic_viscosity" as a whole but close to its last word
     for (const std::string& name : names)
       for (std::size_t from = name.find('_'); from != name.npos; from = name.find('_', from + 1))

@@ -38,9 +38,10 @@ bool has_errors(std::span<const Diagnostic>);
 /// Returns one line each, errors and warnings in the order given.
 std::string listed(std::span<const Diagnostic>);
 
-/// Returns the name closest to `wanted` by edit distance (a swap of neighbours counts one), or "" if none is
-/// close: more than a third of the letters differ, and neither begins with or contains the other.
-std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
+/// Returns the name closest to one by edit distance (a swap of neighbours counts one, small letters are as
+/// capitals), or "" if none is close: more than a third of the letters differ, neither begins with or
+/// contains the other, and they are not of one stem.
+std::string nearest_name(std::string_view as_written, std::span<const std::string> names);
 /// Returns "a, b, c".
 std::string joined(std::span<const std::string> names, std::string_view separator = ", ");
 /// Returns "; did you mean 'kinematic_viscosity'? known: a, b, c", without the question if nothing is close.

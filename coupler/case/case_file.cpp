@@ -97,7 +97,7 @@ Case read_case(CaseSource& source, const std::vector<std::string>& overrides) {
   scene.files = std::move(context.files);
   scene.text = source.text;
   for (const std::string& file_read : scene.files) scene.text += fmt::format("\n# file {}", file_read);
-  for (const std::string& argument : overrides) scene.text += fmt::format("\n# --set {}", argument);
+  for (const std::string& argument : overrides) scene.text += "\n# " + override_text(argument);
   return scene;
 }
 

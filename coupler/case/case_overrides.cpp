@@ -92,12 +92,40 @@ void remove_alternatives(Node& root, const std::string& path) {
   }
 }
 
+/// The child of a table or list that a step names; CaseError if there is none.
+std::vector<Node>::iterator place_of_step(Node& node, const std::string& step, const Place& place) {
+  if (node.kind == Node::Kind::array)
+    return node.children.begin() + (element(node, step, place) - node.children.data());
+  const auto found = std::find_if(node.children.begin(), node.children.end(),
+                                  [&](const Node& child) { return child.key == step; });
+  if (found != node.children.end() && node.kind == Node::Kind::table) return found;
+  std::vector<std::string> known;
+  for (const Node& child : node.children) known.push_back(child.key);
+  throw CaseError(place, fmt::format("the case has no such key: there is no '{}'{}", step,
+                                     node.kind == Node::Kind::table ? suggestion(step, known) : ""));
+}
+
+void take_away(Node& root, const std::string& path) {
+  const Place place{"--unset " + path};
+  const auto steps = steps_of(path);
+  Node* node = &root;
+  for (std::size_t i = 0; i + 1 < steps.size(); ++i) node = &*place_of_step(*node, steps[i], place);
+  node->children.erase(place_of_step(*node, steps.back(), place));
+}
+
 }  // namespace
 
+std::string override_text(const std::string& argument) {
+  const bool taken_away = argument.find('=') + 1 == argument.size();
+  return taken_away ? "--unset " + argument.substr(0, argument.size() - 1) : "--set " + argument;
+}
+
 void apply_override(Node& root, const std::string& argument) {
-  const Place place{"--set " + argument};
   const auto equals = argument.find('=');
-  if (equals == argument.npos || equals == 0 || equals + 1 == argument.size())
+  if (equals != argument.npos && equals > 0 && equals + 1 == argument.size())
+    return take_away(root, argument.substr(0, equals));
+  const Place place{"--set " + argument};
+  if (equals == argument.npos || equals == 0)
     throw CaseError(place, "must have the form key.path=value, as in fluid.density=960");
   if (argument.find_first_of("\n\r") != argument.npos)
     throw CaseError(place, "must be of one line; write lists and tables without breaks");

@@ -9,6 +9,8 @@
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/choose_collision.hpp"
+#include "coupler/case/curved_walls.hpp"
+#include "coupler/case/expected_fall.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "coupler/case/lattice.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -48,7 +50,8 @@ std::string three(double a, double b, double c) {
 }
 
 std::string side_text(const BoundarySpec& side) {
-  return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? " (bodies leave)" : "");
+  const char* leaving = side.removes_bodies() ? " (bodies leave)" : " (stops where a body leaves)";
+  return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? leaving : "");
 }
 
 void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {
@@ -160,6 +163,15 @@ std::int64_t most_bodies_of(const Case& scene, std::size_t fill) {
       lattice_of(scene, fill, bounding_ball(scene.shapes[spec.shape]).radius).total());
 }
 
+/// What curved walls leave of the room for the bodies' centres, which keep clear of flat ones already.
+void add_room(const Case& scene, Table& table, std::size_t fill) {
+  if (scene.walls.empty()) return;
+  const double radius = bounding_ball(scene.shapes[scene.fills[fill].shape]).radius;
+  const double share =
+      CurvedWalls(scene).share_left(room_for_centres(scene, fill, radius), radius + scene.fills[fill].gap);
+  table.line("  room for centres", fmt::format("{:.0f} % of the box: walls take the rest", 100 * share));
+}
+
 /// How often a fill is applied again, and what that comes to if there is always room.
 void add_inflow(const Case& scene, Table& table, const FillSpec& fill, std::int64_t count) {
   if (fill.every == 0) return;
@@ -198,6 +210,7 @@ void add_bodies(const Case& scene, Table& table) {
     const std::int64_t count = most_bodies_of(scene, i);
     add_kind(scene, table, fmt::format("fill[{}] {}", i, scene.kind_names[fill.kind]),
              {count, fill.shape, fill.density, true});
+    add_room(scene, table, i);
     add_inflow(scene, table, fill, count);
     volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[fill.shape]).volume;
   }
@@ -231,20 +244,6 @@ void add_run(const Case& scene, Table& table) {
 }
 
 }  // namespace
-
-double terminal_velocity(double diameter, double density, double gravity, double nu) {
-  const double buoyancy = 4. / 3 * std::abs(density - 1) * gravity * diameter;  // u^2 C_D
-  const auto drag = [&](double u) {
-    const double reynolds = u * diameter / nu;
-    return 24 * nu / diameter * u * (1 + 0.15 * std::pow(reynolds, 0.687));
-  };
-  double low = 0, high = buoyancy * diameter / (24 * nu);  // Stokes: an upper bound
-  for (int i = 0; i < 100; ++i) {
-    const double middle = (low + high) / 2;
-    (drag(middle) < buoyancy ? low : high) = middle;
-  }
-  return low;
-}
 
 double fluid_memory(const Case& scene) {
   if (!scene.fluid) return 0;

@@ -6,11 +6,6 @@ namespace silt::coupler {
 
 struct Case;
 
-/// Returns the speed at which a sphere falls or rises steadily in unbounded fluid, by the drag law of
-/// Schiller and Naumann (1933), C_D = 24/Re (1 + 0.15 Re^0.687). Lattice units; density relative to the
-/// fluid's; negative never.
-double terminal_velocity(double diameter, double density, double gravity, double kinematic_viscosity);
-
 /// Returns the bytes of the fluid's populations (one array, D3Q19, updated in place) and of the map of solid
 /// cells.
 double fluid_memory(const Case&);

@@ -113,7 +113,7 @@ void find_mesh_faults(const Case& scene, Findings& findings, std::size_t index) 
   check_place(scene, findings, index, wall);
   if (!scene.fluid) return;
   check_features(scene, findings, index, wall);
-  if (wall.motion.moves()) check_speed(scene.units, findings, key_of(index, "motion"), fastest(scene, wall));
+  if (wall.motion.moves()) check_speed(findings, key_of(index, "motion"), fastest(scene, wall));
 }
 
 }  // namespace silt::coupler

@@ -21,6 +21,17 @@ std::vector<std::string> as_strings(const std::vector<std::string_view>& names) 
   return {names.begin(), names.end()};
 }
 
+/// One of those that this build has; of one that it was configured without that is said.
+std::optional<std::string> read_engine(TableReader& table, const char* key,
+                                       const std::vector<std::string_view>& names) {
+  const Node* node = table.find(key);
+  const std::string left_out =
+      node && node->kind == Node::Kind::string ? adapters::left_out_of_this_build(node->string) : "";
+  if (left_out.empty()) return table.choice(key, as_strings(names));
+  table.fail(key, fmt::format("{} is \"{}\"; {}", table.path(key), node->string, left_out));
+  return {};
+}
+
 std::vector<std::string> resolver_names() {
   std::vector<std::string> names;
   for (const rigid::ResolverModel& model : rigid::resolver_models()) names.emplace_back(model.name);
@@ -150,9 +161,8 @@ void read_contacts(TableReader& root, Case& scene) {
   TableReader table = root.table("contacts");
   if (table.present()) {
     ContactSpec& c = scene.contacts;
-    c.backend = table.choice("backend", as_strings(adapters::backend_names())).value_or(c.backend);
-    c.broad_phase =
-        table.choice("broad_phase", as_strings(adapters::broad_phase_names())).value_or(c.broad_phase);
+    c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
+    c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
     c.resolver = table.choice("resolver", resolver_names()).value_or(c.resolver);
     const rigid::ResolverModel& resolver = rigid::resolver_model(c.resolver);
     standard.restitution = table.number("restitution", unit_interval).value_or(0);

@@ -100,6 +100,12 @@ std::optional<BoundarySpec> read_side(ReadContext& context, const Node& node, co
   if (side.kind == BoundaryKind::pressure_outlet)
     side.density = table.quantity("density", dimension::density, range::above(0)).value_or(1);
   side.solid_for_bodies = table.boolean("solid_for_bodies").value_or(true);
+  side.leaving = table.choice("leaving", leaving_names).value_or(side.leaving);
+  if (table.has("leaving") && !side.lets_bodies_pass())
+    table.fail("leaving",
+               fmt::format("{} is of a side that bodies leave by; set solid_for_bodies = false, or "
+                           "remove the key",
+                           table.path("leaving")));
   return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
 }
 

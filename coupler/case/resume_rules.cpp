@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "coupler/case/case_file.hpp"
+#include "coupler/case/case_overrides.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 /// Returns case.toml as it was read: a case's text without the comments that name the --set arguments.
 std::string file_text(std::string text, const std::vector<std::string>& overrides) {
   for (auto o = overrides.rbegin(); o != overrides.rend(); ++o) {
-    const std::string comment = fmt::format("\n# --set {}", *o);
+    const std::string comment = "\n# " + override_text(*o);
     if (text.ends_with(comment)) text.resize(text.size() - comment.size());
   }
   return text;
@@ -109,7 +110,7 @@ Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vec
   for (const std::string& o : overrides) {
     const std::string key = o.substr(0, o.find('='));
     if (!may_change(key))
-      throw CaseError(Place{"--set " + o},
+      throw CaseError(Place{override_text(o)},
                       fmt::format("{} cannot change when a run goes on; only keys of run, output and "
                                   "quantities can",
                                   key));

@@ -2,28 +2,28 @@
 
 #include <fmt/format.h>
 
+#include "coupler/case/case.hpp"
+#include "coupler/case/time_step_cure.hpp"
+
 namespace silt::coupler {
-namespace {
 
-// Limits in lattice units: the error by compressibility grows with u^2.
-constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
-
-std::string in_case_units(const Units& units, double x, Dimension dimension, const char* si) {
-  return units.si ? fmt::format(" ({} {})", shown(units.physical(x, dimension)), si) : std::string();
+std::string in_metres_a_second(const Case& scene, double speed) {
+  if (!scene.units.si) return "";
+  return fmt::format(" ({} m/s)", shown(scene.units.physical(speed, dimension::velocity)));
 }
 
-}  // namespace
-
-void check_speed(const Units& units, Findings& findings, const std::string& key, double speed) {
-  const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed),
-                                        in_case_units(units, speed, dimension::velocity, "m/s"));
-  const std::string remedy =
-      units.si ? "shorten units.time_step (a smaller relaxation time with it) or the velocity" : "lower it";
+void check_speed(Findings& findings, const std::string& key, double speed) {
+  if (speed <= doubtful_velocity) return;
+  const Case& scene = findings.scene;
+  const std::string found =
+      fmt::format("{} is {} cells a step{}", key, shown(speed), in_metres_a_second(scene, speed));
+  const std::string cure = scene.units.si ? time_step_cure(scene, doubtful_velocity / speed) + ", or lower it"
+                                          : fmt::format("lower it to {}", doubtful_velocity);
   if (!(speed <= impossible_velocity))
-    findings.error(key, fmt::format("{}; it must be at most {}: {}", found, impossible_velocity, remedy));
-  else if (speed > doubtful_velocity)
+    findings.error(key, fmt::format("{}; it must be at most {}: {}", found, impossible_velocity, cure));
+  else
     findings.warning(key, fmt::format("{}; above {} the fluid is noticeably compressible: {}", found,
-                                      doubtful_velocity, remedy));
+                                      doubtful_velocity, cure));
 }
 
 }  // namespace silt::coupler

@@ -5,7 +5,7 @@
 namespace silt::coupler {
 
 /// Reports outflows beyond the domain, or where bodies come in; fills that end before they are applied again;
-/// an outflow that nothing can leave by.
+/// an outflow that nothing can leave by; bodies whose prescribed motion takes them out of the domain.
 void find_turnover_faults(const Case&, Findings&);
 
 }  // namespace silt::coupler

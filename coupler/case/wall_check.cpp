@@ -75,9 +75,8 @@ void find_wall_faults(const Case& scene, Findings& findings) {
                                  "its point, or change its axis or radius",
                                  i));
     if (!scene.fluid) continue;
-    check_speed(scene.units, findings, key_of(i, "velocity"), std::abs(tube.velocity));
-    check_speed(scene.units, findings, key_of(i, "angular_velocity"),
-                std::abs(tube.angular_velocity) * tube.radius);
+    check_speed(findings, key_of(i, "velocity"), std::abs(tube.velocity));
+    check_speed(findings, key_of(i, "angular_velocity"), std::abs(tube.angular_velocity) * tube.radius);
   }
 }
 

@@ -5,7 +5,6 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
 #include "coupler/placement/overlap.hpp"
-#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -18,12 +17,8 @@ Obstacles::Obstacles(const Case& scene, const rigid::Extent& extent, std::span<c
     : scene_(scene),
       extent_(extent),
       given_(given),
+      walls_(scene),
       given_grid_(extent, std::max(reach, mean_width(scene, given))) {
-  for (const CurvedWall& wall : scene.walls)
-    if (const auto* tube = wall.tube())
-      walls_.push_back({{tube->radius}, rigid::pose_of(*tube)});
-    else if (const auto* mesh = wall.mesh())
-      meshes_.push_back({mesh->mesh, mesh->motion.pose(mesh->start, 0)});
   for (std::size_t i = 0; i < given.size(); ++i)
     given_grid_.insert(static_cast<int>(i),
                        rigid::bounding_box(scene.shapes[given[i].spec.shape], given[i].spec.pose));
@@ -39,19 +34,6 @@ void Obstacles::add_ball(const Vec3& centre) {
   balls.centres.push_back(centre);
 }
 
-bool Obstacles::clear_of_walls(const Vec3& centre, double distance) const {
-  const auto clear_of_mesh = [&](const PlacedMesh& wall) {
-    const Vec3 x = wall.pose.to_body(centre);
-    return wall.mesh.surface->nearest(x, distance).distance >= distance && !wall.mesh.contains(x);
-  };
-  const auto clear_of_tube = [&](const PlacedTube& wall) {
-    return rigid::gap_in_tube(rigid::Sphere{distance}, {centre, rigid::Quat::Identity()}, wall.tube,
-                              wall.pose) >= 0;
-  };
-  return std::all_of(walls_.begin(), walls_.end(), clear_of_tube) &&
-         std::all_of(meshes_.begin(), meshes_.end(), clear_of_mesh);
-}
-
 bool Obstacles::clear_of_given(const Vec3& centre, double distance) const {
   bool clear = true;
   if (!given_.empty())
@@ -64,7 +46,7 @@ bool Obstacles::clear_of_given(const Vec3& centre, double distance) const {
 }
 
 bool Obstacles::is_free(const Vec3& centre, double radius, double gap) const {
-  if (!clear_of_walls(centre, radius + gap)) return false;
+  if (!walls_.are_clear_of(centre, radius + gap)) return false;
   for (const Balls& balls : balls_) {
     const double distance = balls.radius + radius + gap;
     bool clear = true;

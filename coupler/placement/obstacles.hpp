@@ -4,11 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "coupler/case/curved_walls.hpp"
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/neighbour_grid.hpp"
-#include "rigid/bodies/walls.hpp"
-#include "rigid/shapes/mesh.hpp"
-#include "rigid/shapes/tube.hpp"
 
 namespace silt::coupler {
 
@@ -24,27 +22,17 @@ class Obstacles {
   bool is_free(const rigid::Vec3& centre, double radius, double gap) const;
 
  private:
-  struct PlacedTube {
-    rigid::Tube tube;
-    rigid::Pose pose;
-  };
-  struct PlacedMesh {
-    rigid::Mesh mesh;
-    rigid::Pose pose;  // at time 0
-  };
   struct Balls {
     double radius;
     NeighbourGrid grid;
     std::vector<rigid::Vec3> centres;
   };
-  bool clear_of_walls(const rigid::Vec3& centre, double distance) const;
   bool clear_of_given(const rigid::Vec3& centre, double distance) const;
 
   const Case& scene_;
   const rigid::Extent extent_;
   const std::span<const GivenBody> given_;
-  std::vector<PlacedTube> walls_;
-  std::vector<PlacedMesh> meshes_;
+  const CurvedWalls walls_;
   NeighbourGrid given_grid_;
   std::vector<Balls> balls_;
 };

@@ -277,13 +277,17 @@ void RandomFill::keep(std::uint64_t last_time) {
 
 void RandomFill::refuse(std::uint64_t placed) const {
   const double ball = 4. / 3 * std::numbers::pi * std::pow(radius_ + spec_.gap / 2, 3);
-  const double share = static_cast<double>(spec_.count) * ball / (spec_.upper - spec_.lower).prod();
+  const CurvedWalls walls(scene_);
+  const double left = walls.share_left({spec_.lower, spec_.upper}, 0);
+  const double room = left * (spec_.upper - spec_.lower).prod();
   throw CaseError(
       scene_.place(fmt::format("fill[{}].count", application_.fill)),
-      fmt::format("fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
-                  "would take {:.0f} % of the box, and random places run out near 35 % of what other "
-                  "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
-                  application_.fill, spec_.count, placed, 100 * share));
+      fmt::format(
+          "fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
+          "would take {:.0f} % of the box{}, and random places run out near 35 % of what other "
+          "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
+          application_.fill, spec_.count, placed, 100 * static_cast<double>(spec_.count) * ball / room,
+          walls.empty() ? "" : fmt::format(" less its walls, which leave {:.0f} % of it", 100 * left)));
 }
 
 }  // namespace

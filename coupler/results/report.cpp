@@ -8,6 +8,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/choose_collision.hpp"
+#include "coupler/departures.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/motion_totals.hpp"
@@ -136,11 +137,22 @@ void add_motion(const Simulation& simulation, Json& report) {
 struct PutCounter {
   const Units& units;
   Json& report;
-  void operator()(const CounterName& name, std::uint64_t x) { report[name.report] = x; }
+  void operator()(const CounterName& name, std::uint64_t x) {
+    if (name.report) report[name.report] = x;
+  }
   void operator()(const CounterName& name, double x) {
     report[name.report] = units.physical(x, name.dimension);
   }
 };
+
+/// By the ways that are open.
+Json left_by(const Case& scene, const RunCounters& counters) {
+  Json ways = Json::object();
+  for (int side = 0; side < first_outflow; ++side)
+    if (scene.boundary[side].removes_bodies()) ways[way_text(side)] = counters.left_by[side];
+  if (!scene.outflows.empty()) ways["outflow"] = counters.left_by[first_outflow];
+  return ways;
+}
 
 void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& report) {
   const Units& units = simulation.setup().units;
@@ -155,6 +167,7 @@ void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& 
     report["fluid_cells"] = totals->fluid_cells;
   }
   visit_counters(c, PutCounter{units, report});
+  report["bodies_left_by"] = left_by(simulation.setup(), c);
   report["contacts_now"] = simulation.contacts_now();
   report["links"] = simulation.links();
 }

@@ -17,10 +17,10 @@ namespace {
 
 /// What of a report changes while a run goes on; of objects all numbers in them.
 constexpr std::array columns = {
-    "steps",          "time",        "wall_seconds",    "mlups",        "bodies",
-    "bodies_arrived", "bodies_left", "energy",          "momentum",     "max_velocity",
-    "min_density",    "max_density", "mass_drift",      "mass_surplus", "contacts_now",
-    "momentum_drift", "links",       "max_penetration", "quantities",   "stage_seconds"};
+    "steps",           "time",           "wall_seconds", "mlups",        "bodies",         "bodies_arrived",
+    "bodies_left",     "bodies_left_by", "energy",       "momentum",     "max_velocity",   "min_density",
+    "max_density",     "mass_drift",     "mass_surplus", "contacts_now", "momentum_drift", "links",
+    "max_penetration", "quantities",     "stage_seconds"};
 
 /// Whether a line is of a step up to the given one.
 bool is_up_to(std::string_view line, std::int64_t step) {

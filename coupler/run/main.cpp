@@ -20,11 +20,12 @@ namespace {
 
 struct CommandLine {
   RunOptions run;
+  std::vector<std::string> unset;
   std::string case_directory, out, backend, checkpoint, file;
   std::int64_t steps = 0;
 };
 
-/// --backend and --steps are short for --set.
+/// --backend and --steps are short for --set; what --unset names goes after all is set.
 RunOptions options_of(const CommandLine& line) {
   RunOptions options = line.run;
   options.directory = line.case_directory;
@@ -32,6 +33,7 @@ RunOptions options_of(const CommandLine& line) {
   if (!line.checkpoint.empty()) options.checkpoint = line.checkpoint;
   if (!line.backend.empty()) options.overrides.push_back("contacts.backend=\"" + line.backend + "\"");
   if (line.steps > 0) options.overrides.push_back(fmt::format("run.steps={}", line.steps));
+  for (const std::string& key : line.unset) options.overrides.push_back(key + "=");
   return options;
 }
 
@@ -66,12 +68,35 @@ const CLI::Validator above_zero(
     },
     "");
 
+/// An empty value is more often a variable of the shell that is not set than a key to be taken away.
+const CLI::Validator with_a_value(
+    [](std::string& text) {
+      if (text.find('=') + 1 != text.size()) return std::string();
+      return fmt::format("{} has no value; to take a key away: --unset {}", text,
+                         text.substr(0, text.size() - 1));
+    },
+    "");
+const CLI::Validator without_a_value(
+    [](std::string& text) {
+      const bool key = !text.empty() && text.find('=') == text.npos;
+      return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", text);
+    },
+    "");
+
 void add_case(CLI::App& command, CommandLine& line) {
   command.add_option("CASE", line.case_directory, "case directory, or a .toml file")->required();
   command.add_option("--set", line.run.overrides, "key.path=value: another value for a key of the case")
       ->take_all()
       ->expected(1)
+      ->check(with_a_value)
       ->type_name("KEY=VALUE");
+  command
+      .add_option("--unset", line.unset,
+                  "key.path: the case without this key, table or entry of a list, after all --set")
+      ->take_all()
+      ->expected(1)
+      ->check(without_a_value)
+      ->type_name("KEY");
 }
 
 void add_run(CLI::App& command, CommandLine& line) {
@@ -131,6 +156,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   add_run(*resume, line);
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);
+  checks->add_option("-n,--ranks", line.run.ranks, "estimate a run on so many ranks (as many as there are)")
+      ->check(above_zero)
+      ->type_name("N");
   infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf, slice_*.hdf or checkpoint_*.h5")->required();
   if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
     if (loud) fmt::print(stderr, "{}", complaint);

@@ -12,6 +12,7 @@
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/placement/start_check.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "coupler/run/run_estimate.hpp"
 
 namespace silt::coupler {
 
@@ -106,12 +107,16 @@ std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
 
 std::string examine_case(const RunOptions& options) {
   const Case scene = read_case(options.directory, options.overrides);
-  const auto warnings = require_runnable(scene);
-  make_domain(scene, ranks_of(MPI_COMM_WORLD));  // throws if it cannot be cut for them
+  auto warnings = require_runnable(scene);
+  const int ranks = options.ranks > 0 ? options.ranks : ranks_of(MPI_COMM_WORLD);
+  make_domain(scene, ranks);  // throws if it cannot be cut for them
   const lbm::Domain domain = make_domain(scene, 1);
   require_sound_start(scene, domain, MPI_COMM_SELF);
-  place_bodies(scene, domain, MPI_COMM_SELF);
-  return derived_table(scene) + listed(warnings);
+  const RunEstimate estimate = estimate_run(scene, place_bodies(scene, domain, MPI_COMM_SELF), ranks);
+  if (const auto found = time_warning(scene, estimate)) warnings.push_back(*found);
+  if (const auto found = disk_warning(scene, estimate.disk, result_folder(options)))
+    warnings.push_back(*found);
+  return derived_table(scene) + estimate_table(estimate) + listed(warnings);
 }
 
 fs::path result_folder(const RunOptions& options) {
@@ -133,6 +138,9 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
   adapters::together(comm, [&] { require_buildable(*scene, comm); });
   require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
+  const Scene& made = prepared.simulation->scene();
+  if (const auto found = disk_warning(made.setup, disk_needed(made.setup, made.body_count), folder))
+    prepared.warnings.push_back(*found);
   prepared.folder = folder_on_rank_0(comm, [&] { return prepare_result_folder(folder, options.overwrite); });
   return prepared;
 }

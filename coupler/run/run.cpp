@@ -16,6 +16,7 @@
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "coupler/results/departure_log.hpp"
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
@@ -58,6 +59,7 @@ class Run {
   void advance();
   void watch();
   void write_outputs();
+  void log_departures();
   void checkpoint();
   void write_report(const std::string& reason, const std::string& text, bool sound);
   Exit end(Exit, const std::string& reason, const std::string& text);
@@ -78,7 +80,8 @@ class Run {
   StopRequest stop_request_;
   std::unique_ptr<Progress> progress_;
   std::unique_ptr<BodyOutput> body_output_;
-  std::unique_ptr<RunSeries> series_;  // on rank 0, where the case asks for reports
+  std::unique_ptr<DepartureLog> departures_;  // on rank 0, where bodies may leave
+  std::unique_ptr<RunSeries> series_;         // on rank 0, where the case asks for reports
   std::string last_checkpoint_;
 };
 
@@ -172,6 +175,10 @@ void Run::start_outputs() {
   if (output.report.every > 0)
     adapters::on_rank_0(comm_,
                         [&] { series_ = std::make_unique<RunSeries>(folder_, resumed_ ? first_step_ : -1); });
+  if (setup().bodies_leave())
+    adapters::on_rank_0(comm_, [&] {
+      departures_ = std::make_unique<DepartureLog>(folder_, resumed_ ? first_step_ : -1, setup().units);
+    });
   if (resumed_) return;
   quantities_.observe(simulation_);
   if (simulation_.scene().flow) simulation_.look_at_flow();
@@ -193,6 +200,7 @@ void Run::write_outputs() {
   if (simulation_.scene().flow &&
       (step % guard_interval == 0 || ended() || fields || bodies || save || report))
     simulation_.look_at_flow();
+  if (step % guard_interval == 0 || ended() || save || report) log_departures();
   if (bodies) body_output_->append(simulation_);
   if (due(output.fields)) write_flow_fields(simulation_, output.fields, folder_, provenance_);
   for (const FieldsSpec& slice : output.slices)
@@ -201,8 +209,18 @@ void Run::write_outputs() {
   if (report && !ended()) write_report("running", "", true);
 }
 
+/// Collective: what left since the last look goes to the log and to departures.csv.
+void Run::log_departures() {
+  if (!setup().bodies_leave()) return;
+  const std::vector<Departure> left = gathered(comm_, simulation_.take_departures());
+  adapters::on_rank_0(comm_, [&] { departures_->append(left); });
+  if (!left.empty())
+    progress_->log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
+}
+
 void Run::checkpoint() {
   simulation_.settle();
+  log_departures();
   last_checkpoint_ =
       write_checkpoint(simulation_, quantities_, folder_, provenance_, prepared_.steady).string();
   progress_->log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
@@ -211,6 +229,7 @@ void Run::checkpoint() {
 /// Collective: leaves the state that a guard stopped at, for a look at it.
 std::string Run::stopped_state_text() {
   try {
+    log_departures();
     const auto path = write_stopped_state(simulation_, quantities_, folder_, provenance_, prepared_.steady);
     if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
     if (body_output_) body_output_->append(simulation_);

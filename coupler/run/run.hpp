@@ -23,6 +23,7 @@ struct RunOptions {
   std::vector<std::string> overrides;        // --set
   bool overwrite = false;
   double time_limit = 0;  // seconds of wall-clock time; 0: none
+  int ranks = 0;          // that a run is estimated for; 0: as many as there are
   std::optional<std::filesystem::path>
       checkpoint;  // to resume from; else the newest in the folder of results
 };

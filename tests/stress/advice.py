@@ -64,9 +64,9 @@ ADVICE = {
     "light body coupled explicitly": (
         FLUID + '[coupling]\ntime = "explicit"\n' + FALL.format(g="1e-4") + BALL.format(density=0.05) + RUN,
         'use coupling.time = "implicit"', ["coupling.time=implicit"]),
-    "body that falls too fast in a fluid": (
-        FLUID + FALL.format(g="2e-2") + BALL.format(density=20) + RUN,
-        "gravity.acceleration", ["gravity.acceleration=[0, 0, -2e-4]"]),
+    "body that takes the fluid with it as it falls": (
+        FLUID + FALL.format(g="1e-3") + BALL.format(density=20) + RUN.replace("300", "6000"),
+        "gravity.acceleration", ["gravity.acceleration=[0, 0, -1e-4]"]),
     "body that falls too fast without a fluid": (
         DRY + FALL.format(g="2e-2") + BALL.format(density=1) + RUN.replace("300", "200"),
         "use contacts.substeps = 2", ["contacts.substeps=2"]),

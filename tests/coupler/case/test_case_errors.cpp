@@ -134,8 +134,7 @@ TEST(CaseErrors, OverridesAreNamedInMessages) {
                 joined_views(adapters::backend_names()) + "; did you mean 'bullet'?");
   EXPECT_EQ(c.fault({"fluid.density"}),
             "--set fluid.density: must have the form key.path=value, as in fluid.density=960");
-  EXPECT_EQ(c.fault({"fluid.relaxation_time="}),
-            "--set fluid.relaxation_time=: must have the form key.path=value, as in fluid.density=960");
+  EXPECT_EQ(c.fault({"=1"}), "--set =1: must have the form key.path=value, as in fluid.density=960");
   EXPECT_EQ(c.fault({"bodies[1].density=2"}),
             "--set bodies[1].density=2: there is no entry 1: the list has 1");
   EXPECT_EQ(
@@ -144,6 +143,24 @@ TEST(CaseErrors, OverridesAreNamedInMessages) {
   EXPECT_EQ(c.fault({"run.steps.x=2"}), "--set run.steps.x=2: 'x' lies below a value that is an integer");
   EXPECT_NE(c.fault({"fluid.visc=0.1"}).find("did you mean 'kinematic_viscosity'?"), std::string::npos);
   EXPECT_NE(c.fault({"domain.size=[1, 2"}).find("'[1, 2' is not a TOML value"), std::string::npos);
+}
+
+TEST(CaseErrors, WhatIsTakenAwayMustBeThere) {
+  CaseText c;
+  c.run += "balance = { every = 10 }\n";
+  EXPECT_EQ(c.fault({"run.balance="}), "");
+  EXPECT_EQ(c.read({"run.balance="}).balance_every, 0);
+  EXPECT_EQ(c.read({"run.balance.every=20", "run.balance=", "run.balance.every=30"}).balance_every, 30);
+  EXPECT_TRUE(c.read({"bodies[0]="}).bodies.empty());
+  EXPECT_EQ(c.fault({"fluid.relaxation_time="}),
+            "case.toml:6:2: [fluid] needs one of kinematic_viscosity, relaxation_time: how viscous the fluid "
+            "is");
+  EXPECT_EQ(
+      c.fault({"run.balnce="}),
+      "--unset run.balnce: the case has no such key: there is no 'balnce'; did you mean 'balance'? known: "
+      "steps, balance");
+  EXPECT_EQ(c.fault({"bodies[1]="}), "--unset bodies[1]: there is no entry 1: the list has 1");
+  EXPECT_EQ(c.fault({"run.steps.x="}), "--unset run.steps.x: the case has no such key: there is no 'x'");
 }
 
 }  // namespace

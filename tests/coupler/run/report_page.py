@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import unittest
 
-from silt_test import CASE, SiltTest
+from silt_test import CASE, UNSTABLE, SiltTest
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
 BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
@@ -103,7 +103,7 @@ class Page(SiltTest):
         self.assertIn(r"<h1>&lt;b&gt;two&lt;/b&gt; &amp; $\frac{1}$</h1>", text)
 
     def test_a_stopped_run_says_why(self):
-        text = self.page(CASE.replace("[0, 0, -1e-4]", "[0, 0, -1]"), code=3)[1]
+        text = self.page(UNSTABLE, code=3)[1]
         self.assertIn("Stopped by a guard", text)
         self.assertRegex(text, r"<p class=warning>step \d+: ")
 

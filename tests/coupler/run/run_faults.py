@@ -9,7 +9,7 @@ import subprocess
 import time
 import unittest
 
-from silt_test import CASE, ENVIRONMENT, SILT, SiltTest
+from silt_test import CASE, ENVIRONMENT, SILT, UNSTABLE, SiltTest
 
 ENDLESS = CASE.replace("steps = 60", "steps = 100000000").replace("fields = { every = 20 }\n", "").replace(
     "every = 25, keep = 3", "every = 250, keep = 3")
@@ -50,7 +50,7 @@ class Faults(SiltTest):
 
     def test_a_guard_speaks_beside_leftovers(self):
         """Its ranks agree by this file who speaks."""
-        self.write(CASE.replace("-1e-4", "-1"))
+        self.write(UNSTABLE)
         self.silt("run", self.case, "--steps", 1)
         (self.out / "report.json.part").write_text("of a killed run")
         (self.out / "bodies.h5.journal.part").write_text("of a killed run")
@@ -192,7 +192,7 @@ class Faults(SiltTest):
         self.assertIn(str(before), self.silt("resume", self.case, "--checkpoint", newest, code=2).stderr)
 
     def test_a_guard_leaves_what_it_stopped_at(self):
-        self.write(CASE.replace("-1e-4", "-1"))
+        self.write(UNSTABLE)
         for ranks in (1, 3):
             errors = self.silt("run", self.case, "--overwrite", "--set", "run.steps=400", ranks=ranks, code=3).stderr
             state, = self.out.glob("stopped_*.h5")

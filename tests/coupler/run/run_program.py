@@ -16,7 +16,7 @@ import tempfile
 import time
 import unittest
 
-from silt_test import CASE, CHANNEL, ENVIRONMENT, SILT, SiltTest
+from silt_test import CASE, CHANNEL, ENVIRONMENT, SILT, UNSTABLE, SiltTest
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "run"
 
@@ -144,7 +144,7 @@ class Program(SiltTest):
 
     def test_guard_of_a_body_on_one_rank(self):
         """Only its owner notices; all ranks end, with one text."""
-        self.write(CASE.replace("-1e-4", "-1").split("[output]")[0])
+        self.write(UNSTABLE.split("[output]")[0])
         for ranks in (1, 4):
             errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
             self.assertRegex(errors, r"step \d+: body [12] moves")

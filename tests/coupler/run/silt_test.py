@@ -45,6 +45,10 @@ name = "height"
 type = "mean-height"
 """
 
+# Light bodies whose drag acts a step too late: a guard stops the run after two steps.
+UNSTABLE = CASE.replace("density = 1.5", "density = 0.05").replace("[gravity]", '[coupling]\ntime = "explicit"\n[gravity]')
+UNSTABLE = UNSTABLE.replace("velocity = [0.02, 0, 0]", "velocity = [0.05, 0, 0]")
+
 CHANNEL = """
 [units]
 system = "lattice"

@@ -1,0 +1,218 @@
+#include "coupler/run/run_estimate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <thread>
+#include <variant>
+
+#include "coupler/balance/body_work.hpp"
+#include "coupler/balance/foreseen_cut.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/derived_table.hpp"
+#include "coupler/flow.hpp"
+#include "coupler/placement/body_records.hpp"
+#include "coupler/run/memory_speed.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+namespace {
+
+// Measured on one core (coupler/README.md, "What a run will take").
+constexpr double bytes_of_a_cell = 2 * 19 * 4, share_of_bandwidth = 0.7;
+constexpr double overhead_of_a_step = 15e-6, overhead_of_ranks = 60e-6;  // s; the latter on several
+constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
+constexpr double file_row_of_a_body = 160, checkpoint_of_a_body = 600;                     // bytes
+constexpr double multireflection_link = 1.27;                   // over one of the other schemes
+constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
+
+/// What a contact of a shape costs over one of a sphere: convex parts meet one by one, flat faces in four
+/// points, ellipsoids are searched for.
+double contact_factor(const rigid::Shape& shape) {
+  double dearest = 1;
+  const auto parts = rigid::convex_parts(shape);
+  for (const rigid::Part& part : parts) {
+    const bool searched = std::holds_alternative<rigid::Ellipsoid>(part.shape);
+    dearest = std::max(dearest, searched ? 5. : rigid::is_smooth(part.shape) ? 1. : 4.);
+  }
+  return dearest * std::min<double>(static_cast<double>(parts.size()), 4);
+}
+
+double contacts_of_a_body(const Case& scene, double solid) {
+  if (scene.fluid) return contacts_in_fluid * std::min(1., solid);
+  return scene.gravity.norm() > 0 ? contacts_in_a_bed : 0.5;
+}
+
+/// The bodies as the work is counted by, with their shapes.
+struct Scenery {
+  rigid::BodySet bodies;
+  rigid::World world;
+  double volume = 0;
+};
+
+Scenery scenery_of(const Case& scene, const PlacedBodies& placed) {
+  Scenery all;
+  const auto shapes = centred_shapes(scene);
+  for (const CentredShape& shape : shapes) all.world.shapes.push_back(shape.shape);
+  all.bodies.resize(placed.size());
+  all.bodies.owned = placed.size();
+  std::size_t row = 0;
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    all.bodies.assign(row++, body_record(id, body, shapes[body.shape], scene.fluid.has_value()));
+    all.volume += shapes[body.shape].volume;
+  });
+  return all;
+}
+
+void add_contacts(const Case& scene, const Scenery& all, const WorkCosts& costs, WorkMap& work) {
+  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
+  const double contacts = contacts_of_a_body(scene, all.volume / cells);
+  for (std::size_t row = 0; row < all.bodies.owned; ++row)
+    if (all.bodies.motion[row] != rigid::Motion::fixed)
+      work.add(all.bodies.position[row],
+               std::llround(2 * contacts * contact_factor(all.world.shapes[all.bodies.shape[row]]) *
+                            static_cast<double>(costs.impulse)));
+}
+
+/// Of tubes and meshes: links that cross their surface.
+double links_of_walls(const Case& scene) {
+  double surface = 0;
+  for (const CurvedWall& wall : scene.walls) {
+    if (const auto* tube = wall.tube()) {
+      const rigid::Vec3 size(scene.cells[0], scene.cells[1], scene.cells[2]);
+      surface += 2 * std::numbers::pi * tube->radius * tube->axis.cwiseAbs().dot(size);
+      continue;
+    }
+    const rigid::TriangleMesh& mesh = *wall.mesh()->mesh.surface;
+    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) surface += mesh.area_normal(t).norm() / 2;
+  }
+  return scene.fluid ? links_of_a_surface * surface : 0;
+}
+
+double links_of_bodies(const Case& scene, const Scenery& all) {
+  if (!scene.fluid) return 0;
+  double links = 0;
+  for (std::size_t row = 0; row < all.bodies.owned; ++row) {
+    const rigid::Shape& shape = all.world.shapes[all.bodies.shape[row]];
+    links += links_of_a_surface * 6 * rigid::mass_properties(shape).volume / rigid::least_width(shape);
+  }
+  return links;
+}
+
+double times(const SeriesSpec& series, std::int64_t steps, bool at_start) {
+  return series.every > 0 ? static_cast<double>((steps - 1) / series.every + 1 + at_start) : 0;
+}
+
+double bytes_of_fields(const FieldsSpec& fields) {
+  double cells = 1, numbers = 0;
+  for (int d = 0; d < 3; ++d) cells *= fields.upper[d] - fields.lower[d];
+  for (const Field field : fields.quantities) numbers += field == Field::velocity ? 3 : 1;
+  return cells * numbers * (fields.double_precision ? 8 : 4);
+}
+
+std::string bytes_text(double bytes) {
+  if (bytes >= 1e12) return fmt::format("{:.2g} TB", bytes / 1e12);
+  return bytes >= 1e9 ? fmt::format("{:.2g} GB", bytes / 1e9)
+                      : fmt::format("{:.0f} MB", std::ceil(bytes / 1e6));
+}
+
+std::string seconds_text(double seconds) {
+  constexpr double minute = 60, hour = 3600, day = 86400, year = 365 * day;
+  if (seconds >= year) return fmt::format("{:.2g} years", seconds / year);
+  if (seconds >= 2 * day) return fmt::format("{:.2g} days", seconds / day);
+  if (seconds >= 2 * hour) return fmt::format("{:.2g} hours", seconds / hour);
+  return seconds >= 2 * minute ? fmt::format("{:.0f} minutes", seconds / minute)
+                               : fmt::format("{:.2g} s", seconds);
+}
+
+}  // namespace
+
+RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int ranks) {
+  WorkCosts costs(scene);
+  if (scene.coupling.wall_scheme == WallScheme::multireflection)
+    costs.link = std::llround(multireflection_link * static_cast<double>(costs.link));
+  const Scenery all = scenery_of(scene, placed);
+  WorkMap work(make_domain(scene, 1));
+  add_bodies(all.bodies, costs, work);
+  add_surfaces(all.bodies, all.world, costs, work);
+  add_contacts(scene, all, costs, work);
+  const double wall_links = links_of_walls(scene);
+  const rigid::Vec3 size(scene.cells[0], scene.cells[1], scene.cells[2]);
+  work.add(rigid::BoundingBox{rigid::Vec3::Zero(), size}, std::llround(wall_links * double(costs.link)));
+  const auto items = work.items();
+  const lbm::Domain domain = make_domain(scene, ranks);
+  WorkShares shares = shares_of(domain, costs.cell, items);
+  if (ranks > 1 && !scene.block_cells) {
+    const WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);
+    if (better.largest < shares.largest) shares = better;
+  }
+  RunEstimate estimate;
+  estimate.ranks = ranks;
+  estimate.largest_over_mean = shares.largest_over_mean();
+  const double cell = bytes_of_a_cell / (share_of_bandwidth * memory_speed());
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  estimate.seconds_a_step = shares.largest / 10 * cell * std::max(1., ranks / cores) + overhead_of_a_step +
+                            (ranks > 1 ? overhead_of_ranks : 0);
+  estimate.seconds = estimate.seconds_a_step * static_cast<double>(scene.steps);
+  estimate.memory = fluid_memory(scene) + memory_of_a_rank * ranks +
+                    memory_of_a_body * static_cast<double>(placed.size()) +
+                    memory_of_a_link * (wall_links + links_of_bodies(scene, all));
+  estimate.disk = disk_needed(scene, placed.size());
+  return estimate;
+}
+
+double disk_needed(const Case& scene, std::uint64_t bodies) {
+  const OutputSpec& output = scene.output;
+  const double n = static_cast<double>(bodies);
+  double bytes = times(output.fields, scene.steps, true) * bytes_of_fields(output.fields);
+  for (const FieldsSpec& slice : output.slices)
+    bytes += times(slice, scene.steps, true) * bytes_of_fields(slice);
+  bytes += times(output.bodies, scene.steps, true) * n * file_row_of_a_body;
+  const double kept = std::min<double>(times(output.checkpoint, scene.steps, false), output.keep_checkpoints);
+  return bytes + kept * (fluid_memory(scene) + n * checkpoint_of_a_body);
+}
+
+std::string estimate_table(const RunEstimate& e) {
+  std::string text = fmt::format("estimate (within a factor of 2, on {} rank{} of this machine)\n", e.ranks,
+                                 e.ranks > 1 ? "s" : "");
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("  {:<26}{}\n", name, value);
+  };
+  line("time", fmt::format("{}, {:.2g} s a step", seconds_text(e.seconds), e.seconds_a_step));
+  line("memory", bytes_text(e.memory));
+  line("disk", bytes_text(e.disk));
+  if (e.ranks > 1) line("work, largest over mean", fmt::format("{:.2f}", e.largest_over_mean));
+  return text;
+}
+
+std::optional<Diagnostic> disk_warning(const Case& scene, double needed,
+                                       const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::path there = std::filesystem::absolute(folder, error);
+  while (!std::filesystem::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  const auto space = std::filesystem::space(there, error);
+  if (error || needed <= static_cast<double>(space.available)) return {};
+  return Diagnostic{
+      Diagnostic::Severity::warning, scene.place("output"),
+      fmt::format("the files of the run take about {}, and {} has {} left: write less often, "
+                  "fewer fields or slices of them, or keep fewer checkpoints ({} times as much "
+                  "fits)",
+                  bytes_text(needed), there.string(), bytes_text(static_cast<double>(space.available)),
+                  shown(std::floor(100 * static_cast<double>(space.available) / needed) / 100))};
+}
+
+std::optional<Diagnostic> time_warning(const Case& scene, const RunEstimate& estimate) {
+  constexpr double year = 365. * 86400;
+  if (estimate.seconds < year) return {};
+  const char* key = scene.places.count("run.time") ? "run.time" : "run.steps";
+  return Diagnostic{
+      Diagnostic::Severity::warning, scene.place(key),
+      fmt::format("{} is {} steps, which take about {} on {} rank{} of this machine: shorten it, "
+                  "or use larger cells or a longer time step",
+                  key, scene.steps, seconds_text(estimate.seconds), estimate.ranks,
+                  estimate.ranks > 1 ? "s" : "")};
+}
+
+}  // namespace silt::coupler

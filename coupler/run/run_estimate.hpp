@@ -1,0 +1,38 @@
+#pragma once
+// What a run will take, foreseen from its case: time, memory, disk, and how evenly ranks share the work.
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "coupler/case/case_error.hpp"
+#include "coupler/placement/place_bodies.hpp"
+
+namespace silt::coupler {
+
+struct Case;
+
+struct RunEstimate {
+  int ranks = 1;
+  double seconds = 0, seconds_a_step = 0;  // in steps; files not counted
+  double memory = 0;                       // bytes of all ranks
+  double disk = 0;                         // bytes of all files at the end
+  double largest_over_mean = 1;            // of the work of a rank
+};
+
+/// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it
+/// (balance/work_costs.hpp), a cell by what this machine's memory moves now, and contacts by what beds of
+/// such bodies have. Meant to be within a factor of 2; takes some milliseconds besides the bodies.
+RunEstimate estimate_run(const Case&, const PlacedBodies&, int ranks);
+
+/// Returns the bytes of the files of a run with so many bodies.
+double disk_needed(const Case&, std::uint64_t bodies);
+
+/// Returns lines in the form of the derived table.
+std::string estimate_table(const RunEstimate&);
+
+/// Warns of files that the file system of a folder, which need not be there yet, has no room for.
+std::optional<Diagnostic> disk_warning(const Case&, double needed, const std::filesystem::path& folder);
+/// Warns of a run that takes years.
+std::optional<Diagnostic> time_warning(const Case&, const RunEstimate&);
+
+}  // namespace silt::coupler

@@ -1,0 +1,92 @@
+// Mistakes in [run], [output] and [[quantities]]: none is accepted in silence.
+#include "tests/coupler/case/mistakes.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+const std::vector<Mistake> mistakes = {
+    {"NoRun",
+     "[run]\ntime = 0.5\nbalance = { every = 100 }\n",
+     "",
+     "the file",
+     {"run is missing", "[run] with steps or time"}},
+    {"StepsZero", "time = 0.5", "steps = 0", "", {"a whole number of at least 1"}},
+    {"StepsNotWhole", "time = 0.5", "steps = 100.5", "", {"a whole number"}},
+    {"StepsAndTime", "time = 0.5", "time = 0.5\nsteps = 100", "time = 0.5", {"both given"}},
+    {"TimeWithItsUnit", "time = 0.5", "time = \"0.5 s\"", "", {"the string \"0.5 s\"", "a number above 0"}},
+    {"NoLength", "time = 0.5\n", "", "[run]", {"needs one of steps, time"}},
+    {"BalanceIsANumber", "balance = { every = 100 }", "balance = 100", "", {"it must be a table"}},
+    {"UnknownKeyOfRun", "balance =", "balanced =", "", {"did you mean 'balance'?"}},
+    {"SteadyOfUnknownQuantity",
+     "balance = { every = 100 }",
+     "steady = { quantity = \"setling\", change = 1e-3, every = 10 }",
+     "",
+     {"there is no quantity 'setling'", "did you mean 'settling'?"}},
+    {"SteadyWithoutChange",
+     "balance = { every = 100 }",
+     "steady = { quantity = \"settling\", every = 10 }",
+     "",
+     {"change is missing"}},
+    {"OutputMisspelt", "[output]", "[ouput]", "", {"did you mean 'output'?"}},
+    {"FieldsMisspelt", "fields =", "field =", "", {"did you mean 'fields'?"}},
+    {"BodiesIsANumber", "bodies = { every = 100 }", "bodies = 100", "", {"it must be a table"}},
+    {"NoInterval", "bodies = { every = 100 }", "bodies = {}", "", {"output.bodies.every is missing"}},
+    {"IntervalInSeconds", "every = 500", "every = 0.05", "", {"a whole number of at least 0"}},
+    {"IntervalNegative", "every = 500", "every = -1", "", {"a whole number of at least 0"}},
+    {"FieldUnknown",
+     "\"density\"]",
+     "\"vorticity\"]",
+     "",
+     {"unknown quantity 'vorticity'", "known: velocity, density"}},
+    {"FieldsAreAString", "[\"velocity\", \"density\"]", "\"velocity\"", "", {"a list out of velocity"}},
+    {"KeepNone", "keep = 2", "keep = 0", "", {"between 1 and 1000"}},
+    {"SliceOutside",
+     "[[quantities]]",
+     "[[output.slices]]\nname = \"middle\"\nevery = 10\naxis = \"z\"\nat = 16\n[[quantities]]",
+     "at = 16",
+     {"within the domain"}},
+    {"SliceWithoutName",
+     "[[quantities]]",
+     "[[output.slices]]\nevery = 10\naxis = \"z\"\nat = 0.01\n[[quantities]]",
+     "[[output.slices]]",
+     {"name is missing"}},
+    {"QuantityTypeUnknown", "\"mean-velocity\"", "\"velocity\"", "type = \"velocity\"", {"must be one of"}},
+    {"QuantityOfUnknownBody",
+     "body = \"glass balls\"",
+     "body = \"glass\"",
+     "",
+     {"unknown name of [[bodies]] or [[fill]] 'glass'"}},
+    {"QuantityAxisUnknown", "axis = \"z\"", "axis = \"w\"", "", {"must be one of x, y, z"}},
+    {"QuantityWithoutName", "name = \"settling\"\n", "", "[[quantities]]", {"name is missing"}},
+    {"QuantityWithoutType", "type = \"mean-velocity\"\n", "", "[[quantities]]", {"type is missing"}},
+    {"QuantityKeyOfAnother", "axis = \"z\"", "height = 0.01", "", {"unknown key 'height'"}},
+    {"QuantityAfterTheEnd",
+     "type = \"mean-velocity\"",
+     "type = \"max-height-after\"\ntime = 5",
+     "time = 5",
+     {"not before the end of the run"}},
+    {"QuantityWithoutItsTime",
+     "type = \"mean-velocity\"",
+     "type = \"max-height-after\"",
+     "[[quantities]]",
+     {"time is missing"}},
+    {"QuantityBoxOutside",
+     "type = \"mean-velocity\"\nbody = \"glass balls\"\naxis = \"z\"",
+     "type = \"body-count\"\nbox = [[0, 0, 0], [16, 16, 32]]",
+     "box = [[0, 0, 0], [16",
+     {"it must lie in the domain"}},
+    {"QuantityTwice",
+     "[[quantities]]",
+     "[[quantities]]\nname = \"settling\"\ntype = \"max-speed\"\n[[quantities]]",
+     "name = \"settling\"\ntype = \"mean",
+     {"there already is a quantity 'settling'"}},
+};
+
+class OfRun : public ::testing::TestWithParam<Mistake> {};
+TEST_P(OfRun, IsNamed) {
+  expect_named(sound_wet_case(), GetParam());
+}
+INSTANTIATE_TEST_SUITE_P(Mistakes, OfRun, ::testing::ValuesIn(mistakes), name_of);
+
+}  // namespace
+}  // namespace silt::coupler::testing

@@ -1,0 +1,53 @@
+#!/usr/bin/python3
+"""install.py BUILD: installs what was built; a program of its own is built on that by find_package(silt) and runs, another tree takes
+the library by add_subdirectory, and a build without engines is configured and says so."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+
+
+def done(*command, **options):
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    assert result.returncode == 0, f"{command}\n{result.stdout}{result.stderr}"
+    return result.stdout
+
+
+class Install(unittest.TestCase):
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory(prefix="silt-install-")
+        self.folder = pathlib.Path(self.scratch.name)
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def test_installed(self):
+        prefix, build = self.folder / "prefix", self.folder / "build"
+        done("cmake", "--install", BUILD, "--prefix", prefix)
+        done("cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release")
+        done("cmake", "--build", build)
+        # a metre of fall takes (2 h / g)^(1/2) = 0.4515 s; the case is of steps of half a millisecond: after 1000 it is on its way up
+        said = done(build / "falling_ball", ROOT / "cases" / "bouncing-ball")
+        rebound = 0.8 * (2 * 9.81 * 1) ** 0.5
+        since = 0.5 - (2 / 9.81) ** 0.5
+        self.assertAlmostEqual(0.1 * float(said.split()[-2]), 0.05 + rebound * since - 9.81 * since**2 / 2, delta=2e-3)
+        self.assertIn("cells", done(prefix / "bin" / "silt", "check", prefix / "share" / "silt" / "cases" / "bouncing-ball"))
+        done("/usr/bin/python3", "-c", "import silt_results", env={"PYTHONPATH": str(prefix / "lib/python3/dist-packages")})
+
+    def test_as_a_folder(self):
+        build = self.folder / "build"
+        done("cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DSILT={ROOT}", "-DSILT_WITH_FCL=OFF", "-DSILT_WITH_BULLET=OFF")
+        targets = done("ninja", "-C", build, "-t", "targets", "all")
+        self.assertIn("falling_ball", targets)
+        self.assertNotIn("gtest", targets)
+        self.assertNotIn("silt_fcl", targets)
+        done("ninja", "-C", build, "silt_json")  # one small library of it
+
+
+if __name__ == "__main__":
+    unittest.main()
