@@ -88,6 +88,7 @@ void FaultWatch::note_body(rigid::BodyId id, std::string text) {
 
 void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
   const BodySet& bodies = scene.bodies;
+  if (scene.setup.periodic(0) && scene.setup.periodic(1) && scene.setup.periodic(2)) return;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (bodies.motion[row] == rigid::Motion::fixed) continue;
     const double radius = scene.world.bounding_radii[bodies.shape[row]];
@@ -112,10 +113,15 @@ void FaultWatch::see_overlaps(const Case& scene, const MotionLimits& limits, con
     return row < bodies.first_wall() ? limits.half_width(bodies.shape[row])
                                      : std::numeric_limits<double>::infinity();
   };
+  const auto approach = [&](const rigid::Contact& c) {
+    const auto at = [&](rigid::BodyId id, const Vec3& r) { return bodies.velocity_at(bodies.row_of(id), r); };
+    return (at(c.a, c.r_a) - at(c.b, c.r_b)).dot(c.normal);
+  };
+  constexpr double at_rest = 1e-4;  // of the half-width in a step
   for (const rigid::Contact& c : contacts) {
     if (-c.gap <= limits.least_half_width()) continue;
     const double allowed = std::min(half_width(c.a), half_width(c.b)), share = -c.gap / allowed;
-    if (share > (overlap_ ? overlap_->share : 1))
+    if (share > (overlap_ ? overlap_->share : 1) && approach(c) > at_rest * allowed)
       overlap_ = OverlapFault{moment_, share, c.a, overlap_text(scene, c, allowed, step)};
   }
 }

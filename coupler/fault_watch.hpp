@@ -36,7 +36,8 @@ class FaultWatch {
   void see_fluid(const Scene&, const Flow::Fast&, std::int64_t step);
 
   /// Notes of the contacts of a (sub-)step the pair that overlaps deepest, by the width of the thinner body,
-  /// if by more than half. Called with hold_runaways.
+  /// of those that overlap by more than half and, their response done, go on deeper. Called with
+  /// hold_runaways.
   void see_overlaps(const Case&, const MotionLimits&, const rigid::BodySet&, std::span<const rigid::Contact>,
                     std::int64_t step);
 

@@ -45,7 +45,7 @@ std::string too_fast_text(const Scene&, const Flow::Fast&, std::int64_t step);
 /// stands for a velocity or position that is no number.
 std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, std::int64_t step);
 
-/// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one.
+/// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one, and go on.
 std::string overlap_text(const Case&, const rigid::Contact&, double half_width, std::int64_t step);
 
 /// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.

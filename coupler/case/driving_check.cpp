@@ -47,10 +47,11 @@ bool all_periodic(const Case& scene) {
 
 void check_endless_fall(const Case& scene, Findings& findings) {
   const bool held = scene.any_given([](const BodySpec& b) { return b.motion != Motion::free; });
-  if (scene.has_bodies() && scene.gravity.norm() > 0 && all_periodic(scene) && !held)
+  const bool balanced = scene.fluid && scene.fluid->body_force != Vec3::Zero();
+  if (scene.has_bodies() && scene.gravity.norm() > 0 && all_periodic(scene) && !held && !balanced)
     findings.warning("gravity.acceleration",
                      "gravity acts, but nothing holds the fluid and the bodies: a domain that is "
-                     "periodic all round accelerates for ever unless they balance");
+                     "periodic all round accelerates for ever; fluid.body_force can balance their weight");
 }
 
 /// Whether anything moves at the start, is moved or is driven.

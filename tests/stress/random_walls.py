@@ -6,7 +6,7 @@ cut at every distance and in every neighbourhood. The fluid starts with noise. N
 what reports see of the kinetic energy, and momentum whose sign changes from cell to cell and step to step is damped by no collision
 (lbm/README.md, equation 17): the largest energy of the last fifth must be below that of the second, and below that of the noise. The noise
 is small (1e-6 cells a step) where only the linear part is asked for, and large (0.05). Every wall scheme, three collision models, relaxation
-times from 0.502 to 3; not those for which lbm/README.md says that they amplify.
+times from 0.502 to 3; not what is known not to last.
 """
 import argparse
 import csv
@@ -30,8 +30,10 @@ BODIES = 14
 ROUNDING = 1e-18  # of the energy at the start
 
 
-def amplifies(scheme, model, relaxation_time):
-    return scheme == "parabolic" and model == "regularised" and relaxation_time < 0.505
+def is_known_not_to_last(scheme, model, relaxation_time, noise):
+    """Says what lbm/README.md and scripts/stability/README.md do: of walls, and of the collision itself at a large cell Reynolds number."""
+    return (scheme == "parabolic" and model == "regularised" and relaxation_time < 0.505
+            or model != "regularised" and noise / ((relaxation_time - 0.5) / 3) > 10)
 
 
 def obstacles(seed):
@@ -84,7 +86,7 @@ def main():
               else itertools.product(SCHEMES, MODELS, RELAXATION_TIMES, (1e-6, 0.05), range(3)))
     faults = count = 0
     for scheme, model, tau, noise, seed in points:
-        if amplifies(scheme, model, tau):
+        if is_known_not_to_last(scheme, model, tau, noise):
             continue
         count += 1
         if found := fault(options.silt, box(scheme, model, tau, noise, seed, steps), noise):
