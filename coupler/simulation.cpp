@@ -30,6 +30,12 @@ bool asks_for_torques(const Case& scene) {
                      [](const QuantitySpec& q) { return q.type == "wall-torque" || q.type == "wall-power"; });
 }
 
+bool stops_beyond_sides(const Case& scene) {
+  return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& side) {
+    return side.lets_bodies_pass() && !side.removes_bodies();
+  });
+}
+
 }  // namespace
 
 Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {}
@@ -42,6 +48,7 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
       turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
       motion_limits_(setup()),
+      stops_beyond_sides_(stops_beyond_sides(setup())),
       energy_(setup()) {
   flush_denormals_to_zero();
   if (saved && saved->step > 0) {
@@ -113,14 +120,6 @@ auto Simulation::guarded(Work&& work) {
   }
 }
 
-namespace {
-bool stops_beyond_sides(const Case& scene) {
-  return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& side) {
-    return side.lets_bodies_pass() && !side.removes_bodies();
-  });
-}
-}  // namespace
-
 /// What was found a step ago is told; what was found in this one is under way.
 void Simulation::watch() {
   const bool fluid = scene_.flow != nullptr;
@@ -129,7 +128,7 @@ void Simulation::watch() {
   if (fluid)
     if (const auto fast = scene_.flow->too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
   constexpr std::int64_t walls_interval = 64;  // what is beyond an open side is looked for in every step
-  if (stops_beyond_sides(setup()) || step_ % walls_interval == 0) see_outside();
+  if (stops_beyond_sides_ || step_ % walls_interval == 0) see_outside();
   if (fluid || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
 }
 

@@ -135,6 +135,7 @@ class Simulation {
   BodyTurnover turnover_;
   CheckUnderWay check_;
   MotionLimits motion_limits_;
+  bool stops_beyond_sides_;
   FaultWatch faults_;
   EnergyGuard energy_;
   double fluid_speed_ = 0, step_seconds_ = 0;

@@ -62,7 +62,10 @@ struct Passes {
   /// With the guard, which the simulation has hung in.
   void rigid_step() { scene.rigid_step->advance(scene.bodies, 1); }
   /// Every scene whose bodies move asks whether they do so within bounds.
-  void guard() { faults.hold_runaways(scene.setup, limits, scene.bodies, 1); }
+  void guard() {
+    faults.hold_runaways(scene.setup, limits, scene.bodies, 1);
+    faults.see_overlaps(scene.setup, limits, scene.bodies, scene.rigid_step->contacts(), 1);
+  }
   Simulation simulation;
   coupler::Scene& scene = simulation.scene();
   coupler::StepClock clock;
