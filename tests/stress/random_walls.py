@@ -73,7 +73,7 @@ def fault(silt, text, noise):
         return f"energy {max(energies):.3g}, above that of the noise, {start:.3g}"
     fifth = len(energies) // 5
     before, after = max(energies[fifth:2 * fifth]), max(energies[-fifth:])
-    return "" if after <= max(before, ROUNDING * start) else f"energy grew from {before / start:.3g} to {after / start:.3g} of the noise's"
+    return "" if after <= max(1.001 * before, ROUNDING * start) else f"energy grew from {before / start:.3g} to {after / start:.3g} of the noise's"
 
 
 def main():
