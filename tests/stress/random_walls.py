@@ -33,6 +33,7 @@ ROUNDING = 1e-18  # of the energy at the start
 def is_known_not_to_last(scheme, model, relaxation_time, noise):
     """Says what lbm/README.md and scripts/stability/README.md do: of walls, and of the collision itself at a large cell Reynolds number."""
     return (scheme != "bounce-back" and model == "regularised" and relaxation_time < 0.505
+            or scheme == "multireflection" and model == "bgk" and relaxation_time >= 2.5
             or model != "regularised" and noise / ((relaxation_time - 0.5) / 3) > 10)
 
 
