@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
@@ -31,12 +32,8 @@ bool is_driven(const Case& scene) {
   const auto moves = [](const BoundarySpec& side) {
     return side.kind == BoundaryKind::moving && side.velocity != Vec3::Zero();
   };
-  const auto turns = [](const CurvedWall& wall) {
-    if (const MeshWall* mesh = wall.mesh()) return mesh->motion.moves();
-    return wall.tube()->angular_velocity != 0 || wall.tube()->velocity != 0;
-  };
   return std::any_of(scene.boundary.begin(), scene.boundary.end(), moves) ||
-         std::any_of(scene.walls.begin(), scene.walls.end(), turns) ||
+         std::any_of(scene.walls.begin(), scene.walls.end(), std::mem_fn(&CurvedWall::moves)) ||
          scene.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
 }
 

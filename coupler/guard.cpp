@@ -133,9 +133,8 @@ std::string overlap_text(const Case& scene, const rigid::Contact& c, double half
       fmt::format("contacts.sweeps (now {}) or ", scene.contacts.resolver_settings.max_sweeps);
   const bool swept = rigid::resolver_models().front().name == scene.contacts.resolver;
   return fmt::format(
-      "step {}: bodies {} and {} overlap by {}{}, deeper than half the width of one ({}), and contacts do "
-      "not "
-      "hold them; raise {}contacts.substeps (now {}){}, or use densities that differ less",
+      "step {}: bodies {} and {} overlap by {}{}, deeper than half the width of one ({}), and "
+      "contacts do not hold them; raise {}contacts.substeps (now {}){}, or use densities that differ less",
       step, c.a, c.b, shown(-c.gap), in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width),
       swept ? sweeps : "", scene.contacts.substeps, scene.units.si ? ", use a smaller units.time_step" : "");
 }

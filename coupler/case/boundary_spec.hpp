@@ -41,6 +41,11 @@ struct CurvedWall {
 
   const rigid::TubeSpec* tube() const { return std::get_if<rigid::TubeSpec>(&surface); }
   const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
+  /// Whether its surface moves, as prescribed; that of a tube slides along itself.
+  bool moves() const {
+    if (mesh()) return mesh()->motion.moves();
+    return tube()->angular_velocity != 0 || tube()->velocity != 0;
+  }
 };
 
 }  // namespace silt::coupler

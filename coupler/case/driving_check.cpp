@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "coupler/case/body_text.hpp"
@@ -57,10 +58,6 @@ void check_endless_fall(const Case& scene, Findings& findings) {
 /// Whether anything moves at the start, is moved or is driven.
 bool anything_drives(const Case& scene) {
   const auto moves = [](const BodySpec& b) { return b.velocity.norm() + b.angular_velocity.norm() > 0; };
-  const auto wall_moves = [](const CurvedWall& wall) {
-    const rigid::TubeSpec* tube = wall.tube();
-    return tube ? tube->angular_velocity != 0 || tube->velocity != 0 : wall.mesh()->motion.moves();
-  };
   const FluidSpec& fluid = *scene.fluid;
   return scene.gravity.norm() > 0 || fluid.body_force.norm() > 0 || fluid.initial.largest_speed() > 0 ||
          fluid.initial.noise > 0 || scene.any_given(moves) ||
@@ -69,7 +66,7 @@ bool anything_drives(const Case& scene) {
          std::any_of(
              scene.boundary.begin(), scene.boundary.end(),
              [](const BoundarySpec& side) { return side.velocity.norm() > 0 || side.density != 1; }) ||
-         std::any_of(scene.walls.begin(), scene.walls.end(), wall_moves);
+         std::any_of(scene.walls.begin(), scene.walls.end(), std::mem_fn(&CurvedWall::moves));
 }
 
 /// The entry of the first free bodies that are heavier or lighter than the fluid, or "".

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <map>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/results/csv_rows.hpp"
 #include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
@@ -16,24 +16,11 @@ namespace {
 
 constexpr const char* columns = "step,time,id,by,x,y,z\n";
 
-/// Whether a line is of a step before the given one.
-bool is_before(std::string_view line, std::int64_t step) {
-  std::int64_t found = 0;
-  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), found);
-  return error == std::errc() && found < step;
-}
-
 }  // namespace
 
 DepartureLog::DepartureLog(const std::filesystem::path& folder, std::int64_t resumed_at, const Units& units)
     : path_(folder / "departures.csv"), units_(units) {
-  std::ifstream file(path_);
-  std::string line, kept = columns;
-  if (resumed_at < 0 || !std::getline(file, line)) return;
-  while (std::getline(file, line) && !file.eof())  // a line without its end is not whole
-    if (is_before(line, resumed_at)) kept += line + '\n';
-  file.close();
-  write_text(path_, kept);
+  if (resumed_at >= 0) remove_rows_after(path_, resumed_at - 1);
 }
 
 void DepartureLog::append(std::span<const Departure> departures) {

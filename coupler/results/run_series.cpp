@@ -2,11 +2,10 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
-#include <string_view>
 
+#include "coupler/results/csv_rows.hpp"
 #include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
@@ -21,13 +20,6 @@ constexpr std::array columns = {
     "bodies_left",     "bodies_left_by", "energy",       "momentum",     "max_velocity",   "min_density",
     "max_density",     "mass_drift",     "mass_surplus", "contacts_now", "momentum_drift", "links",
     "max_penetration", "quantities",     "stage_seconds"};
-
-/// Whether a line is of a step up to the given one.
-bool is_up_to(std::string_view line, std::int64_t step) {
-  std::int64_t found = 0;
-  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), found);
-  return error == std::errc() && *end == ',' && found <= step;
-}
 
 fs::path first_free(const fs::path& folder) {
   for (int n = 1;; ++n)
@@ -48,13 +40,7 @@ void set_aside(const fs::path& path) {
 }  // namespace
 
 RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(folder / "series.csv") {
-  std::ifstream file(path_);
-  if (resumed_at < 0 || !std::getline(file, columns_)) return;
-  std::string kept = columns_ + '\n', line;
-  while (std::getline(file, line) && !file.eof())  // a line without its end is not whole
-    if (is_up_to(line, resumed_at)) kept += line + '\n';
-  file.close();
-  write_text(path_, kept);
+  if (resumed_at >= 0) columns_ = remove_rows_after(path_, resumed_at);
 }
 
 void RunSeries::append(const adapters::Json& report) {

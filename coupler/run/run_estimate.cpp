@@ -175,7 +175,7 @@ double disk_needed(const Case& scene, std::uint64_t bodies) {
 }
 
 std::string estimate_table(const RunEstimate& e) {
-  std::string text = fmt::format("estimate (within a factor of 2, on {} rank{} of this machine)\n", e.ranks,
+  std::string text = fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine)\n", e.ranks,
                                  e.ranks > 1 ? "s" : "");
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<26}{}\n", name, value);

@@ -26,7 +26,8 @@ STEPS = (0.01, 0.03, 0.1)                    # of sqrt(width / gravity)
 ROW = 3                                      # large bodies along an edge of their lattice
 LASTS = 40                                   # of sqrt(width / gravity)
 NAMES = ("shape", "aspect", "size_ratio", "restitution", "friction", "step")
-QUICK = dict(SHAPES=("box",), ASPECTS=(2,), SIZES=(3,), RESTITUTIONS=(0.5,), FRICTIONS=(0.3,), STEPS=(0.01, 0.1))
+ALL = (SHAPES, ASPECTS, SIZES, RESTITUTIONS, FRICTIONS, STEPS)
+QUICK = (("box",), (2,), (3,), (0.5,), (0.3,), (0.01, 0.1))
 
 
 def shape(kind, width, aspect):
@@ -101,9 +102,7 @@ def main(arguments):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     add_options(parser)
     options = parser.parse_args(arguments)
-    if options.quick:
-        globals().update(QUICK)
-    points = list(itertools.product(SHAPES, ASPECTS, SIZES, RESTITUTIONS, FRICTIONS, STEPS))
+    points = list(itertools.product(*(QUICK if options.quick else ALL)))
     found = KeptRuns(options, judge).verdicts(points, lambda p: heap(*p), lambda p: ", ".join(f"{n} {x}" for n, x in zip(NAMES, p)))
     with open(options.out / "contacts.csv", "w", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
