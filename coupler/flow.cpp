@@ -66,7 +66,6 @@ class FlowOf final : public Flow {
         corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
-    wants_pairs_.assign(links_.size(), 0);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
@@ -92,7 +91,7 @@ class FlowOf final : public Flow {
   }
   void communicate() override {
     fluid_.exchange();
-    if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity(), wants_pairs_);
+    if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
   }
 
   void evaluate_forces(rigid::BodySet& bodies) override {
@@ -287,10 +286,10 @@ class FlowOf final : public Flow {
         block.order_groups(fluid_.pass_order(int(b)));
         if (lbm::knows_opposite_wall(coupling_.wall_scheme))
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
-        if (pairs_) wants_pairs_[b] = block.reads_across();
       }
       counts_.links += block.count;
     }
+    if (pairs_) pairs_->choose([&](int b, Int3 x) { return map_.blocks()[b].solid.from(x.x, x.y, x.z); });
   }
 
   CouplingSpec coupling_;
@@ -300,7 +299,6 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   MeshDistances meshes_;
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
-  std::vector<char> wants_pairs_;             // of the blocks, with pairs_
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;

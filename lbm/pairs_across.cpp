@@ -35,14 +35,18 @@ void for_pairs_across(Int3 size, Visit&& visit) {
 }  // namespace
 
 template <class T>
-bool PairsAcross<T>::follows(const Cells& run, const Cells& one) {
-  return run.block == one.block && run.direction == one.direction && run.stride == one.stride &&
-         run.first + run.length * run.stride == one.first;
+void PairsAcross<T>::Reads::add(int block, int direction, std::uint32_t cell) {
+  if (runs.empty() || runs.back().block != block || runs.back().direction != direction)
+    runs.push_back({block, direction, 0});
+  cells.push_back(cell);
+  runs.back().end = std::uint32_t(cells.size());
 }
 
 template <class T>
-bool PairsAcross<T>::follows(const Places& run, const Places& one) {
-  return run.block == one.block && run.first + run.length == one.first;
+void PairsAcross<T>::Places::add(int block, std::uint32_t place) {
+  if (runs.empty() || runs.back().block != block) runs.push_back({block, 0});
+  places.push_back(place);
+  runs.back().end = std::uint32_t(places.size());
 }
 
 template <class T>
@@ -54,27 +58,27 @@ struct PairsAcross<T>::Builder {
   std::map<int, Peer> peers;
   BlockPlace behind_block{-1, {}, -1};  // of the last cell behind: rows stay in one block
 
-  template <class Run>
-  static void add_to(std::vector<Run>& runs, const Run& one) {
-    if (!runs.empty() && follows(runs.back(), one))
-      ++runs.back().length;
+  static bool follows(const Line& line, const Line& one) {
+    const Int3 next =
+        line.first + (one.along_y ? Int3{0, int(line.length), 0} : Int3{int(line.length), 0, 0});
+    return line.block == one.block && line.direction == one.direction && line.along_y == one.along_y &&
+           next == one.first;
+  }
+  /// Adds a line of one cell, or that cell to the last line.
+  template <class Entry>
+  static void add_to(std::vector<Entry>& entries, const Entry& one) {
+    if (!entries.empty() && follows(entries.back().line, one.line) && goes_on(entries.back(), one))
+      ++entries.back().line.length;
     else
-      runs.push_back(one);
+      entries.push_back(one);
   }
-
-  void add_copy(const Cells& from, const Places& to) {
-    auto& copies = pairs.copies_;
-    if (!copies.empty() && follows(copies.back().from, from) && follows(copies.back().to, to))
-      ++copies.back().from.length, ++copies.back().to.length;
-    else
-      copies.push_back({from, to});
+  /// The cells behind a line may have a period's end between them.
+  static bool goes_on(const Copy& entry, const Copy& one) {
+    return entry.from_block == one.from_block &&
+           entry.from.first + entry.line.length * entry.from.stride == one.from.first;
   }
-
-  /// The cells that a block's pairs come from, as a run of one.
-  Cells cells_at(int block, Int3 cell, int i, int axis) const {
-    const Block<T>& b = blocks[block];
-    return {block, i, std::uint32_t(b.cell(cell)), std::uint32_t(axis == 0 ? b.row_stride() : 1), 1};
-  }
+  static bool goes_on(const Sent&, const Sent&) { return true; }
+  static bool goes_on(const Received&, const Received&) { return true; }
 
   void add(const BlockPlace& place, const PlacesAcross& places, Int3 x, int i, int axis) {
     const Int3 behind = domain.wrapped(place.box.lower + x - c[i]);
@@ -82,19 +86,17 @@ struct PairsAcross<T>::Builder {
     if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
     const int here = domain.local_index(place, rank), there = domain.local_index(behind_block, rank);
     const Int3 cell = behind - behind_block.box.lower;
+    const Line line{here, i, x, axis == 0, 1};
+    Cells from{};
+    if (there >= 0)
+      from = {std::uint32_t(blocks[there].cell(cell)),
+              std::uint32_t(axis == 0 ? blocks[there].row_stride() : 1)};
     if (here >= 0 && there >= 0)
-      add_copy(cells_at(there, cell, i, axis), {here, places(x, i), 1});
+      add_to(pairs.copies_, {line, there, from, places(x, i)});
     else if (here >= 0)
-      add_to(peers[behind_block.rank].received, {here, places(x, i), 1});
+      add_to(peers[behind_block.rank].received, {line, places(x, i)});
     else if (there >= 0)
-      add_to(peers[place.rank].sent, cells_at(there, cell, i, axis));
-  }
-
-  template <class Run>
-  static std::size_t pairs_in(const std::vector<Run>& runs) {
-    std::size_t n = 0;
-    for (const Run& run : runs) n += run.length;
-    return n;
+      add_to(peers[place.rank].sent, {{there, i, cell + c[i], axis == 0, 1}, from});
   }
 
   void build() {
@@ -107,8 +109,6 @@ struct PairsAcross<T>::Builder {
     }
     for (auto& [r, peer] : peers) {
       peer.rank = r;
-      peer.outgoing.resize(pairs_in(peer.sent));
-      peer.incoming.resize(pairs_in(peer.received));
       pairs.peers_.push_back(std::move(peer));
     }
   }
@@ -121,53 +121,54 @@ PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const
   MPI_Comm_rank(comm, &rank);
   Builder builder{*this, domain, blocks, rank, {}};
   builder.build();
-  requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
+  choose_lines([](const Line& line, auto&& visit) {
+    for (std::uint32_t n = 0; n < line.length; ++n) visit(n);
+  });
 }
 
 template <class T>
-void PairsAcross<T>::read(std::span<const Block<T>> blocks, const Cells& run, Parity parity,
+void PairsAcross<T>::read(std::span<const Block<T>> blocks, const Reads& reads, Parity parity,
                           BeyondPair<T>* to) {
-  const Block<T>& block = blocks[run.block];
-  const T* away = block.data() + block.leaving(opposite(run.direction), parity) + run.first;
-  const T* toward = block.data() + block.arriving(run.direction, parity) + run.first;
-  for (std::uint32_t n = 0; n < run.length; ++n, away += run.stride, toward += run.stride)
-    to[n] = {*away, *toward};
+  std::uint32_t n = 0;
+  for (const auto& run : reads.runs) {
+    const Block<T>& block = blocks[run.block];
+    const T* const away = block.data() + block.leaving(opposite(run.direction), parity);
+    const T* const toward = block.data() + block.arriving(run.direction, parity);
+    for (; n < run.end; ++n) to[n] = {away[reads.cells[n]], toward[reads.cells[n]]};
+  }
+}
+
+template <class T>
+void PairsAcross<T>::fill(const BeyondPair<T>* from, const Places& fills) {
+  std::uint32_t n = 0;
+  for (const auto& run : fills.runs)
+    for (BeyondPair<T>* const to = pairs_[run.block].data(); n < run.end; ++n) to[fills.places[n]] = from[n];
 }
 
 template <class T>
 void PairsAcross<T>::start_messages(std::span<const Block<T>> blocks, Parity parity) {
   const MPI_Datatype type = std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
   constexpr int tag = 3;
-  for (std::size_t k = 0; k < peers_.size(); ++k)
-    MPI_Irecv(peers_[k].incoming.data(), 2 * int(peers_[k].incoming.size()), type, peers_[k].rank, tag, comm_,
-              &requests_[k]);
-  for (std::size_t k = 0; k < peers_.size(); ++k) {
-    Peer& peer = peers_[k];
-    BeyondPair<T>* to = peer.outgoing.data();
-    for (const Cells& run : peer.sent) {
-      read(blocks, run, parity, to);
-      to += run.length;
-    }
+  requests_.clear();
+  for (Peer& peer : peers_)
+    if (!peer.incoming.empty())
+      MPI_Irecv(peer.incoming.data(), 2 * int(peer.incoming.size()), type, peer.rank, tag, comm_,
+                &requests_.emplace_back());
+  for (Peer& peer : peers_) {
+    if (peer.outgoing.empty()) continue;
+    read(blocks, peer.reads, parity, peer.outgoing.data());
     MPI_Isend(peer.outgoing.data(), 2 * int(peer.outgoing.size()), type, peer.rank, tag, comm_,
-              &requests_[peers_.size() + k]);
+              &requests_.emplace_back());
   }
 }
 
 template <class T>
-void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity, std::span<const char> wanted) {
-  const auto is_wanted = [&](int block) { return wanted.empty() || wanted[block]; };
+void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
   start_messages(blocks, parity);
-  for (const Copy& copy : copies_)
-    if (is_wanted(copy.to.block))
-      read(blocks, copy.from, parity, pairs_[copy.to.block].data() + copy.to.first);
+  read(blocks, copied_, parity, copying_.data());
+  fill(copying_.data(), copied_to_);
   MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
-  for (const Peer& peer : peers_) {
-    const BeyondPair<T>* from = peer.incoming.data();
-    for (const Places& run : peer.received) {
-      if (is_wanted(run.block)) std::copy_n(from, run.length, pairs_[run.block].data() + run.first);
-      from += run.length;
-    }
-  }
+  for (const Peer& peer : peers_) fill(peer.incoming.data(), peer.fills);
 }
 
 template <class T>
@@ -179,7 +180,7 @@ std::size_t PairsAcross<T>::message_bytes() const {
 
 template <class T>
 std::size_t PairsAcross<T>::bytes() const {
-  std::size_t n = 0;
+  std::size_t n = copying_.size() * sizeof(BeyondPair<T>);
   for (const auto& of_block : pairs_) n += of_block.size() * sizeof(BeyondPair<T>);
   for (const Peer& peer : peers_) n += (peer.outgoing.size() + peer.incoming.size()) * sizeof(BeyondPair<T>);
   return n;

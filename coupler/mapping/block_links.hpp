@@ -45,12 +45,6 @@ struct BlockLinks {
     const lbm::CutLinks<T>& links = surfaces[order[k + 1].surface].links;
     return {&links, &links.groups[order[k + 1].number]};
   }
-  /// Whether some group reads pairs of other blocks.
-  bool reads_across() const {
-    for (const Group& g : rim)
-      if (surfaces[g.surface].links.groups[g.number].across) return true;
-    return false;
-  }
   /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::PassOrder& sweep) {
     first_inner.assign(sweep.parts() + 2, 0), rim.clear(), count = 0;

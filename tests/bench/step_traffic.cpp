@@ -1,8 +1,15 @@
 #include "tests/bench/step_traffic.hpp"
 
 #include <algorithm>
+#include <array>
+#include <map>
 
+#include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/for_cells.hpp"
+#include "coupler/mapping/map_bodies.hpp"
 #include "rigid/integrate.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::bench {
 
@@ -47,6 +54,36 @@ bool are_near(const CellBox& a, const CellBox& b, Int3 period, double reach) {
   return true;
 }
 
+template <class Visit>
+void for_cells_at_faces(const CellBox& box, Visit&& visit) {
+  const Int3 last = box.size - Int3{1, 1, 1};
+  coupler::for_cells({}, box.size, [&](Int3 x) {
+    if (x.x == 0 || x.y == 0 || x.z == 0 || x.x == last.x || x.y == last.y || x.z == last.z)
+      visit(box.lower + x);
+  });
+}
+
+/// The cells with their centres inside the spheres that a rank knows, where the next step maps them.
+std::set<std::array<int, 3>> cells_in_spheres(const coupler::Simulation& simulation) {
+  const coupler::Scene& scene = simulation.scene();
+  const rigid::World& world = scene.exchange->world();
+  rigid::BodySet bodies = simulation.bodies();
+  coupler::renew_mapping_poses(bodies, world, scene.setup.coupling.remap_tolerance);
+  std::set<std::array<int, 3>> cells;
+  for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
+    const rigid::Vec3 centre = coupler::mapping_pose(bodies, row).position;
+    const double radius = std::get<rigid::Sphere>(world.shapes[bodies.shape[row]]).radius;
+    const int reach = int(radius) + 2;
+    const Int3 low{int(centre[0]) - reach, int(centre[1]) - reach, int(centre[2]) - reach};
+    coupler::for_cells(low, low + Int3{2 * reach, 2 * reach, 2 * reach}, [&](Int3 x) {
+      if ((rigid::Vec3(x.x + 0.5, x.y + 0.5, x.z + 0.5) - centre).norm() > radius) return;
+      const Int3 cell = scene.domain.wrapped(x);
+      cells.insert({cell.x, cell.y, cell.z});
+    });
+  }
+  return cells;
+}
+
 }  // namespace
 
 Sent halo_sent(const lbm::Domain& domain, int rank, int number) {
@@ -62,14 +99,24 @@ Sent halo_sent(const lbm::Domain& domain, int rank, int number) {
   return sent;
 }
 
-Sent pairs_sent(const lbm::Domain& domain, int rank, int number) {
-  const CellBox mine = domain.block(rank).box;
+Sent pairs_sent(const coupler::Simulation& simulation, int number) {
+  const coupler::Scene& scene = simulation.scene();
+  const lbm::Domain& domain = scene.domain;
+  const std::set<std::array<int, 3>> solid = cells_in_spheres(simulation);
+  const auto is_solid = [&](Int3 x) {
+    x = domain.wrapped(x);
+    return solid.count({x.x, x.y, x.z}) > 0;
+  };
+  const CellBox mine = domain.block(scene.rank).box;
+  std::map<int, int> pairs;  // by rank
+  for (int i = 1; i < lbm::directions; ++i)
+    for_cells_at_faces(mine, [&](Int3 behind) {
+      const Int3 x = behind + lbm::c[i];
+      const int reader = domain.block_at(domain.wrapped(x)).rank;
+      if (reader != scene.rank && !is_solid(x) && is_solid(x + lbm::c[i])) ++pairs[reader];
+    });
   Sent sent;
-  for_neighbours(domain, rank, [&](const CellBox& theirs) {
-    std::int64_t pairs = 0;
-    for (int i = 1; i < lbm::directions; ++i) pairs += shared_cells(mine, lbm::c[i], theirs, domain.cells());
-    if (pairs > 0) sent += {1, 2.0 * double(pairs) * number};
-  });
+  for (const auto& [rank, count] : pairs) sent += {1, 2.0 * count * number};
   return sent;
 }
 

@@ -20,9 +20,9 @@ struct Sent {
 /// The populations that leave a rank's box into another one's, and those it takes from there, half of either
 /// in a step (halo.hpp); `number`: bytes of one. Of a domain periodic along all axes, one block a rank.
 Sent halo_sent(const lbm::Domain&, int rank, int number);
-/// Two populations for each cell and direction of another rank whose cell before it is here
-/// (pairs_across.hpp).
-Sent pairs_sent(const lbm::Domain&, int rank, int number);
+/// Two populations for each cut link from a cell of another rank whose cell behind is here
+/// (pairs_across.hpp), in the next step. Of spheres.
+Sent pairs_sent(const coupler::Simulation&, int number);
 /// How many other ranks have a cell less than `reach` away from the rank's box.
 int ranks_within(const lbm::Domain&, int rank, double reach);
 /// The other ranks that own a body of which there is a copy here.

@@ -1,4 +1,5 @@
-// Pairs brought from other blocks: they are the populations after collision, whatever holds them by then.
+// Pairs brought from other blocks: they are the populations after collision, whatever holds them by then, and
+// no more are sent than cut links read.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -84,10 +85,25 @@ struct Count {
   int right = 0, wrong = 0;
 };
 
-/// Compares the pairs with the populations after collision (`sent`). What comes from beyond a side of the
-/// domain is what its block has (`arrived`).
+/// A third of the cells of a domain, and what is beyond its sides.
+struct Solid {
+  const Domain& domain;
+  bool at(Int3 cell) const {
+    const Int3 x = domain.wrapped(cell);
+    return !domain.inside(x) || disturbance(x, 0) < -0.01 / 3;
+  }
+  bool cuts(Int3 cell, int i) const { return !at(cell) && at(cell + c[i]); }
+  std::uint64_t row_from(Int3 cell) const {
+    std::uint64_t bits = 0;
+    for (int n = 0; n < 64; ++n) bits |= std::uint64_t(at(cell + Int3{n, 0, 0})) << n;
+    return bits;
+  }
+};
+
+/// Compares the pairs that cut links read, or all if there is nothing solid, with the populations after
+/// collision (`sent`). What comes from beyond a side of the domain is what its block has (`arrived`).
 template <class T>
-Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Populations& sent,
+Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Solid* solid, const Populations& sent,
               const Populations& arrived) {
   const Domain& domain = fluid.domain();
   Count count;
@@ -98,6 +114,7 @@ Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Populati
       for (int i = 1; i < directions; ++i) {
         const Int3 near = domain.wrapped(box.lower + x - c[i]), far = domain.wrapped(near - c[i]);
         if (CellBox{{}, box.size}.contains(x - c[i]) || !domain.inside(near)) continue;
+        if (solid && !solid->cuts(box.lower + x, i)) continue;
         const BeyondPair<T> pair = pairs.of(b)[place(x, i)];
         const double toward = domain.inside(far) ? sent.at(far, i) : arrived.at(near, i);
         const bool right = pair.away == sent.at(near, opposite(i)) && pair.toward == toward;
@@ -109,12 +126,14 @@ Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Populati
 }
 
 template <class T>
-void every_pair_is_right(const Layout& layout, const CutTree& cut) {
+void pairs_are_right(const Layout& layout, const CutTree& cut, bool chosen) {
   SCOPED_TRACE(layout.name);
   Fluid<T> fluid(Domain(cut, layout.sides, ranks()), {0.8, 3. / 16, Collision::trt, {1e-4, -2e-4, 3e-4}},
                  MPI_COMM_WORLD);
   const auto blocks = std::span<const Block<T>>(fluid.blocks());
   PairsAcross<T> pairs(fluid.domain(), fluid.comm(), blocks);
+  const Solid solid{fluid.domain()};
+  if (chosen) pairs.choose([&](int b, Int3 x) { return solid.row_from(blocks[b].box().lower + x); });
   for (int b = 0; b < int(blocks.size()); ++b)
     for_cells(blocks[b].size(), [&](Int3 x) {
       for (int i = 0; i < directions; ++i)
@@ -126,7 +145,7 @@ void every_pair_is_right(const Layout& layout, const CutTree& cut) {
     fluid.exchange();
     const Populations arrived(fluid, [&](int b, Int3 x, int i) { return fluid.arriving(b, x, i); });
     pairs.exchange(blocks, fluid.parity());
-    const Count count = compare(fluid, pairs, sent, arrived);
+    const Count count = compare(fluid, pairs, chosen ? &solid : nullptr, sent, arrived);
     EXPECT_EQ(count.wrong, 0) << "of " << count.wrong + count.right << " after step " << step;
     EXPECT_GT(sum_over_ranks(count.right), 0);
   }
@@ -134,9 +153,11 @@ void every_pair_is_right(const Layout& layout, const CutTree& cut) {
 
 TEST(PairsAcross, AreThePopulationsAfterCollision) {
   for (const Layout& layout : layouts) {
-    every_pair_is_right<float>(layout, grid_cut(layout.cells, layout.block_cells));
-    every_pair_is_right<double>(layout, grid_cut(layout.cells, layout.block_cells));
-    every_pair_is_right<float>(layout, tests::odd_cut(layout.cells, 2 * ranks(), 1));
+    for (const bool chosen : {false, true}) {
+      pairs_are_right<float>(layout, grid_cut(layout.cells, layout.block_cells), chosen);
+      pairs_are_right<double>(layout, grid_cut(layout.cells, layout.block_cells), chosen);
+      pairs_are_right<float>(layout, tests::odd_cut(layout.cells, 2 * ranks(), 1), chosen);
+    }
   }
 }
 
@@ -150,6 +171,28 @@ TEST(PairsAcross, MoveTwiceTheBytesOfTheHalo) {
     const PairsAcross<float> pairs(fluid.domain(), fluid.comm(), fluid.blocks());
     EXPECT_EQ(sum_over_ranks(double(pairs.message_bytes())),
               2 * sum_over_ranks(double(fluid.halo().message_bytes())));
+  }
+}
+
+TEST(PairsAcross, MoveForCutLinksAlone) {
+  for (const Layout& layout : layouts) {
+    SCOPED_TRACE(layout.name);
+    Fluid<float> fluid(Domain(layout.cells, layout.sides, layout.block_cells, ranks()), {}, MPI_COMM_WORLD);
+    const Domain& domain = fluid.domain();
+    const Solid solid{domain};
+    PairsAcross<float> pairs(domain, fluid.comm(), fluid.blocks());
+    pairs.choose([&](int b, Int3 x) { return solid.row_from(fluid.blocks()[b].box().lower + x); });
+    int read = 0;  // from other ranks
+    for (const Block<float>& block : fluid.blocks())
+      for_cells(block.size(), [&](Int3 x) {
+        for (int i = 1; i < directions; ++i) {
+          const Int3 cell = block.box().lower + x, near = domain.wrapped(cell - c[i]);
+          read += domain.inside(near) && domain.block_at(near).rank != tests::rank() && solid.cuts(cell, i);
+        }
+      });
+    EXPECT_EQ(sum_over_ranks(double(pairs.message_bytes())), sum_over_ranks(2. * sizeof(float) * read));
+    pairs.choose([](int, Int3) { return std::uint64_t{0}; });
+    EXPECT_EQ(pairs.message_bytes(), 0u);
   }
 }
 
