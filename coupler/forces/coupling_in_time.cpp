@@ -1,6 +1,6 @@
 #include "coupler/forces/coupling_in_time.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -43,6 +43,19 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   }
   m.bottomRightCorner<3, 3>() = inertia;
   return m;
+}
+
+/// x with m x = b, m symmetric and positive definite: its blocks of velocity and of rotation are eliminated
+/// one after the other.
+Vec6 solution_of(const Mat6& m, const Vec6& b) {
+  const Mat3 mixed = m.topRightCorner<3, 3>(), inverse = Mat3(m.topLeftCorner<3, 3>()).inverse();
+  const Mat3 taken = inverse * mixed;
+  const Vec3 v = inverse * b.head<3>();
+  Vec6 x;
+  x.tail<3>() = Mat3(m.bottomRightCorner<3, 3>() - mixed.transpose() * taken).inverse() *
+                (b.tail<3>() - mixed.transpose() * v);
+  x.head<3>() = v - taken * x.tail<3>();
+  return x;
 }
 
 /// What contacts without a film will hold of a load: what they held in the last step, as far as it opposes
@@ -120,7 +133,7 @@ Vec6 ImplicitCoupling::take_velocity_change(rigid::BodySet& bodies, std::size_t 
     add_force(bodies, row, f);
     return Vec6::Zero();
   }
-  const Vec6 delta = (mass_matrix(bodies, row) + h).llt().solve(load_on(bodies, row, f));
+  const Vec6 delta = solution_of(mass_matrix(bodies, row) + h, load_on(bodies, row, f));
   add_force(bodies, row, f - h * delta);
   return delta;
 }

@@ -7,7 +7,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_primitives.hpp"
-#include "lbm/isa_vector.hpp"
+#include "lbm/link_places.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -240,6 +240,50 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
   return n;
 }
 
+/// 32 cells of each row of some words, at 32-bit numbers of the words.
+using Links = lbm::SILT_ISA::Lanes<float>;
+Links::Whole half_words(const std::uint64_t* words, const Links::Whole& at) {
+#if defined(SILT_ISA_avx512)
+  return Links::Whole(_mm512_mask_i32gather_epi32(__m512i{}, __mmask16(-1), __m512i(at), words, 4));
+#else
+  Links::Whole found;
+  for (int l = 0; l < Links::count; ++l)
+    found[l] = std::int32_t(std::uint32_t(words[at[l] >> 1] >> ((at[l] & 1) * 32)));
+  return found;
+#endif
+}
+
+std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3 corner,
+                          const CellBits& solid, std::uint32_t* found) {
+  using Whole = Links::Whole;
+  constexpr int ghosts = CellBits::ghosts;
+  const lbm::Int3 size = solid.size();
+  const std::int32_t row = 2 * solid.words(), plane = row * (size.y + 2 * ghosts);
+  const std::int32_t first = std::int32_t(2 * solid.row(0, 0));
+  std::uint32_t count = 0;
+  for (std::uint32_t k = 0; k < n; k += Links::count) {
+    const auto at = Links::load<Whole>(place + k);
+    const Whole direction = (at >> lbm::place_direction_shift) & 31;
+    Whole far[3] = {(at & ((1 << lbm::place_x_bits) - 1)) + corner.x,
+                    ((at >> lbm::place_x_bits) & ((1 << lbm::place_y_bits) - 1)) + corner.y,
+                    ((at >> lbm::place_z_shift) & ((1 << lbm::place_z_bits) - 1)) + corner.z};
+    Whole listed{};
+    for (int d = 0; d < 3; ++d) {
+      const Whole c = Links::look_up(lbm::SILT_ISA::components.of[d], direction);
+      far[d] -= c;
+      listed |= (far[d] < 0) | (far[d] >= size[d]);
+      far[d] -= c;
+    }
+    const Whole bit = far[0] + ghosts;
+    const Whole word = half_words(solid.all().data(), first + far[1] * row + far[2] * plane + (bit >> 5));
+    listed |= -((word >> (bit & 31)) & 1);
+    if (!lbm::SILT_ISA::any_lane(listed)) continue;
+    for (std::uint32_t l = 0; l < Links::count && k + l < n; ++l)
+      if (listed[l]) found[count++] = k + l;
+  }
+  return count;
+}
+
 void widen(const BitFrame& frame, const std::uint64_t* from, std::uint64_t* to) {
   for (std::size_t at = 0; at < frame.words(); at += PlaneWords::most) {
     Words found{};
@@ -269,7 +313,7 @@ std::uint32_t list_crossings(const BitFrame& frame, const FrameRows& wanted, con
 }  // namespace
 
 BitKernels bit_kernels() {
-  return {mark_sphere, mark_parts, list_links, widen, list_crossings};
+  return {mark_sphere, mark_parts, list_links, list_beyond, widen, list_crossings};
 }
 
 }  // namespace silt::coupler::SILT_ISA

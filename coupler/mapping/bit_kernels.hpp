@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "coupler/mapping/bit_window.hpp"
+#include "coupler/mapping/cell_bits.hpp"
 #include "coupler/mapping/surface_kernels.hpp"
 #include "cpu/isa.hpp"
 
@@ -41,6 +42,10 @@ struct BitKernels {
   /// Lists the links of some rows. Both lists need link_lanes of room more than they get.
   LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
                            std::uint32_t* single_cell);
+  /// Lists which of n links, at places that count from a cell of the block, have the cell behind outside of
+  /// the block, or behind that one a solid cell. Whole vectors of places are read; the list needs room for n.
+  std::uint32_t (*list_beyond)(const std::uint32_t* place, std::uint32_t n, lbm::Int3 corner,
+                               const CellBits& solid, std::uint32_t* found);
   /// Sets in `to` the cells next to one of a stream (with margins), along any c.
   void (*widen)(const BitFrame&, const std::uint64_t* from, std::uint64_t* to);
   /// Lists the cells x of some rows and the directions i of one half (c_i before its opposite) such that x

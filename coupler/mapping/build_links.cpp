@@ -179,23 +179,24 @@ class LinkWriter {
   /// Of the first n links at `used_`, whose cell behind is fluid, defers those that must not read beyond
   /// it or cannot do so in the block's memory. Returns how many stay.
   std::uint32_t defer_gaps_and_pairs(std::uint32_t n, Int3 corner, int ready) {
-    const lbm::CellBox block{{}, map_.box.size};
     auto& kinds = deferred_[ready < 0];
     std::uint32_t* const place = place_.data() + used_;
     T* const q = q_.data() + used_;
-    std::uint32_t left = 0;
-    for (std::uint32_t k = 0; k < n; ++k) {
+    beyond_.resize(std::max<std::size_t>(beyond_.size(), n));
+    std::uint32_t left = n;
+    for (std::uint32_t m = bit_kernels().list_beyond(place, n, corner, map_.solid, beyond_.data());
+         m-- > 0;) {
+      const std::uint32_t k = beyond_[m];
       const Int3 cell = corner + lbm::place_cell(place[k]);
       const int i = lbm::place_direction(place[k]);
-      const Int3 behind = cell - lbm::c[i];
-      if (map_.solid.test(behind - lbm::c[i])) {
+      if (map_.solid.test(cell - lbm::c[i] - lbm::c[i])) {
         kinds[two_cells].add(corner, place[k], q[k], ready);
-      } else if (!block.contains(behind)) {
+      } else {
         kinds[across].add(corner, place[k], q[k], ready);
         kinds[across].pair.push_back(places_across_(cell, i));
-      } else {
-        place[left] = place[k], q[left++] = q[k];
       }
+      --left;
+      place[k] = place[left], q[k] = q[left];
     }
     return left;
   }
@@ -299,7 +300,7 @@ class LinkWriter {
   bool is_tube_ = false, is_mesh_ = false;
   CrossingLinks<T> crossings_;
   BitWindow solid_, inner_, rim_;
-  std::vector<std::uint32_t> place_, single_cell_;
+  std::vector<std::uint32_t> place_, single_cell_, beyond_;
   std::vector<T> q_;
   std::array<Deferred, deferred_kinds> deferred_[2];  // inside, at the rim
   std::uint32_t used_ = 0;                            // of place_ and q_

@@ -1,0 +1,71 @@
+#pragma once
+// Cells of a block as bits: one word holds 64 cells of a row, ghost cells included.
+#include <cstdint>
+#include <vector>
+
+#include "lbm/block.hpp"
+
+namespace silt::coupler {
+
+/// Rows of bits over a block and `ghosts` layers of ghost cells: bit x + ghosts of row (y, z). A word before
+/// and three after them may be read.
+class CellBits {
+ public:
+  static constexpr int ghosts = 2;  // a link asks for the cell behind its own and the one beyond that
+  CellBits() = default;
+  explicit CellBits(lbm::Int3 size)
+      : size_(size),
+        words_((size.x + 2 * ghosts + 63) / 64),
+        bits_(std::size_t(words_) * (size.y + 2 * ghosts) * (size.z + 2 * ghosts) + 4) {}
+  int words() const { return words_; }
+  std::size_t row(int y, int z) const {
+    return 1 + std::size_t(words_) * ((z + ghosts) * (size_.y + 2 * ghosts) + (y + ghosts));
+  }
+  std::uint64_t* at(int y, int z) { return bits_.data() + row(y, z); }
+  const std::uint64_t* at(int y, int z) const { return bits_.data() + row(y, z); }
+  /// 64 cells of a row from cell x on; beyond the row: anything.
+  std::uint64_t from(int x, int y, int z) const {
+    const int bit = x + ghosts;
+    const std::uint64_t* const w = at(y, z) + (bit >> 6);
+    return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
+  }
+  /// Sets the cells whose bits are set, bit 0 being cell x.
+  void add(int x, int y, int z, std::uint64_t cells) {
+    const int bit = x + ghosts;
+    std::uint64_t* const w = at(y, z) + (bit >> 6);
+    w[0] |= cells << (bit & 63);
+    if (const std::uint64_t beyond = cells >> 1 >> (63 - (bit & 63))) w[1] |= beyond;
+  }
+  bool test(lbm::Int3 c) const {
+    const int bit = c.x + ghosts;
+    return at(c.y, c.z)[bit >> 6] >> (bit & 63) & 1;
+  }
+  void set(lbm::Int3 c) {
+    const int bit = c.x + ghosts;
+    at(c.y, c.z)[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+  }
+  std::vector<std::uint64_t>& all() { return bits_; }
+  const std::vector<std::uint64_t>& all() const { return bits_; }
+  lbm::Int3 size() const { return size_; }
+  /// Bits of the cells inside the block (no ghosts) in word k of a row.
+  std::uint64_t interior(int k) const {
+    std::uint64_t m = ~std::uint64_t{0};
+    const int first = k * 64, last = size_.x + ghosts - 1;  // bits ghosts .. last are inside
+    if (first == 0) m <<= ghosts;
+    if (last < first + 63) m &= last < first ? 0 : (~std::uint64_t{0} >> (63 - (last - first)));
+    return m;
+  }
+
+ private:
+  lbm::Int3 size_;
+  int words_ = 0;
+  std::vector<std::uint64_t> bits_;
+};
+
+/// Calls f(x) for every set bit of word k (x: local coordinate of the cell).
+template <class F>
+void for_bits(std::uint64_t word, int k, F&& f) {
+  for (; word; word &= word - 1) f(k * 64 + __builtin_ctzll(word) - CellBits::ghosts);
+}
+
+}  // namespace silt::coupler
