@@ -124,7 +124,7 @@ void PairsAcross<T>::for_cut(const Line& line, Solid&& solid, Visit&& visit) {
   if (line.along_y) {
     for (std::uint32_t n = 0; n < line.length; ++n) {
       const Int3 x = line.first + Int3{0, int(n), 0};
-      if (~solid(line.block, x) & solid(line.block, x + along) & 1) visit(n);
+      if ((solid(line.block, x + along) & 1) && !(solid(line.block, x) & 1)) visit(n);
     }
     return;
   }
