@@ -29,6 +29,7 @@ struct OutputSpec {
   FieldsSpec fields;  // of the whole domain
   std::vector<FieldsSpec> slices;
   SeriesSpec bodies, checkpoint, report;
+  bool body_contacts = false;  // with the bodies, what their contacts do to them
   int keep_checkpoints = 2;
 };
 

@@ -205,6 +205,7 @@ void read_output(TableReader& root, const std::array<int, 3>& cells, OutputSpec&
   read_fields(fields, output.fields);
   read_slices(table, cells, output.slices);
   read_series(bodies, output.bodies);
+  output.body_contacts = bodies.boolean("contacts").value_or(false);
   read_series(checkpoint, output.checkpoint);
   read_series(report, output.report);
   output.keep_checkpoints =
