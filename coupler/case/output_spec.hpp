@@ -13,9 +13,9 @@ struct SeriesSpec {  // 0: never
   std::int64_t every = 0;
 };
 
-enum class Field { velocity, density, pressure, shear_rate, body_id };
+enum class Field { velocity, density, pressure, shear_rate, body_id, vorticity };
 inline constexpr auto field_names =
-    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id");
+    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id", "vorticity");
 
 /// Fields of the fluid in a box of cells, [lower, upper).
 struct FieldsSpec : SeriesSpec {
