@@ -23,6 +23,7 @@ struct FieldsSpec : SeriesSpec {
   std::vector<Field> quantities = {Field::velocity, Field::density};
   std::array<int, 3> lower{}, upper{};
   bool double_precision = false;
+  int compression = 0;  // level of gzip; 0: none
 };
 
 struct OutputSpec {

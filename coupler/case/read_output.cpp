@@ -45,6 +45,7 @@ void read_fields(TableReader& table, FieldsSpec& fields) {
   read_series(table, fields);
   read_field_names(table, fields.quantities);
   fields.double_precision = table.choice("precision", {"single", "double"}).value_or("single") == "double";
+  fields.compression = static_cast<int>(table.integer("compression", 0, 9).value_or(0));
 }
 
 /// The layer of cells that has a plane in it.

@@ -252,6 +252,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     snapshot.grid.time_unit = std::string("s");
   }
   for (const Field field : spec.quantities) snapshot.quantities.push_back(fields.quantity(field));
+  snapshot.compression = spec.compression;
   snapshot.step = simulation.steps_done();
   snapshot.time = static_cast<double>(snapshot.step) * units.time_step;
   std::vector<adapters::CellBox> boxes;

@@ -108,7 +108,8 @@ double times(const SeriesSpec& series, std::int64_t steps, bool at_start) {
 double bytes_of_fields(const FieldsSpec& fields) {
   double cells = 1, numbers = 0;
   for (int d = 0; d < 3; ++d) cells *= fields.upper[d] - fields.lower[d];
-  for (const Field field : fields.quantities) numbers += field == Field::velocity ? 3 : 1;
+  for (const Field field : fields.quantities)
+    numbers += field == Field::velocity || field == Field::vorticity ? 3 : 1;
   return cells * numbers * (fields.double_precision ? 8 : 4);
 }
 

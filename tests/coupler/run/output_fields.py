@@ -5,6 +5,7 @@ import sys
 import unittest
 
 import numpy as np
+from vtkmodules.vtkIOHDF import vtkHDFReader
 from silt_test import CASE, CHANNEL, SiltTest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
@@ -163,6 +164,25 @@ class Fields(SiltTest):
                 a, b = silt_results.Field(path), silt_results.Field(other / path.name)
                 for name in a.names:
                     self.assertTrue((a[name] == b[name]).all(), (ranks, path.name, name))
+
+    def test_compression_changes_sizes_only(self):
+        """A flow at rest but for a ball: most of it is zeros. With more ranks than whole chunks, and layers cut among them."""
+        self.write(BALLS.replace("every = 20, quantities", "every = 60, compression = 4, quantities").replace("every = 60\n", "every = 60\ncompression = 9\n"))
+        packed = self.case / "packed"
+        for ranks in (1, 2, 4, 8):
+            self.silt("run", self.case, "--set", "output.fields.compression=0", "--set", "output.slices.1.compression=0",
+                      "--overwrite", ranks=ranks)
+            self.silt("run", self.case, "--out", packed, "--overwrite", ranks=ranks)
+            for path in [*self.out.glob("fields_*.hdf"), *self.out.glob("slice_corner_*.hdf")]:
+                a, b = silt_results.Field(path), silt_results.Field(packed / path.name)
+                for name in a.names:
+                    self.assertTrue((a[name] == b[name]).all(), (ranks, path.name, name))
+            sizes = [(folder / "fields_000000000000.hdf").stat().st_size for folder in (self.out, packed)]
+            self.assertLess(sizes[1], 0.3 * sizes[0], ranks)
+            image = vtkHDFReader()
+            image.SetFileName(str(packed / "fields_000000000060.hdf"))
+            image.Update()
+            self.assertEqual(image.GetOutput().GetPointData().GetArray("vorticity").GetNumberOfComponents(), 3)
 
     def test_mistakes_are_named(self):
         for key, fault in (('name = "a/b"', "letters, digits, dots and hyphens"), ('axis = "y"\nat = 17', "within the domain"),
