@@ -86,26 +86,14 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
       counters_.body_speed = std::max(counters_.body_speed, speed);
       faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);
     };
+  if (scene_.rigid_step && setup().output.body_contacts)
+    scene_.rigid_step->contact_impulse = note_contact_impulse;
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
 
-namespace {
-
-/// Notes with each body what acts on it now: it stays with the body if another rank becomes its owner.
-void see_forces(rigid::BodySet& bodies) {
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const Vec3 force = bodies.force[row].value(), torque = bodies.torque[row].value();
-    double* seen = coupling_state(bodies, row).seen_load;
-    std::copy_n(force.data(), 3, seen);
-    std::copy_n(torque.data(), 3, seen + 3);
-  }
-}
-
-}  // namespace
-
 SceneParts Simulation::observed_parts() {
   SceneParts parts = scene_.parts();
-  if (parts.flow && parts.surfaces) parts.forces_seen = see_forces;
+  if (parts.flow && parts.surfaces) parts.forces_seen = note_loads;
   return parts;
 }
 
@@ -183,6 +171,7 @@ void Simulation::step() {
   const Traffic before = traffic();
   begin_step_of_traffic();
   scene_.move_walls(step_);
+  if (setup().output.body_contacts) forget_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
@@ -371,14 +360,10 @@ std::uint64_t Simulation::contacts_now() const {
 }
 
 std::vector<BodyLoad> Simulation::last_loads() const {
-  const rigid::BodySet& bodies = scene_.bodies;
-  std::vector<BodyLoad> loads;
-  loads.reserve(bodies.owned);
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const double* seen = coupling_state(bodies, row).seen_load;
-    loads.push_back({Vec3(seen[0], seen[1], seen[2]), Vec3(seen[3], seen[4], seen[5])});
-  }
-  return loads;
+  return noted_loads(scene_.bodies);
+}
+std::vector<BodyLoad> Simulation::last_contact_loads() const {
+  return noted_contact_loads(scene_.bodies);
 }
 
 }  // namespace silt::coupler

@@ -18,6 +18,7 @@
 #include "coupler/fault_watch.hpp"
 #include "coupler/forces/contact_torque.hpp"
 #include "coupler/guard.hpp"
+#include "coupler/noted_loads.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 
@@ -42,10 +43,6 @@ struct SavedState {
   double fluid_speed = 0;
   MassCorrectionState mass_correction;
   std::function<void(Flow&)> set_populations;
-};
-
-struct BodyLoad {
-  rigid::Vec3 force = rigid::Vec3::Zero(), torque = rigid::Vec3::Zero();
 };
 
 class Simulation {
@@ -108,6 +105,10 @@ class Simulation {
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
+  /// Returns the force and torque that contacts, films included, had on each owned body in the last step, by
+  /// row; zero of bodies that are not free, and where the case does not ask for them
+  /// (output.bodies.contacts). Local.
+  std::vector<BodyLoad> last_contact_loads() const;
   /// Returns the torques of owned bodies' contacts with [[walls]] in the last sub-step; empty where no
   /// quantity of the case asks for a wall's torque or power. Local.
   std::span<const ContactTorque> contact_torques() const { return contact_torques_; }

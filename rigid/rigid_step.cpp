@@ -148,10 +148,15 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_free(row)) continue;
     const Vec3 contacts = velocities_.w[row] - bodies.angular_velocity[row];
+    Vec3 angular_impulse = Vec3::Zero();
     if (contacts != Vec3::Zero()) {
       const Mat3 r = bodies.orientation[row].toRotationMatrix();
-      bodies.angular_momentum[row] += r * (bodies.inertia_B[row] * (r.transpose() * contacts));
+      angular_impulse = r * (bodies.inertia_B[row] * (r.transpose() * contacts));
+      bodies.angular_momentum[row] += angular_impulse;
     }
+    if (contact_impulse)
+      contact_impulse(bodies, row, bodies.mass[row] * (velocities_.v[row] - bodies.velocity[row]),
+                      angular_impulse);
     bodies.velocity[row] = velocities_.v[row];
     bodies.angular_velocity[row] = velocities_.w[row];
   }

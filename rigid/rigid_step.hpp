@@ -45,6 +45,10 @@ class RigidStep {
   /// What is to be done when the velocities of a sub-step are final and no body has moved by them; may be
   /// empty.
   std::function<void(BodySet&)> before_drift;
+  /// What is to be told, before that, of each owned free body in contact: the impulse and the angular impulse
+  /// about its centre of mass that its contacts, films included, gave it in the sub-step; may be empty.
+  std::function<void(BodySet&, std::size_t row, const Vec3& impulse, const Vec3& angular_impulse)>
+      contact_impulse;
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// Returns what tells the seconds of all steps so far, on this rank.

@@ -18,19 +18,29 @@ using hdf5::Handle;
 constexpr hsize_t rows_a_chunk = 1024, times_a_chunk = 256;
 
 /// Returns the columns of BodyRow with units made of those of length, time and mass.
-std::vector<Column> body_columns(const std::string& l, const std::string& t, const std::string& m) {
-  return {{"id", offsetof(BodyRow, id), Column::uint64},
-          {"kind", offsetof(BodyRow, kind), Column::int32},
-          {"image", offsetof(BodyRow, image), Column::int32, 3, "periods"},
-          {"position", offsetof(BodyRow, position), Column::float64, 3, l},
-          {"orientation", offsetof(BodyRow, orientation), Column::float64, 4, "quaternion w, x, y, z"},
-          {"velocity", offsetof(BodyRow, velocity), Column::float64, 3, l + "/" + t},
-          {"angular_velocity", offsetof(BodyRow, angular_velocity), Column::float64, 3, "rad/" + t},
-          {"force", offsetof(BodyRow, force), Column::float64, 3, m + " " + l + "/" + t + "^2"},
-          {"torque", offsetof(BodyRow, torque), Column::float64, 3, m + " " + l + "^2/" + t + "^2"}};
+std::vector<Column> body_columns(BodyColumns with, const std::string& l, const std::string& t,
+                                 const std::string& m) {
+  const std::string force = m + " " + l + "/" + t + "^2", torque = m + " " + l + "^2/" + t + "^2";
+  std::vector<Column> columns = {
+      {"id", offsetof(BodyRow, id), Column::uint64},
+      {"kind", offsetof(BodyRow, kind), Column::int32},
+      {"image", offsetof(BodyRow, image), Column::int32, 3, "periods"},
+      {"position", offsetof(BodyRow, position), Column::float64, 3, l},
+      {"orientation", offsetof(BodyRow, orientation), Column::float64, 4, "quaternion w, x, y, z"},
+      {"velocity", offsetof(BodyRow, velocity), Column::float64, 3, l + "/" + t},
+      {"angular_velocity", offsetof(BodyRow, angular_velocity), Column::float64, 3, "rad/" + t},
+      {"force", offsetof(BodyRow, force), Column::float64, 3, force},
+      {"torque", offsetof(BodyRow, torque), Column::float64, 3, torque},
+      {"mass", offsetof(BodyRow, mass), Column::float64, 1, m}};
+  if (with.buoyancy) columns.push_back({"buoyancy", offsetof(BodyRow, buoyancy), Column::float64, 3, force});
+  if (with.contacts) {
+    columns.push_back({"contact_force", offsetof(BodyRow, contact_force), Column::float64, 3, force});
+    columns.push_back({"contact_torque", offsetof(BodyRow, contact_torque), Column::float64, 3, torque});
+  }
+  return columns;
 }
-std::vector<Column> body_columns() {
-  return body_columns("", "", "");
+std::vector<Column> body_columns(BodyColumns with) {
+  return body_columns(with, "", "", "");
 }
 
 struct TimeRow {
@@ -83,25 +93,37 @@ int rank_of(MPI_Comm comm) {
   return rank;
 }
 
+void write_meanings(File& file, BodyColumns with) {
+  const auto say = [&](std::initializer_list<const char*> columns, const std::string& meaning) {
+    for (const char* c : columns)
+      file.attribute(file.dataset(std::string("/bodies/") + c), "meaning", meaning);
+  };
+  say({"force", "torque"},
+      "what the fluid gave the body in the step, and what a program added; without gravity and without the "
+      "fluid's hydrostatic pressure");
+  if (with.buoyancy)
+    say({"buoyancy"}, "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards");
+  if (with.contacts)
+    say({"contact_force", "contact_torque"},
+        "of contacts and lubrication films in the step; nan of bodies that are not free");
+}
+
 void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
   hdf5::TemporaryFile part(path.string() + ".part", true);
   hdf5::reserve(part.path(), provenance.case_text.size() + mesh_bytes(info.kinds) + hdf5::metadata_room);
   File file = File::create(part.path(), hdf5::Format::classic);
   const Handle root = file.group("/", false);
   file.attribute(root, "format", std::string("silt bodies"));
-  file.attribute(root, "format_version", std::int64_t{2});
+  file.attribute(root, "format_version", std::int64_t{3});
   file.attribute(root, "length_unit", info.length);
   file.attribute(root, "time_unit", info.time);
   file.attribute(root, "domain_lower", H5T_NATIVE_DOUBLE, {3}, info.domain_lower.data());
   file.attribute(root, "domain_upper", H5T_NATIVE_DOUBLE, {3}, info.domain_upper.data());
   file.group("/bodies", true);
   create_columns(file, "/", time_columns(info.time), times_a_chunk);
-  create_columns(file, "/bodies/", body_columns(info.length, info.time, info.mass), rows_a_chunk);
-  for (const char* load : {"force", "torque"})
-    file.attribute(
-        file.dataset(std::string("/bodies/") + load), "meaning",
-        std::string("what the fluid gave the body in the step, and what a program added; without gravity "
-                    "and without the fluid's hydrostatic pressure"));
+  create_columns(file, "/bodies/", body_columns(info.columns, info.length, info.time, info.mass),
+                 rows_a_chunk);
+  write_meanings(file, info.columns);
   write_kinds(file, info.kinds, info.length, info.mass + "/" + info.length + "^3");
   file.write_provenance(provenance);
   file.close();
@@ -110,10 +132,10 @@ void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Pro
 
 /// Returns the whole times of a file whose last append may have been cut off: those with rows in every
 /// column.
-std::vector<TimeRow> whole_times(const File& file) {
+std::vector<TimeRow> whole_times(const File& file, BodyColumns with) {
   hsize_t times = ~hsize_t{0}, rows = ~hsize_t{0};
   for (const Column& c : time_columns("")) times = std::min(times, file.shape(file.dataset(c.name))[0]);
-  for (const Column& c : body_columns())
+  for (const Column& c : body_columns(with))
     rows = std::min(rows, file.shape(file.dataset(std::string("/bodies/") + c.name))[0]);
   std::vector<TimeRow> table(times);
   for (const Column& c : time_columns("")) {
@@ -131,19 +153,32 @@ std::vector<TimeRow> whole_times(const File& file) {
   return table;
 }
 
+void require_columns(const File& file, const hdf5::Path& path, BodyColumns with) {
+  const std::pair<const char*, bool> sometimes[] = {{"buoyancy", with.buoyancy},
+                                                    {"contact_force", with.contacts}};
+  const auto there = [&](const char* name) { return file.exists(std::string("/bodies/") + name); };
+  for (const auto& [name, wanted] : sometimes)
+    if (there(name) != wanted || !there("mass"))
+      throw hdf5::Error(path.string() + ": its columns are not those of this run (" +
+                        (there("mass") ? name : "mass") + "); go on with output.bodies.contacts as the run " +
+                        "began with, or move the file away: a new one is then begun");
+}
+
 }  // namespace
 
 BodySeries BodySeries::create(MPI_Comm comm, const std::filesystem::path& path, const BodySeriesInfo& info,
                               const Provenance& provenance) {
   on_rank_0(comm, [&] { create_series(path, info, provenance); });
-  return BodySeries(comm, path);
+  return BodySeries(comm, path, info.columns);
 }
 
-BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::path& path, std::int64_t step) {
-  BodySeries series(comm, path);
+BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::path& path, std::int64_t step,
+                                       BodyColumns with) {
+  BodySeries series(comm, path, with);
   on_rank_0(comm, [&] {
     File file = File::open_journaled(path);
-    auto table = whole_times(file);
+    require_columns(file, path, with);
+    auto table = whole_times(file, with);
     while (!table.empty() && table.back().step > step) table.pop_back();
     series.times_ = table.size();
     if (!table.empty()) {
@@ -151,7 +186,7 @@ BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::pat
       series.last_step_ = table.back().step;
     }
     for (const Column& c : time_columns("")) resize(file, file.dataset(c.name), series.times_);
-    for (const Column& c : body_columns())
+    for (const Column& c : body_columns(with))
       resize(file, file.dataset(std::string("/bodies/") + c.name), series.rows_);
     file.close();
   });
@@ -177,7 +212,7 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
     file.emplace(File::open_journaled(path_));
     hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(order.total));
   });
-  for (const Column& c : body_columns()) {
+  for (const Column& c : body_columns(with_)) {
     Handle data;
     on_rank_0(comm_, [&] {
       data = file->dataset(std::string("/bodies/") + c.name);

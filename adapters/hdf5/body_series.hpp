@@ -3,7 +3,8 @@
 // may change). Layout, T times and R rows in all:
 //   /time [T]  /step [T]  /offset [T]  /count [T]     time t has the rows offset[t] .. offset[t] + count[t]
 //   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
-//           angular_velocity [R][3]  force [R][3]  torque [R][3]          sorted by id within a time
+//           angular_velocity [R][3]  force [R][3]  torque [R][3]  mass [R]    sorted by id within a time
+//   and what BodyColumns says: buoyancy [R][3]; contact_force [R][3]  contact_torque [R][3]
 //   /kinds  (name, bounding radius, density and surface of each kind: adapters/hdf5/body_kinds.hpp)
 //   /provenance
 // With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first:
@@ -31,6 +32,13 @@ struct BodyRow {
   std::array<double, 4> orientation;  // w, x, y, z; body to world
   std::array<double, 3> velocity, angular_velocity, force,
       torque;  // world frame; torque about the centre of mass
+  double mass;
+  std::array<double, 3> buoyancy, contact_force, contact_torque;
+};
+
+/// BodyColumns says which columns a series has besides those that all have.
+struct BodyColumns {
+  bool buoyancy = false, contacts = false;  // contact_force and contact_torque
 };
 
 struct BodySeriesInfo {
@@ -38,6 +46,7 @@ struct BodySeriesInfo {
   std::array<double, 3> domain_lower{0, 0, 0}, domain_upper{0, 0, 0};
   // Units of the case, SI: "m", "s", "kg"; lattice: "cells", "steps", "reference masses".
   std::string length = "cells", time = "steps", mass = "reference masses";
+  BodyColumns columns;
 };
 
 /// BodySeries is the open series. Every call is collective. The file is closed between appends, so it can be
@@ -49,8 +58,10 @@ class BodySeries {
  public:
   /// Starts an empty series; replaces a file of that name.
   static BodySeries create(MPI_Comm, const std::filesystem::path&, const BodySeriesInfo&, const Provenance&);
-  /// Opens a series to continue it: drops what was written after `step` and any unfinished rest.
-  static BodySeries open_for_append(MPI_Comm, const std::filesystem::path&, std::int64_t step);
+  /// Opens a series to continue it: drops what was written after `step` and any unfinished rest. An error
+  /// where the file does not have these columns.
+  static BodySeries open_for_append(MPI_Comm, const std::filesystem::path&, std::int64_t step,
+                                    BodyColumns = {});
 
   /// Appends one time: row(i) makes the row of the i-th of the n bodies that this rank owns, in any order,
   /// and is asked for it more than once. An id that two ranks hand over is an error. Steps must increase. The
@@ -62,9 +73,11 @@ class BodySeries {
   std::size_t times() const { return times_; }
 
  private:
-  BodySeries(MPI_Comm comm, std::filesystem::path path) : comm_(comm), path_(std::move(path)) {}
+  BodySeries(MPI_Comm comm, std::filesystem::path path, BodyColumns with)
+      : comm_(comm), path_(std::move(path)), with_(with) {}
   MPI_Comm comm_;
   std::filesystem::path path_;
+  BodyColumns with_;
   std::size_t times_ = 0, rows_ = 0;
   std::int64_t last_step_ = -1;
 };

@@ -1,5 +1,6 @@
 #include "adapters/hdf5/field_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <optional>
@@ -17,6 +18,27 @@ using hdf5::SlabExchange;
 
 std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
+}
+
+/// A dataset of chunks of whole rows of the lattice, as the ranks have them.
+Handle create_compressed(const File& file, const std::string& name, hid_t type,
+                         const std::vector<hsize_t>& shape, int level) {
+  constexpr std::size_t chunk_bytes = 1 << 20;
+  std::size_t row_bytes = H5Tget_size(type);
+  for (std::size_t d = 2; d < shape.size(); ++d) row_bytes *= shape[d];
+  std::vector<hsize_t> chunk = shape;
+  chunk[0] = 1, chunk[1] = std::clamp<hsize_t>(chunk_bytes / row_bytes, 1, shape[1]);
+  const int rank = static_cast<int>(shape.size());
+  const Handle space(H5Screate_simple(rank, shape.data(), nullptr), H5Sclose, file.path(),
+                     "shape of " + name);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, file.path(), "properties of " + name);
+  H5Pset_obj_track_times(list, false);
+  H5Pset_chunk(list, rank, chunk.data());
+  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  H5Pset_shuffle(list);
+  H5Pset_deflate(list, static_cast<unsigned>(level));
+  return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, file.path(),
+          "cannot create dataset " + name};
 }
 
 /// Creates the file with everything but the values. Only rank 0 calls it.
@@ -44,8 +66,10 @@ void create_file(const Path& path, const FieldSnapshot& snapshot, const Provenan
     std::vector<hsize_t> shape;
     for (int d = 2; d >= 0; --d) shape.push_back(grid.cells[d]);
     if (q.components > 1) shape.push_back(q.components);
-    const Handle data =
-        file.create_contiguous(dataset_name(q), q.double_precision ? H5T_IEEE_F64LE : H5T_IEEE_F32LE, shape);
+    const hid_t type = q.double_precision ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
+    const Handle data = snapshot.compression > 0
+                            ? create_compressed(file, dataset_name(q), type, shape, snapshot.compression)
+                            : file.create_contiguous(dataset_name(q), type, shape);
     file.attribute(data, "unit", q.unit);
   }
   const Handle root = file.group("/", false);
@@ -140,7 +164,8 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::v
   on_rank_0(comm, [&] {
     hdf5::reserve(part.path(), expected_size(snapshot, provenance));
     create_file(part.path(), snapshot, provenance);
-    hdf5::reserve(part.path(), std::filesystem::file_size(part.path()));
+    hdf5::reserve(part.path(), snapshot.compression > 0 ? expected_size(snapshot, provenance)
+                                                        : std::filesystem::file_size(part.path()));
   });
   const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
   std::optional<File> file;
@@ -151,7 +176,9 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::v
     together(comm, [&] { values = packed_values(slabs, q); });
     together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
     const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
-    together(comm, [&] { slabs.write(*file, dataset, type, -1, cell_bytes(q), std::move(values)); });
+    together(comm, [&] {
+      slabs.write(*file, dataset, type, -1, cell_bytes(q), std::move(values), snapshot.compression > 0);
+    });
   }
   together(comm, [&] { file->close(); });
   on_rank_0(comm, [&] {

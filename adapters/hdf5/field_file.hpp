@@ -38,6 +38,7 @@ struct FieldSnapshot {
   std::vector<FieldQuantity> quantities;
   double time = 0;  // in the unit of the grid
   std::int64_t step = 0;
+  int compression = 0;  // level of gzip, to 9, after a shuffle of bytes; 0: none
 };
 
 /// Returns FOLDER/NAME_000000000100.hdf for step 100: names sort like steps.

@@ -96,12 +96,33 @@ void SlabExchange::for_pieces(const File& file, hid_t dataset, int leading, Act&
 }
 
 void SlabExchange::write(const File& file, hid_t dataset, hid_t type, int leading, std::size_t element,
-                         std::vector<std::byte> packed) const {
+                         std::vector<std::byte> packed, bool at_once) const {
   const auto slab = slices_->to_slice(element, std::move(packed));
+  if (at_once) return write_at_once(file, dataset, type, leading, slab.data());
   for_pieces(file, dataset, leading, [&](hid_t memory, hid_t space, std::size_t first) {
     file.check(H5Dwrite(dataset, type, memory, space, H5P_DEFAULT, slab.data() + first * element),
                "cannot write (is the disk full?)");
   });
+}
+
+/// The pieces together: where ranks share a chunk HDF5 settles it between them, if all of them write.
+void SlabExchange::write_at_once(const File& file, hid_t dataset, hid_t type, int leading,
+                                 const std::byte* slab) const {
+  const Handle all(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
+  H5Sselect_none(all);
+  for_pieces(file, dataset, leading, [&](hid_t, hid_t space, std::size_t) {
+    const std::size_t rank = file.shape(dataset).size();
+    std::vector<hsize_t> start(rank), end(rank);
+    H5Sget_select_bounds(space, start.data(), end.data());
+    for (std::size_t d = 0; d < rank; ++d) end[d] += 1 - start[d];
+    file.check(H5Sselect_hyperslab(all, H5S_SELECT_OR, start.data(), nullptr, end.data(), nullptr),
+               "cannot select a slab");
+  });
+  const hsize_t numbers = H5Sget_select_npoints(all);
+  const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
+  const Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose, file.path(), "properties of a transfer");
+  H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE);
+  file.check(H5Dwrite(dataset, type, memory, all, list, slab), "cannot write (is the disk full?)");
 }
 
 std::vector<std::byte> SlabExchange::read(const File& file, hid_t dataset, hid_t type, int leading,

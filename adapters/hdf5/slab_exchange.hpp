@@ -37,9 +37,10 @@ class SlabExchange {
 
   /// Writes the packed cells; collective. `leading` (a population's number) selects one slab of a dataset
   /// with such a first axis, -1: none. Cells that no rank holds become zero. The error of a full disk is this
-  /// rank's own: wrap it in together().
+  /// rank's own: wrap it in together(). A dataset that is compressed must be written `at_once`, by all ranks
+  /// in one call.
   void write(const File&, hid_t dataset, hid_t type, int leading, std::size_t element,
-             std::vector<std::byte> packed) const;
+             std::vector<std::byte> packed, bool at_once = false) const;
   /// Reads what unpack takes; collective.
   std::vector<std::byte> read(const File&, hid_t dataset, hid_t type, int leading, std::size_t element) const;
 
@@ -52,6 +53,7 @@ class SlabExchange {
   std::vector<SliceExchange::Run> runs() const;
   /// Calls act(memory, space, first) for the pieces of the slab: a part of a plane, whole planes, a part of a
   /// plane; `first` is the first cell in the slab.
+  void write_at_once(const File&, hid_t dataset, hid_t type, int leading, const std::byte* slab) const;
   template <class Act>
   void for_pieces(const File&, hid_t dataset, int leading, Act&&) const;
 

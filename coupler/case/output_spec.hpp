@@ -13,9 +13,9 @@ struct SeriesSpec {  // 0: never
   std::int64_t every = 0;
 };
 
-enum class Field { velocity, density, pressure, shear_rate, body_id };
+enum class Field { velocity, density, pressure, shear_rate, body_id, vorticity };
 inline constexpr auto field_names =
-    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id");
+    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id", "vorticity");
 
 /// Fields of the fluid in a box of cells, [lower, upper).
 struct FieldsSpec : SeriesSpec {
@@ -23,12 +23,14 @@ struct FieldsSpec : SeriesSpec {
   std::vector<Field> quantities = {Field::velocity, Field::density};
   std::array<int, 3> lower{}, upper{};
   bool double_precision = false;
+  int compression = 0;  // level of gzip; 0: none
 };
 
 struct OutputSpec {
   FieldsSpec fields;  // of the whole domain
   std::vector<FieldsSpec> slices;
   SeriesSpec bodies, checkpoint, report;
+  bool body_contacts = false;  // with the bodies, what their contacts do to them
   int keep_checkpoints = 2;
 };
 

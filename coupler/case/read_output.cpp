@@ -45,6 +45,7 @@ void read_fields(TableReader& table, FieldsSpec& fields) {
   read_series(table, fields);
   read_field_names(table, fields.quantities);
   fields.double_precision = table.choice("precision", {"single", "double"}).value_or("single") == "double";
+  fields.compression = static_cast<int>(table.integer("compression", 0, 9).value_or(0));
 }
 
 /// The layer of cells that has a plane in it.
@@ -205,6 +206,7 @@ void read_output(TableReader& root, const std::array<int, 3>& cells, OutputSpec&
   read_fields(fields, output.fields);
   read_slices(table, cells, output.slices);
   read_series(bodies, output.bodies);
+  output.body_contacts = bodies.boolean("contacts").value_or(false);
   read_series(checkpoint, output.checkpoint);
   read_series(report, output.report);
   output.keep_checkpoints =

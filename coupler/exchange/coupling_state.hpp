@@ -18,6 +18,9 @@ struct CouplingState {
   // force and torque about the centre of mass that the fluid had on the body when they were last evaluated,
   // for output; not in checkpoints
   double seen_load[6];
+  // force and torque about the centre of mass of its contacts in the last step, for output that asks for
+  // them; not in checkpoints
+  double contact_load[6];
 };
 static_assert(sizeof(CouplingState) == rigid::HolderState::size);
 

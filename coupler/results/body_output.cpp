@@ -1,5 +1,7 @@
 #include "coupler/results/body_output.hpp"
 
+#include <limits>
+
 #include "coupler/case/case.hpp"
 #include "coupler/results/tessellation.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -14,9 +16,18 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
   return {scale * v[0], scale * v[1], scale * v[2]};
 }
 
+/// Which columns a scene has something to say in.
+adapters::BodyColumns columns_of(const Simulation& simulation) {
+  const Case& setup = simulation.setup();
+  return {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts};
+}
+
 /// Describes each kind by its first entry (the entries of a kind have the same shape).
-adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& world) {
+adapters::BodySeriesInfo series_info(const Simulation& simulation) {
+  const Case& scene = simulation.setup();
+  const rigid::World& world = simulation.scene().world;
   adapters::BodySeriesInfo info;
+  info.columns = columns_of(simulation);
   const double cell = scene.units.cell_size;
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * cell;
   if (scene.units.si) {
@@ -42,8 +53,14 @@ adapters::BodySeriesInfo series_info(const Case& scene, const rigid::World& worl
   return info;
 }
 
+/// What contacts do to a body that is not free is not known here.
+std::array<double, 3> known_of_free(bool free, const Vec3& v, double scale) {
+  return free ? scaled(v, scale) : scaled(Vec3::Ones(), std::numeric_limits<double>::quiet_NaN());
+}
+
 adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const BodyLoad& load,
-                           const Units& units) {
+                           const BodyLoad& contact, const Vec3& gravity, const Units& units) {
+  const double newton = units.scale(dimension::force), newton_metre = units.scale(dimension::torque);
   const rigid::Quat& q = bodies.orientation[row];
   adapters::BodyRow r;
   r.id = bodies.id[row];
@@ -53,8 +70,12 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
   r.orientation = {q.w(), q.x(), q.y(), q.z()};
   r.velocity = scaled(bodies.velocity[row], units.scale(dimension::velocity));
   r.angular_velocity = scaled(bodies.angular_velocity[row], units.scale(dimension::angular_velocity));
-  r.force = scaled(load.force, units.scale(dimension::force));
-  r.torque = scaled(load.torque, units.scale(dimension::torque));
+  r.force = scaled(load.force, newton);
+  r.torque = scaled(load.torque, newton_metre);
+  r.mass = units.scale(dimension::mass) * bodies.mass[row];
+  r.buoyancy = scaled(-bodies.displaced_mass(row) * gravity, newton);
+  r.contact_force = known_of_free(bodies.is_free(row), contact.force, newton);
+  r.contact_torque = known_of_free(bodies.is_free(row), contact.torque, newton_metre);
   return r;
 }
 
@@ -67,19 +88,21 @@ BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path
   int there = resumed && std::filesystem::exists(path);
   MPI_Bcast(&there, 1, MPI_INT, 0, comm);
   if (there)
-    series_ = adapters::BodySeries::open_for_append(comm, path, simulation.steps_done());
+    series_ =
+        adapters::BodySeries::open_for_append(comm, path, simulation.steps_done(), columns_of(simulation));
   else
-    series_ = adapters::BodySeries::create(
-        comm, path, series_info(simulation.setup(), simulation.scene().world), provenance);
+    series_ = adapters::BodySeries::create(comm, path, series_info(simulation), provenance);
 }
 
 void BodyOutput::append(const Simulation& simulation) {
   const rigid::BodySet& bodies = simulation.bodies();
   const Units& units = simulation.setup().units;
-  const auto loads = simulation.last_loads();
+  const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads();
+  const Vec3& gravity = simulation.scene().world.gravity;
   const std::int64_t step = simulation.steps_done();
-  series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned,
-                  [&](std::size_t row) { return body_row(bodies, row, loads[row], units); });
+  series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
+    return body_row(bodies, row, loads[row], contacts[row], gravity, units);
+  });
 }
 
 }  // namespace silt::coupler

@@ -15,7 +15,7 @@ class BodyOutput {
   /// Collective.
   BodyOutput(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&,
              bool resumed);
-  /// Appends the bodies as they are now; force and torque are those of the fluid in the last step.
+  /// Appends the bodies as they are now; forces and torques are those of the last step.
   /// Collective.
   void append(const Simulation&);
 

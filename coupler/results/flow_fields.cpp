@@ -7,6 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/strain_rate.hpp"
+#include "coupler/results/vorticity.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -35,6 +36,10 @@ struct Piece {
     return (std::size_t(x.z) * n.y + x.y) * n.x + x.x;
   }
 };
+
+Int3 int3(const std::array<int, 3>& x) {
+  return {x[0], x[1], x[2]};
+}
 
 /// What of this rank's blocks is in a box of cells.
 std::vector<Piece> pieces_of(const Flow& flow, const FieldsSpec& spec) {
@@ -110,7 +115,10 @@ class Fields {
         flow_(*simulation.scene().flow),
         units_(simulation.setup().units),
         pieces_(pieces_of(flow_, spec)),
-        double_precision_(spec.double_precision) {}
+        double_precision_(spec.double_precision) {
+    if (std::count(spec.quantities.begin(), spec.quantities.end(), Field::vorticity))
+      velocities_.emplace(flow_, simulation.scene().comm, int3(spec.lower), int3(spec.upper));
+  }
 
   const std::vector<Piece>& pieces() const { return pieces_; }
 
@@ -134,6 +142,8 @@ class Fields {
             });
       case Field::body_id:
         return body_id();
+      case Field::vorticity:
+        return vorticity();
     }
     __builtin_unreachable();
   }
@@ -153,21 +163,43 @@ class Fields {
     return {name, unit, 1, values, double_precision_};
   }
 
-  adapters::FieldQuantity velocity() const {
-    const double scale = units_.scale(dimension::velocity);
-    const auto values = [this, scale](std::size_t k, double* out) {
+  /// Functions of(block, cell) of fluid cells and of_body(row, r) of those in bodies, where r is from the
+  /// body's centre to that of the cell; zero in walls.
+  template <class Of, class OfBody>
+  adapters::FieldQuantity vector(const char* name, const char* unit, double scale, Of of,
+                                 OfBody of_body) const {
+    const auto values = [this, scale, of, of_body](std::size_t k, double* out) {
       const Piece& piece = pieces_[k];
       piece.for_each([&](Int3 cell, std::size_t i) {
-        std::array<double, 3> u{};
-        if (flow_.is_fluid(piece.block, cell)) u = flow_.velocity(flow_.moments(piece.block, cell));
-        for (int d = 0; d < 3; ++d) out[3 * i + d] = scale * u[d];
+        const bool fluid = flow_.is_fluid(piece.block, cell);
+        const Vec3 v = fluid ? Vec3(scale * of(piece.block, cell)) : Vec3(Vec3::Zero());
+        std::copy_n(v.data(), 3, out + 3 * i);
       });
       SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3& r) {
-        const Vec3 u = scale * simulation_.bodies().velocity_at(row, r);
-        std::copy_n(u.data(), 3, out + 3 * piece.index(cell));
+        const Vec3 v = scale * of_body(row, r);
+        std::copy_n(v.data(), 3, out + 3 * piece.index(cell));
       });
     };
-    return {"velocity", units_.si ? "m/s" : "cells/step", 3, values, double_precision_};
+    return {name, unit, 3, values, double_precision_};
+  }
+
+  adapters::FieldQuantity velocity() const {
+    return vector(
+        "velocity", units_.si ? "m/s" : "cells/step", units_.scale(dimension::velocity),
+        [this](int b, Int3 cell) {
+          const auto u = flow_.velocity(flow_.moments(b, cell));
+          return Vec3(u[0], u[1], u[2]);
+        },
+        [this](std::size_t row, const Vec3& r) { return simulation_.bodies().velocity_at(row, r); });
+  }
+
+  adapters::FieldQuantity vorticity() const {
+    return vector(
+        "vorticity", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
+        [this](int b, Int3 cell) { return coupler::vorticity(*velocities_, b, cell); },
+        [this](std::size_t row, const Vec3&) {
+          return Vec3(2 * simulation_.bodies().angular_velocity[row]);
+        });
   }
 
   /// 0 in fluid and in walls. In double precision ids are exact to 2^53, in single to 2^24.
@@ -189,6 +221,7 @@ class Fields {
   const Units& units_;
   std::vector<Piece> pieces_;
   bool double_precision_;
+  std::optional<CellVelocities> velocities_;  // where vorticity is asked for
 };
 
 }  // namespace
@@ -219,6 +252,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     snapshot.grid.time_unit = std::string("s");
   }
   for (const Field field : spec.quantities) snapshot.quantities.push_back(fields.quantity(field));
+  snapshot.compression = spec.compression;
   snapshot.step = simulation.steps_done();
   snapshot.time = static_cast<double>(snapshot.step) * units.time_step;
   std::vector<adapters::CellBox> boxes;

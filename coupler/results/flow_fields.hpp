@@ -14,7 +14,8 @@ namespace silt::coupler {
 std::vector<adapters::CellBox> boxes_of(const Flow*);
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
-/// the velocity and the id of its body (in a wall: none), the reference density, no pressure and no shear.
+/// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure
+/// and no shear.
 /// Collective; std::runtime_error on every rank.
 void write_flow_fields(const Simulation&, const FieldsSpec&, const std::filesystem::path& folder,
                        const adapters::Provenance&);

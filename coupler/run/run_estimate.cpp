@@ -23,8 +23,8 @@ namespace {
 // Measured on one core (coupler/README.md, "What a run will take").
 constexpr double bytes_of_a_cell = 2 * 19 * 4, share_of_bandwidth = 0.7;
 constexpr double overhead_of_a_step = 15e-6, overhead_of_ranks = 60e-6;  // s; the latter on several
-constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
-constexpr double file_row_of_a_body = 160, checkpoint_of_a_body = 600;                     // bytes
+constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;             // bytes
+constexpr double file_row_of_a_body = 184, file_contacts_of_a_body = 48, checkpoint_of_a_body = 600;  // bytes
 constexpr double multireflection_link = 1.27;                   // over one of the other schemes
 constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
 
@@ -108,7 +108,8 @@ double times(const SeriesSpec& series, std::int64_t steps, bool at_start) {
 double bytes_of_fields(const FieldsSpec& fields) {
   double cells = 1, numbers = 0;
   for (int d = 0; d < 3; ++d) cells *= fields.upper[d] - fields.lower[d];
-  for (const Field field : fields.quantities) numbers += field == Field::velocity ? 3 : 1;
+  for (const Field field : fields.quantities)
+    numbers += field == Field::velocity || field == Field::vorticity ? 3 : 1;
   return cells * numbers * (fields.double_precision ? 8 : 4);
 }
 
@@ -169,7 +170,8 @@ double disk_needed(const Case& scene, std::uint64_t bodies) {
   double bytes = times(output.fields, scene.steps, true) * bytes_of_fields(output.fields);
   for (const FieldsSpec& slice : output.slices)
     bytes += times(slice, scene.steps, true) * bytes_of_fields(slice);
-  bytes += times(output.bodies, scene.steps, true) * n * file_row_of_a_body;
+  const double row = file_row_of_a_body + (output.body_contacts ? file_contacts_of_a_body : 0);
+  bytes += times(output.bodies, scene.steps, true) * n * row;
   const double kept = std::min<double>(times(output.checkpoint, scene.steps, false), output.keep_checkpoints);
   return bytes + kept * (fluid_memory(scene) + n * checkpoint_of_a_body);
 }

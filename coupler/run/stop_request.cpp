@@ -29,6 +29,7 @@ double seconds(std::chrono::steady_clock::duration d) {
 }  // namespace
 
 void catch_signals() {
+  caught = 0;
   struct sigaction action {};
   action.sa_handler = note;
   action.sa_flags = SA_RESTART;
@@ -39,20 +40,37 @@ void catch_signals() {
 StopRequest::StopRequest(MPI_Comm comm, double limit_seconds)
     : comm_(comm), limit_seconds_(limit_seconds), begin_(std::chrono::steady_clock::now()), last_(begin_) {}
 
-std::string StopRequest::why(std::int64_t step) {
-  if (step < next_) return "";
+StopRequest::~StopRequest() {
+  take_answer();
+}
+
+void StopRequest::ask(std::int64_t step) {
   const auto now = std::chrono::steady_clock::now();
-  const std::int64_t steps = std::max<std::int64_t>(1, step - last_step_);
-  const bool late = limit_seconds_ > 0 && seconds(now - begin_) > limit_seconds_;
-  double asked[3] = {double(caught), late ? 1.0 : 0.0,
-                     last_step_ < 0 ? 1.0 : seconds(now - last_) / double(steps)};
-  MPI_Allreduce(MPI_IN_PLACE, asked, 3, MPI_DOUBLE, MPI_MAX, comm_);
+  const double late = limit_seconds_ > 0 && seconds(now - begin_) > limit_seconds_;
+  const auto steps = static_cast<double>(std::max<std::int64_t>(1, step - last_step_));
+  under_way_ = {double(caught), late, last_step_ < 0 ? answer_.step_seconds : seconds(now - last_) / steps};
+  static_assert(sizeof(Answer) == 3 * sizeof(double));
+  MPI_Iallreduce(MPI_IN_PLACE, &under_way_, 3, MPI_DOUBLE, MPI_MAX, comm_, &request_);
   last_ = now;
   last_step_ = step;
-  next_ = step + std::clamp<std::int64_t>(std::int64_t(agreement_seconds / std::max(asked[2], 1e-9)), 1,
-                                          most_steps_between);
-  if (asked[0] > 0) return std::string("told to stop (SIG") + sigabbrev_np(int(asked[0])) + ")";
-  if (asked[1] > 0) return "the time limit is reached";
+}
+
+void StopRequest::take_answer() {
+  if (request_ == MPI_REQUEST_NULL) return;
+  MPI_Wait(&request_, MPI_STATUS_IGNORE);
+  answer_ = under_way_;
+}
+
+std::string StopRequest::why(std::int64_t step) {
+  if (step < next_) return "";
+  take_answer();
+  ask(step);
+  if (answer_.step_seconds > longest_overlapped) take_answer();
+  next_ =
+      step + std::clamp<std::int64_t>(std::int64_t(between_questions / std::max(answer_.step_seconds, 1e-9)),
+                                      1, most_steps_between);
+  if (answer_.signal > 0) return std::string("told to stop (SIG") + sigabbrev_np(int(answer_.signal)) + ")";
+  if (answer_.late > 0) return "the time limit is reached";
   return "";
 }
 

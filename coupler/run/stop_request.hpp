@@ -13,23 +13,36 @@ namespace silt::coupler {
 /// prints.
 void catch_signals();
 
-/// Asks all ranks, every few steps, whether any of them has been told to stop.
+/// Asks all ranks, every few steps, whether any of them has been told to stop. The answer is looked at when
+/// the next question is due, so that no step waits for it; if steps take longer than longest_overlapped, at
+/// once.
 class StopRequest {
  public:
   /// Begins a limit of limit_seconds of wall-clock time from now; 0: none.
   StopRequest(MPI_Comm, double limit_seconds);
-  /// Collective, after every step; talks to the others only every agreement_seconds or so. Returns why all
-  /// ranks stop now, or "".
+  ~StopRequest();
+  StopRequest(const StopRequest&) = delete;
+  StopRequest& operator=(const StopRequest&) = delete;
+  /// Collective, after every step. Returns why all ranks stop now, or "": a signal is known of after two
+  /// questions, 2 * between_questions or two steps, and if steps have suddenly become slow, at most
+  /// 2 * most_steps_between of them.
   std::string why(std::int64_t step);
 
  private:
-  // A signal is noticed this long after it came, seconds; the question costs a reduction.
-  static constexpr double agreement_seconds = 0.2;
-  static constexpr std::int64_t most_steps_between = 1000;
+  static constexpr double between_questions = 0.2, longest_overlapped = 1;  // seconds
+  static constexpr std::int64_t most_steps_between = 16;
+  void ask(std::int64_t step);
+  void take_answer();
+
   MPI_Comm comm_;
   double limit_seconds_;
   std::chrono::steady_clock::time_point begin_, last_;
   std::int64_t last_step_ = -1, next_ = 0;
+  struct Answer {  // the largest of all ranks
+    double signal = 0, late = 0, step_seconds = 1;
+  };
+  Answer under_way_, answer_;
+  MPI_Request request_ = MPI_REQUEST_NULL;
 };
 
 }  // namespace silt::coupler

@@ -6,6 +6,7 @@
     series.array("position")                    [time, body, 3], where the bodies are the same at all times
     series.unwrapped()                          the same for positions, not wrapped into the domain
     series.of_body(7, "velocity")               (times, values) of one body
+    series.columns                              every column, by name: contact_force only where it was asked for
     series.unit("velocity")                     "m/s"
     series.meshes[kind]                         the surfaces of a kind's convex parts (body_shapes.Mesh)
 An append that was cut off by a killed run is left out.
@@ -17,6 +18,7 @@ import h5py
 import numpy as np
 
 COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angular_velocity", "force", "torque")
+SOMETIMES = ("mass", "buoyancy", "contact_force", "contact_torque")
 
 
 def read_meshes(kinds, count):
@@ -54,14 +56,15 @@ class BodySeries:
         with h5py.File(whole_file(path), "r") as f:
             times = min(len(f[name]) for name in ("time", "step", "offset", "count"))
             offset, count = f["offset"][:times].astype(int), f["count"][:times].astype(int)
-            rows = min(len(f["bodies"][name]) for name in COLUMNS)
+            names = COLUMNS + tuple(name for name in SOMETIMES if name in f["bodies"])
+            rows = min(len(f["bodies"][name]) for name in names)
             whole = 0
             while (whole < times and offset[whole] == count[:whole].sum() and offset[whole] + count[whole] <= rows):
                 whole += 1
             self.time, self.step = f["time"][:whole], f["step"][:whole]
             self.offset, self.count = offset[:whole], count[:whole]
-            self.columns = {name: f["bodies"][name][: self.count.sum()] for name in COLUMNS}
-            self.units = {name: f["bodies"][name].attrs.get("unit", b"") for name in COLUMNS}
+            self.columns = {name: f["bodies"][name][: self.count.sum()] for name in names}
+            self.units = {name: f["bodies"][name].attrs.get("unit", b"") for name in names}
             self.units["time"] = f["time"].attrs.get("unit", b"")
             self.kinds = [text(k) for k in f["bodies"].attrs.get("kind_names", [])]
             self.domain = np.array([f.attrs["domain_lower"], f.attrs["domain_upper"]])

@@ -30,7 +30,8 @@ const adapters::BodySeriesInfo info{{{"light", 0.5, 800, {tetrahedron(1)}},
                                     {10, 10, 20},
                                     "m",
                                     "s",
-                                    "kg"};
+                                    "kg",
+                                    {.contacts = true}};
 
 /// This rank's share of the bodies of a step: their number and owners change from step to step.
 std::vector<BodyRow> bodies(int step, int rank, int ranks) {
@@ -47,6 +48,9 @@ std::vector<BodyRow> bodies(int step, int rank, int ranks) {
       r.force[d] = -id * d;
     }
     r.orientation = {1, 0, 0, 1e-3 * step};
+    r.mass = 0.5 * id;
+    r.contact_force = {0, double(id), 0};
+    r.contact_torque = {0, -double(step), 0};
     rows.push_back(r);
   }
   return rows;
@@ -80,11 +84,11 @@ TEST(BodySeries, goes_on_after_the_step_of_a_checkpoint) {
   const Scratch scratch;
   auto series = BodySeries::create(MPI_COMM_WORLD, scratch / "b.h5", info, {});
   append(MPI_COMM_WORLD, series, 0, 9);
-  auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 45);
+  auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 45, info.columns);
   EXPECT_EQ(resumed.times(), rank() == 0 ? 5u : 0u);
   append(MPI_COMM_WORLD, resumed, 5, 6);
   EXPECT_EQ(resumed.times(), rank() == 0 ? 7u : 0u);
-  EXPECT_EQ(BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", -1).times(), 0u);
+  EXPECT_EQ(BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", -1, info.columns).times(), 0u);
 }
 
 TEST(BodySeries, errors_reach_every_rank) {
@@ -95,6 +99,8 @@ TEST(BodySeries, errors_reach_every_rank) {
   EXPECT_TEXT(error_of([&] { append(series, 0, 0, twice); }), "body 5 has two owners in step 0");
   append(series, 3, 0, {});
   EXPECT_TEXT(error_of([&] { append(series, 3, 0, {}); }), "step 3 does not come after step 3");
+  EXPECT_TEXT(error_of([&] { BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 9); }),
+              "its columns are not those of this run (contact_force)");
   EXPECT_TEXT(error_of([&] { BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "c.h5", 0); }), "c.h5");
   EXPECT_TEXT(error_of([&] { BodySeries::create(MPI_COMM_WORLD, scratch / "no" / "b.h5", info, {}); }),
               "cannot open or create: No such file or directory");
@@ -111,14 +117,15 @@ const Act write_a_series("write_a_series", [] {
   provenance.title = "\u00e4";
   auto series = BodySeries::create(MPI_COMM_WORLD, path, info, provenance);
   append(MPI_COMM_WORLD, series, 0, 9);
-  auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, path, 45);
+  auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, path, 45, info.columns);
   append(MPI_COMM_WORLD, resumed, 5, 9);
 });
 
 const Act write_a_series_without_end("write_a_series_without_end", [] {
   const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";
-  auto series = std::filesystem::exists(path) ? BodySeries::open_for_append(MPI_COMM_WORLD, path, 1 << 30)
-                                              : BodySeries::create(MPI_COMM_WORLD, path, info, {});
+  auto series = std::filesystem::exists(path)
+                    ? BodySeries::open_for_append(MPI_COMM_WORLD, path, 1 << 30, info.columns)
+                    : BodySeries::create(MPI_COMM_WORLD, path, info, {});
   const int first = static_cast<int>(series.times());
   append(MPI_COMM_WORLD, series, first, 1 << 26);
 });

@@ -40,6 +40,8 @@ def check(series):
         assert np.allclose(rows["velocity"], np.sin((ids * t)[:, None] + np.arange(3)), rtol=0, atol=1e-15)
         assert (rows["force"] == -ids[:, None] * np.arange(3)).all() and (rows["torque"] == 0).all()
         assert (rows["orientation"][:, 3] == 1e-3 * t).all()
+        assert (rows["mass"] == 0.5 * ids).all() and (rows["contact_force"][:, 1] == ids).all()
+        assert (rows["contact_torque"][:, 1] == -t).all() and "buoyancy" not in rows
 
 
 for ranks in (1, 3):
@@ -56,7 +58,7 @@ for ranks in (1, 3):
             assert np.allclose(part["normals"][:, 0], [0, 0, 3**-0.5, -1]) and len(part["normals"]) == 4
             assert (part["triangle_normals"] == np.arange(4)[:, None]).all()
         with h5py.File(folder + "/bodies.h5") as f:  # the file says what its numbers mean
-            assert f.attrs["format_version"] == 2 and f["kinds/vertex"].attrs["unit"] == b"m"
+            assert f.attrs["format_version"] == 3 and f["kinds/vertex"].attrs["unit"] == b"m"
             assert f["kinds/density"].attrs["unit"] == b"kg/m^3"
             assert all(len(data.attrs["meaning"]) > 10 for data in f["kinds"].values())
         assert len(series.of_body(21, "position")[0]) == 6

@@ -5,13 +5,14 @@ import sys
 import unittest
 
 import numpy as np
-from silt_test import CASE, SiltTest
+from vtkmodules.vtkIOHDF import vtkHDFReader
+from silt_test import CASE, CHANNEL, SiltTest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 
 import silt_results  # noqa: E402
 
-ALL = '["velocity", "density", "pressure", "shear-rate", "body-id"]'
+ALL = '["velocity", "density", "pressure", "shear-rate", "vorticity", "body-id"]'
 BALLS = CASE.replace("fields = { every = 20 }", f"fields = {{ every = 20, quantities = {ALL} }}") + """
 [[output.slices]]
 name = "middle"
@@ -23,7 +24,7 @@ quantities = ["velocity", "body-id"]
 name = "corner"
 every = 60
 box = [[17, 3.2, 2.5], [24, 9.5, 10]]
-quantities = ["density", "shear-rate"]
+quantities = ["density", "shear-rate", "vorticity"]
 """
 VORTEX = """
 [units]
@@ -38,7 +39,31 @@ initial = { type = "taylor-green-3d", velocity = [0.01, 0, 0] }
 [run]
 steps = 1
 [output]
-fields = { every = 1, quantities = ["pressure", "shear-rate", "velocity"], precision = "double" }
+fields = { every = 1, quantities = ["pressure", "shear-rate", "velocity", "vorticity"], precision = "double" }
+"""
+
+
+PIPE = """
+[units]
+system = "lattice"
+[domain]
+size = [24, 24, 8]
+boundary = { x = "no-slip", y = "no-slip", z = "periodic" }
+blocks = [6, 12, 8]
+[fluid]
+relaxation_time = 0.8
+precision = "double"
+[[walls]]
+name = "pipe"
+type = "tube"
+point = [12, 12, 0]
+axis = "z"
+radius = 10
+angular_velocity = 0.001
+[run]
+steps = 4000
+[output]
+fields = { every = 4000, quantities = ["vorticity"], precision = "double" }
 """
 
 
@@ -60,6 +85,41 @@ class Fields(SiltTest):
         shear = np.sqrt(2 * (2 * stretch**2 + 2 * xz**2 + 2 * yz**2))
         self.assertLess(np.abs(field["shear-rate"] - shear).max(), 1e-5 * a * k)
         self.assertEqual(field.unit("shear-rate"), "1/step")
+
+    def test_vorticity_of_a_vortex(self):
+        """From differences two cells apart of sines: the curl times sin k / k."""
+        self.write(VORTEX)
+        a, k = 0.01, 2 * np.pi / 32
+        for ranks in (1, 2, 4, 8):
+            self.silt("run", self.case, ranks=ranks)
+            field = silt_results.open(self.case).fields[0]
+            x, y, z = np.meshgrid(field.x, field.y, field.z, indexing="ij")
+            sx, cx, sy, cy, sz, cz = (f(k * c) for c in (x, y, z) for f in (np.sin, np.cos))
+            curl = a * np.sin(k) * np.stack([-cx * sy * sz, -sx * cy * sz, 2 * sx * sy * cz], axis=-1)
+            self.assertLess(np.abs(field["vorticity"] - curl).max(), 1e-9 * a * k)
+        self.assertEqual(field.unit("vorticity"), "1/step")
+
+    def test_vorticity_beside_plane_walls(self):
+        """A channel's velocity is quadratic: no error of the differences, in the cells at the walls either."""
+        text = CHANNEL.replace("[output]", '[output]\nfields = { every = 10000, quantities = ["vorticity"], precision = "double" }')
+        self.write(text.replace("change = 1e-3", "change = 1e-8"))
+        self.silt("run", self.case, ranks=2)
+        field = silt_results.open(self.case).fields[-1]
+        wanted = -1e-6 / 0.1 * (field.z - 6)  # du/dz = -g (z - h/2) / nu
+        found = field["vorticity"]
+        self.assertLess(np.abs(found[..., 1] - wanted).max(), 1e-6 * wanted.max())
+        self.assertLess(np.abs(found[..., ::2]).max(), 1e-9 * wanted.max())
+
+    def test_vorticity_of_a_turning_pipe(self):
+        """Fluid that turns with its pipe has twice the angular velocity everywhere, beside the curved wall too."""
+        for ranks in (1, 8):
+            self.write(PIPE)
+            self.silt("run", self.case, ranks=ranks)
+            field = silt_results.open(self.case).fields[-1]
+            across = np.hypot(*np.meshgrid(field.x - 12, field.y - 12, indexing="ij"))
+            found = field["vorticity"][across < 9.99]
+            self.assertLess(np.abs(found - [0, 0, 0.002]).max(), 1e-3 * 0.002)
+            self.assertTrue((field["vorticity"][across > 10.01] == 0).all())
 
     def test_bodies_are_where_they_are(self):
         self.write(BALLS)
@@ -91,21 +151,42 @@ class Fields(SiltTest):
         self.assertEqual((corner.size, corner.x[0], corner.y[0], corner.z[0]), ((7, 7, 8), 17.5, 3.5, 2.5))
         self.assertTrue((corner["density"] == field["density"][17:24, 3:10, 2:10]).all())
         self.assertTrue((corner["shear-rate"] == field["shear-rate"][17:24, 3:10, 2:10]).all())
+        self.assertTrue((corner["vorticity"] == field["vorticity"][17:24, 3:10, 2:10]).all())
         self.assertTrue((self.out / "slice_middle.hdf.series").exists())
 
     def test_same_on_any_ranks(self):
         self.write(BALLS)
         self.silt("run", self.case)
         other = self.case / "other"
-        self.silt("run", self.case, "--out", other, ranks=4)
-        for path in [*self.out.glob("fields_*.hdf"), *self.out.glob("slice_*.hdf")]:
-            a, b = silt_results.Field(path), silt_results.Field(other / path.name)
-            for name in a.names:
-                self.assertTrue((a[name] == b[name]).all(), (path.name, name))
+        for ranks in (2, 4, 8):
+            self.silt("run", self.case, "--out", other, "--overwrite", ranks=ranks)
+            for path in [*self.out.glob("fields_*.hdf"), *self.out.glob("slice_*.hdf")]:
+                a, b = silt_results.Field(path), silt_results.Field(other / path.name)
+                for name in a.names:
+                    self.assertTrue((a[name] == b[name]).all(), (ranks, path.name, name))
+
+    def test_compression_changes_sizes_only(self):
+        """A flow at rest but for a ball: most of it is zeros. With more ranks than whole chunks, and layers cut among them."""
+        self.write(BALLS.replace("every = 20, quantities", "every = 60, compression = 4, quantities").replace("every = 60\n", "every = 60\ncompression = 9\n"))
+        packed = self.case / "packed"
+        for ranks in (1, 2, 4, 8):
+            self.silt("run", self.case, "--set", "output.fields.compression=0", "--set", "output.slices.1.compression=0",
+                      "--overwrite", ranks=ranks)
+            self.silt("run", self.case, "--out", packed, "--overwrite", ranks=ranks)
+            for path in [*self.out.glob("fields_*.hdf"), *self.out.glob("slice_corner_*.hdf")]:
+                a, b = silt_results.Field(path), silt_results.Field(packed / path.name)
+                for name in a.names:
+                    self.assertTrue((a[name] == b[name]).all(), (ranks, path.name, name))
+            sizes = [(folder / "fields_000000000000.hdf").stat().st_size for folder in (self.out, packed)]
+            self.assertLess(sizes[1], 0.3 * sizes[0], ranks)
+            image = vtkHDFReader()
+            image.SetFileName(str(packed / "fields_000000000060.hdf"))
+            image.Update()
+            self.assertEqual(image.GetOutput().GetPointData().GetArray("vorticity").GetNumberOfComponents(), 3)
 
     def test_mistakes_are_named(self):
         for key, fault in (('name = "a/b"', "letters, digits, dots and hyphens"), ('axis = "y"\nat = 17', "within the domain"),
-                           ('box = [[1.6, 1.6, 1.6], [2.4, 9, 9]]', "holds centres of cells"), ('quantities = ["vorticity"]', "known: velocity, density"),
+                           ('box = [[1.6, 1.6, 1.6], [2.4, 9, 9]]', "holds centres of cells"), ('quantities = ["curl"]', "known: velocity, density"),
                            ('axis = "y"\nat = 1\nbox = [[0, 0, 0], [9, 9, 9]]', "a plane .* or a box")):
             name = "" if key.startswith("name") else 'name = "s"\n'
             self.write(CASE + f"[[output.slices]]\n{name}every = 10\n{key}\n")

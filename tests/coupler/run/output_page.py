@@ -32,8 +32,9 @@ def data_sets(path):
 class Page(SiltTest):
     def setUp(self):
         super().setUp()
-        fields = 'fields = { every = 20, quantities = ["velocity", "density", "pressure", "shear-rate", "body-id"] }'
-        self.write(CASE.replace("[output]", "[output]\nreport = { every = 20 }").replace("fields = { every = 20 }", fields))
+        fields = 'fields = { every = 20, quantities = ["velocity", "density", "pressure", "shear-rate", "vorticity", "body-id"] }'
+        text = CASE.replace("[output]", "[output]\nreport = { every = 20 }").replace("fields = { every = 20 }", fields)
+        self.write(text.replace("every = 7 }", "every = 7, contacts = true }"))
         self.silt("run", self.case)
 
     def test_names_every_file(self):

@@ -1,0 +1,102 @@
+"""The surfaces of bodies as VTK PolyData (.vtp), a file a time, and the list of times that ParaView opens (.pvd).
+
+    write_surfaces(silt_results.open("cases/segregation").bodies, "out")        # out/bodies_000000000100.vtp, ..., out/bodies.pvd
+Each triangle has what its body has: id, kind, velocity and the other columns of bodies.h5; each point `surface_velocity`, v + omega x r.
+"""
+import pathlib
+import sys
+
+import numpy as np
+
+TYPES = {"f4": "Float32", "f8": "Float64", "i4": "Int32", "i8": "Int64", "u8": "UInt64"}
+LEFT_OUT = ("position", "image", "orientation")  # the points say where a body is
+
+
+def rotations(q):
+    """Returns the matrices [n, 3, 3] of unit quaternions w, x, y, z [n, 4]: body to world."""
+    w, x, y, z = q.T
+    rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def surfaces(series, index):
+    """Returns points [P, 3] and their velocities, triangles [T, 3] and the row in series.at(index) of each one's body."""
+    rows = series.at(index)
+    points, velocities, triangles, bodies = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3), int)], [np.zeros(0, int)]
+    first = 0
+    for kind in np.unique(rows["kind"]):
+        of_kind = np.flatnonzero(rows["kind"] == kind)
+        if series.meshes is None or not series.meshes[kind]:
+            raise ValueError(f"bodies.h5 has no surface of the kind {series.kinds[kind]}")
+        turned = rotations(rows["orientation"][of_kind])
+        for part in series.meshes[kind]:
+            arms = np.einsum("nij,vj->nvi", turned, part["vertices"])
+            spin = np.cross(rows["angular_velocity"][of_kind][:, None], arms)
+            points.append((rows["position"][of_kind][:, None] + arms).reshape(-1, 3))
+            velocities.append((rows["velocity"][of_kind][:, None] + spin).reshape(-1, 3))
+            corners = len(part["vertices"]) * np.arange(len(of_kind))
+            triangles.append((first + corners[:, None, None] + part["triangles"]).reshape(-1, 3))
+            bodies.append(np.repeat(of_kind, len(part["triangles"])))
+            first += corners.size * len(part["vertices"])
+    return tuple(map(np.concatenate, (points, velocities, triangles, bodies)))
+
+
+class Blocks:
+    """Blocks are the arrays of a .vtp file, which follow its XML as they are in memory."""
+
+    def __init__(self):
+        self.arrays, self.size = [], 0
+
+    def element(self, name, values, attributes=""):
+        """Returns the XML of an array and keeps its values."""
+        values = np.ascontiguousarray(values)
+        components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
+        text = (f'<DataArray type="{TYPES[values.dtype.str[1:]]}" Name="{name}"{components}{attributes} format="appended" '
+                f'offset="{self.size}"/>\n')
+        self.arrays.append(values)
+        self.size += 8 + values.nbytes
+        return text
+
+    def write(self, file):
+        for values in self.arrays:
+            file.write(np.uint64(values.nbytes).tobytes())
+            file.write(values.tobytes())
+
+
+def write_vtp(path, series, index):
+    """Writes the surfaces of one time; numbers other than ids in single precision."""
+    points, velocities, triangles, bodies = surfaces(series, index)
+    rows, blocks = series.at(index), Blocks()
+    cells = ""
+    for name, values in rows.items():
+        if name not in LEFT_OUT:
+            values = values[bodies]
+            cells += blocks.element(name, values.astype("f4") if values.dtype.kind == "f" else values)
+    time = blocks.element("TimeValue", series.time[[index]], ' NumberOfTuples="1"')
+    of_points = blocks.element("surface_velocity", velocities.astype("f4"))
+    where = blocks.element("Points", points.astype("f4"))
+    faces = blocks.element("connectivity", triangles.astype("i8").reshape(-1)) + \
+        blocks.element("offsets", 3 * np.arange(1, len(triangles) + 1, dtype="i8"))
+    text = (f'<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="{sys.byteorder.title()}Endian" '
+            f'header_type="UInt64">\n<PolyData>\n<FieldData>\n{time}</FieldData>\n'
+            f'<Piece NumberOfPoints="{len(points)}" NumberOfPolys="{len(triangles)}">\n'
+            f"<PointData>\n{of_points}</PointData>\n<CellData>\n{cells}</CellData>\n<Points>\n{where}</Points>\n"
+            f'<Polys>\n{faces}</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding="raw">\n_')
+    with open(path, "wb") as file:
+        file.write(text.encode())
+        blocks.write(file)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+
+
+def write_surfaces(series, folder, indices=None):
+    """Writes FOLDER/bodies_STEP.vtp of the times with these indices (of all), and FOLDER/bodies.pvd. Returns the paths of the former."""
+    folder, paths, listed = pathlib.Path(folder), [], ""
+    for index in range(len(series)) if indices is None else indices:
+        paths.append(folder / f"bodies_{series.step[index]:012d}.vtp")
+        write_vtp(paths[-1], series, index)
+        listed += f'<DataSet timestep="{float(series.time[index])!r}" file="{paths[-1].name}"/>\n'
+    (folder / "bodies.pvd").write_text(f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n<Collection>\n{listed}'
+                                       "</Collection>\n</VTKFile>\n")
+    return paths

@@ -1,0 +1,132 @@
+#!/usr/bin/python3
+"""contact_loads.py SILT: contact force and torque, mass and buoyancy in bodies.h5 against mechanics, the same bits on any ranks."""
+import math
+import pathlib
+import sys
+import unittest
+
+import numpy as np
+from silt_test import SiltTest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
+
+import silt_results  # noqa: E402
+
+RADIUS, DENSITY, GRAVITY = 3, 2.5, 1e-5
+VOLUME = 4 / 3 * math.pi * RADIUS**3
+MASS = DENSITY * VOLUME
+
+# The ball at (16, 8, 3) touches the floor, where the blocks of a run on several ranks meet.
+SCENE = """
+[units]
+system = "lattice"
+[domain]
+size = [32, 16, 16]
+boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
+blocks = [8, 8, 16]
+[gravity]
+acceleration = [0, 0, -1e-5]
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 3
+[[bodies]]
+shape = "ball"
+density = 2.5
+position = [16, 8, 3]
+[run]
+steps = 60
+[output]
+bodies = { every = 20, contacts = true }
+"""
+WET = SCENE.replace("[gravity]", "[fluid]\nrelaxation_time = 0.8\n[gravity]")
+
+
+class ContactLoads(SiltTest):
+    def last(self, text, *arguments, ranks=1):
+        self.write(text)
+        self.silt("run", self.case, *arguments, ranks=ranks)
+        return silt_results.open(self.case).bodies
+
+    def near(self, found, wanted, share=1e-9):
+        scale = np.abs(wanted).max()
+        self.assertLess(np.abs(np.asarray(found) - wanted).max(), share * scale, (found, wanted))
+
+    def test_the_floor_bears_the_weight(self):
+        for settings in ((), ("--set", "contacts.substeps=4"), ("--set", 'contacts.resolver="ffd"')):
+            rows = self.last(SCENE, *settings).at(-1)
+            self.near(rows["mass"], MASS, 1e-12)
+            self.near(rows["contact_force"], [0, 0, MASS * GRAVITY])
+            self.assertLess(np.abs(rows["contact_torque"]).max(), 1e-12 * MASS * GRAVITY * RADIUS)
+            self.assertNotIn("buoyancy", rows)
+
+    def test_in_a_fluid_less_its_buoyancy(self):
+        series = self.last(WET, "--set", "run.steps=1600")  # the fluid under it comes to rest
+        rows, rest = series.at(-1), np.array([0, 0, (MASS - VOLUME) * GRAVITY])
+        self.near(rows["buoyancy"], [0, 0, VOLUME * GRAVITY], 1e-12)
+        self.near(rows["contact_force"], rest, 1e-6)
+        self.assertLess(np.abs(rows["force"]).max(), 1e-6 * MASS * GRAVITY)
+        for rows in map(series.at, range(1, len(series))):
+            self.near(rows["contact_force"] + rows["force"], rest)
+
+    def test_forces_of_a_moving_body_are_its_acceleration(self):
+        """All that acts: the fluid, weight, buoyancy, contacts and films; of a ball that rolls on the floor through a fluid."""
+        series = self.last(WET.replace("position =", "velocity = [0.01, 0, 0]\nposition ="), "--set", "output.bodies.every=1")
+        acts = sum(series.array(name)[1:] for name in ("force", "buoyancy", "contact_force")) + [0, 0, -MASS * GRAVITY]
+        change = MASS * np.diff(series.array("velocity"), axis=0)
+        self.assertGreater(np.abs(series.array("contact_force")[:, :, 0]).max(), 0.01 * MASS * GRAVITY)
+        self.near(acts, change, 1e-9)
+
+    def test_friction_turns_a_rolling_ball(self):
+        slope = 1e-5 * np.array([math.sin(0.3), 0, -math.cos(0.3)])
+        scene = SCENE.replace("[0, 0, -1e-5]", str(list(slope)))
+        rows = self.last(scene, "--set", "contacts.friction=0.8", "--set", "contacts.substeps=2").at(-1)
+        down = 2 / 7 * MASS * slope[0]  # what keeps a full sphere from slipping
+        self.near(rows["contact_force"], [-down, 0, -MASS * slope[2]])
+        self.near(rows["contact_torque"], [0, down * RADIUS, 0])
+
+    def test_impacts_act_on_both(self):
+        two = """position = [10, 8, 8]
+velocity = [0.05, 0.01, 0]
+[[bodies]]
+shape = "ball"
+name = "heavy"
+density = 10
+position = [16.2, 8.5, 8]
+[[bodies]]
+shape = "ball"
+name = "post"
+density = 1
+motion = "fixed"
+position = [26, 8, 8]
+"""
+        series = self.last(SCENE.replace("position = [16, 8, 3]\n", two).replace("-1e-5", "0"), "--set", "output.bodies.every=1")
+        forces = series.array("contact_force")
+        self.assertGreater(np.abs(forces[:, 0]).max(), 1e-3 * MASS)
+        self.near(forces[:, 0], -forces[:, 1], 1e-12)
+        self.assertTrue(np.isnan(forces[:, 2]).all())
+
+    def test_the_same_on_any_ranks(self):
+        moving = WET.replace("position =", "velocity = [0.05, 0.02, 0]\nposition =")
+        moving = moving.replace("[16, 8, 3]\n", '[16, 8, 3]\n[[fill]]\nshape = "ball"\ndensity = 2\ncount = 20\ngap = 0.2\n')
+        alone = self.last(moving, "--set", "contacts.substeps=2").columns
+        self.assertGreater(np.count_nonzero(alone["contact_force"]), 20)
+        for ranks in (2, 4, 8):
+            columns = self.last(moving, "--set", "contacts.substeps=2", ranks=ranks).columns
+            for name, values in alone.items():
+                self.assertTrue((columns[name] == values).all(), (ranks, name))
+
+    def test_goes_on_with_the_columns_it_began_with(self):
+        self.last(SCENE, "--set", "run.steps=20", "--set", "output.checkpoint.every=20")
+        said = self.silt("resume", self.case, "--set", "run.steps=40", "--set", "output.bodies.contacts=false", code=1).stderr
+        self.assertIn("output.bodies.contacts as the run began", said)
+        self.silt("resume", self.case, "--set", "run.steps=40")
+        self.assertEqual(list(silt_results.open(self.case).bodies.step), [0, 20, 40])
+
+    def test_only_where_asked_for(self):
+        rows = self.last(SCENE.replace(", contacts = true", "")).at(-1)
+        self.assertNotIn("contact_force", rows)
+
+
+if __name__ == "__main__":
+    unittest.main()
