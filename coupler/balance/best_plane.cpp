@@ -57,8 +57,8 @@ void add_cells(const CellBox& box, std::int64_t work_of_a_cell, std::vector<std:
       layers[first + k] += std::uint64_t(work_of_a_cell * (box.cells() / box.size[d]));
 }
 
-CutPlane best_plane(const CellBox& box, const lbm::CutRoom& room, std::span<const std::uint64_t> layers) {
-  constexpr double as_well = 1.01;
+CutPlane best_plane(const CellBox& box, const lbm::CutRoom& room, std::span<const std::uint64_t> layers,
+                    double as_well) {
   std::array<CutPlane, 3> planes;
   std::size_t first = 0;
   for (int d = 0; d < 3; first += box.size[d++])

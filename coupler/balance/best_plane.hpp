@@ -22,9 +22,16 @@ std::vector<std::uint64_t> work_of_layers(const lbm::CellBox&, std::span<const W
 /// Adds that of the cells, so much each.
 void add_cells(const lbm::CellBox&, std::int64_t work_of_a_cell, std::vector<std::uint64_t>& layers);
 
+/// Returns how much more work a rank may have under a plane that divides as well as the best, or nearly so.
+/// Bodies without a fluid are exchanged in every sweep: a small face is worth more than even work.
+inline double nearly_as_well(std::int64_t work_of_a_cell) {
+  return work_of_a_cell > 0 ? 1.01 : 1.05;
+}
+
 /// Returns the plane that divides the work best by the numbers of ranks; of those that do it as well, or
 /// nearly so, the one with the least face, of several the nearest to where it divides the cells.
-CutPlane best_plane(const lbm::CellBox&, const lbm::CutRoom&, std::span<const std::uint64_t> layers);
+CutPlane best_plane(const lbm::CellBox&, const lbm::CutRoom&, std::span<const std::uint64_t> layers,
+                    double as_well);
 
 /// Returns an item's parts below and above a plane; their work may be 0.
 std::pair<WorkItem, WorkItem> parted(const WorkItem&, int axis, int at);

@@ -22,7 +22,7 @@ void divide(const CellBox& box, std::int64_t work_of_a_cell, std::vector<WorkIte
   const lbm::CutRoom room = lbm::room_to_cut(box.size, ranks);
   auto layers = work_of_layers(box, items);
   add_cells(box, work_of_a_cell, layers);
-  const CutPlane plane = best_plane(box, room, layers);
+  const CutPlane plane = best_plane(box, room, layers, nearly_as_well(work_of_a_cell));
   const int at = box.lower[plane.axis] + plane.below;
   CellBox lower = box, upper = box;
   lower.size[plane.axis] = plane.below;

@@ -61,7 +61,7 @@ class Bisection {
 
   void cut(int ranks) {
     const lbm::CutRoom room = lbm::room_to_cut(box_.size, ranks);
-    const CutPlane best = best_plane(box_, room, layers());
+    const CutPlane best = best_plane(box_, room, layers(), nearly_as_well(work_of_a_cell_));
     const int here = rank(), at = box_.lower[best.axis] + best.below;
     const bool upper = here >= room.lower_leaves;
     if (here == room.lower_leaves) node_ = {number_, {best.axis, at, room.lower_leaves}};

@@ -105,12 +105,14 @@ struct ParallelBodyExchange::Distribution {
   void send_contact(const rigid::BodySet&, const rigid::Contact&, bool new_pair);
   void send_partner(const rigid::BodySet&, rigid::BodyId, int to);
   void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&);
-  void plan_velocity_messages(const rigid::BodySet&, const std::vector<rigid::Contact>&);
+  void plan_velocity_messages(const rigid::BodySet&);
 
   std::vector<int> ranks_, near_;                    // scratch
   std::vector<std::size_t> departures_;              // owned rows that are handed over
   std::vector<VelocityMessages> velocity_messages_;  // by rank
-  std::vector<MPI_Request> share_requests_;          // scratch, as its statuses
+  std::vector<std::pair<rigid::BodyId, rigid::BodyId>>
+      crossing_;                             // pairs in contact, not both owned, and those received
+  std::vector<MPI_Request> share_requests_;  // scratch, as its statuses
   std::vector<MPI_Status> share_statuses_;
 };
 

@@ -62,22 +62,31 @@ Contact unpacked(const PackedContact& p) {
 
 }  // namespace
 
+/// `contacts` come sorted and stay so; those of a pair come from one rank, in the order of their keys.
 void ParallelBodyExchange::Distribution::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
   for (const Tie& t : ties)
     if (!t.taken.empty()) messages.to(t.rank);  // expects one, if only an empty one
+  crossing_.clear();
+  std::size_t kept = 0, row_a = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const bool new_pair = k == 0 || contacts[k].pair() != contacts[k - 1].pair();
-    send_contact(bodies, contacts[k], new_pair);
+    const Contact& c = contacts[k];
+    const bool new_pair = k == 0 || c.pair() != contacts[k - 1].pair();
+    if (new_pair) row_a = bodies.row_of(c.a);
+    const bool owns_a = row_a < bodies.owned, owns_b = bodies.row_of(c.b) < bodies.owned;
+    if (!owns_a || !(owns_b || rigid::is_wall(c.b))) send_contact(bodies, c, new_pair);
+    if (!owns_a && !owns_b) continue;
+    if (owns_a != owns_b && !rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});
+    if (kept < k) contacts[kept] = contacts[k];
+    ++kept;
   }
-  std::erase_if(contacts, [&](const Contact& c) {
-    return bodies.row_of(c.a) >= bodies.owned && bodies.row_of(c.b) >= bodies.owned;
-  });
+  contacts.resize(kept);
   messages.with_partners(those_that(&Tie::given));
   receive_contacts(bodies, contacts);
-  // those of a pair come from one rank, in the order of their keys
-  std::stable_sort(contacts.begin(), contacts.end(),
-                   [](const auto& p, const auto& q) { return p.pair() < q.pair(); });
-  plan_velocity_messages(bodies, contacts);
+  const auto by_pair = [](const Contact& p, const Contact& q) { return p.pair() < q.pair(); };
+  const auto received = contacts.begin() + static_cast<std::ptrdiff_t>(kept);
+  std::stable_sort(received, contacts.end(), by_pair);
+  std::inplace_merge(contacts.begin(), received, contacts.end(), by_pair);
+  plan_velocity_messages(bodies);
 }
 
 void ParallelBodyExchange::Distribution::send_contact(const BodySet& bodies, const Contact& c,
@@ -118,7 +127,8 @@ void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::
   for (const Messages::Message& m : messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
       if (reader.take<Item>() == Item::contact) {
-        contacts.push_back(unpacked(reader.take<PackedContact>()));
+        const Contact& c = contacts.emplace_back(unpacked(reader.take<PackedContact>()));
+        if (!rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});
         continue;
       }
       const auto record = reader.take<BodyRecord>();
@@ -136,8 +146,7 @@ void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::
 }
 
 /// From the contacts alone: the other owner has the same ones, hence the same lists.
-void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& bodies,
-                                                                const std::vector<Contact>& contacts) {
+void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& bodies) {
   velocity_messages_.clear();
   const auto with = [&](int other) -> VelocityMessages& {
     const auto at = std::lower_bound(velocity_messages_.begin(), velocity_messages_.end(), other,
@@ -146,11 +155,10 @@ void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& b
                ? *at
                : *velocity_messages_.insert(at, {other, {}, {}, {}, {}});
   };
-  for (const Contact& c : contacts) {
-    if (rigid::is_wall(c.b)) continue;
-    const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
+  for (const auto& [id_a, id_b] : crossing_) {
+    const std::size_t a = bodies.row_of(id_a), b = bodies.row_of(id_b);
     if (a >= bodies.size() || b >= bodies.size())
-      throw std::logic_error("a contact names body " + std::to_string(a < b ? c.b : c.a) +
+      throw std::logic_error("a contact names body " + std::to_string(a < b ? id_b : id_a) +
                              ", which is not here");
     if (a < bodies.owned && b < bodies.owned) continue;
     const std::size_t own = std::min(a, b), other = std::max(a, b);  // owned rows come first

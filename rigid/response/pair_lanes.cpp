@@ -51,17 +51,19 @@ void set_symmetric(Real8* lanes, int l, const Mat3& m) {
   lanes[5][l] = m(1, 2);
 }
 
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 m;
-  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return m;
+/// [r]x m [r]x, without the products by zero.
+Mat3 crossed_on_both_sides(const Vec3& r, const Mat3& m) {
+  Mat3 crossed, both;
+  for (int column = 0; column < 3; ++column) crossed.col(column) = r.cross(m.col(column));
+  for (int row = 0; row < 3; ++row) both.row(row) = crossed.row(row).cross(r.transpose());
+  return both;
 }
 
 /// Relative velocity at the contact by a unit impulse there.
 Mat3 compliance(const PairToSolve& p, const Contact& c) {
-  const Mat3 ra = cross_matrix(c.r_a), rb = cross_matrix(c.r_b);
   return (p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass) * Mat3::Identity() -
-         ra * (p.share_a * p.a.inverse_inertia) * ra - rb * (p.share_b * p.b.inverse_inertia) * rb;
+         crossed_on_both_sides(c.r_a, p.share_a * p.a.inverse_inertia) -
+         crossed_on_both_sides(c.r_b, p.share_b * p.b.inverse_inertia);
 }
 
 /// The larger eigenvalue of k between directions across n, k n being k_n.
