@@ -180,9 +180,16 @@ std::size_t PairsAcross<T>::message_bytes() const {
 
 template <class T>
 std::size_t PairsAcross<T>::bytes() const {
-  std::size_t n = copying_.size() * sizeof(BeyondPair<T>);
+  const auto listed = [](const Reads& reads, const Places& fills) {
+    return (reads.cells.size() + fills.places.size()) * sizeof(std::uint32_t);
+  };
+  std::size_t n =
+      copying_.size() * sizeof(BeyondPair<T>) + copies_.size() * sizeof(Copy) + listed(copied_, copied_to_);
   for (const auto& of_block : pairs_) n += of_block.size() * sizeof(BeyondPair<T>);
-  for (const Peer& peer : peers_) n += (peer.outgoing.size() + peer.incoming.size()) * sizeof(BeyondPair<T>);
+  for (const Peer& peer : peers_)
+    n += (peer.outgoing.size() + peer.incoming.size()) * sizeof(BeyondPair<T>) +
+         listed(peer.reads, peer.fills) + peer.sent.size() * sizeof(Sent) +
+         peer.received.size() * sizeof(Received);
   return n;
 }
 

@@ -28,8 +28,8 @@ class PairsAcross {
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks);
   /// From now on the pairs of cut links are brought: of fluid cells x with x + c_i solid; others mean
   /// nothing. solid(block, cell) has 64 cells of a row of a local block as bits, `cell` the lowest, for cells
-  /// to two beyond its faces. All ranks call it when their solid cells have changed; what two of them know of
-  /// the same cells must agree.
+  /// to two beyond its faces. Each rank calls it when one of these of its blocks has changed. What two ranks
+  /// know of the same cells must agree: how long their messages are follows from it.
   template <class Solid>
   void choose(Solid&& solid);
   /// Call after the halo exchange, with the parity of the blocks then. The pair of an idle block means

@@ -58,14 +58,22 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
 RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
   using enum RigidStage;
-  clock_.timed(integrate, [&] { drift(bodies, 0.5 * dt); });                // lines 2-5, positions (M1)
-  clock_.timed(synchronisation, [&] { exchange_.update_copies(bodies); });  // lines 1 and 6
-  clock_.timed(collision_detection, [&] { detect_contacts(bodies, dt, report); });  // lines 7-12
-  clock_.timed(synchronisation, [&] { exchange_contacts(bodies, report); });        // line 13
-  clock_.timed(integrate, [&] { kick_before_contacts(bodies, dt); });  // lines 2-5, velocities (M2)
-  clock_.timed(contact_response, [&] { resolve_contacts(bodies, dt, report); });  // lines 14-20 (M3)
-  clock_.timed(integrate, [&] { finish(bodies, dt, last); });                     // lines 21-22 (M4)
-  clock_.timed(synchronisation, [&] { exchange_.synchronise(bodies); });          // line 23
+  RigidClock::Turn stage(clock_, integrate);
+  drift(bodies, 0.5 * dt);  // lines 2-5, positions (M1)
+  stage.goes_on(synchronisation);
+  exchange_.update_copies(bodies);  // lines 1 and 6
+  stage.goes_on(collision_detection);
+  detect_contacts(bodies, dt, report);  // lines 7-12
+  stage.goes_on(synchronisation);
+  exchange_contacts(bodies, report);  // line 13
+  stage.goes_on(integrate);
+  kick_before_contacts(bodies, dt);  // lines 2-5, velocities (M2)
+  stage.goes_on(contact_response);
+  resolve_contacts(bodies, dt, report);  // lines 14-20 (M3)
+  stage.goes_on(integrate);
+  finish(bodies, dt, last);  // lines 21-22 (M4)
+  stage.goes_on(synchronisation);
+  exchange_.synchronise(bodies);  // line 23
   return report;
 }
 

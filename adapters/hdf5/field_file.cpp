@@ -20,14 +20,21 @@ std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
 }
 
+/// How many rows of a plane share a chunk; its last one is stored as large as the others.
+hsize_t rows_of_a_chunk(std::size_t row_bytes, hsize_t rows) {
+  constexpr std::size_t chunk_bytes = 1 << 20;  // at most
+  const hsize_t most = std::clamp<hsize_t>(chunk_bytes / row_bytes, 1, rows),
+                chunks = (rows + most - 1) / most;
+  return (rows + chunks - 1) / chunks;
+}
+
 /// A dataset of chunks of whole rows of the lattice, as the ranks have them.
 Handle create_compressed(const File& file, const std::string& name, hid_t type,
                          const std::vector<hsize_t>& shape, int level) {
-  constexpr std::size_t chunk_bytes = 1 << 20;
   std::size_t row_bytes = H5Tget_size(type);
   for (std::size_t d = 2; d < shape.size(); ++d) row_bytes *= shape[d];
   std::vector<hsize_t> chunk = shape;
-  chunk[0] = 1, chunk[1] = std::clamp<hsize_t>(chunk_bytes / row_bytes, 1, shape[1]);
+  chunk[0] = 1, chunk[1] = rows_of_a_chunk(row_bytes, shape[1]);
   const int rank = static_cast<int>(shape.size());
   const Handle space(H5Screate_simple(rank, shape.data(), nullptr), H5Sclose, file.path(),
                      "shape of " + name);
@@ -89,7 +96,13 @@ std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& pro
   const auto& [x, y, z] = snapshot.grid.cells;
   const std::uint64_t cells = std::uint64_t(x) * y * z;
   std::uint64_t bytes = provenance.case_text.size() + 4096;
-  for (const FieldQuantity& q : snapshot.quantities) bytes += cells * cell_bytes(q);
+  for (const FieldQuantity& q : snapshot.quantities) {
+    bytes += cells * cell_bytes(q);
+    if (snapshot.compression == 0) continue;
+    const std::size_t row = x * cell_bytes(q);  // packing may gain nothing
+    const hsize_t of_a_chunk = rows_of_a_chunk(row, hsize_t(y)), chunks = (y + of_a_chunk - 1) / of_a_chunk;
+    bytes += std::uint64_t(z) * (chunks * of_a_chunk - y) * row + hdf5::metadata_room;
+  }
   return bytes;
 }
 

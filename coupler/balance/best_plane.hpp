@@ -22,8 +22,9 @@ std::vector<std::uint64_t> work_of_layers(const lbm::CellBox&, std::span<const W
 /// Adds that of the cells, so much each.
 void add_cells(const lbm::CellBox&, std::int64_t work_of_a_cell, std::vector<std::uint64_t>& layers);
 
-/// Returns how much more work a rank may have under a plane that divides as well as the best, or nearly so.
-/// Bodies without a fluid are exchanged in every sweep: a small face is worth more than even work.
+/// Returns how much more work a side of a plane may have, for a rank of it, that divides as well as the best,
+/// or nearly so; what planes one below the other allow multiplies. Bodies without a fluid are exchanged in
+/// every sweep: a small face is worth more than even work.
 inline double nearly_as_well(std::int64_t work_of_a_cell) {
   return work_of_a_cell > 0 ? 1.01 : 1.05;
 }

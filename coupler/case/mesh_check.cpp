@@ -65,34 +65,48 @@ void check_features(const Case& scene, Findings& findings, std::size_t index, co
   warn(-solid, "a gap");
 }
 
+constexpr int looks = 1000;  // instants of a motion that is looked at
+
 /// It must overlap the domain; a vessel may cross a periodic border only if it goes on beyond it on both
-/// sides.
-void check_place(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall) {
+/// sides. Returns whether it does so at an instant.
+bool check_place_at(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall,
+                    double step) {
   constexpr double beyond = 3;  // cells: of the map's ghost layers
   const rigid::BoundingBox box =
-      rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.motion.pose(wall.start, 0));
+      rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.motion.pose(wall.start, step));
+  bool good = true;
   for (int d = 0; d < 3; ++d) {
     const double low = box.lower[d], high = box.upper[d], size = scene.cells[d];
-    const auto reach = fmt::format("walls[{}] reaches from {} to {} along {}", index,
-                                   shown_length(scene, low), shown_length(scene, high), "xyz"[d]);
+    const auto reach = fmt::format("walls[{}] reaches from {} to {} along {}{}", index,
+                                   shown_length(scene, low), shown_length(scene, high), "xyz"[d],
+                                   step > 0 ? fmt::format(" in step {:.0f}", step) : "");
     const bool crosses = low < 0.5 || high > size - 0.5;
     const bool goes_on = low <= -beyond && high >= size + beyond;
-    if (!scene.periodic(d) && (high <= 0 || low >= size))
+    if (!scene.periodic(d) && (high <= 0 || low >= size) && step == 0)
       findings.error(key_of(index, "position"),
                      fmt::format("{}; the domain is from 0 to {}: move it, or correct its scale", reach,
                                  shown_length(scene, size)));
     else if (wall.mesh.hollow && scene.periodic(d) && crosses && !goes_on)
       findings.error(
-          key_of(index, "position"),
+          key_of(index, step > 0 ? "motion" : "position"),
           fmt::format("{}, which is periodic; a vessel must stay half a cell within the domain there, "
                       "or go on alike for {} beyond both sides",
                       reach, shown_length(scene, beyond)));
+    else
+      continue;
+    good = false;
   }
+  return good;
+}
+
+void check_place(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall) {
+  const int instants = wall.motion.moves() ? looks : 0;
+  for (int k = 0; k <= instants; ++k)
+    if (!check_place_at(scene, findings, index, wall, std::floor(double(scene.steps) * k / looks))) return;
 }
 
 /// Largest speed of a point at `radius` from the reference point, looked for in so many instants.
 double fastest(const Case& scene, const MeshWall& wall) {
-  constexpr int looks = 1000;
   double speed = 0;
   for (int k = 0; k <= looks; ++k) {
     const auto v = wall.motion.velocity_at(static_cast<double>(scene.steps) * k / looks);

@@ -1,6 +1,7 @@
 #include "coupler/mapping/map_bodies.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
@@ -102,16 +103,43 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
     const rigid::Shape& shape = world_.shapes[bodies.shape[row]];
     const auto* const mesh = std::get_if<rigid::Mesh>(&shape);
     if (mesh && !mesh->hollow) add_images(block, bodies, row);
-    if (!std::holds_alternative<rigid::Tube>(shape) && !(mesh && mesh->hollow)) continue;
-    // no images: it is alike on both sides of a periodic border, or solid there
-    constexpr int m = ghosts + 2;
-    const Int3 size = block.box.size + Int3{2 * m, 2 * m, 2 * m};
-    found_.push_back({bodies.id[row], row, {}, BitFrame({-m, -m, -m}, size)});
+    if (std::holds_alternative<rigid::Tube>(shape) || (mesh && mesh->hollow))
+      add_around_hollow(block, bodies, row);
   }
   const auto before = [](const Image& a, const Image& b) {
     return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
   };
   if (!std::is_sorted(found_.begin(), found_.end(), before)) std::sort(found_.begin(), found_.end(), before);
+}
+
+/// What is solid around a hollow has no end: the block is cut where periods of the domain meet, so that a
+/// cell is asked about at one place, whichever block holds it and as what.
+void MapBodies::add_around_hollow(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
+  struct Stretch {
+    int first, end, shift;  // cells of the block's ghost layers and between; where their period begins
+  };
+  std::array<std::vector<Stretch>, 3> along;
+  for (int d = 0; d < 3; ++d) {
+    const int n = domain_.cells()[d], lower = block.box.lower[d], first = -ghosts,
+              end = block.box.size[d] + ghosts;
+    if (!domain_.periodic(d)) {
+      along[d].push_back({first, end, 0});
+      continue;
+    }
+    for (int period = -1 - ghosts / n; period <= 1 + ghosts / n; ++period) {
+      const Stretch s{std::max(first, period * n - lower), std::min(end, (period + 1) * n - lower),
+                      period * n};
+      if (s.first < s.end) along[d].push_back(s);
+    }
+  }
+  constexpr int beyond = 2;
+  for (const Stretch& z : along[2])
+    for (const Stretch& y : along[1])
+      for (const Stretch& x : along[0]) {
+        const Int3 low{x.first, y.first, z.first}, high{x.end, y.end, z.end}, m{beyond, beyond, beyond};
+        found_.push_back(
+            {bodies.id[row], row, {x.shift, y.shift, z.shift}, BitFrame(low - m, high - low + m + m)});
+      }
 }
 
 void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 
 #include "coupler/exchange/messages.hpp"
 #include "lbm/fluid.hpp"
@@ -116,6 +117,8 @@ std::optional<Vec3> CellVelocities::at(int block, Int3 local_cell) const {
   if (place.rank == rank_) return here(domain.local_index(place, rank_), cell - place.box.lower);
   const auto known = std::lower_bound(from_others_.begin(), from_others_.end(), index(cell),
                                       [](const Known& k, std::int64_t i) { return k.cell < i; });
+  if (known == from_others_.end() || known->cell != index(cell))
+    throw std::logic_error("the velocity of a cell was not asked for");
   if (!known->is_fluid) return std::nullopt;
   return Vec3(known->velocity[0], known->velocity[1], known->velocity[2]);
 }

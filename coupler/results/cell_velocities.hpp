@@ -28,7 +28,7 @@ class CellVelocities {
  private:
   struct Known {
     std::int64_t cell;
-    bool is_fluid;
+    std::int64_t is_fluid;
     double velocity[3];
   };
   lbm::CellBox in_box(const lbm::CellBox& block) const;

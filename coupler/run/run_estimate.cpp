@@ -23,8 +23,9 @@ namespace {
 // Measured on one core (coupler/README.md, "What a run will take").
 constexpr double bytes_of_a_cell = 2 * 19 * 4, share_of_bandwidth = 0.7;
 constexpr double overhead_of_a_step = 15e-6, overhead_of_ranks = 60e-6;  // s; the latter on several
-constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;             // bytes
-constexpr double file_row_of_a_body = 184, file_contacts_of_a_body = 48, checkpoint_of_a_body = 600;  // bytes
+constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
+constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
+                 checkpoint_of_a_body = 600;                    // bytes
 constexpr double multireflection_link = 1.27;                   // over one of the other schemes
 constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
 
@@ -170,7 +171,9 @@ double disk_needed(const Case& scene, std::uint64_t bodies) {
   double bytes = times(output.fields, scene.steps, true) * bytes_of_fields(output.fields);
   for (const FieldsSpec& slice : output.slices)
     bytes += times(slice, scene.steps, true) * bytes_of_fields(slice);
-  const double row = file_row_of_a_body + (output.body_contacts ? file_contacts_of_a_body : 0);
+  const bool buoyancy = scene.fluid && !scene.gravity.isZero(0);
+  const double row = file_row_of_a_body + (buoyancy ? file_buoyancy_of_a_body : 0) +
+                     (output.body_contacts ? file_contacts_of_a_body : 0);
   bytes += times(output.bodies, scene.steps, true) * n * row;
   const double kept = std::min<double>(times(output.checkpoint, scene.steps, false), output.keep_checkpoints);
   return bytes + kept * (fluid_memory(scene) + n * checkpoint_of_a_body);

@@ -19,6 +19,19 @@ class StageClock {
   /// `read` reads a meter that never goes back; empty: there is none.
   explicit StageClock(std::function<Reading()> read = {}) : read_(std::move(read)) {}
 
+  /// Stages one after the other: the first runs until goes_on, the last as long as this lives.
+  class Turn {
+   public:
+    Turn(StageClock& clock, Stage first) : clock_(clock), outer_(clock.change_to(first)) {}
+    ~Turn() { clock_.change_to(outer_); }
+    Turn(const Turn&) = delete;
+    void goes_on(Stage next) { clock_.change_to(next); }
+
+   private:
+    StageClock& clock_;
+    Stage outer_;
+  };
+
   /// Runs `work` as a part of `stage`, and returns what it returns. An exception ends the stage too.
   template <class Work>
   decltype(auto) timed(Stage stage, Work&& work) {
@@ -31,18 +44,6 @@ class StageClock {
 
  private:
   using Clock = std::chrono::steady_clock;
-
-  /// Makes a stage the running one for as long as it lives.
-  class Turn {
-   public:
-    Turn(StageClock& clock, Stage stage) : clock_(clock), outer_(clock.change_to(stage)) {}
-    ~Turn() { clock_.change_to(outer_); }
-    Turn(const Turn&) = delete;
-
-   private:
-    StageClock& clock_;
-    Stage outer_;
-  };
 
   /// Charges the time since the last change to the stage that ran, and returns that stage.
   Stage change_to(Stage next) {

@@ -6,7 +6,7 @@ namespace silt::rigid::SILT_ISA {
 namespace {
 
 constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
-constexpr int few_rounds = 1;            // ... that later sweeps go on with: more of them gain nothing
+constexpr int few_rounds = 1;            // ... that later sweeps go on with: of more, beds overlap no less
 constexpr int few_sweeps = 16;           // with so few rounds: who asks for more sweeps wants the law
 constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
 constexpr double converged_push = 1e-6;  // the same where only positions are corrected
