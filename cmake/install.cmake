@@ -19,6 +19,8 @@ foreach(folder cpu lbm rigid adapters coupler)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/silt
           FILES_MATCHING PATTERN "*.hpp")
 endforeach()
+install(FILES ${PROJECT_SOURCE_DIR}/scripts/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+        RENAME silt)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/silt PATTERN out* EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/silt_results DESTINATION lib/python3/dist-packages
         FILES_MATCHING PATTERN "*.py")

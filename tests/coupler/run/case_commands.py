@@ -2,11 +2,12 @@
 """case_commands.py SILT: scripts/clean, new-case and compare do what they say, and nothing else; every command explains itself at once."""
 import os
 import pathlib
+import shutil
 import subprocess
 import time
 import unittest
 
-from silt_test import SiltTest
+from silt_test import SILT, SiltTest
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
 
@@ -79,6 +80,50 @@ class Commands(SiltTest):
                 start = time.monotonic()
                 self.assertGreater(len(command(path.name, "--help")), 60, path.name)
                 self.assertLess(time.monotonic() - start, 5, path.name)
+
+    def test_completion(self):
+        def completed(function, *words, folder=SCRIPTS.parent):
+            quoted = " ".join(f"'{word}'" for word in words)
+            done = subprocess.run(
+                ["bash", "-c", f"source '{SCRIPTS}/completion.bash'; COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; {function}; "
+                               "printf '%s\\n' \"${COMPREPLY[@]}\""], capture_output=True, text=True, check=True, cwd=folder)
+            return done.stdout.split()
+
+        program = SILT
+        self.assertEqual(completed("_silt", program, "r"), ["run", "resume"])
+        self.assertEqual(completed("_silt", program, "run", "--ov"), ["--overwrite"])
+        self.assertEqual(completed("_silt", program, "run", "--backend", "bu"), ["bullet"])
+        self.assertEqual(completed("_silt", program, "check", "case", folder=self.scratch.name), ["case"])
+        self.assertEqual(completed("_silt_script", "scripts/run", "settling-sphere-"), ["settling-sphere-e1"])
+        self.assertEqual(completed("_silt_script", "scripts/run", "cases/bouncing"), ["cases/bouncing-ball"])
+        self.assertIn("--hostfile", completed("_silt_script", "scripts/run", "--"))
+        self.assertEqual(completed("_silt_script", "/bin/run", "--"), [])
+
+    def test_run_takes_another_program(self):
+        said = command("run", self.case, "--silt", SILT)
+        self.assertIn("report.html", said)
+        self.assertIn("no such program", command("run", self.case, "--silt", "/nowhere/silt", code=2))
+
+    @unittest.skipUnless(os.geteuid() == 0 and shutil.which("setpriv"), "only root can act as somebody else")
+    def test_run_in_a_tree_of_somebody_else(self):
+        folder = pathlib.Path(self.scratch.name)
+        (folder / "tree" / "scripts").mkdir(parents=True)
+        shutil.copy(SCRIPTS / "run", folder / "tree" / "scripts")
+        (folder / "bin").mkdir()
+        for path in (folder, folder / "tree", folder / "tree" / "scripts", folder / "bin"):
+            path.chmod(0o755)
+
+        def run():
+            path = f"{folder}/bin:/usr/bin:/bin"
+            return subprocess.run(["setpriv", "--reuid", "65534", "--clear-groups", folder / "tree" / "scripts" / "run", self.case],
+                                  capture_output=True, text=True, cwd="/", env={"PATH": path})
+
+        refused = run()
+        self.assertEqual(refused.returncode, 2)
+        self.assertRegex(refused.stderr, "tree cannot be written to.*scripts/build, or use --silt")
+        (folder / "bin" / "silt").write_text("#!/bin/sh\necho installed: $1\n")
+        (folder / "bin" / "silt").chmod(0o755)
+        self.assertEqual(run().stdout, "installed: run\n")
 
     def test_a_wrong_word_gets_the_nearest(self):
         self.assertIn("did you mean 'check'?", self.silt("chek", self.case, code=2).stderr)
