@@ -102,13 +102,32 @@ def spread(first, last, n):
     return [first + (2 * i + 1) * (last - first) // (2 * n) for i in range(n)]
 
 
+def descendants(pid):
+    """Returns a process and all it has started; mpirun gives each rank a group of its own."""
+    children = subprocess.run(["pgrep", "-P", str(pid)], capture_output=True, text=True).stdout.split()
+    return [pid, *(below for child in children for below in descendants(int(child)))]
+
+
+def kill_all(process):
+    """Kills them all, and waits until they are gone: the lock of a folder is theirs as long as they live."""
+    pids = descendants(process.pid)
+    for pid in pids:
+        try:
+            os.kill(pid, 9)
+        except ProcessLookupError:
+            pass
+    process.wait()
+    while any(pathlib.Path(f"/proc/{pid}/cmdline").exists() and pathlib.Path(f"/proc/{pid}/cmdline").read_bytes() for pid in pids):
+        time.sleep(0.01)
+
+
 def kill_one(scratch, whole, case, at=None, after=None):
     out = scratch / "out"
     what = f"killed at change {at}" if at else f"killed after {after:.3f} s"
     process = start("run", case, "--out", out, preload=kill_settings(out, at) if at else None)
     if after:
         time.sleep(after)
-        os.killpg(process.pid, 9)
+        kill_all(process)
     process.communicate(timeout=300)
     frames = 0
     if (out / "bodies.h5").exists():
