@@ -61,6 +61,7 @@ class Run {
   void write_outputs();
   void log_departures();
   void checkpoint();
+  adapters::Json write_report_file(const std::string& reason, const std::string& text, bool sound);
   void write_report(const std::string& reason, const std::string& text, bool sound);
   Exit end(Exit, const std::string& reason, const std::string& text);
   [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
@@ -205,6 +206,8 @@ void Run::write_outputs() {
   if (due(output.fields)) write_flow_fields(simulation_, output.fields, folder_, provenance_);
   for (const FieldsSpec& slice : output.slices)
     if (due(slice)) write_flow_fields(simulation_, slice, folder_, provenance_);
+  if (save && ended())
+    write_report_file("running", "", true);  // who kills it behind the last checkpoint leaves it
   if (save) checkpoint();
   if (report && !ended()) write_report("running", "", true);
 }
@@ -265,11 +268,17 @@ void Run::greet() {
 }
 
 /// Collective.
-void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
+adapters::Json Run::write_report_file(const std::string& reason, const std::string& text, bool sound) {
   const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
-  const adapters::Json report = report_of(simulation_, quantities_, status);
+  adapters::Json report = report_of(simulation_, quantities_, status);
+  adapters::on_rank_0(comm_, [&] { write_text(folder_ / "report.json", report.text()); });
+  return report;
+}
+
+/// Collective: the file, and its row of the series.
+void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
+  const adapters::Json report = write_report_file(reason, text, sound);
   adapters::on_rank_0(comm_, [&] {
-    write_text(folder_ / "report.json", report.text());
     if (series_ && sound) series_->append(report);
   });
 }
