@@ -207,7 +207,7 @@ void Run::write_outputs() {
   for (const FieldsSpec& slice : output.slices)
     if (due(slice)) write_flow_fields(simulation_, slice, folder_, provenance_);
   if (save && ended())
-    write_report_file("running", "", true);  // who kills it behind the last checkpoint leaves it
+    write_report_file("running", "", true);  // a run that is complete by its checkpoint writes none on resume
   if (save) checkpoint();
   if (report && !ended()) write_report("running", "", true);
 }
@@ -267,7 +267,7 @@ void Run::greet() {
   progress_->say(fmt::format("results go to {}", folder_.string()));
 }
 
-/// Collective.
+/// Collective: writes report.json alone, and returns it.
 adapters::Json Run::write_report_file(const std::string& reason, const std::string& text, bool sound) {
   const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
   adapters::Json report = report_of(simulation_, quantities_, status);
@@ -275,7 +275,7 @@ adapters::Json Run::write_report_file(const std::string& reason, const std::stri
   return report;
 }
 
-/// Collective: the file, and its row of the series.
+/// Collective: writes report.json and its row of series.csv.
 void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
   const adapters::Json report = write_report_file(reason, text, sound);
   adapters::on_rank_0(comm_, [&] {

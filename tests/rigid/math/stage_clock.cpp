@@ -48,6 +48,24 @@ TEST(StageClock, CountsNothingBetweenStages) {
   EXPECT_LT(inner(clock), 0.005);
 }
 
+TEST(StageClock, GoesOnFromStageToStage) {
+  double read = 0;
+  StageClock<Stage> clock([&] { return read; });
+  {
+    StageClock<Stage>::Turn stage(clock, Stage::outer);
+    read += 0.25;
+    stage.goes_on(Stage::inner);
+    read += 1;
+    rest();
+    stage.goes_on(Stage::outer);
+    read += 0.5;
+  }
+  read += 7;
+  EXPECT_EQ(clock.readings()[int(Stage::outer)], 0.75);
+  EXPECT_EQ(clock.readings()[int(Stage::inner)], 1);
+  EXPECT_GE(inner(clock), 0.005);
+}
+
 TEST(StageClock, EndsAStageThatThrows) {
   StageClock<Stage> clock;
   EXPECT_THROW(clock.timed(Stage::outer, [] { throw std::runtime_error("stop"); }), std::runtime_error);
