@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/collision/facet_curvature.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/reduce_manifold.hpp"
 #include "rigid/collision/tube_contacts.hpp"
@@ -16,6 +17,7 @@ struct DetectContacts::ShapeParts {
   bool sphere, half_space;
   std::optional<Tube> tube;                                   // then there are no parts
   std::shared_ptr<const MeshFeatures> mesh;                   // nor here
+  std::shared_ptr<const FacetCurvature> facets;               // of the mesh, where there is lubrication
   std::vector<std::shared_ptr<const MeshFeatures>> surfaces;  // of the parts that are polytopes, for meshes
   bool plain;                                                 // one part, whose pose is the body's
   bool smooth;  // some part of it: lubrication films may form there
@@ -36,6 +38,9 @@ constexpr double least_margin = 1e-6;
 /// Least ratio of a gap's lesser curvature to the greater: below, it is a line contact, which the laws of
 /// lubrication do not know.
 constexpr double least_roundness = 0.02;
+
+/// Cosine of the angle up to which the normals of one gap differ.
+constexpr double same_gap = 0.95;
 
 /// Canonical and inside the domain also where a contact point lies behind a wall.
 Vec3 into_domain(const Extent& extent, Vec3 x) {
@@ -76,6 +81,7 @@ void DetectContacts::learn_shapes(const World& world) {
     if (const auto* tube = std::get_if<Tube>(&world.shapes[s])) known.tube = *tube;
     if (const auto* mesh = std::get_if<Mesh>(&world.shapes[s]))
       known.mesh = std::make_shared<const MeshFeatures>(*mesh), with_meshes_ = true;
+    if (known.mesh && world.lubrication) known.facets = std::make_shared<const FacetCurvature>(*known.mesh);
     const Pose pose = known.parts.empty() ? Pose{} : known.parts[0].pose;
     known.plain =
         known.parts.size() == 1 && pose.position.isZero(0) && pose.orientation.isApprox(Quat::Identity(), 0);
@@ -101,7 +107,8 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     const double travel =
         dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_in_fluid[row]);
     double margin = std::min(margin_safety * travel + least_margin * radius, world.contact_margin);
-    if (world.lubrication && shapes_[bodies.shape[row]].smooth)
+    const ShapeParts& shape = shapes_[bodies.shape[row]];
+    if (world.lubrication && (shape.smooth || shape.mesh))
       margin = std::max(margin, world.lubrication->reach());
     reach_[row] = {radius, margin};
   }
@@ -133,8 +140,8 @@ double DetectContacts::pair_margin(const World& world, const BodySet& bodies, co
       (std::abs(bodies.weight_in_fluid[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_in_fluid[p.row_b])));
   const double least = least_margin * (reach_[p.row_a].radius + (wall ? 0.0 : reach_[p.row_b].radius));
   const double margin = std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin);
-  const auto smooth = [&](std::size_t row) { return shapes_[bodies.shape[row]].smooth; };
-  if (!world.lubrication || !smooth(p.row_a) || !smooth(p.row_b)) return margin;
+  if (!world.lubrication || !may_lubricate(shapes_[bodies.shape[p.row_a]], shapes_[bodies.shape[p.row_b]]))
+    return margin;
   return std::max(margin, world.lubrication->reach());
 }
 
@@ -165,15 +172,36 @@ bool DetectContacts::bodies_apart(const BodySet& bodies, const CandidatePair& p,
          ((a.lower - b.upper - from_a_to_b).array() > margin).any();
 }
 
+/// A mesh stands for a smooth surface that it is near to. Of two meshes nothing is known.
+bool DetectContacts::may_lubricate(const ShapeParts& a, const ShapeParts& b) {
+  const auto any = [](const ShapeParts& s) { return s.smooth || s.mesh || s.tube; };
+  return (a.smooth && any(b)) || (b.smooth && any(a));
+}
+
+/// The gap between two convex pieces that touch at one point has a film there. A mesh may touch a body at
+/// several points of one gap: its film is where it is narrowest.
+bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) const {
+  if (!with_mesh) return points_.size() == 1;
+  const auto is_wider_than = [&](const ContactPoint& other) {
+    return std::tie(other.gap, other.feature) < std::tie(point.gap, point.feature) &&
+           other.normal.dot(point.normal) > same_gap;
+  };
+  return std::none_of(points_.begin(), points_.end(), is_wider_than);
+}
+
 /// Where both surfaces are smooth and curve away from each other.
-void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, const PosedPart& a,
-                                     const PosedPart& b, const ContactPoint& point, Contact& c) const {
+void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, const Piece& a, const Piece& b,
+                                     const ContactPoint& point, Contact& c) const {
   const BodySet& bodies = call.bodies;
   const Vec3& n = point.normal;
-  const auto curvature_W = [](const PosedPart& part, const Vec3& x,
-                              const Vec3& outward) -> std::optional<Mat3> {
-    const Mat3 r = part.pose.orientation.toRotationMatrix();
-    const auto k = curvature(part.shape, part.pose.to_body(x), r.transpose() * outward);
+  const auto curvature_W = [&](const Piece& piece, const Vec3& x,
+                               const Vec3& outward) -> std::optional<Mat3> {
+    const Mat3 r = piece.pose.orientation.toRotationMatrix();
+    const Vec3 outward_B = r.transpose() * outward;
+    const auto k = piece.of.mesh ? piece.of.facets->at(feature_of(point.feature))
+                   : piece.of.tube
+                       ? piece.of.tube->curvature(outward_B)
+                       : curvature(piece.of.parts[piece.index].shape, piece.pose.to_body(x), outward_B);
     if (!k) return std::nullopt;
     return r * *k * r.transpose();
   };
@@ -181,10 +209,10 @@ void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, c
   if (!of_a || !of_b) return;
   const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
   const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
-  const LubricatedGap gap{
-      point.gap, call.dt * opening, *of_a, *of_b, middle, n, shapes_[bodies.shape[p.row_b]].half_space};
+  const LubricatedGap gap{point.gap, call.dt * opening, *of_a, *of_b, middle, n, b.of.half_space};
   const double sum = gap.curvature_sum();
-  if (gap.curvature_product() >= least_roundness * sum * sum) c.lubrication = (*call.world.lubrication)(gap);
+  if (sum > 0 && gap.curvature_product() >= least_roundness * sum * sum)
+    c.lubrication = (*call.world.lubrication)(gap);
   if (c.lubrication) c.feature |= lubrication_feature;
 }
 
@@ -230,14 +258,15 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
   const bool single = a.pieces() == 1 && b.pieces() == 1, with_mesh = a.mesh || b.mesh;
   const bool at_wall = is_wall(bodies.id[p.row_b]);
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
-  const LubricationLaw* const lubrication = a.smooth && b.smooth ? world.lubrication.get() : nullptr;
+  const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   std::size_t deepest = first;
   for (std::size_t i = 0; i < a.pieces(); ++i)
     for (std::size_t j = 0; j < b.pieces(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
       const Pose piece_a = a.pose_of(i, pose_a), piece_b = b.pose_of(j, pose_b);
-      collide_pieces({a, i, piece_a}, {b, j, piece_b}, margin, call.backend);
+      const Piece of_a{a, i, piece_a}, of_b{b, j, piece_b};
+      collide_pieces(of_a, of_b, margin, call.backend);
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
         const Vec3 common = at_wall ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
@@ -245,9 +274,8 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
             with_mesh ? packed_mesh_feature(i + j, point.feature) : packed_feature(i, j, point.feature);
         contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, feature, point.normal, point.gap,
                             common, common - from_a_to_b, material.restitution, material.friction});
-        if (lubrication && points_.size() == 1 && point.gap < lubrication->reach())
-          put_lubrication(call, p, {a.parts[i].shape, piece_a}, {b.parts[j].shape, piece_b}, point,
-                          contacts.back());
+        if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
+          put_lubrication(call, p, of_a, of_b, point, contacts.back());
         if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }
     }

@@ -44,14 +44,10 @@ class DetectContacts {
     CollisionBackend& backend;
     double dt;
   };
-  struct PosedPart {
-    const ConvexShape& shape;
-    const Pose& pose;  // in the frame of the query
-  };
   struct Piece {  // a part of a body, or a mesh or tube
     const ShapeParts& of;
     std::size_t index;
-    const Pose& pose;
+    const Pose& pose;  // in the frame of the query
   };
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
@@ -63,8 +59,10 @@ class DetectContacts {
   void collide_meshes(const Piece& a, const Piece& b, double margin, CollisionBackend&);
   void collide_pair(const Call&, const CandidatePair&, const Vec3& from_a_to_b, double margin,
                     std::vector<Contact>& contacts);
-  void put_lubrication(const Call&, const CandidatePair&, const PosedPart& a, const PosedPart& b,
-                       const ContactPoint&, Contact&) const;
+  static bool may_lubricate(const ShapeParts& a, const ShapeParts& b);
+  bool has_lubrication(const ContactPoint&, bool with_mesh) const;
+  void put_lubrication(const Call&, const CandidatePair&, const Piece& a, const Piece& b, const ContactPoint&,
+                       Contact&) const;
   void count_lubrication(const LubricationLaw&, std::span<const Contact>);
   bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
                    const Pose& pose_b, double margin) const;

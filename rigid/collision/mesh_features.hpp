@@ -25,6 +25,7 @@ class MeshFeatures {
   const Mesh& mesh() const { return mesh_; }
   const Vec3& corner(std::uint32_t vertex) const { return surface().vertices()[vertex]; }
   const Edge& edge(std::uint32_t e) const { return edges_[e]; }
+  std::uint32_t edge_count() const { return static_cast<std::uint32_t>(edges_.size()); }
   /// The edge from corner k of a triangle to its next.
   std::uint32_t edge_of(std::uint32_t triangle, int k) const { return edges_of_[triangle][k]; }
   std::uint32_t facet(std::uint32_t triangle) const { return facet_[triangle]; }
@@ -47,7 +48,7 @@ class MeshFeatures {
   std::uint32_t code_of_corner(std::uint32_t vertex) const { return vertex; }
   std::uint32_t code_of_edge(std::uint32_t e) const { return vertex_count() + e; }
   std::uint32_t code_of_facet(std::uint32_t triangle) const {
-    return vertex_count() + static_cast<std::uint32_t>(edges_.size()) + facet_[triangle];
+    return vertex_count() + edge_count() + facet_[triangle];
   }
 
   static constexpr double flat = 1e-4;

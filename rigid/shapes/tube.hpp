@@ -17,6 +17,12 @@ struct Tube {
   std::optional<LineInterval> hollow_interval(const Vec3& o, const Vec3& d) const;
   double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
   BoundingBox bounding_box(const Pose&) const { return BoundingBox::everything(); }
+  /// As that of a convex shape (convex_shape.hpp), where its outward normal, towards the axis, is n_B:
+  /// hollow, so negative.
+  Mat3 curvature(const Vec3& n_B) const {
+    const Vec3 around = n_B.cross(Vec3::UnitZ());
+    return -1 / radius * around * around.transpose();
+  }
   double reach(const Pose&) const { return std::numeric_limits<double>::infinity(); }
   MassProperties mass_properties() const { throw std::invalid_argument("a tube has no mass"); }
   double least_width() const { return std::numeric_limits<double>::infinity(); }
