@@ -72,6 +72,7 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     counters_.sweeps = saved->counters.sweeps;
     initial_ = saved->initial;
     fluid_speed_ = saved->fluid_speed;
+    if (scene_.rigid_step && saved->step > 0) scene_.rigid_step->resume();
   } else {
     initial_ = balance();
     faults_.hold_runaways(setup(), motion_limits_, scene_.bodies, step_);

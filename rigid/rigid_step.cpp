@@ -41,7 +41,9 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
       resolver_(resolver),
       exchange_(exchange),
       clock_([&exchange] { return exchange.traffic(); }),
-      detect_contacts_(std::move(broad_phase)) {}
+      detect_contacts_(std::move(broad_phase)) {
+  velocities_.start = true;
+}
 
 RigidStepReport RigidStep::operator()(BodySet& bodies, double dt) {
   return substep(bodies, dt, true);
@@ -89,6 +91,7 @@ void RigidStep::exchange_contacts(BodySet& bodies, RigidStepReport& report) {
 
 void RigidStep::resolve_contacts(BodySet& bodies, double dt, RigidStepReport& report) {
   report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);
+  velocities_.start = false;
 }
 
 /// The second half of the drift, with the velocities after the contacts.

@@ -42,6 +42,9 @@ class RigidStep {
   RigidStepReport operator()(BodySet&, double dt);
   /// Advances by a step of length 1 in `substeps` equal parts, the given forces held over all of them.
   RigidStepReport advance(BodySet&, int substeps);
+  /// The bodies come from an earlier run: the next step is not their start, in which contacts of chains are
+  /// solved more exactly since there is no impulse to begin with.
+  void resume() { velocities_.start = false; }
   /// What is to be done when the velocities of a sub-step are final and no body has moved by them; may be
   /// empty.
   std::function<void(BodySet&)> before_drift;

@@ -80,6 +80,17 @@ void read_materials(TableReader& root, const rigid::Material& standard, Case& sc
   read_material_pairs(root, scene);
 }
 
+/// Pairs that lose nothing collide one after the other, where no fluid takes part: all at once, one of three
+/// bodies that meet in a step may be only stopped.
+void collide_without_loss(Case& scene) {
+  constexpr int enough = 1000;  // a cluster comes to rest before
+  const bool some = std::any_of(scene.pair_materials.begin(), scene.pair_materials.end(),
+                                [](const rigid::Material& m) { return m.restitution == 1; });
+  if (!some || scene.fluid || !rigid::resolver_model(scene.contacts.resolver).has_impact_phase) return;
+  scene.contacts.resolver_settings.impact_sweeps = enough;
+  scene.contacts.resolver_settings.impact_restitution = 1;
+}
+
 int read_shape_name(TableReader& table, const Case& scene) {
   if (!table.has("shape"))
     table.missing("shape", "the name of one of [[shapes]]: " + joined(scene.shape_names));
@@ -159,6 +170,7 @@ int read_material_name(TableReader& table, const std::vector<std::string>& mater
 void read_contacts(TableReader& root, Case& scene) {
   rigid::Material standard;
   TableReader table = root.table("contacts");
+  const bool impacts_given = table.present() && table.has("impact_sweeps");
   if (table.present()) {
     ContactSpec& c = scene.contacts;
     c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
@@ -188,6 +200,7 @@ void read_contacts(TableReader& root, Case& scene) {
     c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);
   }
   read_materials(root, standard, scene);
+  if (!impacts_given) collide_without_loss(scene);
 }
 
 void read_bodies(TableReader& root, Case& scene) {

@@ -16,21 +16,21 @@ constexpr double worth_another = 0;      // ... relative to what the pair change
 struct Rounds {
   PairMotion motion;
   Mask active;
-  Real8 change{}, scale{};                        // squared, largest of the round
-  Real8 moved{};                                  // at most: a contact's impulse, in all rounds
+  Lanes change{}, scale{};                        // squared, largest of the round
+  Lanes moved{};                                  // at most: a contact's impulse, in all rounds
   Mask cut_short{};                               // by the number of rounds
   const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
 
   /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of rigid/README.md, (L2)
   /// in a lubrication film.
-  static Real8 normal(const BlockContact& c, const BlockLubrication* lubrication, Real8 stop, Real8 u_n) {
-    const Real8 hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
-    return larger(lubrication ? lubrication->normal_damped * stop : Real8{}, hard);
+  static Lanes normal(const BlockContact& c, const BlockLubrication* lubrication, Lanes stop, Lanes u_n) {
+    const Lanes hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
+    return larger(lubrication ? lubrication->normal_damped * stop : Lanes(), hard);
   }
   static Vector tangential(const BlockContact& c, const BlockLubrication* lubrication, const Vector& stop,
-                           Real8 stop_n, Real8 p_n) {
+                           Lanes stop_n, Lanes p_n) {
     if (!lubrication) return into_cone(stop, c.friction * p_n);
-    const Real8 pressing = lubrication->normal_stiffness * (p_n - lubrication->normal_damped * stop_n);
+    const Lanes pressing = lubrication->normal_stiffness * (p_n - lubrication->normal_damped * stop_n);
     const Vector rubbed = into_cone(stop, c.friction * pressing);
     return rubbed + (stop - rubbed) * lubrication->tangential_damped;
   }
@@ -38,37 +38,36 @@ struct Rounds {
   /// (C4), then (C5): first the normal impulse, then the tangential one.
   void solve(const BlockGroup& g, BlockContact& c, const BlockLubrication* lubrication) {
     const Vector r = load(c.r), n = load(c.normal), u = motion.at(r), old_t = load(c.tangential_impulse);
-    const Real8 old_n = c.normal_impulse;
-    const Real8 u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n,
+    const Lanes old_n = c.normal_impulse;
+    const Lanes u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n,
                 p_n = normal(c, lubrication, stop_n, u_n);
-    const Real8 d_n = active ? p_n - old_n : Real8{};
+    const Lanes d_n = choose(active, p_n - old_n, Lanes{});
     const Vector s = u + load(c.k_normal) * d_n, stop_t = old_t - (s - n * dot(s, n)) * c.inverse_k_t;
     const Vector p_t = tangential(c, lubrication, stop_t, stop_n, p_n);
     const Vector d_t = choose(active, p_t - old_t, Vector{});
-    c.normal_impulse = active ? p_n : old_n;
+    c.normal_impulse = choose(active, p_n, old_n);
     store(c.tangential_impulse, choose(active, p_t, old_t));
     change = larger(change, d_n * d_n + dot(d_t, d_t));
-    scale = active ? larger(scale, p_n * p_n + dot(p_t, p_t)) : scale;
+    scale = choose(active, larger(scale, p_n * p_n + dot(p_t, p_t)), scale);
     motion.push(g, r, n * d_n + d_t);
   }
 
   /// Squared, of the whole pair in this sweep.
-  Real8 total(const BlockGroup& g) const {
+  Lanes total(const BlockGroup& g) const {
     return dot(motion.impulse, motion.impulse) +
            g.inverse_arm * g.inverse_arm * dot(motion.angular, motion.angular);
   }
 
   /// A lane that has settled ends, and keeps its result whatever the others do.
   void run(const BlockGroup& g, BlockContact* contacts, double tolerance, int rounds) {
-    Mask final;
-    for (int l = 0; l < lane_count; ++l) final[l] = g.bodies.again[l] ? 0 : -1;
+    const Mask final = ~goes_on(g.bodies);
     for (int round = 0; round < most_rounds && any(active); ++round) {
-      change = Real8{};
-      scale = active ? Real8{} : scale;
+      change = Lanes{};
+      scale = choose(active, Lanes{}, scale);
       for (std::uint32_t c = 0; c < g.count; ++c)
         solve(g, contacts[c], lubrication ? lubrication + c : nullptr);
       moved += square_root(change);
-      const Real8 enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
+      const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
       active = active & (change > enough);
       if (round + 1 < rounds) continue;
       if (round + 1 < most_rounds) {
@@ -93,7 +92,7 @@ class CarryOn {
   void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion,
                   const LanesToSolve& lanes) const {
     if (!used_) return;
-    Real8 led_wrong{};
+    Lanes led_wrong{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse);
@@ -101,14 +100,14 @@ class CarryOn {
                    dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
     }
     const Mask on = lanes.on;
-    const Real8 beta = momentum(g.age, led_wrong, lanes.to_carry);
-    g.carried = on ? beta : g.carried;
+    const Lanes beta = momentum(g.age, led_wrong, lanes.to_carry);
+    g.carried = choose(on, beta, g.carried);
     for (std::uint32_t k = 0; k < g.count; ++k) {
       BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse), last_t = load(c.last_tangential);
-      const Real8 found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
+      const Lanes found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
       const Vector on_t = (found_t - last_t) * beta;
-      c.last_normal = on ? found_n : c.last_normal;
+      c.last_normal = choose(on, found_n, c.last_normal);
       store(c.last_tangential, choose(on, found_t, last_t));
       c.normal_impulse = found_n + on_n;
       store(c.tangential_impulse, found_t + on_t);
@@ -119,7 +118,7 @@ class CarryOn {
  private:
   static constexpr std::uint32_t most = 16;  // contacts of a pair; more are not carried on
   bool used_;
-  Real8 old_n_[most];
+  Lanes old_n_[most];
   Vector old_t_[most];
 };
 
@@ -127,12 +126,12 @@ class CarryOn {
 void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
-  const Real8 change = larger(rounds.total(g), rounds.moved * rounds.moved);
-  const Real8 scale = larger(rounds.scale, g.least_scale * g.least_scale);
-  const Real8 moved = change > 0 ? square_root(change / scale) : Real8{};
-  for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l] != 0;
-  const Real8 relative = rounds.cut_short ? larger(moved, Real8{} + 2 * tolerance) : moved;
-  g.relative_change = solved ? relative : Real8{} - 1;
+  const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
+  const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
+  const Lanes moved = choose(change > 0, square_root(change / scale), Lanes{});
+  for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l];
+  const Lanes relative = choose(rounds.cut_short, larger(moved, Lanes{} + 2 * tolerance), moved);
+  g.relative_change = choose(solved, relative, -1);
 }
 
 }  // namespace
@@ -149,7 +148,7 @@ SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* a
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
     const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
-    g.relative_change = Real8{} - 1;
+    g.relative_change = Lanes{} - 1;
     if (!any(lanes.on)) continue;
     const CarryOn carry_on(g, contacts);
     Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), lanes.on};
@@ -164,7 +163,7 @@ SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* a
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     rounds.run(g, contacts, sweep.push ? converged_push : converged,
                sweep.number <= few_sweeps ? few_rounds : most_rounds);
-    g.carried = lanes.on ? Real8{} : g.carried;
+    g.carried = choose(lanes.on, Lanes{}, g.carried);
     if (!sweep.plain) carry_on(g, contacts, rounds.motion, lanes);
     finish(g, rounds, lanes.on, sweep.tolerance);
     outcome.add(g, g.relative_change);

@@ -6,7 +6,7 @@ namespace {
 
 struct CentralChange {
   Vector impulse, torque;  // torque per unit of arm: normal x impulse
-  Real8 relative;
+  Lanes relative;
 };
 
 /// (C4) and (C5) of rigid/README.md for eight contacts, carried on along their last change. `rubs` false:
@@ -16,10 +16,10 @@ template <bool rubs>
 CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const LanesToSolve& lanes) {
   const Mask on = lanes.on;
   const Vector n = load(g.normal), u = b.v - a.v;
-  const Real8 old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
-  const Real8 found_n = larger(Real8{}, old_n + (g.target - u_n) * g.inverse_k_n);
-  const Real8 on_n = found_n - last_n;
-  Real8 led_wrong = (old_n - found_n) * on_n;
+  const Lanes old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
+  const Lanes found_n = larger(Lanes{}, old_n + (g.target - u_n) * g.inverse_k_n);
+  const Lanes on_n = found_n - last_n;
+  Lanes led_wrong = (old_n - found_n) * on_n;
   Vector old_t, last_t, found_t, on_t;
   if constexpr (rubs) {
     old_t = load(g.tangential_impulse);
@@ -29,12 +29,12 @@ CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const Lanes
     on_t = found_t - last_t;
     led_wrong += dot(old_t - found_t, on_t);
   }
-  const Real8 beta = momentum(g.age, led_wrong, lanes.to_carry);
-  g.carried = on ? beta : g.carried;
-  const Real8 p_n = found_n + beta * on_n, d_n = on ? p_n - old_n : Real8{}, step_n = found_n - old_n;
-  g.normal_impulse = on ? p_n : old_n;
-  g.last_normal = on ? found_n : last_n;
-  Real8 moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
+  const Lanes beta = momentum(g.age, led_wrong, lanes.to_carry);
+  g.carried = choose(on, beta, g.carried);
+  const Lanes p_n = found_n + beta * on_n, d_n = choose(on, p_n - old_n, Lanes{}), step_n = found_n - old_n;
+  g.normal_impulse = choose(on, p_n, old_n);
+  g.last_normal = choose(on, found_n, last_n);
+  Lanes moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
   CentralChange change{n * d_n, {}, {}};
   if constexpr (rubs) {
     const Vector p_t = found_t + on_t * beta, step_t = found_t - old_t;
@@ -48,9 +48,9 @@ CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const Lanes
     change.impulse += d_t;
     change.torque = cross(n, d_t);
   }
-  const Real8 most = larger(moved, stepped);
-  const Real8 scale = larger(larger(before, after), g.least_scale * g.least_scale);
-  change.relative = most > 0 ? square_root(most / scale) : Real8{};
+  const Lanes most = larger(moved, stepped);
+  const Lanes scale = larger(larger(before, after), g.least_scale * g.least_scale);
+  change.relative = choose(most > 0, square_root(most / scale), Lanes{});
   return change;
 }
 
@@ -82,7 +82,7 @@ void add_to_bodies(const CentralGroup& g, const CentralChange& change, Mask on, 
 }
 
 template <bool rubs>
-Real8 sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
+Lanes sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
                   const ContactSweep& sweep) {
   const CentralChange change = solve<rubs>(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), lanes);
   add_to_bodies<rubs>(g, change, lanes.on, sweep.tolerance, sums);

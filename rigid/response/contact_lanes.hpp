@@ -11,8 +11,19 @@
 namespace silt::rigid {
 
 inline constexpr int lane_count = 8;
-/// A Real8 holds one number of each of eight pairs: a vector type, whatever the width of the machine's own.
-using Real8 = double __attribute__((vector_size(lane_count * sizeof(double))));
+/// A Real8 holds one number of each of eight pairs. The kernels compute with Lanes (wide_kernel.hpp).
+struct alignas(64) Real8 {
+  double lane[lane_count];
+
+  double& operator[](int l) { return lane[l]; }
+  double operator[](int l) const { return lane[l]; }
+  template <class Lanes>
+  requires requires(const Lanes& x, double* to) { x.store(to); }
+  Real8& operator=(const Lanes& x) {
+    x.store(lane);
+    return *this;
+  }
+};
 
 /// The sweeps see a body as one cache line.
 struct alignas(64) BodyState {

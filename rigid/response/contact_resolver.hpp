@@ -20,7 +20,8 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
-  int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  int impact_sweeps = 0;          // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  double impact_restitution = 0;  // the least with which a pair takes part in it
   std::shared_ptr<const ImpactSink>
       impacts;             // sffd: told of every impact but those of the impact phase; null: nobody
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
@@ -51,6 +52,7 @@ struct ResolverStatistics {
 
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
 struct StepVelocities {
+  bool start = false;                     // in: nothing happened before, so no impulse is stored
   std::vector<std::size_t> rows;          // that have a contact
   std::vector<Vec3> before_v, before_w;   // before the kick: what restitution sees
   std::vector<Vec3> v, w;                 // in: after the kick; out: after the contacts

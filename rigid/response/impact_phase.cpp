@@ -59,7 +59,7 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
   for (std::size_t first = 0, last; first < contacts.size(); first = last) {
     const Contact& c = contacts[first];
     for (last = first + 1; last < contacts.size() && contacts[last].pair() == c.pair();) ++last;
-    if (c.restitution <= 0) continue;
+    if (!takes(c)) continue;
     const std::size_t a = involve(bodies, bodies.row_of(c.a)), b = involve(bodies, bodies.row_of(c.b));
     if (!bodies_[a].moves && !bodies_[b].moves) continue;  // its owners' business
     // of a wall only its turning matters, and few turn
@@ -339,7 +339,8 @@ ResolverStatistics ImpactThenContact::resolve(BodySet& bodies, const std::vector
                                               double dt, StepVelocities& velocities, BodyExchange& exchange) {
   const int sweeps = impact_(bodies, contacts, dt, velocities, exchange);
   plastic_ = contacts;
-  for (Contact& c : plastic_) c.restitution = 0;
+  for (Contact& c : plastic_)
+    if (impact_.takes(c)) c.restitution = 0;
   ResolverStatistics statistics = contact_->resolve(bodies, plastic_, dt, velocities, exchange);
   statistics.impact_sweeps = sweeps;
   return statistics;

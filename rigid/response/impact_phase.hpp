@@ -26,8 +26,11 @@ namespace silt::rigid {
 class ImpactPhase {
  public:
   /// most_sweeps: of the normal and of the tangential impulses of a round, and most rounds of a step.
-  /// Impulses of a cluster that they cut short count as plastic.
-  explicit ImpactPhase(int most_sweeps) : most_sweeps_(most_sweeps) {}
+  /// Impulses of a cluster that they cut short count as plastic. Pairs of a restitution below the least take
+  /// no part.
+  explicit ImpactPhase(int most_sweeps, double least_restitution = 0)
+      : most_sweeps_(most_sweeps), least_restitution_(least_restitution) {}
+  bool takes(const Contact& c) const { return c.restitution > 0 && c.restitution >= least_restitution_; }
 
   /// Changes velocities.before_v and before_w of every row, v and w of owned rows by as much. contacts: as
   /// for a resolver. Returns how many sweeps this rank took part in.
@@ -80,6 +83,7 @@ class ImpactPhase {
   bool rubs() const;
 
   int most_sweeps_;
+  double least_restitution_;
   bool cut_short_ = false;  // the last sweeps, by their number
   std::vector<Body> bodies_;
   std::vector<Pair> pairs_;
@@ -89,11 +93,11 @@ class ImpactPhase {
   std::vector<double> state_;               // a row of the BodySet: v, w, and what else is shared
 };
 
-/// sffd after an impact phase: the contacts then no longer bounce.
+/// sffd after an impact phase: its contacts then no longer bounce.
 class ImpactThenContact : public ContactResolver {
  public:
-  ImpactThenContact(int most_sweeps, std::unique_ptr<ContactResolver> contact)
-      : impact_(most_sweeps), contact_(std::move(contact)) {}
+  ImpactThenContact(const ImpactPhase& impact, std::unique_ptr<ContactResolver> contact)
+      : impact_(impact), contact_(std::move(contact)) {}
   std::string_view name() const override { return contact_->name(); }
   double first_kick() const override { return contact_->first_kick(); }
   ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
@@ -102,7 +106,7 @@ class ImpactThenContact : public ContactResolver {
  private:
   ImpactPhase impact_;
   std::unique_ptr<ContactResolver> contact_;
-  std::vector<Contact> plastic_;  // the contacts without restitution
+  std::vector<Contact> plastic_;  // the contacts, those of the impact phase without restitution
 };
 
 }  // namespace silt::rigid

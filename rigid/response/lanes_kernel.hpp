@@ -1,52 +1,28 @@
 #pragma once
-// Arithmetic on eight pairs at a time, for the contact kernels. Only for *_kernel.cpp: built once an
-// instruction set.
-#include <cmath>
-
-#include "rigid/response/contact_lanes.hpp"
+// Vectors, bodies and sweeps of eight pairs at a time, for the contact kernels. Only for *_kernel.cpp: built
+// once an instruction set.
+#include "rigid/response/wide_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-using Mask = decltype(Real8{} < Real8{});  // all bits of a lane set: true
-
-inline Real8 larger(Real8 a, Real8 b) {
-  return a > b ? a : b;
-}
-inline Real8 square_root(Real8 x) {
-  Real8 root;
-  for (int l = 0; l < lane_count; ++l) root[l] = std::sqrt(x[l]);
-  return root;
-}
-inline bool any(Mask m) {
-  long long bits = 0;
-  for (int l = 0; l < lane_count; ++l) bits |= m[l];
-  return bits != 0;
-}
-/// The largest of the lanes.
-inline double largest(Real8 x) {
-  double most = x[0];
-  for (int l = 1; l < lane_count; ++l) most = x[l] > most ? x[l] : most;
-  return most;
-}
-
 struct Vector {
-  Real8 x, y, z;
+  Lanes x, y, z;
 
   Vector operator+(const Vector& o) const { return {x + o.x, y + o.y, z + o.z}; }
   Vector operator-(const Vector& o) const { return {x - o.x, y - o.y, z - o.z}; }
-  Vector operator*(Real8 s) const { return {s * x, s * y, s * z}; }
+  Vector operator*(Lanes s) const { return {s * x, s * y, s * z}; }
   Vector& operator+=(const Vector& o) { return *this = *this + o; }
   Vector& operator-=(const Vector& o) { return *this = *this - o; }
 };
-inline Real8 dot(const Vector& a, const Vector& b) {
+inline Lanes dot(const Vector& a, const Vector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 inline Vector cross(const Vector& a, const Vector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline Vector choose(Mask m, const Vector& a, const Vector& b) {
-  return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z};
+  return {choose(m, a.x, b.x), choose(m, a.y, b.y), choose(m, a.z, b.z)};
 }
 inline Vector load(const Real8* v) {
   return {v[0], v[1], v[2]};
@@ -67,15 +43,18 @@ struct LanesToSolve {
   Mask on;  // all in the first sweep, then those of which a body changed or whose impulses were carried on
   Mask to_carry;  // of them, whose impulses are then carried on: not those at rest but for being carried
 };
-inline LanesToSolve to_solve(const LaneBodies& bodies, Real8 carried, const BodyState* state,
+inline LanesToSolve to_solve(const LaneBodies& bodies, const Real8& carried, const BodyState* state,
                              const ContactSweep& sweep) {
   LanesToSolve lanes;
   const bool first = sweep.number == 1;
-  for (int l = 0; l < lane_count; ++l) {
-    const bool woken = bodies.again[l] && (state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0);
-    lanes.on[l] = first || woken || carried[l] != 0 ? -1 : 0;
-    lanes.to_carry[l] = bodies.again[l] && (first || woken) && !sweep.plain ? -1 : 0;
-  }
+  const Mask all = mask_of([&](int) { return first; });
+  const Mask goes_on = mask_of([&](int l) { return bodies.again[l]; });
+  const Mask woken = goes_on & mask_of([&](int l) {
+                       return state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0;
+                     });
+  const Mask carries = mask_of([&](int) { return !sweep.plain; });
+  lanes.on = all | woken | (Lanes(carried) != 0);
+  lanes.to_carry = goes_on & (all | woken) & carries;
   return lanes;
 }
 
@@ -84,53 +63,46 @@ struct Twist {
   Vector v, w;
 
   Twist(const std::int32_t* rows, const BodyState* state) {
-    for (int l = 0; l < lane_count; ++l) {
-      const BodyState& s = state[rows[l]];
-      v.x[l] = s.v[0];
-      v.y[l] = s.v[1];
-      v.z[l] = s.v[2];
-      w.x[l] = s.w[0];
-      w.y[l] = s.w[1];
-      w.z[l] = s.w[2];
-    }
+    const auto one = [&](auto of) { return gathered([&](int l) { return of(state[rows[l]]); }); };
+    v = {one([](const BodyState& s) { return s.v[0]; }), one([](const BodyState& s) { return s.v[1]; }),
+         one([](const BodyState& s) { return s.v[2]; })};
+    w = {one([](const BodyState& s) { return s.w[0]; }), one([](const BodyState& s) { return s.w[1]; }),
+         one([](const BodyState& s) { return s.w[2]; })};
   }
 };
 
 /// How far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since the
 /// last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts anew (O'Donoghue, Candes, Found.
 /// Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
-inline Real8 momentum(Real8& age, Real8 led_wrong, Mask on) {
-  const Mask restart = led_wrong > 0;
-  const Real8 one = age * 0 + 1, k = restart ? one : age;
-  age = on ? k + 1 : age;
-  return on ? (k - 1) / (k + 2) : Real8{};
+inline Lanes momentum(Real8& age, const Lanes& led_wrong, const Mask& on) {
+  const Lanes before = age, k = choose(led_wrong > 0, 1, before);
+  age = choose(on, k + 1, before);
+  return choose(on, (k - 1) / (k + 2), 0);
 }
 inline Mask goes_on(const LaneBodies& bodies) {
-  Mask on;
-  for (int l = 0; l < lane_count; ++l) on[l] = bodies.again[l] ? -1 : 0;
-  return on;
+  return mask_of([&](int l) { return bodies.again[l]; });
 }
 
 /// What the groups of a sweep have found.
 class Outcome {
  public:
   template <class Group>
-  void add(const Group& g, Real8 relative_change) {
-    residual_ = goes_on(g.bodies) & (relative_change > residual_) ? relative_change : residual_;
-    carried_ = carried_ | (g.carried != 0);
+  void add(const Group& g, Lanes relative_change) {
+    residual_ = choose(goes_on(g.bodies) & (relative_change > residual_), relative_change, residual_);
+    carried_ = carried_ | (Lanes(g.carried) != 0);
     solved_ = true;
   }
   SweepOutcome all() const { return {largest(residual_), solved_, any(carried_)}; }
 
  private:
-  Real8 residual_{};
+  Lanes residual_{};
   Mask carried_{};
   bool solved_ = false;
 };
 
 /// Tangential impulses brought back into the cone.
-inline Vector into_cone(const Vector& q, Real8 limit) {
-  const Real8 square = dot(q, q);
+inline Vector into_cone(const Vector& q, Lanes limit) {
+  const Lanes square = dot(q, q);
   const Mask outside = square > limit * limit;
   if (!any(outside)) return q;  // roots and quotients are what a round waits for
   return choose(outside, q * (limit / square_root(square)), q);

@@ -12,7 +12,7 @@ namespace {
 
 /// Impulses on b: at the contact, and against rolling.
 struct LubricatedImpulse {
-  Real8 normal;
+  Lanes normal;
   Vector tangential, rolling;
 
   LubricatedImpulse operator-(const LubricatedImpulse& o) const {
@@ -21,14 +21,15 @@ struct LubricatedImpulse {
   LubricatedImpulse operator+(const LubricatedImpulse& o) const {
     return {normal + o.normal, tangential + o.tangential, rolling + o.rolling};
   }
-  LubricatedImpulse operator*(Real8 s) const { return {normal * s, tangential * s, rolling * s}; }
+  LubricatedImpulse operator*(Lanes s) const { return {normal * s, tangential * s, rolling * s}; }
 };
 
-Real8 dot(const LubricatedImpulse& p, const LubricatedImpulse& q) {
+Lanes dot(const LubricatedImpulse& p, const LubricatedImpulse& q) {
   return p.normal * q.normal + dot(p.tangential, q.tangential) + dot(p.rolling, q.rolling);
 }
 LubricatedImpulse choose(Mask m, const LubricatedImpulse& p, const LubricatedImpulse& q) {
-  return {m ? p.normal : q.normal, choose(m, p.tangential, q.tangential), choose(m, p.rolling, q.rolling)};
+  return {choose(m, p.normal, q.normal), choose(m, p.tangential, q.tangential),
+          choose(m, p.rolling, q.rolling)};
 }
 LubricatedImpulse impulse_of(const LubricatedGroup& g) {
   return {g.normal_impulse, load(g.tangential_impulse), load(g.rolling_impulse)};
@@ -42,14 +43,14 @@ LubricatedImpulse find(const LubricatedGroup& g, const LubricatedImpulse& old, c
                        const Twist& b) {
   const Vector n = load(g.normal), along = b.v - a.v;
   const Vector u = along + cross(b.w * g.arm_b - a.w * g.arm_a, n);
-  const Real8 u_n = dot(u, n);
+  const Lanes u_n = dot(u, n);
   const Vector across = along - n * dot(along, n);
   const Vector roll = cross(a.w * g.reach_a - b.w * g.reach_b, n) - across * g.skew;
 
-  const Real8 stop_n = old.normal - u_n * g.inverse_k_n;
+  const Lanes stop_n = old.normal - u_n * g.inverse_k_n;
   LubricatedImpulse p;
   p.normal = larger(g.normal_damped * stop_n, old.normal + (g.target - u_n) * g.inverse_k_n);
-  const Real8 pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
+  const Lanes pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
 
   const Vector unrolled = old.rolling * g.roll_keeps - roll * g.roll_gain;  // if slip took no impulse
   const Vector slip = u - n * u_n + (unrolled - old.rolling) * g.roll_to_slip;
@@ -62,7 +63,7 @@ LubricatedImpulse find(const LubricatedGroup& g, const LubricatedImpulse& old, c
 
 struct LubricatedChange {
   LubricatedImpulse impulse;
-  Real8 relative;
+  Lanes relative;
 };
 
 /// The pair, carried on along its last change (rigid/README.md, a sweep).
@@ -70,8 +71,8 @@ LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, const
   const Mask on = lanes.on;
   const LubricatedImpulse old = impulse_of(g), last = last_of(g), found = find(g, old, a, b),
                           on_by = found - last;
-  const Real8 beta = momentum(g.age, dot(old - found, on_by), lanes.to_carry);
-  g.carried = on ? beta : g.carried;
+  const Lanes beta = momentum(g.age, dot(old - found, on_by), lanes.to_carry);
+  g.carried = choose(on, beta, g.carried);
   const LubricatedImpulse p = found + on_by * beta, d = choose(on, p - old, LubricatedImpulse{}),
                           step = found - old;
   const LubricatedImpulse now = choose(on, p, old), then = choose(on, found, last);
@@ -81,9 +82,9 @@ LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, const
   store(g.last_tangential, then.tangential);
   store(g.rolling_impulse, now.rolling);
   store(g.last_rolling, then.rolling);
-  const Real8 change = larger(dot(d, d), dot(step, step));
-  const Real8 scale = larger(larger(dot(old, old), dot(p, p)), g.least_scale * g.least_scale);
-  return {d, change > 0 ? square_root(change / scale) : Real8{}};
+  const Lanes change = larger(dot(d, d), dot(step, step));
+  const Lanes scale = larger(larger(dot(old, old), dot(p, p)), g.least_scale * g.least_scale);
+  return {d, choose(change > 0, square_root(change / scale), Lanes{})};
 }
 
 void take(BodySum& body, const Vector& p, const Vector& torque, int l, double sign) {

@@ -12,6 +12,7 @@ namespace {
 constexpr int width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
 constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
 constexpr int accelerated_sweeps = 64;       // what is not at rest by then does better without
+constexpr int most_start_sweeps = 10000;     // of chains at the start: a ratio of masses of 10^4 takes 9000
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
@@ -163,7 +164,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
 }
 
 void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, double dt, Recall& recall) {
-  const std::span impulses(impulses_.data() + p.first, contacts.size());
+  const std::span impulses = impulses_of(p);
   if (bodies_[p.row_a].moves)
     recall.of_lower(p.row_a, contacts, impulses);
   else
@@ -187,15 +188,16 @@ double SffdResolver::least_scale(const Pair& p) const {
 }
 
 /// Each pair with the share of its bodies' masses that it has to itself.
-void SffdResolver::lay_out(const std::vector<Contact>& contacts, double dt) {
+void SffdResolver::lay_out(const std::vector<Contact>& contacts, double dt, bool links_only) {
   lanes_.clear(bodies_.size() - 1);
   for (Pair& p : pairs_) {
+    if (links_only && !p.link) continue;
     const std::size_t count = p.last - p.first;
     const bool again = state_[p.row_a].number > 1 || state_[p.row_b].number > 1;
     p.place = lanes_.add({p.row_a,
                           p.row_b,
                           {contacts.data() + p.first, count},
-                          {impulses_.data() + p.first, count},
+                          impulses_of(p),
                           {targets_.data() + p.first, count},
                           bodies_[p.row_a],
                           bodies_[p.row_b],
@@ -206,6 +208,55 @@ void SffdResolver::lay_out(const std::vector<Contact>& contacts, double dt) {
                           again});
   }
   lanes_.prepare();
+}
+
+std::span<ContactImpulse> SffdResolver::impulses_of(const Pair& p) {
+  return {impulses_.data() + p.first, p.last - p.first};
+}
+
+/// Tells the partners among how many pairs a body is divided, with its velocities.
+void SffdResolver::share_pair_numbers(BodySet& bodies, BodyExchange& exchange) {
+  for (const std::size_t row : involved_)
+    if (row < bodies.owned) state_[row].number = bodies_[row].moves ? bodies_[row].pairs : 0;
+  exchange.share(bodies, as_doubles(state_), width);
+}
+
+/// A pair of a chain: one of its bodies has no more than two. (A film has no impulse that could be solved
+/// for once more.)
+bool SffdResolver::is_link(const Pair& p, std::span<const Contact> contacts) const {
+  const auto is_in_chain = [&](std::size_t row) {
+    return bodies_[row].inverse_mass > 0 && state_[row].number <= 2;
+  };
+  return (is_in_chain(p.row_a) || is_in_chain(p.row_b)) &&
+         std::none_of(contacts.begin(), contacts.end(), [](const Contact& c) { return bool(c.lubrication); });
+}
+
+/// Sweeps over chains until they are at rest. A load passes a chain body by body, the slower the more the
+/// masses differ; a bed shares it. Returns how many sweeps there were; all pairs are laid out again.
+int SffdResolver::settle_links(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
+                               BodyExchange& exchange) {
+  for (const Pair& p : pairs_) lanes_.read_impulses(p.place, impulses_of(p));
+  share_pair_numbers(bodies, exchange);
+  for (const std::size_t row : involved_) bodies_[row].pairs = 0;
+  for (Pair& p : pairs_) {
+    p.link = is_link(p, {contacts.data() + p.first, p.last - p.first});
+    bodies_[p.row_a].pairs += p.link;
+    bodies_[p.row_b].pairs += p.link;
+  }
+  share_pair_numbers(bodies, exchange);
+  lay_out(contacts, dt, true);
+  double residual = 0;
+  const int sweeps = sweep_to_rest(
+      bodies, exchange, state_, {most_start_sweeps, most_start_sweeps, settings_.sweep_tolerance}, residual);
+  for (const std::size_t row : involved_) bodies_[row].pairs = 0;
+  for (const Pair& p : pairs_) {
+    if (p.link) lanes_.read_impulses(p.place, impulses_of(p));
+    ++bodies_[p.row_a].pairs;
+    ++bodies_[p.row_b].pairs;
+  }
+  share_pair_numbers(bodies, exchange);
+  lay_out(contacts, dt);
+  return sweeps;
 }
 
 /// Moves a body this rank owns.
@@ -220,20 +271,20 @@ void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const 
 /// Sweeps until the impulses are at rest, here and on the ranks that contacts connect this one with. Returns
 /// the number of the last sweep that solved anything here.
 int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
-                                double tolerance, bool push, double& residual) {
+                                const Sweeps& sweeps, double& residual) {
   CommonRest rest(exchange);
   int last = 0;
   for (int i = 1;; ++i) {
     SweepOutcome found;
     if (!rest.idle()) {
       for (const std::size_t row : involved_) sums_[row] = {};
-      const bool plain = i >= std::min(settings_.max_sweeps, accelerated_sweeps);
-      found = lanes_.sweep(state, sums_, {i, plain, push, tolerance});
+      const bool plain = i >= std::min(sweeps.most, sweeps.accelerated);
+      found = lanes_.sweep(state, sums_, {i, plain, sweeps.push, sweeps.tolerance});
       for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
     }
     if (found.solved) last = i;
-    residual = i >= settings_.max_sweeps ? found.residual : 0;
-    if (rest.reached(found.residual > tolerance || found.carried) || i >= settings_.max_sweeps) return last;
+    residual = i >= sweeps.most ? found.residual : 0;
+    if (rest.reached(found.residual > sweeps.tolerance || found.carried) || i >= sweeps.most) return last;
     rest.share(bodies, as_doubles(state), width);
   }
 }
@@ -281,7 +332,7 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
       prefetch_impulses(bodies.stored_impulses[soon->row_b]);
     }
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
-    const std::span impulses(impulses_.data() + p.first, of_pair.size());
+    const std::span impulses = impulses_of(p);
     lanes_.read_impulses(p.place, impulses);
     for (std::size_t k = 0; k < impulses.size(); ++k) {
       const Contact& c = of_pair[k];
@@ -319,7 +370,8 @@ void SffdResolver::correct_positions(BodySet& bodies, const std::vector<Contact>
   aim_push(contacts, dt);
   push_.assign(bodies.size() + 1, BodyState{});
   double residual = 0;
-  sweep_to_rest(bodies, exchange, push_, push_tolerance, true, residual);
+  sweep_to_rest(bodies, exchange, push_, {settings_.max_sweeps, accelerated_sweeps, push_tolerance, true},
+                residual);
   velocities.push_v.assign(bodies.size(), Vec3::Zero());
   velocities.push_w.assign(bodies.size(), Vec3::Zero());
   for (const std::size_t row : involved_) {
@@ -342,8 +394,11 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   start(bodies, contacts, dt, velocities);
   exchange.share(bodies, as_doubles(state_), width);
   lay_out(contacts, dt);
-  statistics.sweeps =
-      sweep_to_rest(bodies, exchange, state_, settings_.sweep_tolerance, false, statistics.residual);
+  statistics.sweeps = sweep_to_rest(bodies, exchange, state_,
+                                    {settings_.max_sweeps, accelerated_sweeps, settings_.sweep_tolerance},
+                                    statistics.residual);
+  if (velocities.start && settings_.warm_start)
+    statistics.sweeps += settle_links(bodies, contacts, dt, exchange);
   finish(bodies, contacts, statistics);
   for (const std::size_t row : involved_) {
     if (!bodies_[row].moves) continue;

@@ -33,7 +33,14 @@ class SffdResolver : public ContactResolver {
     std::size_t first, last;  // its contacts
     std::size_t row_a, row_b;
     double reduced_mass = 0;
+    bool link = false;  // of a chain
     PairLanes::Place place{};
+  };
+  /// How sweeps go on.
+  struct Sweeps {
+    int most, accelerated;
+    double tolerance;
+    bool push = false;  // position correction
   };
 
   std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
@@ -42,11 +49,14 @@ class SffdResolver : public ContactResolver {
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
   void take_sum(BodyState&, std::size_t row, double number) const;
-  void lay_out(const std::vector<Contact>&, double dt);
+  void share_pair_numbers(BodySet&, BodyExchange&);
+  void lay_out(const std::vector<Contact>&, double dt, bool links_only = false);
+  bool is_link(const Pair&, std::span<const Contact> of_pair) const;
+  std::span<ContactImpulse> impulses_of(const Pair&);
+  int settle_links(BodySet&, const std::vector<Contact>&, double dt, BodyExchange&);
   void report_impact(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
   double least_scale(const Pair&) const;
-  int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, double tolerance, bool push,
-                    double& residual);
+  int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, const Sweeps&, double& residual);
   void aim_push(const std::vector<Contact>&, double dt);
   bool is_correctable(const Contact&) const;
   bool is_to_correct(const std::vector<Contact>&, const BodyExchange&) const;

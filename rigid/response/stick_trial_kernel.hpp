@@ -22,7 +22,7 @@ constexpr int packed(int i, int j) {
 }
 
 /// In place: the lower factor, with the inverse of its diagonal on the diagonal.
-inline void cholesky(Real8* m) {
+inline void cholesky(Lanes* m) {
   for (int j = 0; j < 6; ++j) {
     for (int k = 0; k < j; ++k)
       for (int i = j; i < 6; ++i) m[packed(i, j)] -= m[packed(i, k)] * m[packed(j, k)];
@@ -32,7 +32,7 @@ inline void cholesky(Real8* m) {
 }
 
 /// x becomes the solution.
-inline void solve_cholesky(const Real8* m, Real8* x) {
+inline void solve_cholesky(const Lanes* m, Lanes* x) {
   for (int i = 0; i < 6; ++i) {
     for (int k = 0; k < i; ++k) x[i] -= m[packed(i, k)] * x[k];
     x[i] *= m[packed(i, i)];
@@ -46,22 +46,22 @@ inline void solve_cholesky(const Real8* m, Real8* x) {
 /// softness x the inverse of the mobility of b seen from a, at a's centre: its columns are what unit impulses
 /// and unit moments do.
 inline void set_inverse_mobility(BlockGroup& g) {
-  Real8 m[21], zero{}, one = zero + 1;
+  Lanes m[21], zero{}, one = zero + 1;
   const Vector d = load(g.offset);
   const Vector unit[3] = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}};
   for (int j = 0; j < 3; ++j) {
     Vector turn = times(g.inverse_inertia_b, cross(d, unit[j]));
     const Vector shift = cross(turn, d) + unit[j] * g.inverse_mass;
     const Vector both = times(g.inverse_inertia_b, unit[j]) + times(g.inverse_inertia_a, unit[j]);
-    const Real8 by_force[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
-    const Real8 by_moment[3] = {both.x, both.y, both.z};
+    const Lanes by_force[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
+    const Lanes by_moment[3] = {both.x, both.y, both.z};
     for (int i = j; i < 6; ++i) m[packed(i, j)] = by_force[i];
     for (int i = j; i < 3; ++i) m[packed(3 + i, 3 + j)] = by_moment[i];
     // i >= 3 of by_force covers all nine of the lower left block
   }
   cholesky(m);
   for (int column = 0; column < 6; ++column) {
-    Real8 x[6] = {};
+    Lanes x[6] = {};
     x[column] = g.softness;
     solve_cholesky(m, x);
     for (int i = column; i < 6; ++i) g.inverse_mobility[packed(i, column)] = x[i];
@@ -70,15 +70,15 @@ inline void set_inverse_mobility(BlockGroup& g) {
 
 /// Adds one contact's part of J^T J. Without friction J has one row, the normal's.
 template <bool frictionless>
-void add_stiffness(const BlockContact& c, Mask on, Real8* m) {
+void add_stiffness(const BlockContact& c, Mask on, Lanes* m) {
   const Vector r = choose(on, load(c.r), Vector{});
   if constexpr (frictionless) {
     const Vector n = choose(on, load(c.normal), Vector{}), turn = cross(r, n);
-    const Real8 j[6] = {n.x, n.y, n.z, turn.x, turn.y, turn.z};
+    const Lanes j[6] = {n.x, n.y, n.z, turn.x, turn.y, turn.z};
     for (int i = 0; i < 6; ++i)
       for (int k = 0; k <= i; ++k) m[packed(i, k)] += j[i] * j[k];
   } else {
-    const Real8 one = on ? Real8{} + 1 : Real8{};
+    const Lanes one = choose(on, Lanes{} + 1, Lanes{});
     for (int i = 0; i < 3; ++i) m[packed(i, i)] += one;
     m[packed(3, 1)] -= r.z;
     m[packed(3, 2)] += r.y;
@@ -102,9 +102,9 @@ struct StickTrial {
   PairMotion motion;
   // of the contacts; set by start
   Mask on[most_stick_contacts];
-  Real8 normal[most_stick_contacts];
+  Lanes normal[most_stick_contacts];
   Vector tangential[most_stick_contacts];
-  Real8 factor[21];
+  Lanes factor[21];
 
   StickTrial(const BlockGroup& group, BlockContact* of_group, const PairMotion& now)
       : g(group), contacts(of_group), motion(now) {}
@@ -115,8 +115,8 @@ struct StickTrial {
     const Vector n = load(c.normal), w = m.at(load(c.r));
     return choose(on[k], frictionless ? n * (dot(w, n) - c.target) : w - n * c.target, Vector{});
   }
-  Real8 largest_excess() const {
-    Real8 most{};
+  Lanes largest_excess() const {
+    Lanes most{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector e = excess(k, motion);
       most = larger(most, dot(e, e));
@@ -138,7 +138,7 @@ struct StickTrial {
   }
 
   void pass() {
-    Real8 x[6] = {};
+    Lanes x[6] = {};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector e = excess(k, motion), turn = cross(load(contacts[k].r), e);
       x[0] -= e.x;
@@ -154,7 +154,7 @@ struct StickTrial {
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector r = load(contacts[k].r), n = load(contacts[k].normal);
       const Vector taken = choose(on[k], excess(k, before) + shift + cross(turn, r), Vector{});
-      const Real8 scale = -1 / g.softness, along = scale * dot(taken, n);
+      const Lanes scale = -1 / g.softness, along = scale * dot(taken, n);
       const Vector across = frictionless ? Vector{} : taken * scale - n * along;
       normal[k] += along;
       tangential[k] += across;
@@ -162,15 +162,15 @@ struct StickTrial {
     }
   }
 
-  /// Real8 where no contact pulls, slides, or is passed through. scale: largest squared impulse.
-  Mask is_right(Real8& scale) const {
+  /// Lanes where no contact pulls, slides, or is passed through. scale: largest squared impulse.
+  Mask is_right(Lanes& scale) const {
     Mask right = scale == scale;
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
-      const Real8 square = dot(tangential[k], tangential[k]), limit = c.friction * normal[k];
+      const Lanes square = dot(tangential[k], tangential[k]), limit = c.friction * normal[k];
       const Mask presses = (normal[k] >= 0) & (square <= limit * limit);
       const Mask stays_open = dot(motion.at(load(c.r)), load(c.normal)) >= c.target;
-      right = right & (on[k] ? presses : stays_open);
+      right = right & choose(on[k], presses, stays_open);
       scale = larger(scale, normal[k] * normal[k] + square);
     }
     return right;
@@ -181,23 +181,23 @@ struct StickTrial {
 /// final after this sweep: that is solved exactly.
 template <bool frictionless>
 void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask& active,
-                  Real8& scale) {
+                  Lanes& scale) {
   if (g.count > most_stick_contacts) return;
   StickTrial<frictionless> trial(g, contacts, motion);
   trial.start();
-  const Real8 before = trial.largest_excess();
+  const Lanes before = trial.largest_excess();
   for (int i = 0; i < stick_passes; ++i) trial.pass();
-  const Real8 after = trial.largest_excess();
-  Real8 largest{};
-  Mask right = active & trial.is_right(largest) & (after <= stick_residual * stick_residual * before);
-  for (int l = 0; l < lane_count; ++l) right[l] = g.bodies.again[l] ? right[l] : 0;
+  const Lanes after = trial.largest_excess();
+  Lanes largest{};
+  const Mask right = active & trial.is_right(largest) & goes_on(g.bodies) &
+                     (after <= stick_residual * stick_residual * before);
   for (std::uint32_t k = 0; k < g.count; ++k) {
     BlockContact& c = contacts[k];
-    c.normal_impulse = right ? trial.normal[k] : c.normal_impulse;
+    c.normal_impulse = choose(right, trial.normal[k], c.normal_impulse);
     store(c.tangential_impulse, choose(right, trial.tangential[k], load(c.tangential_impulse)));
   }
   motion = choose(right, trial.motion, motion);
-  scale = right ? largest : scale;
+  scale = choose(right, largest, scale);
   active = active & ~right;
 }
 

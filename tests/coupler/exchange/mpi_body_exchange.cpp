@@ -107,5 +107,30 @@ TEST(ParallelBodyExchange, HeapBetweenWallsClassicFfd) {
   expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
 }
 
+/// Stacks that begin at rest, all heavier at the top, along the longest axis of the cut and across others.
+TEST(ParallelBodyExchange, StacksThatBeginAtRest) {
+  Scene s(0, 0.5);
+  s.periodic = {true, true, false};
+  s.world.gravity = {0, 0, -0.001};
+  const int box = s.shape(rigid::Box{{1, 1, 1}});
+  for (BodyId id = 0; id < 22; ++id) s.add(id, box, {6.0 + 12.0 * (id / 11), 6.1, 1.0 + 2.0 * (id % 11)});
+  for (const std::size_t heavy : {10, 21}) {
+    s.bodies.mass[heavy] *= 100;
+    s.bodies.inertia_B[heavy] *= 100;
+  }
+  s.add_walls();
+  for (const Blocks& blocks : {Blocks{}, Blocks{{12, 24, 6}}, odd_blocks(3, 6)}) {
+    SceneRun<Witness> parallel(MPI_COMM_WORLD, s, "sffd", blocks), serial(MPI_COMM_SELF, s, "sffd", blocks);
+    for (int i = 0; i < 20; ++i) {
+      parallel.advance(1);
+      serial.advance(1);
+      ASSERT_EQ(parallel.hash(), serial.hash()) << "step " << i;
+      if (i == 0) {
+        EXPECT_GT(serial.report.resolver.sweeps, 10 * s.settings.max_sweeps);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace silt::coupler

@@ -29,6 +29,27 @@ TEST_P(SffdBeds, TaperedStackOfTenBoxes) {
   }
 }
 
+TEST_P(SffdBeds, AChainBearsItsLoadFromTheFirstStepOn) {  // statics: each contact has all that is above it
+  constexpr int light = 12;
+  constexpr double ratio = 1e3, dt = 1e-3;
+  Scene s(0, 0.5);
+  s.world.gravity = down;
+  const int box = s.shape(Box{{0.5, 0.5, 0.5}});
+  for (int i = 0; i <= light; ++i)
+    s.add(box, {10, 10, 0.5 + i}, Vec3::Zero(), Vec3::Zero(), i == light ? ratio : 1);
+  s.floor();
+  s.start();
+  s.run(1, dt);
+  for (int i = 0; i <= light; ++i) {
+    EXPECT_LT(s.v(i).norm(), 1e-6 * down.norm() * dt) << i;
+    double borne = 0;
+    for (const StoredImpulse& p : s.bodies.stored_impulses[s.row(i)])
+      if (p.partner == BodyId(i + 1)) borne += p.impulse.z();
+    const double above = i < light ? light - i - 1 + ratio : 0;
+    EXPECT_NEAR(borne, above * down.norm() * dt, 1e-6 * ratio * down.norm() * dt) << i;
+  }
+}
+
 TEST_P(SffdBeds, BedOfSpheresSettles) {
   Scene s(0.3, 0.4, {1, 1, 10});
   s.extent.periodic = {true, true, false};
