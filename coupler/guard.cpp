@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/time_step_cure.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/flow_totals.hpp"
 #include "coupler/place_text.hpp"
@@ -19,34 +22,55 @@ std::string in_case_units(const Case& scene, double x, Dimension dimension, cons
   return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si) : "";
 }
 
+/// The keys of this case that set things in motion, at most one a section: "fluid.body_force,
+/// bodies[0].velocity".
+std::string drives(const Case& scene) {
+  constexpr std::array<std::string_view, 5> names = {"acceleration", "body_force", "velocity",
+                                                     "angular_velocity", "amplitude"};
+  std::string listed, last;
+  for (const auto& [path, place] : scene.places) {
+    const std::string section = path.substr(0, path.find_first_of(".["));
+    const auto name = std::string_view(path).substr(path.rfind('.') + 1);
+    if (section == last || std::find(names.begin(), names.end(), name) == names.end()) continue;
+    listed += (listed.empty() ? "" : ", ") + path;
+    last = section;
+  }
+  return listed;
+}
+
+std::string slower_remedy(const Case& scene) {
+  const std::string shorter = shorter_step(scene), driven = drives(scene);
+  return fmt::format("{}lower what drives it{}", shorter.empty() ? "" : fmt::format("use {}, or ", shorter),
+                     driven.empty() ? "" : fmt::format(" ({})", driven));
+}
+
 /// What to change when a flow runs away: the collision or the relaxation time if that is close to 1/2, where
 /// trt and bgk do not last, else the time step or the drive.
 std::string flow_remedy(const Case& scene) {
   constexpr double delicate_relaxation_time = 0.55;
   const double tau = scene.fluid->relaxation_time;
-  if (tau < delicate_relaxation_time && !lbm::model_of(scene.fluid->collision).has_eddies())
-    return fmt::format(
-        "the relaxation time is {}, close to its limit of 0.5: use fluid.collision = \"regularised\", or "
-        "raise {}",
-        shown(tau),
-        scene.units.si ? "fluid.kinematic_viscosity, or use a smaller units.cell_size"
-                       : "fluid.relaxation_time");
-  return scene.units.si ? "use a smaller units.time_step, or lower what drives the flow"
-                        : "lower what drives the flow: velocities, fluid.body_force or gravity.acceleration";
+  if (tau >= delicate_relaxation_time || lbm::model_of(scene.fluid->collision).has_eddies())
+    return slower_remedy(scene);
+  return fmt::format(
+      "the relaxation time is {}, close to its limit of 0.5: use fluid.collision = \"regularised\", or "
+      "raise {}",
+      shown(tau),
+      scene.places.count("fluid.kinematic_viscosity")
+          ? fmt::format("fluid.kinematic_viscosity{}",
+                        scene.units.si ? ", or use a smaller units.cell_size" : "")
+          : "fluid.relaxation_time");
 }
-
-constexpr const char* implicit_remedy = "coupling.time = \"implicit\" (light bodies need it)";
 
 std::string speed_remedy(const Case& scene, double too_far, std::int64_t step) {
   if (scene.fluid)
-    return fmt::format(
-        "use {}a smaller {}",
-        scene.coupling.time == TimeCoupling::explicit_ ? std::string(implicit_remedy) + " or " : "",
-        scene.units.si ? "units.time_step" : "gravity.acceleration or velocity");
+    return (scene.coupling.time == TimeCoupling::explicit_
+                ? "use coupling.time = \"implicit\" (light bodies need it), or "
+                : "") +
+           slower_remedy(scene);
   if (step > 0 && rigid::resolver_model(scene.contacts.resolver).makes_energy) return contact_remedy(scene);
+  const std::string shorter = shorter_step(scene);
   return fmt::format("beyond that it may pass through others: use contacts.substeps = {:.0f}{}",
-                     std::ceil(too_far * scene.contacts.substeps),
-                     scene.units.si ? " or a smaller units.time_step" : "");
+                     std::ceil(too_far * scene.contacts.substeps), shorter.empty() ? "" : " or " + shorter);
 }
 
 /// What moves the fluid at a cell: a body beside it that is about as fast, else the flow itself.
@@ -108,8 +132,9 @@ std::string contact_remedy(const Case& scene) {
   if (rigid::resolver_model(scene.contacts.resolver).makes_energy)
     return fmt::format("contacts.resolver = \"{}\" makes energy where several bodies meet: use \"{}\"",
                        scene.contacts.resolver, rigid::resolver_models().front().name);
+  const std::string shorter = shorter_step(scene);
   return fmt::format("raise contacts.substeps (now {}){}", scene.contacts.substeps,
-                     scene.units.si ? ", or use a smaller units.time_step" : "");
+                     shorter.empty() ? "" : ", or use " + shorter);
 }
 
 std::string too_fast_text(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
@@ -131,12 +156,13 @@ std::string motion_text(const Case& scene, rigid::BodyId id, double speed, doubl
 std::string overlap_text(const Case& scene, const rigid::Contact& c, double half_width, std::int64_t step) {
   const std::string sweeps =
       fmt::format("contacts.sweeps (now {}) or ", scene.contacts.resolver_settings.max_sweeps);
+  const std::string shorter = shorter_step(scene);
   const bool swept = rigid::resolver_models().front().name == scene.contacts.resolver;
   return fmt::format(
       "step {}: bodies {} and {} overlap by {}{}, deeper than half the width of one ({}), and "
       "contacts do not hold them; raise {}contacts.substeps (now {}){}, or use densities that differ less",
       step, c.a, c.b, shown(-c.gap), in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width),
-      swept ? sweeps : "", scene.contacts.substeps, scene.units.si ? ", use a smaller units.time_step" : "");
+      swept ? sweeps : "", scene.contacts.substeps, shorter.empty() ? "" : ", use " + shorter);
 }
 
 std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step,

@@ -110,6 +110,11 @@ void check_run(const Case& scene, Findings& findings) {
   check_steady(scene, findings);
   if (!scene.fluid && !scene.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
+  const bool flat = std::find(scene.cells.begin(), scene.cells.end(), 1) != scene.cells.end();
+  if (scene.fluid && flat && (scene.output.fields.every > 0 || !scene.output.slices.empty()))
+    findings.warning("output",
+                     "the domain is one cell thick, and VTK and ParaView end with an error on fields "
+                     "as flat as that: make domain.size two cells thick");
   if (!scene.fluid && !scene.output.slices.empty())
     findings.error("output.slices",
                    "output.slices asks for fields of the fluid, but the case has no [fluid]; remove it");

@@ -48,14 +48,18 @@ void read_fields(TableReader& table, FieldsSpec& fields) {
   fields.compression = static_cast<int>(table.integer("compression", 0, 9).value_or(0));
 }
 
-/// The layer of cells that has a plane in it.
+// VTK 9.1 and ParaView 5.11 end with SIGABRT on an image one point thick.
+constexpr int least_layers = 2;
+
+/// The two layers of cells between whose centres a plane lies; at a side of the domain the two beside it.
 void read_plane(TableReader& table, FieldsSpec& slice) {
   const int axis = table.choice("axis", {"x", "y", "z"}).value_or("x")[0] - 'x';
   const double at = read_length(table, "at", "where the plane is along the axis");
   const int cells = slice.upper[axis];
   if (!(at >= 0 && at <= cells)) return table.refuse("at", "within the domain");
-  slice.lower[axis] = std::min(int(at), cells - 1);
-  slice.upper[axis] = slice.lower[axis] + 1;
+  if (cells < least_layers) return;
+  slice.lower[axis] = std::clamp(int(std::floor(at - 0.5)), 0, cells - least_layers);
+  slice.upper[axis] = slice.lower[axis] + least_layers;
 }
 
 /// The cells whose centres are in a box.
@@ -63,9 +67,11 @@ void read_cells(TableReader& table, FieldsSpec& slice) {
   rigid::Vec3 lower, upper;
   read_box(table, slice.upper, lower, upper);
   for (int d = 0; d < 3; ++d) {
+    const int least = std::min(least_layers, slice.upper[d]);
     slice.lower[d] = int(std::ceil(std::clamp(lower[d], 0., double(slice.upper[d])) - 0.5));
     slice.upper[d] = int(std::floor(std::clamp(upper[d], 0., double(slice.upper[d])) - 0.5)) + 1;
-    if (slice.lower[d] >= slice.upper[d]) return table.refuse("box", "one that holds centres of cells");
+    if (slice.upper[d] - slice.lower[d] < least)
+      return table.refuse("box", "one that holds the centres of two cells along each axis or more");
   }
 }
 

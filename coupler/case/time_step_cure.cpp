@@ -46,4 +46,10 @@ std::string time_step_cure(const Case& scene, double factor) {
                      follows ? fmt::format(" (relaxation time {:.3g})", 0.5 + excess * step / old) : "");
 }
 
+std::string shorter_step(const Case& scene) {
+  if (!scene.units.si) return "";
+  const std::string key = time_step_key(scene);
+  return fmt::format("a {} {}", key == "units.max_velocity" ? "larger" : "smaller", key);
+}
+
 }  // namespace silt::coupler

@@ -14,6 +14,9 @@ std::string time_step_key(const Case&);
 /// a little shorter. Only in SI: a case in lattice units has no time step to choose, and the text is empty.
 std::string time_step_cure(const Case&, double factor);
 
+/// Returns "a smaller units.time_step", or what of another key makes steps shorter. Only in SI, else "".
+std::string shorter_step(const Case&);
+
 /// Return x to two digits, never above it (below it).
 double rounded_down(double x);
 double rounded_up(double x);

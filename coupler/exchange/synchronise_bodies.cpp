@@ -179,7 +179,7 @@ void ParallelBodyExchange::Distribution::require_around(BodyId id, int to) const
   if (std::binary_search(around.begin(), around.end(), to)) return;
   throw std::runtime_error("body " + std::to_string(id) + " has come from rank " + std::to_string(rank) +
                            " to rank " + std::to_string(to) + " at once, further than " +
-                           std::to_string(reach) + " cells: use a smaller units.time_step, or fewer ranks");
+                           std::to_string(reach) + " cells: use a shorter time step, or fewer ranks");
 }
 
 void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row,

@@ -36,8 +36,7 @@ void add_sums(const SurfaceLinks<T>& surface, bool stiffness, RowSums& sums) {
 ForceOutOfRange::ForceOutOfRange(rigid::BodyId id)
     : std::overflow_error(
           "the force on body " + std::to_string(id) +
-          " is not a number or above 64 lattice units on one link; the flow around it has become "
-          "unstable: choose a smaller units.time_step (lower velocities) or a larger relaxation time") {}
+          " is not a number or above 64 lattice units on one link: the flow around it has become unstable") {}
 
 template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange& exchange, int substeps,

@@ -42,7 +42,7 @@ bool is_result(const fs::path& path) {
   static const std::vector<std::string> names = {
       "run.log",           "departures.csv",  "report.json",  "report.html", "bodies.h5",
       "bodies.h5.journal", "mean_height.png", "velocity.png", "bodies.png",  "slice.png",
-      "stages.png",        "render.png",      "bodies.pvd"};
+      "stages.png",        "render.png",      "film.mp4",     "bodies.pvd"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("slice_", ".hdf") ||
          is("slice_", ".hdf.series") || is("fields", ".hdf.series") || is("bodies_", ".hdf") ||
          is("bodies_", ".vtp") || is("bodies", ".hdf.series") || is("series", ".csv") ||

@@ -59,8 +59,15 @@ ADVICE = {
         'use fluid.collision = "regularised"', ["fluid.collision=regularised"]),
     "flow driven too hard": (
         FLUID + "body_force = [2e-3, 0, 0]\n" + RUN,
-        "lower what drives the flow: velocities, fluid.body_force", ["fluid.body_force=[2e-4, 0, 0]"]),
-    "flow too fast for the time step": (SI + "[run]\ntime = 0.3\n", "use a smaller units.time_step", ["units.time_step=2e-4"]),
+        "lower what drives it (fluid.body_force)", ["fluid.body_force=[2e-4, 0, 0]"]),
+    "flow too fast for the time step": (
+        SI + "[run]\ntime = 0.3\n", "use a smaller units.time_step, or lower what drives it (fluid.body_force)", ["units.time_step=2e-4"]),
+    "the same, with steps given by the relaxation time": (
+        SI.replace("time_step = 1e-3", "relaxation_time = 0.8") + "[run]\ntime = 0.3\n", "use a smaller units.relaxation_time",
+        ["units.relaxation_time=0.56"]),
+    "the same, with steps given by a velocity": (
+        SI.replace("time_step = 1e-3", "max_velocity = 0.05") + "[run]\ntime = 0.3\n", "use a larger units.max_velocity",
+        ["units.max_velocity=0.25"]),
     "light body coupled explicitly": (
         FLUID + '[coupling]\ntime = "explicit"\n' + FALL.format(g="1e-4") + BALL.format(density=0.05) + RUN,
         'use coupling.time = "implicit"', ["coupling.time=implicit"]),

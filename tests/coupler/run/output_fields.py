@@ -145,14 +145,26 @@ class Fields(SiltTest):
         field = silt_results.open(self.case).fields[-1]
         middle, (corner_start, corner) = self.slices("middle"), self.slices("corner")
         self.assertEqual([s.step for s in middle], [0, 15, 30, 45, 60])
-        self.assertEqual((middle[-1].size, middle[-1].y[0]), ((24, 1, 16), 8.5))
-        self.assertTrue((middle[-1]["velocity"] == field["velocity"][:, 8:9]).all())
-        self.assertTrue((middle[-1]["body-id"] == field["body-id"][:, 8:9]).all())
+        self.assertEqual((middle[-1].size, middle[-1].y[0]), ((24, 2, 16), 7.5))
+        self.assertTrue((middle[-1]["velocity"] == field["velocity"][:, 7:9]).all())
+        self.assertTrue((middle[-1]["body-id"] == field["body-id"][:, 7:9]).all())
         self.assertEqual((corner.size, corner.x[0], corner.y[0], corner.z[0]), ((7, 7, 8), 17.5, 3.5, 2.5))
         self.assertTrue((corner["density"] == field["density"][17:24, 3:10, 2:10]).all())
         self.assertTrue((corner["shear-rate"] == field["shear-rate"][17:24, 3:10, 2:10]).all())
         self.assertTrue((corner["vorticity"] == field["vorticity"][17:24, 3:10, 2:10]).all())
         self.assertTrue((self.out / "slice_middle.hdf.series").exists())
+        for name in ("slice_middle_000000000060.hdf", "slice_corner_000000000060.hdf"):  # VTK ends the program on what is one point thick
+            image = vtkHDFReader()
+            image.SetFileName(str(self.out / name))
+            image.Update()
+            self.assertEqual(image.GetOutput().GetDimensions(), silt_results.Field(self.out / name).size)
+            self.assertGreater(image.GetOutput().GetPointData().GetNumberOfArrays(), 1)
+
+    def test_planes_at_sides(self):
+        for at, first in ((0, 0), (0.9, 0), (1.6, 1), (15.4, 14), (16, 14)):
+            self.write(BALLS.replace("at = 8.2", f"at = {at}"))
+            self.silt("run", self.case, "--steps", 1, "--overwrite")
+            self.assertEqual(self.slices("middle")[0].y[0], first + 0.5)
 
     def test_same_on_any_ranks(self):
         self.write(BALLS)
@@ -186,7 +198,7 @@ class Fields(SiltTest):
 
     def test_mistakes_are_named(self):
         for key, fault in (('name = "a/b"', "letters, digits, dots and hyphens"), ('axis = "y"\nat = 17', "within the domain"),
-                           ('box = [[1.6, 1.6, 1.6], [2.4, 9, 9]]', "holds centres of cells"), ('quantities = ["curl"]', "known: velocity, density"),
+                           ('box = [[1.6, 1.6, 1.6], [2.4, 9, 9]]', "holds the centres of two cells"), ('quantities = ["curl"]', "known: velocity, density"),
                            ('axis = "y"\nat = 1\nbox = [[0, 0, 0], [9, 9, 9]]', "a plane .* or a box")):
             name = "" if key.startswith("name") else 'name = "s"\n'
             self.write(CASE + f"[[output.slices]]\n{name}every = 10\n{key}\n")
