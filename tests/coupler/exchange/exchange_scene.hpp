@@ -41,14 +41,14 @@ inline int max_of(MPI_Comm comm, int x) {
 }
 
 /// Bodies, walls and laws; knows nothing of ranks.
-struct Scene {
+struct ExchangeScene {
   lbm::Int3 cells{24, 24, 24};
   std::array<bool, 3> periodic{true, true, true};
   rigid::World world;
   rigid::BodySet bodies;
   rigid::ResolverSettings settings;
 
-  Scene(double restitution, double friction) {
+  ExchangeScene(double restitution, double friction) {
     world.materials = {{restitution, friction}};
     world.material_count = 1;
     world.contact_margin = 0.25;
@@ -145,7 +145,7 @@ class Witness : public ParallelBodyExchange {
 /// from it.
 template <class Exchange = ParallelBodyExchange>
 struct SceneRun {
-  Scene scene;
+  ExchangeScene scene;
   MPI_Comm comm;
   lbm::Domain domain;
   Exchange exchange;
@@ -155,7 +155,7 @@ struct SceneRun {
   rigid::RigidStepReport report;
   std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0;
 
-  SceneRun(MPI_Comm comm, const Scene& from, std::string_view law = "sffd", Blocks blocks = {},
+  SceneRun(MPI_Comm comm, const ExchangeScene& from, std::string_view law = "sffd", Blocks blocks = {},
            double rim = contact_rim,
            std::unique_ptr<rigid::CollisionBackend> collision = adapters::make_backend("auto"))
       : scene(from),
@@ -188,8 +188,8 @@ struct SceneRun {
 };
 
 /// Spheres of three sizes and boxes on a lattice of places, all of them moving: a gas that never rests.
-inline Scene gas(double restitution, double speed = 0.3) {
-  Scene s(restitution, 0.2);
+inline ExchangeScene gas(double restitution, double speed = 0.3) {
+  ExchangeScene s(restitution, 0.2);
   const int shapes[] = {s.shape(rigid::Sphere{1.6}), s.shape(rigid::Sphere{2.2}), s.shape(rigid::Sphere{2.6}),
                         s.shape(rigid::Box{{1.2, 1.8, 1.4}})};
   for (int k = 0; k < 64; ++k) {
@@ -205,9 +205,9 @@ inline Scene gas(double restitution, double speed = 0.3) {
 }
 
 /// A ball that overlaps every block, small ones around it.
-inline Scene planet() {
-  const Scene whole = gas(1);
-  Scene s = whole;
+inline ExchangeScene planet() {
+  const ExchangeScene whole = gas(1);
+  ExchangeScene s = whole;
   s.bodies = {};
   const Vec3 centre(12, 12, 12);
   const double radius = 8.5;

@@ -9,8 +9,8 @@ namespace {
 using namespace testing;
 
 /// Runs a scene on all ranks and on one, and compares ids at every step and everything at the end.
-void expect_same_as_on_one_rank(const Scene& scene, std::string_view law, const Blocks& blocks, int steps,
-                                double dt) {
+void expect_same_as_on_one_rank(const ExchangeScene& scene, std::string_view law, const Blocks& blocks,
+                                int steps, double dt) {
   SceneRun<Witness> parallel(MPI_COMM_WORLD, scene, law, blocks), serial(MPI_COMM_SELF, scene, law, blocks);
   const OwnedBodies all = count_owned(MPI_COMM_SELF, serial.bodies());
   std::uint64_t most_sweeps = 0;  // of the rank with most, each step
@@ -59,9 +59,9 @@ TEST(ParallelBodyExchange, GasWithClassicFfdSeveralBlocksARank) {
 }
 
 /// A quarter as wide as the gas: every body meets its neighbours through both sides, close to its own images.
-Scene ring() {
-  const Scene whole = gas(1);
-  Scene s = whole;
+ExchangeScene ring() {
+  const ExchangeScene whole = gas(1);
+  ExchangeScene s = whole;
   s.cells = {6, 24, 24};
   s.bodies = {};
   for (std::size_t row = 0; row < whole.bodies.owned; ++row)
@@ -85,8 +85,8 @@ TEST(ParallelBodyExchange, BallLargerThanBlocks) {
 
 /// Falling onto a floor between walls, fixed and moved bodies among them: chains of contacts, impulses
 /// remembered.
-Scene heap() {
-  Scene s = gas(0.3, 0.1);
+ExchangeScene heap() {
+  ExchangeScene s = gas(0.3, 0.1);
   s.periodic = {true, false, false};
   s.world.gravity = {0.0005, 0.0003, -0.003};
   s.settings.max_sweeps = 8;
@@ -109,7 +109,7 @@ TEST(ParallelBodyExchange, HeapBetweenWallsClassicFfd) {
 
 /// Stacks that begin at rest, all heavier at the top, along the longest axis of the cut and across others.
 TEST(ParallelBodyExchange, StacksThatBeginAtRest) {
-  Scene s(0, 0.5);
+  ExchangeScene s(0, 0.5);
   s.periodic = {true, true, false};
   s.world.gravity = {0, 0, -0.001};
   const int box = s.shape(rigid::Box{{1, 1, 1}});

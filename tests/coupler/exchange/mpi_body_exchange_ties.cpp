@@ -34,8 +34,8 @@ Blocks columns() {
 }
 
 /// The paper's Figure 2: a contact between bodies of two ranks whose point lies on a third.
-Scene figure_2() {
-  Scene s(0.5, 0.3);
+ExchangeScene figure_2() {
+  ExchangeScene s(0.5, 0.3);
   s.periodic = {false, false, false};
   s.add(3, s.shape(rigid::Sphere{3.58}), {11, 8, 6}, {0.04, 0.1, 0}, {0, 0, 0.02});
   s.add(8, s.shape(rigid::Sphere{5.37}), {15, 16, 6}, {-0.02, -0.03, 0.01});
@@ -94,7 +94,7 @@ TEST(BodyExchangeTies, OwnerAndCopiesAreEqual) {
 }
 
 TEST(BodyExchangeTies, HoldersAreThoseWhoseGrownBlocksTheBoxMeets) {
-  Scene scene(0, 0);
+  ExchangeScene scene(0, 0);
   const int shapes[] = {scene.shape(rigid::Sphere{1.5}), scene.shape(rigid::Sphere{9}),
                         scene.shape(rigid::Sphere{14}), scene.shape(rigid::Box{{0.5, 4, 1}}),
                         scene.shape(rigid::Capsule{0.5, 6})};
@@ -135,7 +135,7 @@ TEST(BodyExchangeTies, HoldersAreThoseWhoseGrownBlocksTheBoxMeets) {
 }
 
 TEST(BodyExchangeTies, OwnerOfPointsOutsideAndOnBorders) {
-  Scene scene(0, 0);
+  ExchangeScene scene(0, 0);
   scene.periodic = {true, false, true};
   const lbm::Domain domain(scene.cells, scene.sides(), lbm::Int3{6, 6, 6}, ranks());
   const ParallelBodyExchange exchange(MPI_COMM_WORLD, domain, scene.world, 1);
@@ -231,11 +231,11 @@ TEST(BodyExchangeTies, PosesAndVelocitiesSetBetweenSteps) {
 
 /// Set down on the wrong rank, with all that belongs to it.
 TEST(BodyExchangeTies, HandoverCarriesEverything) {
-  Scene scene(0.5, 0);
+  ExchangeScene scene(0.5, 0);
   const int ball = scene.shape(rigid::Sphere{1});
   SceneRun<> run(MPI_COMM_WORLD, scene, "sffd", Blocks{{3, 24, 24}});
   rigid::BodySet& bodies = run.bodies();
-  Scene one = scene;
+  ExchangeScene one = scene;
   one.add(17, ball, {1, 5, 5}, {0.1, 0.2, 0.3}, {0.4, 0.5, 0.6});
   rigid::BodyRecord record = one.bodies.record(0);
   record.image[1] = -7;
@@ -300,7 +300,7 @@ TEST(BodyExchangeTies, OneRankSendsNothingAndOthersHearOnlyOfRanksAround) {
   EXPECT_EQ(alone.exchange.counters().messages, 0u);
   EXPECT_EQ(alone.bodies().copies, 0u);
 
-  Scene pair(1, 0);  // both well inside the first block
+  ExchangeScene pair(1, 0);  // both well inside the first block
   const int ball = pair.shape(rigid::Sphere{0.5});
   pair.add(1, ball, {0.9, 1, 1}, {0.001, 0, 0});
   pair.add(2, ball, {2.0, 1, 1}, {-0.001, 0, 0});

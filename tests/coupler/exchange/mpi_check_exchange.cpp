@@ -116,7 +116,7 @@ TEST(CheckExchange, FindsABodyWithoutAnOwner) {
 }
 
 TEST(CheckExchange, FindsABodyThatLeftNoTrace) {
-  Scene scene(1, 0);
+  ExchangeScene scene(1, 0);
   const int ball = scene.shape(rigid::Sphere{0.4});
   for (int id = 1; id <= 5; ++id) scene.add(id, ball, {2.0 + 4 * id, 2, 2}, Vec3::Zero());
   SceneRun<> run(MPI_COMM_WORLD, scene, "sffd", {}, 0.5);

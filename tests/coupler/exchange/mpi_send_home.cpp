@@ -22,7 +22,7 @@ std::vector<rigid::StoredImpulse> impulses(BodyId id) {
 }
 
 /// All bodies of a scene, with impulses, as one rank alone has them.
-rigid::BodySet with_impulses(const Scene& scene) {
+rigid::BodySet with_impulses(const ExchangeScene& scene) {
   rigid::BodySet bodies = scene.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) bodies.stored_impulses[row] = impulses(bodies.id[row]);
   return bodies;
@@ -30,7 +30,8 @@ rigid::BodySet with_impulses(const Scene& scene) {
 
 /// Saves every body of the scene on the rank that a rule names, and sends all home.
 template <class Rule>
-rigid::BodySet sent(const Scene& scene, const Holders& holders, std::size_t at_once, Rule&& saved_on) {
+rigid::BodySet sent(const ExchangeScene& scene, const Holders& holders, std::size_t at_once,
+                    Rule&& saved_on) {
   const rigid::BodySet all = with_impulses(scene);
   SavedBodies saved;
   for (std::size_t row = 0; row < all.owned; ++row)
@@ -45,7 +46,7 @@ rigid::BodySet sent(const Scene& scene, const Holders& holders, std::size_t at_o
 }
 
 TEST(SendHome, every_body_comes_whole_to_the_rank_of_its_centre) {
-  const Scene scene = gas(1);
+  const ExchangeScene scene = gas(1);
   const lbm::Domain domain(scene.cells, scene.sides(), {}, ranks());
   const Holders holders(domain, 0);
   const std::uint64_t expected = records_hash(MPI_COMM_SELF, with_impulses(scene));
@@ -66,7 +67,7 @@ TEST(SendHome, every_body_comes_whole_to_the_rank_of_its_centre) {
 }
 
 TEST(SendHome, no_bodies_at_all) {
-  const Scene scene(1, 0);
+  const ExchangeScene scene(1, 0);
   const lbm::Domain domain(scene.cells, scene.sides(), {}, ranks());
   const auto here = sent(scene, Holders(domain, 0), 1, [](std::size_t) { return 0; });
   EXPECT_EQ(here.size(), 0u);
