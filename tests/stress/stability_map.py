@@ -28,7 +28,9 @@ class Map(unittest.TestCase):
 
     def test_every_point_that_check_calls_safe_is(self):
         with open(ROOT / "scripts" / "stability" / "map.csv") as stream:
-            rows = list(csv.DictReader(stream))
+            all_rows = list(csv.DictReader(stream))
+        # what did not last must be warned of; that much of the rest is not is seen on a fourth of it
+        rows = [row for row in all_rows if row["verdict"] != "stable"] + [row for row in all_rows if row["verdict"] == "stable"][::4]
         safe = {model: 0 for model in MODELS}
         texts = [SCENES[row["scene"]](row["model"], float(row["tau_less_half"]), float(row["velocity"])) for row in rows]
         with concurrent.futures.ThreadPoolExecutor(12) as pool:  # a check waits most of its time for MPI
@@ -37,8 +39,8 @@ class Map(unittest.TestCase):
             if code == 0 and "warning" not in said:
                 safe[row["model"]] += 1
                 self.assertEqual(row["verdict"], "stable", row)
-        self.assertGreater(safe["trt"], 40)
-        self.assertGreater(safe["regularised"], 80)
+        self.assertGreater(safe["trt"], 10)
+        self.assertGreater(safe["regularised"], 20)
 
 
 class Cure(unittest.TestCase):
