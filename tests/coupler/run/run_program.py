@@ -21,6 +21,36 @@ from silt_test import CASE, CHANNEL, ENVIRONMENT, SILT, UNSTABLE, SiltTest
 SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "run"
 
 
+# A heavy box has come down on a stack, which does not bear it yet, when the run is stopped.
+STACK = """
+[units]
+system = "lattice"
+[domain]
+size = [16, 16, 32]
+boundary = { x = "periodic", y = "periodic", z = "no-slip" }
+[gravity]
+acceleration = [0, 0, -1e-3]
+[contacts]
+friction = 0.5
+[[shapes]]
+name = "box"
+type = "box"
+edges = [2, 2, 2]
+[[bodies]]
+shape = "box"
+density = 1
+positions = [[8, 8, 1], [8, 8, 3], [8, 8, 5], [8, 8, 7], [8, 8, 9]]
+[[bodies]]
+shape = "box"
+density = 100
+position = [8, 8, 11.05]
+[run]
+steps = 30
+[output]
+checkpoint = { every = 12 }
+"""
+
+
 class Program(SiltTest):
     def test_run_and_resume_on_other_ranks(self):
         self.silt("run", self.case)
@@ -44,6 +74,16 @@ class Program(SiltTest):
             self.assertTrue((a["bodies/position"][-2:] == b["bodies/position"][-2:]).all())
             self.assertTrue((a["bodies/force"][-2:] == b["bodies/force"][-2:]).all())
             self.assertTrue((a["bodies/force"][-2:] != 0).any())
+
+    def test_a_loaded_stack_goes_on_with_its_impulses(self):
+        """Its first step after the checkpoint is one like any other, not a start."""
+        self.write(STACK)
+        self.silt("run", self.case)
+        whole = self.report()["state_hash"]
+        other = pathlib.Path(self.scratch.name) / "other"
+        self.silt("run", self.case, "--out", other, "--steps", 12)
+        self.silt("resume", self.case, "--out", other, "--set", "run.steps=30", ranks=2)
+        self.assertEqual(self.report(other)["state_hash"], whole)
 
     def test_steady_flow_ends_the_run(self):
         """After as many steps on any ranks and across a checkpoint; what is left of the approach is as little as asked."""
