@@ -10,6 +10,7 @@
 #include "adapters/stl/stl_polyhedron.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
+#include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -211,7 +212,7 @@ Quat read_orientation(TableReader& table) {
       return Quat(Eigen::AngleAxisd(*degrees * std::numbers::pi / 180, axis->normalized())).normalized();
   } else if (given == "axis") {
     const auto axis = table.vector(given);
-    if (axis && axis->norm() > 0) return Quat::FromTwoVectors(Vec3::UnitZ(), *axis).normalized();
+    if (axis && axis->norm() > 0) return rigid::rotation_between(Vec3::UnitZ(), *axis).normalized();
     if (axis) table.refuse(given, "a direction, not all 0");
   }
   return Quat::Identity();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
@@ -32,7 +33,7 @@ void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::a
 }
 
 Pose pose_of(const TubeSpec& spec) {
-  return {spec.point, Quat::FromTwoVectors(Vec3::UnitZ(), spec.axis)};
+  return {spec.point, rotation_between(Vec3::UnitZ(), spec.axis)};
 }
 
 namespace {

@@ -20,6 +20,7 @@
 
 #include "coupler/forces/gap_cells.hpp"
 #include "coupler/simulation.hpp"
+#include "rigid/math/rotation_between.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/forces/approach_series.hpp"
 
@@ -100,7 +101,7 @@ steps = 1
 
 /// Its upper face through x, normal to n.
 std::string plate(const Vec3& x, const Vec3& n) {
-  const rigid::Quat q = rigid::Quat::FromTwoVectors(Vec3::UnitZ(), n);
+  const rigid::Quat q = rigid::rotation_between(Vec3::UnitZ(), n);
   return fmt::format(
       "[[bodies]]\nshape = \"plate\"\nposition = {}\norientation = [{:.15g}, {:.15g}, {:.15g}, {:.15g}]\n"
       "motion = \"fixed\"\ndensity = 1\n",

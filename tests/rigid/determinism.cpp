@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "rigid/math/rotation_between.hpp"
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 #include "tests/rigid/threaded_ranks.hpp"
@@ -48,7 +49,7 @@ void add_falling(Scene& s, int n, int shape, double mass) {
 Compound star() {
   Compound star;
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
-    star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
+    star.parts.push_back({Capsule{0.1, 0.15}, {Vec3::Zero(), rotation_between(Vec3::UnitZ(), axis)}});
   return star;
 }
 

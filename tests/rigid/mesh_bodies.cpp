@@ -2,6 +2,7 @@
 // closed forms. g = 9.81.
 #include <gtest/gtest.h>
 
+#include "rigid/math/rotation_between.hpp"
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
@@ -62,7 +63,7 @@ TEST_P(MeshBodies, SlidingBodiesFeelNoSeams) {
       Scene s(0, 0.3);
       s.world.gravity = {0, 0, -g};
       const bool lies = std::holds_alternative<Capsule>(shape);
-      const Quat q = Quat::FromTwoVectors(Vec3::UnitZ(), lies ? Vec3::UnitY() : Vec3::UnitZ());
+      const Quat q = rotation_between(Vec3::UnitZ(), lies ? Vec3::UnitY() : Vec3::UnitZ());
       s.append(0, s.shape(shape), {20, 20, (on_mesh ? 10 : 0) + 0.2}, q);
       s.bodies.reindex();
       s.bodies.set_velocity(0, {3, 0, 0}, Vec3::Zero());
@@ -101,8 +102,8 @@ TEST_P(MeshBodies, TwoRingsStayLinked) {
   Scene s(0.2, 0.3);
   s.world.gravity = {0, 0, -g};
   const int ring = s.shape(testing::solid_of(testing::torus_mesh(1, 0.2, 32, 16)));
-  const Quat upright = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX()),
-             across = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  const Quat upright = rotation_between(Vec3::UnitZ(), Vec3::UnitX()),
+             across = rotation_between(Vec3::UnitZ(), Vec3::UnitY());
   s.append(0, ring, {10, 10, 10}, upright);
   s.append(1, ring, {10, 10, 8.9}, across);
   s.bodies.motion[0] = Motion::fixed;

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "../rigid/scene.hpp"
+#include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
@@ -23,7 +24,7 @@ Shape star() {
   Compound c;
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
     c.parts.push_back(
-        {Capsule{0.5 * radius, 0.875 * radius}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
+        {Capsule{0.5 * radius, 0.875 * radius}, {Vec3::Zero(), rotation_between(Vec3::UnitZ(), axis)}});
   return c;
 }
 

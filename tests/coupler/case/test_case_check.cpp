@@ -10,6 +10,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/placement/overlap.hpp"
+#include "rigid/math/rotation_between.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 
@@ -168,7 +169,7 @@ TEST(Overlap, FindsOverlapsAndNeverInventsThem) {
   EXPECT_GT(overlap_depth(box, at(0), box, at(0)), 1) << "one inside the other";
   EXPECT_LE(overlap_depth(rod, at(0), rod, at(2)), 1e-12) << "side by side";
   EXPECT_GT(overlap_depth(rod, at(0), rod, at(1.5)), 0.4);
-  const rigid::Pose lying{{2, 0, 0}, rigid::Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX()).normalized()};
+  const rigid::Pose lying{{2, 0, 0}, rigid::rotation_between(Vec3::UnitZ(), Vec3::UnitX()).normalized()};
   EXPECT_GT(overlap_depth(rod, at(0), rod, lying), 1) << "a rod through another";
 }
 

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
@@ -20,10 +18,9 @@ constexpr double pi = std::numbers::pi;
 std::array<double, 2> principal(const Mat3& k, const Vec3& normal) {
   EXPECT_LT((k * normal).norm(), 1e-9 * (1 + k.norm()));
   const Vec3 x = normal.unitOrthogonal(), y = normal.cross(x);
-  Eigen::Matrix2d in_plane;
-  in_plane << x.dot(k * x), x.dot(k * y), x.dot(k * y), y.dot(k * y);
-  const Eigen::Vector2d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(in_plane).eigenvalues();
-  return {values[0], values[1]};
+  const double xx = x.dot(k * x), xy = x.dot(k * y), yy = y.dot(k * y);
+  const double mean = 0.5 * (xx + yy), apart = std::hypot(0.5 * (xx - yy), xy);
+  return {mean - apart, mean + apart};
 }
 
 Mat3 at_triangle(const MeshFeatures& mesh, const FacetCurvature& curvature, std::uint32_t triangle) {

@@ -70,7 +70,7 @@ Planar implicit_step(const Ball& sphere_a, const Ball& sphere_b, const FilmRows&
   Eigen::Vector4d inverse_mass(1 / mass_a, 2.5 / (mass_a * a * a), 1 / mass_b, 2.5 / (mass_b * b * b));
   const Eigen::Matrix4d r = motion.transpose() * Eigen::Vector2d(z_s, z_r).asDiagonal() * motion;
   const Eigen::Matrix4d m = Eigen::Matrix4d::Identity() + inverse_mass.asDiagonal() * r;
-  const Eigen::Vector4d after = m.partialPivLu().solve(Eigen::Vector4d(u.v_a, u.w_a, u.v_b, u.w_b));
+  const Eigen::Vector4d after = m.inverse() * Eigen::Vector4d(u.v_a, u.w_a, u.v_b, u.w_b);
   return {after[0], after[1], after[2], after[3]};
 }
 
@@ -102,7 +102,7 @@ TEST(Films, SlipAndRollingAtAWallAreTheImplicitSolution) {
   motion << 1, -a, 1, a;
   const Eigen::Matrix2d r = motion.transpose() * Eigen::Vector2d(dt * z_s, dt * z_r).asDiagonal() * motion;
   const Eigen::Matrix2d m = Eigen::Matrix2d::Identity() + Eigen::Vector2d(1, 2.5).asDiagonal() * r;
-  const Eigen::Vector2d exact = m.partialPivLu().solve(Eigen::Vector2d(1e-3, 2e-3));
+  const Eigen::Vector2d exact = m.inverse() * Eigen::Vector2d(1e-3, 2e-3);
   EXPECT_NEAR(s.v(ball)[0], exact[0], 1e-12);
   EXPECT_NEAR(s.w(ball)[1], exact[1], 1e-12);
 }

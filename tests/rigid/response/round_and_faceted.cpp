@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "rigid/math/rotation_between.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid {
@@ -142,7 +143,7 @@ TEST_P(RoundBodies, StandingConeTopplesAtTheRightAngle) {  // tan = radius / a q
 Scene lying_cone(const Cone& cone, const Vec3& gravity, double from_x) {
   const double slant = std::hypot(cone.radius, cone.height);
   const Vec3 side_normal(cone.height / slant, 0, cone.radius / slant);
-  const Quat down = Quat::FromTwoVectors(side_normal, -Vec3::UnitZ());
+  const Quat down = rotation_between(side_normal, -Vec3::UnitZ());
   const Vec3 axis = down * -Vec3::UnitZ();  // from the apex to the base
   const double turn = from_x - std::atan2(axis[1], axis[0]);
   return alone(cone, 2, gravity, 0.75 * cone.radius * cone.height / slant,

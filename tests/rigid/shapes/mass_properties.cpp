@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/shape_rows.hpp"
 
@@ -15,7 +16,7 @@ using std::numbers::pi;
 constexpr double promised = 1e-4;
 
 Quat z_to(const Vec3& axis) {
-  return Quat::FromTwoVectors(Vec3::UnitZ(), axis);
+  return rotation_between(Vec3::UnitZ(), axis);
 }
 
 TEST(MassProperties, ClosedForms) {

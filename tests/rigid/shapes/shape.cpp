@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "rigid/math/rotation_between.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::rigid {
@@ -37,7 +38,7 @@ TEST(Shape, HasARowOfTheTestsTable) {
 std::vector<Shape> solids() {
   Compound star;
   for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
-    star.parts.push_back({Capsule{0.3, 1.1}, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitZ(), axis)}});
+    star.parts.push_back({Capsule{0.3, 1.1}, {Vec3::Zero(), rotation_between(Vec3::UnitZ(), axis)}});
   Compound mixed{{{Box{{1, 0.4, 0.3}}, {{0.2, 0, 0}, random_turn()}},
                   {Sphere{0.7}, {{-0.9, 0.1, 0}, Quat::Identity()}},
                   {Capsule{0.25, 0.8}, {{0, 0.5, 0.2}, random_turn()}}}};

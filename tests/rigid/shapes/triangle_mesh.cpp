@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
@@ -205,7 +206,7 @@ TEST(TriangleMesh, RaysHitWhatASearchOverAllFindsAndSlipThroughNoEdge) {
       const auto [a, b, c] = gear.corners(t);
       Mat3 m;
       m << b - a, c - a, -d;
-      const Vec3 s = m.partialPivLu().solve(o - a);
+      const Vec3 s = m.inverse() * (o - a);
       if (s[0] >= 0 && s[1] >= 0 && s[0] + s[1] <= 1 && s[2] >= 0) least = std::min(least, s[2]);
     }
     hits += found.has_value();
@@ -242,7 +243,7 @@ TEST(TriangleMesh, AShapeSaysWhatItsMeshDoes) {
   EXPECT_TRUE(convex_parts(torus).empty());
   EXPECT_NEAR(least_width(torus), 0.5, 1e-12);
   EXPECT_THROW(mass_properties(vessel), std::invalid_argument);
-  const Pose turned{{1, 2, 3}, Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX())};
+  const Pose turned{{1, 2, 3}, rotation_between(Vec3::UnitZ(), Vec3::UnitX())};
   const BoundingBox box = bounding_box(torus, turned);
   EXPECT_LT((box.lower - Vec3(0.75, 0.75, 1.75)).norm(), 1e-12);
   EXPECT_LT((box.upper - Vec3(1.25, 3.25, 4.25)).norm(), 1e-12);

@@ -1,0 +1,9 @@
+#include "rigid/math/rotation_between.hpp"
+
+namespace silt::rigid {
+
+Quat rotation_between(const Vec3& from, const Vec3& to) {
+  return Quat::FromTwoVectors(from, to);
+}
+
+}  // namespace silt::rigid
