@@ -56,7 +56,8 @@ template <class T>
 class FlowOf final : public Flow {
  public:
   FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange)
-      : coupling_(scene.coupling),
+      : Flow(collision_of(*scene.fluid).force),
+        coupling_(scene.coupling),
         world_(exchange.world()),
         fluid_(domain, collision_of(*scene.fluid), comm),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
@@ -102,8 +103,11 @@ class FlowOf final : public Flow {
   const lbm::Domain& domain() const override { return fluid_.domain(); }
   int blocks() const override { return int(fluid_.blocks().size()); }
   const lbm::CellBox& block(int b) const override { return fluid_.blocks()[b].box(); }
-  bool is_fluid(int b, Int3 x) const override { return !map_.blocks()[b].solid.test(x); }
+  const CellBits& solid(int b) const override { return map_.blocks()[b].solid; }
   lbm::Moments moments(int b, Int3 x) const override { return fluid_.moments(b, x); }
+  void moments(int b, Int3 first, int cells, lbm::MomentsRow& row) const override {
+    fluid_.moments(b, first, cells, row);
+  }
   std::optional<Fast> too_fast() const override {
     const auto order = [](const Fast& f) { return std::tuple(-f.speed, f.cell.z, f.cell.y, f.cell.x); };
     std::optional<Fast> first;
@@ -115,7 +119,6 @@ class FlowOf final : public Flow {
     }
     return first;
   }
-  std::array<double, 3> velocity(const lbm::Moments& m) const override { return fluid_.velocity(m); }
   void set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) override {
     fluid_.set_equilibrium(b, x, rho, u);
   }

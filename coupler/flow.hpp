@@ -10,9 +10,11 @@
 #include <optional>
 
 #include "coupler/flow_totals.hpp"
+#include "coupler/mapping/cell_bits.hpp"
 #include "coupler/mass_correction.hpp"
 #include "coupler/stage.hpp"
 #include "lbm/domain.hpp"
+#include "lbm/moments.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
@@ -58,8 +60,11 @@ class Flow {
   virtual const lbm::Domain& domain() const = 0;
   virtual int blocks() const = 0;                      // of this rank
   virtual const lbm::CellBox& block(int b) const = 0;  // global cells
-  virtual bool is_fluid(int b, lbm::Int3 local_cell) const = 0;
+  virtual const CellBits& solid(int b) const = 0;      // cells of a block
+  bool is_fluid(int b, lbm::Int3 local_cell) const { return !solid(b).test(local_cell); }
   virtual lbm::Moments moments(int b, lbm::Int3 local_cell) const = 0;
+  /// Those of cells that follow each other along x; of solid ones they mean nothing.
+  virtual void moments(int b, lbm::Int3 first_local_cell, int cells, lbm::MomentsRow&) const = 0;
   struct Fast {
     lbm::Int3 cell;  // global
     double speed;    // infinite for what is not a number
@@ -67,8 +72,7 @@ class Flow {
   /// Returns the fastest of this rank's fluid cells that the last pass found to be faster than
   /// lbm::speed_of_sound when it began; of several the first, z before y before x.
   virtual std::optional<Fast> too_fast() const = 0;
-  /// Velocity that goes with moments (half the force added).
-  virtual std::array<double, 3> velocity(const lbm::Moments&) const = 0;
+  std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, body_force_); }
   virtual void set_equilibrium(int b, lbm::Int3 local_cell, double density_deviation,
                                const std::array<double, 3>& velocity) = 0;
   /// Population i arriving at a cell, whatever the parity: for checkpoints. Exact in double for either
@@ -100,6 +104,12 @@ class Flow {
   virtual rigid::FixedVec3 momentum_brought() const = 0;
   virtual const MassCorrectionState& mass_correction() const = 0;
   virtual void set_mass_correction(const MassCorrectionState&) = 0;
+
+ protected:
+  explicit Flow(const std::array<double, 3>& body_force) : body_force_(body_force) {}
+
+ private:
+  std::array<double, 3> body_force_;
 };
 
 /// Returns the domain a case asks for, cut for a number of ranks. std::invalid_argument if it cannot be.

@@ -15,4 +15,17 @@ void for_each_cell(const Flow& flow, Visit&& visit) {
   }
 }
 
+/// Calls visit(global cell, moments) for every fluid cell.
+template <class Visit>
+void for_each_fluid_cell(const Flow& flow, Visit&& visit) {
+  for (int b = 0; b < flow.blocks(); ++b) {
+    const lbm::CellBox& box = flow.block(b);
+    const CellBits& solid = flow.solid(b);
+    lbm::MomentsByRow moments(flow, b, 0, box.size.x);
+    for_cells({}, box.size, [&](lbm::Int3 x) {
+      if (!solid.test(x)) visit(box.lower + x, moments(x));
+    });
+  }
+}
+
 }  // namespace silt::coupler

@@ -109,40 +109,30 @@ void Fluid<T>::stream_collide() {
   end_pass();
 }
 
+/// Returns sum(g), where g[i] points to the population i that arrives at a cell.
+template <class T>
+template <class Sum>
+auto Fluid<T>::for_arriving(int b, Int3 x, Sum&& sum) const {
+  const Block<T>& block = blocks_[b];
+  const T* g[directions];
+  for (int i = 0; i < directions; ++i) g[i] = block.data() + block.arriving(i, parity_) + block.cell(x);
+  return sum(g);
+}
+
 template <class T>
 Moments Fluid<T>::moments(int b, Int3 x) const {
-  Moments m;
-  const auto add = [](double& sum, int factor, double g) {  // factor: -1, 0, 1, known to the compiler
-    if (factor) sum += factor * g;
-  };
-#pragma GCC unroll 19
-  for (int i = 0; i < directions; ++i) {
-    const double g = arriving(b, x, i);
-    const Int3 v = c[i];
-    m.density_deviation += g;
-    add(m.momentum[0], v.x, g);
-    add(m.momentum[1], v.y, g);
-    add(m.momentum[2], v.z, g);
-    add(m.flux[0], v.x * v.x, g);
-    add(m.flux[1], v.y * v.y, g);
-    add(m.flux[2], v.z * v.z, g);
-    add(m.flux[3], v.x * v.y, g);
-    add(m.flux[4], v.x * v.z, g);
-    add(m.flux[5], v.y * v.z, g);
-  }
-  return m;
+  return for_arriving(b, x, [](const T* const(&g)[directions]) { return moments_of(g, 0); });
+}
+
+template <class T>
+void Fluid<T>::moments(int b, Int3 first, int cells, MomentsRow& row) const {
+  for_arriving(b, first, [&](const T* const(&g)[directions]) { row.sum(g, cells); });
 }
 
 template <class T>
 void Fluid<T>::prefetch(int b, Int3 x) const {
   for (int i = 0; i < directions; ++i)
     prefetch_to_read(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));
-}
-
-template <class T>
-std::array<double, 3> Fluid<T>::velocity(const Moments& m) const {
-  return {m.momentum[0] + 0.5 * spec_.force[0], m.momentum[1] + 0.5 * spec_.force[1],
-          m.momentum[2] + 0.5 * spec_.force[2]};
 }
 
 template <class T>

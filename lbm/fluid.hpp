@@ -9,6 +9,7 @@
 #include "lbm/collision_model.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
+#include "lbm/moments.hpp"
 #include "lbm/pass_order.hpp"
 #include "lbm/stream_collide.hpp"
 
@@ -16,13 +17,6 @@ namespace silt::lbm {
 
 template <class T>
 struct CollisionRates;
-
-/// The moments of the populations that arrive at one cell: deviations from density 1 at rest.
-struct Moments {
-  double density_deviation = 0;
-  double momentum[3] = {};  // sum c g, without the half force
-  double flux[6] = {};      // sum c c g: xx yy zz xy xz yz
-};
 
 template <class T>
 class Fluid {
@@ -86,10 +80,11 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
+  /// Those of cells that follow each other along x.
+  void moments(int b, Int3 first_local_cell, int cells, MomentsRow&) const;
   /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
   void prefetch(int b, Int3 local_cell) const;
-  /// The velocity that goes with moments: momentum + half the force (incompressible, density 1).
-  std::array<double, 3> velocity(const Moments&) const;
+  std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,
                        const std::array<double, 3>& velocity);
   std::size_t bytes() const;
@@ -98,6 +93,8 @@ class Fluid {
   void collide_shells();
   void collide_rows(int b, RowRange);
   void pass_over(std::size_t b, RowRange);
+  template <class Sum>
+  auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
   void end_pass() { parity_ = flipped(parity_), ++passes_; }
 
   Domain domain_;

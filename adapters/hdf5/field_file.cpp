@@ -106,14 +106,23 @@ std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& pro
   return bytes;
 }
 
+/// Some planes at a time: what is narrowed to float is still in cache.
 std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuantity& q) {
+  constexpr std::size_t wide_values = 1 << 16;
   std::vector<double> wide;
-  return slabs.pack(cell_bytes(q), [&](std::size_t box, void* out) {
-    const std::size_t n = slabs.boxes()[box].cells() * q.components;
-    if (q.double_precision) return q.values(box, static_cast<double*>(out));
-    wide.resize(n);
-    q.values(box, wide.data());
-    for (std::size_t i = 0; i < n; ++i) static_cast<float*>(out)[i] = static_cast<float>(wide[i]);
+  return slabs.pack(cell_bytes(q), [&](std::size_t k, void* out) {
+    const CellBox& box = slabs.boxes()[k];
+    const int planes = box.upper[2] - box.lower[2];
+    if (q.double_precision) return q.values(k, 0, planes, static_cast<double*>(out));
+    const std::size_t plane = box.cells() / planes * q.components;
+    const int at_once = int(std::max<std::size_t>(1, wide_values / plane));
+    wide.resize(plane * std::min(at_once, planes));
+    auto* narrow = static_cast<float*>(out);
+    for (int first = 0; first < planes; first += at_once) {
+      const int last = std::min(first + at_once, planes);
+      q.values(k, first, last, wide.data());
+      narrow = std::copy_n(wide.data(), plane * (last - first), narrow);
+    }
   });
 }
 

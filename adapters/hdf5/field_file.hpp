@@ -27,8 +27,9 @@ struct ImageGrid {
 struct FieldQuantity {
   std::string name, unit;
   int components = 1;  // 1 or 3
-  /// Writes all cells of one of this rank's boxes: x fastest, components innermost. Called once a box.
-  std::function<void(std::size_t box, double* out)> values;
+  /// Writes the cells of one of this rank's boxes in its planes [first, last), which count from its lowest: x
+  /// fastest, components innermost.
+  std::function<void(std::size_t box, int first, int last, double* out)> values;
   bool double_precision = false;
 };
 

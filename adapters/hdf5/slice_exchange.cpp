@@ -88,7 +88,13 @@ std::vector<std::byte> SliceExchange::swap(std::size_t element, const std::vecto
   return swapped;
 }
 
+/// Whether what this rank has is its slice, and no other rank has a part in either.
+bool SliceExchange::is_alone() const {
+  return ranks_ == 1 && pieces_.size() == 1 && pieces_[0].first == 0 && pieces_[0].length == size_;
+}
+
 std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<std::byte> values) const {
+  if (is_alone()) return values;
   const auto arrived = swap(element, slices_, holders_, values);
   std::vector<std::byte>().swap(values);  // the memory goes to the slice
   std::vector<std::byte> slice(size_ * element);

@@ -41,6 +41,7 @@ class SliceExchange {
     int rank;
     std::size_t first, count;  // elements, among all that go to or come from partners
   };
+  bool is_alone() const;
   int slice_of(std::uint64_t element) const;
   std::uint64_t begin_of(int rank) const;
   void add_pieces(const std::vector<SparseMessages::Message>&);

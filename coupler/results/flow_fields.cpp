@@ -6,6 +6,7 @@
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/for_cells.hpp"
 #include "coupler/results/strain_rate.hpp"
 #include "coupler/results/vorticity.hpp"
 #include "lbm/fluid.hpp"
@@ -27,9 +28,13 @@ struct Piece {
   template <class Visit>
   void for_each(Visit&& visit) const {
     std::size_t i = 0;
-    for (int z = first.z; z < last.z; ++z)
-      for (int y = first.y; y < last.y; ++y)
-        for (int x = first.x; x < last.x; ++x) visit(Int3{x, y, z}, i++);
+    for_cells(first, last, [&](Int3 cell) { visit(cell, i++); });
+  }
+  /// Planes [begin, end), which count from its first.
+  Piece planes(int begin, int end) const {
+    Piece part = *this;
+    part.first.z = first.z + begin, part.last.z = first.z + end;
+    return part;
   }
   std::size_t index(Int3 cell) const {
     const Int3 n = last - first, x = cell - first;
@@ -71,28 +76,31 @@ class SolidCells {
   /// centre to that of the cell.
   template <class Visit>
   void for_each(const Piece& piece, Visit&& visit) const {
-    for (std::size_t row = 0; row < bodies_.first_wall(); ++row)
+    for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
+      const rigid::Pose pose = mapping_pose(bodies_, row);
+      const rigid::BoundingBox reach = rigid::bounding_box(world_.shapes[bodies_.shape[row]], pose);
       for (int image = 0; image < 27; ++image) {
         const rigid::Image periods{std::int8_t(image % 3 - 1), std::int8_t(image / 3 % 3 - 1),
                                    std::int8_t(image / 9 - 1)};
         if ((!periods.x || extent_.periodic[0]) && (!periods.y || extent_.periodic[1]) &&
             (!periods.z || extent_.periodic[2]))
-          for_image(piece, row, periods, visit);
+          for_image(piece, row, pose, reach, extent_.shift(periods), visit);
       }
+    }
   }
 
  private:
   template <class Visit>
-  void for_image(Piece piece, std::size_t row, const rigid::Image& periods, Visit&& visit) const {
-    const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
-    rigid::Pose pose = mapping_pose(bodies_, row);
-    pose.position += extent_.shift(periods);
-    const rigid::BoundingBox reach = rigid::bounding_box(shape, pose);
+  void for_image(Piece piece, std::size_t row, rigid::Pose pose, const rigid::BoundingBox& reach,
+                 const Vec3& shift, Visit&& visit) const {
     const Int3 corner = flow_.block(piece.block).lower;
     for (int d = 0; d < 3; ++d) {
-      piece.first[d] = std::max(piece.first[d], int(std::floor(reach.lower[d])) - corner[d]);
-      piece.last[d] = std::min(piece.last[d], int(std::ceil(reach.upper[d])) - corner[d]);
+      piece.first[d] = std::max(piece.first[d], int(std::floor(reach.lower[d] + shift[d])) - corner[d]);
+      piece.last[d] = std::min(piece.last[d], int(std::ceil(reach.upper[d] + shift[d])) - corner[d]);
+      if (piece.first[d] >= piece.last[d]) return;
     }
+    pose.position += shift;
+    const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
     piece.for_each([&](Int3 cell, std::size_t) {
       const Int3 global = corner + cell;
       const Vec3 centre(global.x + 0.5, global.y + 0.5, global.z + 0.5);
@@ -129,17 +137,16 @@ class Fields {
       case Field::density:
         return scalar("density", units_.si ? "kg/m3" : "reference densities",
                       units_.scale(dimension::density), 1,
-                      [](const Flow&, int, Int3, const lbm::Moments& m) { return 1 + m.density_deviation; });
+                      [](const lbm::Moments& m) { return 1 + m.density_deviation; });
       case Field::pressure:
         return scalar("pressure", units_.si ? "Pa" : "cells2/step2 reference densities",
                       units_.scale(dimension::pressure), 0,
-                      [](const Flow&, int, Int3, const lbm::Moments& m) { return m.density_deviation / 3; });
+                      [](const lbm::Moments& m) { return m.density_deviation / 3; });
       case Field::shear_rate:
-        return scalar(
-            "shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity), 0,
-            [fluid = *simulation_.setup().fluid](const Flow& flow, int b, Int3 cell, const lbm::Moments& m) {
-              return std::sqrt(2 * strain_rate_squared(flow, b, cell, m, fluid));
-            });
+        return scalar("shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
+                      0, [this, fluid = *simulation_.setup().fluid](const lbm::Moments& m) {
+                        return std::sqrt(2 * strain_rate_squared(flow_, m, fluid));
+                      });
       case Field::body_id:
         return body_id();
       case Field::vorticity:
@@ -149,30 +156,32 @@ class Fields {
   }
 
  private:
-  /// A function of(flow, block, cell, moments) of fluid cells; solid ones have a value of their own.
+  /// A function of the moments of fluid cells; solid ones have a value of their own.
   template <class Of>
   adapters::FieldQuantity scalar(const char* name, const char* unit, double scale, double solid,
                                  Of of) const {
-    const auto values = [this, scale, solid, of](std::size_t k, double* out) {
-      const Piece& piece = pieces_[k];
+    const auto values = [this, scale, solid, of](std::size_t k, int begin, int end, double* out) {
+      const Piece piece = pieces_[k].planes(begin, end);
+      const CellBits& is_solid = flow_.solid(piece.block);
+      lbm::MomentsByRow moments(flow_, piece.block, piece.first.x, piece.last.x);
       piece.for_each([&](Int3 cell, std::size_t i) {
-        const int b = piece.block;
-        out[i] = scale * (flow_.is_fluid(b, cell) ? of(flow_, b, cell, flow_.moments(b, cell)) : solid);
+        out[i] = scale * (is_solid.test(cell) ? solid : of(moments(cell)));
       });
     };
     return {name, unit, 1, values, double_precision_};
   }
 
-  /// Functions of(block, cell) of fluid cells and of_body(row, r) of those in bodies, where r is from the
-  /// body's centre to that of the cell; zero in walls.
-  template <class Of, class OfBody>
-  adapters::FieldQuantity vector(const char* name, const char* unit, double scale, Of of,
+  /// of_fluid(piece) returns a function of the fluid cells of a piece; of_body(row, r) is that of cells in
+  /// bodies, where r is from the body's centre to that of the cell; zero in walls.
+  template <class OfFluid, class OfBody>
+  adapters::FieldQuantity vector(const char* name, const char* unit, double scale, OfFluid of_fluid,
                                  OfBody of_body) const {
-    const auto values = [this, scale, of, of_body](std::size_t k, double* out) {
-      const Piece& piece = pieces_[k];
+    const auto values = [this, scale, of_fluid, of_body](std::size_t k, int begin, int end, double* out) {
+      const Piece piece = pieces_[k].planes(begin, end);
+      const CellBits& is_solid = flow_.solid(piece.block);
+      auto of = of_fluid(piece);
       piece.for_each([&](Int3 cell, std::size_t i) {
-        const bool fluid = flow_.is_fluid(piece.block, cell);
-        const Vec3 v = fluid ? Vec3(scale * of(piece.block, cell)) : Vec3(Vec3::Zero());
+        const Vec3 v = is_solid.test(cell) ? Vec3(Vec3::Zero()) : Vec3(scale * of(cell));
         std::copy_n(v.data(), 3, out + 3 * i);
       });
       SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3& r) {
@@ -186,9 +195,12 @@ class Fields {
   adapters::FieldQuantity velocity() const {
     return vector(
         "velocity", units_.si ? "m/s" : "cells/step", units_.scale(dimension::velocity),
-        [this](int b, Int3 cell) {
-          const auto u = flow_.velocity(flow_.moments(b, cell));
-          return Vec3(u[0], u[1], u[2]);
+        [this](const Piece& piece) {
+          lbm::MomentsByRow moments(flow_, piece.block, piece.first.x, piece.last.x);
+          return [this, moments](Int3 cell) mutable {
+            const auto u = flow_.velocity(moments(cell));
+            return Vec3(u[0], u[1], u[2]);
+          };
         },
         [this](std::size_t row, const Vec3& r) { return simulation_.bodies().velocity_at(row, r); });
   }
@@ -196,7 +208,9 @@ class Fields {
   adapters::FieldQuantity vorticity() const {
     return vector(
         "vorticity", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
-        [this](int b, Int3 cell) { return coupler::vorticity(*velocities_, b, cell); },
+        [this](const Piece& piece) {
+          return [this, b = piece.block](Int3 cell) { return coupler::vorticity(*velocities_, b, cell); };
+        },
         [this](std::size_t row, const Vec3&) {
           return Vec3(2 * simulation_.bodies().angular_velocity[row]);
         });
@@ -204,8 +218,8 @@ class Fields {
 
   /// 0 in fluid and in walls. In double precision ids are exact to 2^53, in single to 2^24.
   adapters::FieldQuantity body_id() const {
-    const auto values = [this](std::size_t k, double* out) {
-      const Piece& piece = pieces_[k];
+    const auto values = [this](std::size_t k, int begin, int end, double* out) {
+      const Piece piece = pieces_[k].planes(begin, end);
       piece.for_each([&](Int3, std::size_t i) { out[i] = 0; });
       SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3&) {
         double& here = out[piece.index(cell)];  // where bodies overlap the lower id has the cell

@@ -25,9 +25,8 @@ using rigid::to_fixed;
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const Flow& flow = *simulation.scene().flow;
   FixedSum sum = 0;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
-    if (flow.is_fluid(b, cell)) sum += to_fixed(flow.velocity(flow.moments(b, cell))[axis] - frame);
-  });
+  for_each_fluid_cell(
+      flow, [&](lbm::Int3, const lbm::Moments& m) { sum += to_fixed(flow.velocity(m)[axis] - frame); });
   sum_over_ranks(simulation.scene().comm, std::span(&sum, 1));
   const auto& n = simulation.setup().cells;
   return from_fixed(sum) / (double(n[0]) * n[1] * n[2]);
@@ -42,9 +41,8 @@ VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
   const Flow& flow = *simulation.scene().flow;
   const double t = static_cast<double>(simulation.steps_done());
   FixedSum sums[4] = {};
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
-    if (!flow.is_fluid(b, cell)) return;
-    const auto u = flow.velocity(flow.moments(b, cell));
+  for_each_fluid_cell(flow, [&](lbm::Int3 x, const lbm::Moments& m) {
+    const auto u = flow.velocity(m);
     const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
     double terms[4] = {};
     for (int d = 0; d < 3; ++d) {
@@ -87,14 +85,13 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
 
 namespace {
 
-/// Mean over the fluid cells of what of(block, cell, moments) gives.
+/// Mean over the fluid cells of what of(moments) gives.
 template <class Of>
 double mean_over_fluid(const Simulation& simulation, Of&& of) {
   const Flow& flow = *simulation.scene().flow;
   FixedSum sums[2] = {};  // of the values, of cells
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
-    if (!flow.is_fluid(b, cell)) return;
-    sums[0] += to_fixed(of(b, cell, flow.moments(b, cell)));
+  for_each_fluid_cell(flow, [&](lbm::Int3, const lbm::Moments& m) {
+    sums[0] += to_fixed(of(m));
     sums[1] += to_fixed(1);
   });
   sum_over_ranks(simulation.scene().comm, sums);
@@ -105,7 +102,7 @@ double mean_over_fluid(const Simulation& simulation, Of&& of) {
 
 double kinetic_energy(const Simulation& simulation) {
   const Flow& flow = *simulation.scene().flow;
-  return mean_over_fluid(simulation, [&](int, lbm::Int3, const lbm::Moments& m) {
+  return mean_over_fluid(simulation, [&](const lbm::Moments& m) {
     const auto u = flow.velocity(m);
     return 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
   });
@@ -114,9 +111,8 @@ double kinetic_energy(const Simulation& simulation) {
 double dissipation(const Simulation& simulation) {
   const Flow& flow = *simulation.scene().flow;
   const FluidSpec& fluid = *simulation.setup().fluid;
-  return 2 * fluid.kinematic_viscosity *
-         mean_over_fluid(simulation, [&](int b, lbm::Int3 cell, const lbm::Moments& m) {
-           return strain_rate_squared(flow, b, cell, m, fluid);
+  return 2 * fluid.kinematic_viscosity * mean_over_fluid(simulation, [&](const lbm::Moments& m) {
+           return strain_rate_squared(flow, m, fluid);
          });
 }
 
@@ -129,9 +125,8 @@ double profile_error(const Simulation& simulation, const QuantitySpec& q) {
   const Flow& flow = *simulation.scene().flow;
   const auto exact = exact_profile(simulation.setup(), q.profile);
   double error = 0;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 x) {
-    if (!flow.is_fluid(b, cell)) return;
-    const auto u = flow.velocity(flow.moments(b, cell));
+  for_each_fluid_cell(flow, [&](lbm::Int3 x, const lbm::Moments& m) {
+    const auto u = flow.velocity(m);
     const double e =
         (rigid::Vec3(u[0], u[1], u[2]) - exact->velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
     if (!(e <= error)) error = e;  // a NaN stays

@@ -35,9 +35,8 @@ MotionTotals motion_totals(const Simulation& simulation) {
   bodies.over_ranks(scene.comm, totals.bodies_momentum, totals.bodies_energy);
   if (!scene.flow) return totals;
   const Flow& flow = *scene.flow;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) {
-    if (!flow.is_fluid(b, cell)) return;
-    const auto u = flow.velocity(flow.moments(b, cell));
+  for_each_fluid_cell(flow, [&](lbm::Int3, const lbm::Moments& m) {
+    const auto u = flow.velocity(m);
     const Vec3 velocity(u[0], u[1], u[2]);
     fluid.add(1, velocity, 0.5 * velocity.squaredNorm());
   });

@@ -7,6 +7,6 @@ namespace silt::coupler {
 
 /// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]
 /// (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1).
-double strain_rate_squared(const Flow&, int block, lbm::Int3 cell, const lbm::Moments&, const FluidSpec&);
+double strain_rate_squared(const Flow&, const lbm::Moments&, const FluidSpec&);
 
 }  // namespace silt::coupler

@@ -198,8 +198,7 @@ void Run::write_outputs() {
   const bool save = due(output.checkpoint), report = due(output.report);
   const std::int64_t step = simulation_.steps_done();
   if (ended() || fields || bodies || save || report) simulation_.settle();
-  if (simulation_.scene().flow &&
-      (step % guard_interval == 0 || ended() || fields || bodies || save || report))
+  if (simulation_.scene().flow && (step % guard_interval == 0 || ended() || fields || save || report))
     simulation_.look_at_flow();
   if (step % guard_interval == 0 || ended() || save || report) log_departures();
   if (bodies) body_output_->append(simulation_);

@@ -87,14 +87,13 @@ TEST(FullDisk, leaves_the_previous_checkpoint) {
 TEST(FullDisk, is_told_of_a_field_file) {
   const Scratch scratch;
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
+  const auto fill = [&](std::size_t b, int first, int last, double* out) {
+    const auto& [lower, upper] = boxes[b];
+    std::fill_n(out, (upper[0] - lower[0]) * (upper[1] - lower[1]) * (last - first), 1.25);
+  };
   const auto write = [&] {
-    adapters::write_fields(
-        MPI_COMM_WORLD, scratch / "fields_1.hdf", boxes,
-        {{cells},
-         {{"density", "", 1, [&](std::size_t b, double* out) { std::fill_n(out, boxes[b].cells(), 1.25); }}},
-         0,
-         1},
-        {});
+    adapters::write_fields(MPI_COMM_WORLD, scratch / "fields_1.hdf", boxes,
+                           {{cells}, {{"density", "", 1, fill}}, 0, 1}, {});
   };
   for (const rlim_t limit : {100, 20000}) {
     std::string error;

@@ -21,8 +21,10 @@ double value(int x, int y, int z, int c) {
 
 std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
   const auto fill = [&boxes](int components) {
-    return [&boxes, components](std::size_t box, double* out) {
-      for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+    return [&boxes, components](std::size_t box, int first, int last, double* out) {
+      CellBox planes = boxes[box];
+      planes.upper[2] = planes.lower[2] + last, planes.lower[2] += first;
+      for_each_cell(planes, [&](int x, int y, int z, std::size_t i) {
         for (int c = 0; c < components; ++c) out[i * components + c] = value(x, y, z, c);
       });
     };

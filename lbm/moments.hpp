@@ -1,0 +1,91 @@
+#pragma once
+// The moments of the populations that arrive at a cell, and those of the cells of a row.
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "lbm/lattice.hpp"
+
+namespace silt::lbm {
+
+/// Deviations from density 1 at rest.
+struct Moments {
+  double density_deviation = 0;
+  double momentum[3] = {};  // sum c g, without the half force
+  double flux[6] = {};      // sum c c g: xx yy zz xy xz yz
+};
+
+/// The velocity that goes with moments: momentum and half the body force (incompressible, density 1).
+inline std::array<double, 3> velocity_of(const Moments& m, const std::array<double, 3>& force) {
+  return {m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]};
+}
+
+/// An array a moment, so that vectors of cells can be summed at a time.
+class MomentsRow {
+ public:
+  Moments operator[](int cell) const;
+  /// Takes the moments of cells that follow each other: g[i][k] is population i that arrives at the k-th.
+  template <class T>
+  void sum(const T* const (&g)[directions], int cells);
+  static constexpr int count = 10;
+
+ private:
+  std::vector<double> values_;  // of each moment in turn
+  std::ptrdiff_t cells_ = 0;
+};
+
+/// The moments of cells [first, last) along x of a block's rows, for those who go from row to row: a row is
+/// summed when the first of its cells is asked for. `Source` has moments(block, cell, cells, MomentsRow&).
+template <class Source>
+class MomentsByRow {
+ public:
+  MomentsByRow(const Source& source, int block, int first, int last)
+      : source_(source), block_(block), first_(first), last_(last) {}
+  Moments operator()(Int3 local_cell) {
+    const Int3 begin{first_, local_cell.y, local_cell.z};
+    if (begin != begin_) source_.moments(block_, begin_ = begin, last_ - first_, row_);
+    return row_[local_cell.x - first_];
+  }
+
+ private:
+  const Source& source_;
+  int block_, first_, last_;
+  Int3 begin_{-1, -1, -1};  // of the row at hand
+  MomentsRow row_;
+};
+
+/// Returns the moments of one cell, where g[i][k] is the population i that arrives at it.
+template <class T>
+[[gnu::always_inline]] inline Moments moments_of(const T* const (&g)[directions], std::ptrdiff_t k) {
+  Moments m;
+  const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
+    if (factor) sum += factor * value;
+  };
+#pragma GCC unroll 19
+  for (int i = 0; i < directions; ++i) {
+    const double value = g[i][k];
+    const Int3 v = c[i];
+    m.density_deviation += value;
+    add(m.momentum[0], v.x, value);
+    add(m.momentum[1], v.y, value);
+    add(m.momentum[2], v.z, value);
+    add(m.flux[0], v.x * v.x, value);
+    add(m.flux[1], v.y * v.y, value);
+    add(m.flux[2], v.z * v.z, value);
+    add(m.flux[3], v.x * v.y, value);
+    add(m.flux[4], v.x * v.z, value);
+    add(m.flux[5], v.y * v.z, value);
+  }
+  return m;
+}
+
+inline Moments MomentsRow::operator[](int cell) const {
+  const double* const v = values_.data() + cell;
+  Moments m;
+  m.density_deviation = v[0];
+  for (int d = 0; d < 3; ++d) m.momentum[d] = v[(1 + d) * cells_];
+  for (int k = 0; k < 6; ++k) m.flux[k] = v[(4 + k) * cells_];
+  return m;
+}
+
+}  // namespace silt::lbm
