@@ -88,7 +88,7 @@ void collide_without_loss(Case& scene) {
                                 [](const rigid::Material& m) { return m.restitution == 1; });
   if (!some || scene.fluid || !rigid::resolver_model(scene.contacts.resolver).has_impact_phase) return;
   scene.contacts.resolver_settings.impact_sweeps = enough;
-  scene.contacts.resolver_settings.impact_restitution = 1;
+  scene.contacts.resolver_settings.least_impact_restitution = 1;
 }
 
 int read_shape_name(TableReader& table, const Case& scene) {

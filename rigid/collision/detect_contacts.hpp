@@ -27,7 +27,8 @@ class DetectContacts {
   ~DetectContacts();
   /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
   /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
-  /// in dt, at most world.contact_margin; between smooth surfaces at least as far as world.lubrication reach.
+  /// in dt, at most world.contact_margin; at least as far as a lubrication film reaches where one may form
+  /// (between a smooth surface and another, a mesh or a tube).
   /// Returns the number of candidate pairs.
   std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
                          std::vector<Contact>& contacts);

@@ -16,8 +16,8 @@ using Made = std::unique_ptr<ContactResolver>;
 Made make_sffd(const ResolverSettings& settings) {
   auto sffd = std::make_unique<SffdResolver>(settings);
   if (settings.impact_sweeps == 0) return sffd;
-  return std::make_unique<ImpactThenContact>(ImpactPhase(settings.impact_sweeps, settings.impact_restitution),
-                                             std::move(sffd));
+  return std::make_unique<ImpactThenContact>(
+      ImpactPhase(settings.impact_sweeps, settings.least_impact_restitution), std::move(sffd));
 }
 
 constexpr ResolverModel models[] = {

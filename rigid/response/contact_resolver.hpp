@@ -20,8 +20,8 @@ struct ResolverSettings {
   double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
   double slop = 0.0;               // overlap left alone, lattice units
   bool warm_start = true;
-  int impact_sweeps = 0;          // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
-  double impact_restitution = 0;  // the least with which a pair takes part in it
+  int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
+  double least_impact_restitution = 0;  // the least with which a pair takes part in it
   std::shared_ptr<const ImpactSink>
       impacts;             // sffd: told of every impact but those of the impact phase; null: nobody
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper

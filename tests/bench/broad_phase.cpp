@@ -1,6 +1,7 @@
 // Milliseconds a step of each broad phase takes, on one core: spheres that fill a fifth of a periodic box,
-// and spheres of very different sizes. Bodies move by a hundredth of their radius a step. The broad phases
-// take their steps in turn, on the same positions, and must find the same number of pairs.
+// spheres of very different sizes, and the bounding spheres of fibres 20 times as long as thick that fill a
+// twentieth of it, so many times overlapping. Bodies move by a hundredth of their radius a step. The broad
+// phases take their steps in turn, on the same positions, and must find the same number of pairs.
 #include <cstdio>
 #include <map>
 #include <random>
@@ -95,6 +96,8 @@ int main(int argc, char** argv) {
     if (!options.quick) compare(cloud("a fifth full", 100000, 0.2, 0, 1), 10, out);
     compare(cloud("one in 500 30 x larger", 10000, 0.4, 500, 30), 30, out);
     if (!options.quick) compare(cloud("one in 500 30 x larger", 100000, 0.4, 500, 30), 10, out);
+    constexpr double aspect = 20, bounding_over_fibre = 2. / 3 * aspect * aspect;  // volumes
+    compare(cloud("fibres, 20 to 1", 10000, 0.05 * bounding_over_fibre, 0, 1), 30, out);
     out.write(options.json);
   } catch (const std::exception& e) {
     fprintf(stderr, "%s\n", e.what());
