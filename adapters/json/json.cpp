@@ -128,12 +128,12 @@ std::string Json::text() const {
 void Json::print(std::string& out, int level) const {
   if (const auto* members = std::get_if<Object>(&value_)) {
     out += '{';
-    for (std::size_t i = 0; i < members->size(); ++i) {
-      if (i > 0) out += ',';
+    for (const Member& member : *members) {
+      if (&member != &members->front()) out += ',';
       new_line(out, level + 1);
-      print_string(out, (*members)[i].first);
+      print_string(out, member.first);
       out += ": ";
-      (*members)[i].second.print(out, level + 1);
+      member.second.print(out, level + 1);
     }
     if (!members->empty()) new_line(out, level);
     out += '}';

@@ -9,6 +9,7 @@
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
+#include <list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,8 +45,8 @@ class Json {
     return a;
   }
 
-  /// The member of that name, added (null) if missing. A null becomes an object; throws std::logic_error for
-  /// other values.
+  /// The member of that name, added (null) if missing; the reference lasts as long as the object. A null
+  /// becomes an object; throws std::logic_error for other values.
   Json& operator[](std::string_view key);
   /// Appends a value. A null becomes an array; throws std::logic_error for other values.
   void push_back(Json);
@@ -59,7 +60,7 @@ class Json {
   std::string text() const;
 
  private:
-  using Object = std::vector<Member>;
+  using Object = std::list<Member>;  // a reference to a member outlives those added after it
   using Array = std::vector<Json>;
   void print(std::string& out, int level) const;
   void list_numbers(const std::string& path, std::vector<std::pair<std::string, std::string>>& out) const;

@@ -37,6 +37,15 @@ TEST(Json, prints_nested_values_in_the_order_they_were_named) {
       "    [1, -2],\n    {}\n  ],\n  \"none\": []\n}\n");
 }
 
+TEST(Json, a_reference_to_a_member_lasts_while_others_are_added) {
+  Json j;
+  Json& first = j["0"];
+  for (int k = 1; k < 100; ++k) j[std::to_string(k)] = k;
+  EXPECT_EQ(&first, &j["0"]);
+  j["a"] = j["b"] = j["c"] = 7;
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(one_line(j[name]), "7");
+}
+
 TEST(Json, escapes_what_must_be_and_repairs_broken_utf8) {
   EXPECT_EQ(one_line("\"a\\b\"\n\t\x01\x7f/"), "\"\\\"a\\\\b\\\"\\n\\t\\u0001\\u007f/\"");
   EXPECT_EQ(one_line("\u00e4\u2605\U0001f600"), "\"\u00e4\u2605\U0001f600\"");
