@@ -17,6 +17,7 @@ struct Pose {
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();
 
+  bool operator==(const Pose&) const = default;
   Vec3 to_world(const Vec3& x_B) const { return position + orientation * x_B; }
   Vec3 to_body(const Vec3& x_W) const { return orientation.conjugate() * (x_W - position); }
   /// The same pose seen from another one of the same frame.

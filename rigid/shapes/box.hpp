@@ -24,6 +24,7 @@ struct Feature {
 struct Box {
   static constexpr std::string_view name = "box";
   Vec3 half_edges;
+  bool operator==(const Box&) const = default;
   static constexpr auto fields =
       std::tuple{Field<Box, Vec3>{"edges", &Box::half_edges, "the lengths of the box, [x, y, z]", 0.5}};
 

@@ -7,6 +7,7 @@ namespace silt::rigid {
 struct Capsule {
   static constexpr std::string_view name = "capsule";
   double radius, half_length;
+  bool operator==(const Capsule&) const = default;
   static constexpr auto fields =
       std::tuple{Field<Capsule, double>{"length", &Capsule::half_length,
                                         "of the segment between the centres of the two ends", 0.5},

@@ -1,5 +1,7 @@
 #include "rigid/shapes/compound.hpp"
 
+#include <deque>
+#include <mutex>
 #include <numbers>
 
 #include "rigid/shapes/defaults.hpp"
@@ -46,12 +48,36 @@ BoundingBox Compound::bounding_box(const Pose& pose) const {
   return all;
 }
 
+namespace {
+
+/// What overlap_moments, tens of milliseconds of quadrature, said of the compounds asked about last: a case
+/// asks for the mass of each of its compounds in many places.
+class KnownOverlaps {
+ public:
+  SolidMoments of(const std::vector<Part>& parts) {
+    const std::lock_guard lock(mutex_);
+    const auto at =
+        std::find_if(known_.begin(), known_.end(), [&](const auto& known) { return known.first == parts; });
+    if (at != known_.end()) return at->second;
+    if (known_.size() == most) known_.pop_front();
+    return known_.emplace_back(parts, overlap_moments(parts)).second;
+  }
+
+ private:
+  static constexpr std::size_t most = 64;
+  std::mutex mutex_;
+  std::deque<std::pair<std::vector<Part>, SolidMoments>> known_;
+};
+
+}  // namespace
+
 MassProperties Compound::mass_properties() const {
+  static KnownOverlaps overlaps;
   constexpr double quadrature_error = 2e-5;  // a fifth of what is promised
   SolidMoments m;
   for (const Part& part : parts)
     m += moments(std::visit([](const auto& s) { return s.mass_properties(); }, part.shape), part.pose);
-  m = m - overlap_moments(parts);
+  m = m - overlaps.of(parts);
   MassProperties p;
   p.volume = m.volume;
   p.centre = m.first / m.volume;

@@ -6,6 +6,8 @@ namespace silt::rigid {
 struct Part {
   ConvexShape shape;
   Pose pose;  // part to body
+
+  bool operator==(const Part&) const = default;
 };
 
 /// Axis-aligned box of one part of a body, in the frame the body's pose is given in.

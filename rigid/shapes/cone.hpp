@@ -9,6 +9,7 @@ namespace silt::rigid {
 struct Cone {
   static constexpr std::string_view name = "cone";
   double radius, height;
+  bool operator==(const Cone&) const = default;
   static constexpr auto fields =
       std::tuple{Field<Cone, double>{"height", &Cone::height, "from the base to the apex, along z"},
                  radius_field(&Cone::radius)};

@@ -8,6 +8,7 @@ namespace silt::rigid {
 struct Cylinder {
   static constexpr std::string_view name = "cylinder";
   double radius, half_length;
+  bool operator==(const Cylinder&) const = default;
   static constexpr auto fields =
       std::tuple{Field<Cylinder, double>{"length", &Cylinder::half_length, "from end to end, along z", 0.5},
                  radius_field(&Cylinder::radius)};

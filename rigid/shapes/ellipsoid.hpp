@@ -6,6 +6,7 @@ namespace silt::rigid {
 struct Ellipsoid {
   static constexpr std::string_view name = "ellipsoid";
   Vec3 half_axes;
+  bool operator==(const Ellipsoid&) const = default;
   static constexpr auto fields = std::tuple{Field<Ellipsoid, Vec3>{
       "diameters", &Ellipsoid::half_axes, "how long it is along each of its axes, [x, y, z]", 0.5}};
 

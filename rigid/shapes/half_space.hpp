@@ -9,6 +9,7 @@ namespace silt::rigid {
 struct HalfSpace {
   static constexpr std::string_view name = "half-space";
   Vec3 normal;
+  bool operator==(const HalfSpace&) const = default;
   static constexpr std::tuple<> fields{};  // the sides of the domain make them
 
   double signed_distance(const Vec3& x) const { return normal.dot(x); }

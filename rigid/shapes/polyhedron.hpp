@@ -8,6 +8,7 @@ namespace silt::rigid {
 struct Polyhedron {
   static constexpr std::string_view name = "polyhedron";
   std::shared_ptr<const PolyhedronMesh> mesh;
+  bool operator==(const Polyhedron&) const = default;
   static constexpr std::tuple<> fields{};  // its corners or a file: coupler/case/read_shapes.cpp
 
   bool contains(const Vec3& x) const;

@@ -34,12 +34,14 @@ inline Mat3 across(const Vec3& n) {
 /// - bounding_box(pose): the tight one along the axes of the frame that the pose is given in;
 /// - reach(pose): how far its furthest point is from that frame's origin;
 /// - support(n): its point furthest along unit n;
+/// - ==;
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
 /// - add_inner_balls(balls): balls and points inside it that together stand for it
 /// (coupler/placement/overlap.hpp).
 template <class S>
 concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std::vector<InnerBall>& balls) {
+  requires std::equality_comparable<S>;
   { S::name } -> std::convertible_to<std::string_view>;
   std::tuple_size<std::remove_cvref_t<decltype(S::fields)>>::value;
   { s.signed_distance(x) } -> std::same_as<double>;

@@ -6,6 +6,7 @@ namespace silt::rigid {
 struct Sphere {
   static constexpr std::string_view name = "sphere";
   double radius;
+  bool operator==(const Sphere&) const = default;
   static constexpr auto fields = std::tuple{radius_field(&Sphere::radius)};
 
   double signed_distance(const Vec3& x) const { return x.norm() - radius; }
