@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rigid/response/common_rest.hpp"
 
@@ -33,6 +34,11 @@ struct Sides {
     a.w -= inertia_a * r_a.cross(impulse);
     b.v += mass_b * impulse;
     b.w += inertia_b * r_b.cross(impulse);
+  }
+  /// What rounding leaves of the difference of two velocities at a contact.
+  double rounding(const Vec3& r_a, const Vec3& r_b) const {
+    return std::numeric_limits<double>::epsilon() *
+           (a.v.norm() + a.w.norm() * r_a.norm() + b.v.norm() + b.w.norm() * r_b.norm());
   }
 };
 
@@ -171,7 +177,12 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
   Sides sides{read(state_, body_a.row),  read(state_, body_b.row),     n_a * body_a.inverse_mass,
               n_b * body_b.inverse_mass, n_a * body_a.inverse_inertia, n_b * body_b.inverse_inertia};
   old_.clear();
-  for (std::size_t k = p.first; k < p.last; ++k) old_.push_back(contacts_[k].impulse);
+  double rounding = 0;  // of impulses
+  for (std::size_t k = p.first; k < p.last; ++k) {
+    const ImpactContact& c = contacts_[k];
+    old_.push_back(c.impulse);
+    rounding = std::max(rounding, sides.rounding(c.r_a, c.r_b) / std::min(c.k_n, c.k_t));
+  }
   for (int i = 0; i < most_rounds_of_a_pair; ++i) {
     double change = 0, scale = 0;
     for (std::size_t k = p.first; k < p.last; ++k) {
@@ -195,7 +206,7 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
       scale = std::max({scale, std::abs(impulse[0]), std::abs(impulse[1]), std::abs(impulse[2])});
     }
     if (p.last - p.first == 1 && stage == Stage::normal) break;
-    if (change <= round_tolerance * scale) break;
+    if (change <= std::max(round_tolerance * scale, rounding)) break;
   }
   double change = 0, scale = 0;
   for (std::size_t k = p.first; k < p.last; ++k)
