@@ -8,7 +8,6 @@
 #include "tests/act.hpp"
 
 int main(int argc, char** argv) {
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);  // started without mpirun it needs no daemon beside it
   MPI_Init(&argc, &argv);
   testing::InitGoogleTest(&argc, argv);
   if (argc == 3 && std::string_view(argv[1]) == "--act") {

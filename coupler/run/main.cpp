@@ -182,7 +182,6 @@ int main(int argc, char** argv) {
   // Open MPI's usual component for shared file pointers, which nothing here uses, overflows with paths above
   // 240 bytes.
   setenv("OMPI_MCA_sharedfp", "individual", 0);
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);  // started without mpirun it needs no daemon beside it
   MPI_Init(&argc, &argv);
   int code = 1;
   try {
