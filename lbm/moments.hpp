@@ -27,9 +27,9 @@ class MomentsRow {
   /// Takes the moments of cells that follow each other: g[i][k] is population i that arrives at the k-th.
   template <class T>
   void sum(const T* const (&g)[directions], int cells);
-  static constexpr int count = 10;
 
  private:
+  static constexpr int count = 10;
   std::vector<double> values_;  // of each moment in turn
   std::ptrdiff_t cells_ = 0;
 };

@@ -108,7 +108,7 @@ std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& pro
 
 /// Some planes at a time: what is narrowed to float is still in cache.
 std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuantity& q) {
-  constexpr std::size_t wide_values = 1 << 16;
+  constexpr std::size_t wide_values = 1 << 12;  // at a time, if a plane has no more
   std::vector<double> wide;
   return slabs.pack(cell_bytes(q), [&](std::size_t k, void* out) {
     const CellBox& box = slabs.boxes()[k];

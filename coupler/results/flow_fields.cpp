@@ -70,35 +70,38 @@ class SolidCells {
       : flow_(*simulation.scene().flow),
         bodies_(simulation.bodies()),
         world_(simulation.scene().world),
-        extent_(simulation.scene().exchange->extent()) {}
+        extent_(simulation.scene().exchange->extent()) {
+    for (std::size_t row = 0; row < bodies_.first_wall(); ++row)
+      reach_.push_back(rigid::bounding_box(world_.shapes[bodies_.shape[row]], mapping_pose(bodies_, row)));
+  }
 
   /// Calls visit(row, cell, r) for the solid cells of a piece and the bodies they lie in, r from the body's
   /// centre to that of the cell.
   template <class Visit>
   void for_each(const Piece& piece, Visit&& visit) const {
-    for (std::size_t row = 0; row < bodies_.first_wall(); ++row) {
-      const rigid::Pose pose = mapping_pose(bodies_, row);
-      const rigid::BoundingBox reach = rigid::bounding_box(world_.shapes[bodies_.shape[row]], pose);
-      for (int image = 0; image < 27; ++image) {
-        const rigid::Image periods{std::int8_t(image % 3 - 1), std::int8_t(image / 3 % 3 - 1),
-                                   std::int8_t(image / 9 - 1)};
-        if ((!periods.x || extent_.periodic[0]) && (!periods.y || extent_.periodic[1]) &&
-            (!periods.z || extent_.periodic[2]))
-          for_image(piece, row, pose, reach, extent_.shift(periods), visit);
-      }
-    }
+    for (std::size_t row = 0; row < reach_.size(); ++row) for_images(piece, row, 2, Vec3::Zero(), visit);
   }
 
  private:
+  /// Narrows the piece to what images of a body reach, from this axis down: few planes meet any along z.
   template <class Visit>
-  void for_image(Piece piece, std::size_t row, rigid::Pose pose, const rigid::BoundingBox& reach,
-                 const Vec3& shift, Visit&& visit) const {
-    const Int3 corner = flow_.block(piece.block).lower;
-    for (int d = 0; d < 3; ++d) {
-      piece.first[d] = std::max(piece.first[d], int(std::floor(reach.lower[d] + shift[d])) - corner[d]);
-      piece.last[d] = std::min(piece.last[d], int(std::ceil(reach.upper[d] + shift[d])) - corner[d]);
-      if (piece.first[d] >= piece.last[d]) return;
+  void for_images(const Piece& piece, std::size_t row, int axis, Vec3 shift, Visit&& visit) const {
+    if (axis < 0) return for_image(piece, row, shift, visit);
+    const int corner = flow_.block(piece.block).lower[axis], images = extent_.periodic[axis] ? 1 : 0;
+    for (int image = -images; image <= images; ++image) {
+      shift[axis] = image * extent_.size[axis];
+      Piece part = piece;
+      const rigid::BoundingBox& reach = reach_[row];
+      part.first[axis] =
+          std::max(part.first[axis], int(std::floor(reach.lower[axis] + shift[axis])) - corner);
+      part.last[axis] = std::min(part.last[axis], int(std::ceil(reach.upper[axis] + shift[axis])) - corner);
+      if (part.first[axis] < part.last[axis]) for_images(part, row, axis - 1, shift, visit);
     }
+  }
+  template <class Visit>
+  void for_image(const Piece& piece, std::size_t row, const Vec3& shift, Visit&& visit) const {
+    const Int3 corner = flow_.block(piece.block).lower;
+    rigid::Pose pose = mapping_pose(bodies_, row);
     pose.position += shift;
     const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
     piece.for_each([&](Int3 cell, std::size_t) {
@@ -113,6 +116,7 @@ class SolidCells {
   const rigid::BodySet& bodies_;
   const rigid::World& world_;
   const rigid::Extent& extent_;
+  std::vector<rigid::BoundingBox> reach_;  // of the rows
 };
 
 /// Makes the fields of a simulation for the pieces of a box.
@@ -123,6 +127,7 @@ class Fields {
         flow_(*simulation.scene().flow),
         units_(simulation.setup().units),
         pieces_(pieces_of(flow_, spec)),
+        solid_cells_(simulation),
         double_precision_(spec.double_precision) {
     if (std::count(spec.quantities.begin(), spec.quantities.end(), Field::vorticity))
       velocities_.emplace(flow_, simulation.scene().comm, int3(spec.lower), int3(spec.upper));
@@ -184,7 +189,7 @@ class Fields {
         const Vec3 v = is_solid.test(cell) ? Vec3(Vec3::Zero()) : Vec3(scale * of(cell));
         std::copy_n(v.data(), 3, out + 3 * i);
       });
-      SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3& r) {
+      solid_cells_.for_each(piece, [&](std::size_t row, Int3 cell, const Vec3& r) {
         const Vec3 v = scale * of_body(row, r);
         std::copy_n(v.data(), 3, out + 3 * piece.index(cell));
       });
@@ -221,7 +226,7 @@ class Fields {
     const auto values = [this](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
       piece.for_each([&](Int3, std::size_t i) { out[i] = 0; });
-      SolidCells(simulation_).for_each(piece, [&](std::size_t row, Int3 cell, const Vec3&) {
+      solid_cells_.for_each(piece, [&](std::size_t row, Int3 cell, const Vec3&) {
         double& here = out[piece.index(cell)];  // where bodies overlap the lower id has the cell
         const double id = double(simulation_.bodies().id[row]);
         here = here > 0 ? std::min(here, id) : id;
@@ -234,6 +239,7 @@ class Fields {
   const Flow& flow_;
   const Units& units_;
   std::vector<Piece> pieces_;
+  SolidCells solid_cells_;
   bool double_precision_;
   std::optional<CellVelocities> velocities_;  // where vorticity is asked for
 };
