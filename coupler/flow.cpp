@@ -17,6 +17,7 @@
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/refill.hpp"
+#include "coupler/mapping/side_columns.hpp"
 #include "coupler/side_force.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
@@ -67,6 +68,7 @@ class FlowOf final : public Flow {
         corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
+    for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
@@ -292,7 +294,15 @@ class FlowOf final : public Flow {
       }
       counts_.links += block.count;
     }
-    if (pairs_) pairs_->choose([&](int b, Int3 x) { return map_.blocks()[b].solid.from(x.x, x.y, x.z); });
+    if (pairs_) choose_pairs();
+  }
+
+  void choose_pairs() {
+    for (std::size_t b = 0; b < columns_.size(); ++b)
+      if (map_.blocks()[b].changed) columns_[b].reset(map_.blocks()[b].solid);
+    pairs_->choose([&](int b, Int3 x, int axis) {
+      return axis == 1 ? columns_[b].from(x.x, x.y, x.z) : map_.blocks()[b].solid.from(x.x, x.y, x.z);
+    });
   }
 
   CouplingSpec coupling_;
@@ -302,6 +312,7 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   MeshDistances meshes_;
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
+  std::vector<SideColumns> columns_;          // of the blocks, for pairs_
   bool pushes_bodies_;
   FluidForces<T> forces_;
   MappingCounts counts_;

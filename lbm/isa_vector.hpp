@@ -40,4 +40,19 @@ template <class Mask>
 #endif
 }
 
+/// The lanes in which a comparison of two vectors of 32-bit elements held, as bits.
+template <class Mask>
+[[gnu::always_inline]] inline unsigned lane_bits(const Mask& mask) {
+#if defined(SILT_ISA_avx512)
+  const auto lanes = std::bit_cast<__m512i>(mask);
+  return _mm512_test_epi32_mask(lanes, lanes);
+#elif defined(SILT_ISA_avx2)
+  return unsigned(_mm256_movemask_ps(std::bit_cast<__m256>(mask)));
+#else
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < sizeof mask / sizeof mask[0]; ++i) bits |= unsigned(mask[i] & 1) << i;
+  return bits;
+#endif
+}
+
 }  // namespace silt::lbm::SILT_ISA

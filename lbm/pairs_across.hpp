@@ -27,8 +27,8 @@ class PairsAcross {
   /// are chosen.
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks);
   /// From now on the pairs of cut links are brought: of fluid cells x with x + c_i solid; others mean
-  /// nothing. solid(block, cell) has 64 cells of a row of a local block as bits, `cell` the lowest, for cells
-  /// to two beyond its faces. Each rank calls it when one of these of its blocks has changed. What two ranks
+  /// nothing. solid(block, cell, axis) has 64 cells of a local block along x or y as bits, `cell` the first,
+  /// for cells to two beyond its faces; those along y are asked for within two of the faces across x. Each rank calls it when one of these of its blocks has changed. What two ranks
   /// know of the same cells must agree: how long their messages are follows from it.
   template <class Solid>
   void choose(Solid&& solid);
@@ -121,16 +121,11 @@ template <class T>
 template <class Solid, class Visit>
 void PairsAcross<T>::for_cut(const Line& line, Solid&& solid, Visit&& visit) {
   const Int3 along = c[line.direction];
-  if (line.along_y) {
-    for (std::uint32_t n = 0; n < line.length; ++n) {
-      const Int3 x = line.first + Int3{0, int(n), 0};
-      if ((solid(line.block, x + along) & 1) && !(solid(line.block, x) & 1)) visit(n);
-    }
-    return;
-  }
+  const int axis = line.along_y ? 1 : 0;
   for (std::uint32_t n = 0; n < line.length; n += 64) {
-    const Int3 x = line.first + Int3{int(n), 0, 0};
-    std::uint64_t cut = ~solid(line.block, x) & solid(line.block, x + along);
+    Int3 x = line.first;
+    x[axis] += int(n);
+    std::uint64_t cut = ~solid(line.block, x, axis) & solid(line.block, x + along, axis);
     if (line.length - n < 64) cut &= (std::uint64_t{1} << (line.length - n)) - 1;
     for (; cut; cut &= cut - 1) visit(n + std::uint32_t(std::countr_zero(cut)));
   }

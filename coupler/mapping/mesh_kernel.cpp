@@ -1,9 +1,12 @@
 // Built once an instruction set.
 #include <algorithm>
 #include <bit>
+#include <span>
+#include <utility>
 
 #include "coupler/mapping/mesh_lines.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/isa_vector.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
@@ -23,74 +26,96 @@ void place_corners(const double* from, std::size_t count, const double* turn, co
     }
 }
 
-constexpr int lanes = 16;
+using Floats = lbm::SILT_ISA::VectorOf<float>::type;
+using Ints = lbm::SILT_ISA::VectorOf<int>::type;
+constexpr int lanes = int(sizeof(Floats) / sizeof(float));
 
-/// Corners of triangles side by side, in cells.
-struct RoughTriangles {
-  float x[3][3][lanes];  // corner, coordinate
-
-  /// `above`: whole cells that make all that matters positive.
-  RoughTriangles(const TriangleView& view, std::size_t first, int n, const float* above) {
-    for (int l = 0; l < lanes; ++l) {
-      const auto& t = view.triangles[view.wanted[first + std::size_t(std::min(l, n - 1))]];
-      for (int k = 0; k < 3; ++k)
-        for (int d = 0; d < 3; ++d) x[k][d][l] = view.rough[3 * std::size_t(t[k]) + d] + above[d];
-    }
-  }
-
-  /// Clears the lanes that cannot have a lattice point between their least and largest
-  /// x_other - slope x_axis.
-  void drop_between(int other, float slope, int axis, int* lane) const {
-    constexpr float margin = 4e-3f, above = 16384;  // cells: of rounding
-    for (int l = 0; l < lanes; ++l) {
-      const float u0 = x[0][other][l] - slope * x[0][axis][l], u1 = x[1][other][l] - slope * x[1][axis][l],
-                  u2 = x[2][other][l] - slope * x[2][axis][l];
-      const float low = std::min(std::min(u0, u1), u2), high = std::max(std::max(u0, u1), u2);
-      lane[l] &= int(high + (above + margin)) > int(low + (above - margin)) ? -1 : 0;
-    }
-  }
-  /// Sets a bit of every lane that may meet one of the lines.
-  void find_near(const Lines& lines, int bit, int* found) const {
-    int lane[lanes];
-    std::fill_n(lane, lanes, -1);
-    drop_between(lines.a, float(lines.c_a), lines.axis, lane);
-    drop_between(lines.b, float(lines.c_b), lines.axis, lane);
-    for (int l = 0; l < lanes; ++l) found[l] |= lane[l] & bit;
-  }
-};
+Floats least(Floats a, Floats b) {
+  return a < b ? a : b;
+}
+Floats largest(Floats a, Floats b) {
+  return a > b ? a : b;
+}
 
 /// One of a half of the directions, known where code is made.
-template <int number>
+template <int number_>
 struct Direction {
+  static constexpr int number = number_;
   static constexpr Lines lines = Lines(2 * number + 1);
 };
 constexpr int half_directions = (lbm::directions - 1) / 2;
 
-/// Calls use(Direction<number>()).
-template <class Use>
-void with_direction(int number, Use&& use) {
-  static_assert(half_directions == 9);
-  switch (number) {
-    case 0:
-      return use(Direction<0>());
-    case 1:
-      return use(Direction<1>());
-    case 2:
-      return use(Direction<2>());
-    case 3:
-      return use(Direction<3>());
-    case 4:
-      return use(Direction<4>());
-    case 5:
-      return use(Direction<5>());
-    case 6:
-      return use(Direction<6>());
-    case 7:
-      return use(Direction<7>());
-    case 8:
-      return use(Direction<8>());
+/// Calls use(Direction<number>()) for the first of the half.
+template <int directions, class Use>
+[[gnu::always_inline]] inline void for_directions(Use&& use) {
+  [&]<int... number>(std::integer_sequence<int, number...>) {
+    (use(Direction<number>()), ...);
   }
+  (std::make_integer_sequence<int, directions>());
 }
+
+/// What triangles side by side span of a sum or difference of coordinates: how many lattice points, their
+/// corners from the last of these, and the largest distance.
+struct Span {
+  Ints points;
+  Floats from[3], furthest;
+
+  /// at: of the corners, in cells.
+  [[gnu::always_inline]] void set(Floats a, Floats b, Floats c) {
+    constexpr float margin = 4e-3f, above = 16384;  // cells: of rounding
+    const Floats low = least(least(a, b), c), high = largest(largest(a, b), c);
+    const Ints last = __builtin_convertvector(high + (above + margin), Ints);
+    points = last - __builtin_convertvector(low + (above - margin), Ints);
+    const Floats last_point = __builtin_convertvector(last, Floats) - above;
+    from[0] = a - last_point, from[1] = b - last_point, from[2] = c - last_point;
+    furthest = largest(high - last_point, last_point - low);
+  }
+};
+
+/// Triangles side by side, to rounding: what they span of x, y, z and of the sums and differences of two.
+class RoughTriangles {
+ public:
+  /// Takes `lanes` triangles of those wanted; after the last the last again. `above`: whole cells that make
+  /// all that matters positive.
+  [[gnu::always_inline]] RoughTriangles(const TriangleView& view, std::size_t first, const float* above) {
+    Floats x[3][3];
+    for (int l = 0; l < lanes; ++l) {
+      const auto& t = view.triangles[view.wanted[std::min(first + std::size_t(l), view.count - 1)]];
+      for (int k = 0; k < 3; ++k)
+        for (int d = 0; d < 3; ++d) x[d][k][l] = view.rough[3 * std::size_t(t[k]) + d] + above[d];
+    }
+    for (int d = 0; d < 3; ++d) spans_[d].set(x[d][0], x[d][1], x[d][2]);
+    for (int e = 1; e < 3; ++e)
+      for (int d = 0; d < e; ++d) {
+        spans_[of_two(d, e, 1)].set(x[e][0] - x[d][0], x[e][1] - x[d][1], x[e][2] - x[d][2]);
+        spans_[of_two(d, e, -1)].set(x[e][0] + x[d][0], x[e][1] + x[d][1], x[e][2] + x[d][2]);
+      }
+  }
+
+  /// Finds those that may meet one of the lines: not 0.
+  [[gnu::always_inline]] Ints near(const Lines& lines) const {
+    const Span &u = across(lines.a, lines.c_a, lines.axis), &v = across(lines.b, lines.c_b, lines.axis);
+    // on which side of the edges the line passes, if there is but one
+    const Floats side0 = u.from[1] * v.from[2] - u.from[2] * v.from[1],
+                 side1 = u.from[2] * v.from[0] - u.from[0] * v.from[2],
+                 side2 = u.from[0] * v.from[1] - u.from[1] * v.from[0];
+    const Floats rounding = 4e-3f * (u.furthest + v.furthest);
+    const Ints beside =
+        (least(least(side0, side1), side2) < -rounding) & (largest(largest(side0, side1), side2) > rounding);
+    const Ints one = (u.points == 1) & (v.points == 1);
+    return (u.points > 0) & (v.points > 0) & ~(one & beside);
+  }
+
+ private:
+  /// Of x_other - slope x_axis.
+  [[gnu::always_inline]] const Span& across(int other, int slope, int axis) const {
+    return spans_[slope == 0 ? other : of_two(std::min(other, axis), std::max(other, axis), slope)];
+  }
+  /// Of x_e - slope x_d, d below e.
+  static constexpr int of_two(int d, int e, int slope) { return 2 + d + e + (slope < 0 ? 3 : 0); }
+
+  Span spans_[9];
+};
 
 /// The lines along a direction that pass cells of a box.
 struct LinesInBox {
@@ -105,43 +130,62 @@ struct LinesInBox {
   }
 };
 
+/// Some triangles that follow each other: by direction those that may meet lines along it.
+template <int directions>
+class NearTriangles {
+ public:
+  static constexpr std::size_t most = 512;  // stay in the nearest cache
+
+  void find(const TriangleView& view, std::size_t first, const float* above) {
+    std::fill_n(count_, directions, 0);
+    const std::size_t end = std::min(first + most, view.count);
+    for (std::size_t n = first; n < end; n += lanes) {
+      const RoughTriangles rough(view, n, above);
+      for_directions<directions>([&](auto direction) {
+        for (unsigned near = lbm::SILT_ISA::lane_bits(rough.near(direction.lines)); near != 0;
+             near &= near - 1)
+          list_[direction.number][count_[direction.number]++] =
+              std::uint32_t(n) + unsigned(std::countr_zero(near));
+      });
+    }
+    for (int k = 0; k < directions; ++k)
+      while (count_[k] > 0 && list_[k][count_[k] - 1] >= end) --count_[k];
+  }
+  /// Numbers of `wanted`.
+  std::span<const std::uint32_t> of(int direction) const { return {list_[direction], count_[direction]}; }
+
+ private:
+  std::uint32_t list_[directions][most + lanes], count_[directions];
+};
+
 /// Calls visit(direction, u, v, w) for all crossings of the triangles with lines that pass cells of a box,
 /// along the first `directions` of the half.
-template <Touching touching, class Visit>
-void for_crossings(const TriangleView& view, int directions, Int3 low, Int3 high, const Visit& visit) {
-  const auto in_box = [&](int k) { return LinesInBox(Lines(2 * k + 1), low, high); };
-  const LinesInBox boxes[] = {in_box(0), in_box(1), in_box(2), in_box(3), in_box(4),
-                              in_box(5), in_box(6), in_box(7), in_box(8)};
+template <Touching touching, int directions, class Visit>
+void for_crossings(const TriangleView& view, Int3 low, Int3 high, const Visit& visit) {
   float above[3];
   for (int d = 0; d < 3; ++d) above[d] = float(view.base[d] - low[d]);
-  for (std::size_t first = 0; first < view.count; first += lanes) {
-    const int n = int(std::min<std::size_t>(lanes, view.count - first));
-    const RoughTriangles rough(view, first, n, above);
-    int found[lanes] = {};
-    for (int k = 0; k < directions; ++k)
-      with_direction(k, [&](auto direction) { rough.find_near(direction.lines, 1 << k, found); });
-    for (int l = 0; l < n; ++l)
-      for (unsigned left = unsigned(found[l]); left != 0; left &= left - 1) {
-        const int k = std::countr_zero(left);
-        const auto& t = view.triangles[view.wanted[first + std::size_t(l)]];
-        with_direction(k, [&](auto direction) {
-          const SeenTriangle seen(view.corner[t[0]], view.corner[t[1]], view.corner[t[2]], direction.lines);
-          const Range u = boxes[k].us.within(seen.u_range());
-          if (u.empty()) return;
-          const Range v = boxes[k].vs.within(seen.v_range());
-          if (v.empty()) return;
-          seen.template meet<touching>(u, v, [&](std::int64_t at_u, std::int64_t at_v, std::int64_t w) {
-            visit(direction, at_u, at_v, w);
-          });
+  NearTriangles<directions> near;
+  for (std::size_t first = 0; first < view.count; first += near.most) {
+    near.find(view, first, above);
+    for_directions<directions>([&](auto direction) {
+      const LinesInBox box(direction.lines, low, high);
+      for (const std::uint32_t n : near.of(direction.number)) {
+        const auto& t = view.triangles[view.wanted[n]];
+        const SeenTriangle seen(view.corner[t[0]], view.corner[t[1]], view.corner[t[2]], direction.lines);
+        const Range u = box.us.within(seen.u_range()), v = box.vs.within(seen.v_range());
+        if (u.empty() || v.empty()) continue;
+        seen.template meet<touching>(u, v, [&](std::int64_t at_u, std::int64_t at_v, std::int64_t w) {
+          visit(direction, at_u, at_v, w);
         });
       }
+    });
   }
 }
 
 void mark_changes(const TriangleView& view, const BitFrame& frame, Int3 low, std::uint64_t* words) {
   const Int3 first = low + Int3{2, 2, 2}, last = low + frame.size - Int3{3, 3, 3};
-  for_crossings<Touching::is_moved>(
-      view, 1, first, last, [&](auto, std::int64_t y, std::int64_t z, std::int64_t w) {
+  for_crossings<Touching::is_moved, 1>(
+      view, first, last, [&](auto, std::int64_t y, std::int64_t z, std::int64_t w) {
         const std::int64_t x = std::max<std::int64_t>((w + cell_units - 1) >> cell_bits, first.x);
         if (x > last.x) return;
         const std::size_t bit = std::size_t(z - low.z) * std::size_t(frame.plane) * 64 +
@@ -177,8 +221,8 @@ void cut_links(const TriangleView& view, Int3 low, const LinkDistances& links) {
     least = std::min(least, std::uint32_t(distance));
   };
   const Int3 high = low + links.frame.size - Int3{1, 1, 1};
-  for_crossings<Touching::counts>(
-      view, half_directions, low, high, [&](auto direction, std::int64_t u, std::int64_t v, std::int64_t w) {
+  for_crossings<Touching::counts, half_directions>(
+      view, low, high, [&](auto direction, std::int64_t u, std::int64_t v, std::int64_t w) {
         constexpr Lines lines = direction.lines;
         for (std::int64_t k = (w - rounding) >> cell_bits; k <= (w + rounding) >> cell_bits; ++k) {
           const Int3 from = lines.cell(u, v, k) - low, to = lines.cell(u, v, k + 1) - low;

@@ -89,39 +89,60 @@ class SeenTriangle {
     return {(least(x) + cell_units - 1) >> cell_bits, largest(x) >> cell_bits};
   }
 
-  /// Of a row v, the lattice points u between its edges, to rounding.
-  Range row(std::int64_t v, const Range& all) const {
-    if (all.first == all.last) return all;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    const std::int64_t at = v << cell_bits;
-    for (int k = 0; k < 3; ++k) {
-      const int l = (k + 1) % 3;
-      if (std::max(v_[k], v_[l]) < at || std::min(v_[k], v_[l]) > at) continue;
-      const double share = v_[k] == v_[l] ? 0 : double(at - v_[k]) / double(v_[l] - v_[k]);
-      const double u = double(u_[k]) + share * double(u_[l] - u_[k]);
-      const double end = v_[k] == v_[l] ? double(u_[l]) : u;
-      low = std::min(low, std::min(u, end)), high = std::max(high, std::max(u, end));
+  /// An edge from one corner to the next, in units.
+  struct Edge {
+    std::int64_t low, high;  // of v
+    double u, v, slope;      // a corner; du/dv; infinite: along u
+  };
+  struct Edges {
+    Edge of[3];
+
+    explicit Edges(const SeenTriangle& t) {
+      for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3;
+        const double along_u = double(t.u_[l] - t.u_[k]), along_v = double(t.v_[l] - t.v_[k]);
+        of[k] = {std::min(t.v_[k], t.v_[l]), std::max(t.v_[k], t.v_[l]), double(t.u_[k]), double(t.v_[k]),
+                 along_v == 0 ? 0 : along_u / along_v};
+      }
     }
-    if (!(low <= high)) return {0, -1};
-    constexpr std::int64_t rounding = 4;  // units
-    return all.within(
-        {(to_whole(low) - rounding + cell_units - 1) >> cell_bits, (to_whole(high) + rounding) >> cell_bits});
-  }
+    /// Of a row v, the lattice points u between them, to rounding. (An edge along the row lies between ends
+    /// of the other two.)
+    Range row(std::int64_t v, const Range& all) const {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      const std::int64_t at = v << cell_bits;
+      for (const Edge& edge : of) {
+        if (edge.high < at || edge.low > at || edge.low == edge.high) continue;
+        const double u = edge.u + edge.slope * (double(at) - edge.v);
+        low = std::min(low, u), high = std::max(high, u);
+      }
+      if (!(low <= high)) return {0, -1};
+      constexpr std::int64_t rounding = 4;  // units
+      return all.within({(to_whole(low) - rounding + cell_units - 1) >> cell_bits,
+                         (to_whole(high) + rounding) >> cell_bits});
+    }
+  };
 
   template <class Int, Touching touching, class Visit>
   void meet_lines(const Range& us, const Range& vs, Visit&& visit) const {
-    for (std::int64_t v = vs.first; v <= vs.last; ++v) {
-      const Range in_row = row(v, us);
-      for (std::int64_t u = in_row.first; u <= in_row.last; ++u) {
-        Int ru[3], rv[3], side[3];
-        for (int k = 0; k < 3; ++k) ru[k] = u_[k] - (u << cell_bits), rv[k] = v_[k] - (v << cell_bits);
-        for (int k = 0; k < 3; ++k) {
-          const int l = (k + 1) % 3, m = (k + 2) % 3;
-          side[k] = ru[l] * rv[m] - ru[m] * rv[l];
-        }
-        if (meets<touching>(side, ru, rv)) visit(u, v, where(side));
-      }
+    if (us.first == us.last) {
+      for (std::int64_t v = vs.first; v <= vs.last; ++v) meet_line<Int, touching>(us.first, v, visit);
+      return;
     }
+    const Edges edges(*this);
+    for (std::int64_t v = vs.first; v <= vs.last; ++v) {
+      const Range in_row = edges.row(v, us);
+      for (std::int64_t u = in_row.first; u <= in_row.last; ++u) meet_line<Int, touching>(u, v, visit);
+    }
+  }
+  template <class Int, Touching touching, class Visit>
+  void meet_line(std::int64_t u, std::int64_t v, Visit&& visit) const {
+    Int ru[3], rv[3], side[3];
+    for (int k = 0; k < 3; ++k) ru[k] = u_[k] - (u << cell_bits), rv[k] = v_[k] - (v << cell_bits);
+    for (int k = 0; k < 3; ++k) {
+      const int l = (k + 1) % 3, m = (k + 2) % 3;
+      side[k] = ru[l] * rv[m] - ru[m] * rv[l];
+    }
+    if (meets<touching>(side, ru, rv)) visit(u, v, where(side));
   }
   /// side[k]: on which side of the edge opposite to corner k the line passes; ru, rv: the corners from it.
   template <Touching touching, class Int>

@@ -8,12 +8,13 @@ namespace silt::coupler {
 using rigid::Vec3;
 
 void PlacedMesh::place(const rigid::TriangleMesh& mesh, const rigid::Pose& pose) {
+  if (mesh_ == &mesh && pose_ == pose) return;
   mesh_ = &mesh, pose_ = pose;
   corner_.resize(mesh.vertices().size()), rough_.resize(3 * mesh.vertices().size());
   for (int d = 0; d < 3; ++d) base_[d] = std::llround(pose.position[d]);
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn = pose.orientation.toRotationMatrix();
-  mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(),
-                               pose.position.data(), base_.data(), corner_.data(), rough_.data());
+      mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(),
+                                   pose.position.data(), base_.data(), corner_.data(), rough_.data());
 }
 
 rigid::BoundingBox PlacedMesh::box() const {

@@ -93,9 +93,9 @@ struct Solid {
     return !domain.inside(x) || disturbance(x, 0) < -0.01 / 3;
   }
   bool cuts(Int3 cell, int i) const { return !at(cell) && at(cell + c[i]); }
-  std::uint64_t row_from(Int3 cell) const {
+  std::uint64_t cells_from(Int3 cell, int axis) const {
     std::uint64_t bits = 0;
-    for (int n = 0; n < 64; ++n) bits |= std::uint64_t(at(cell + Int3{n, 0, 0})) << n;
+    for (int n = 0; n < 64; ++n, ++cell[axis]) bits |= std::uint64_t(at(cell)) << n;
     return bits;
   }
 };
@@ -133,7 +133,8 @@ void pairs_are_right(const Layout& layout, const CutTree& cut, bool chosen) {
   const auto blocks = std::span<const Block<T>>(fluid.blocks());
   PairsAcross<T> pairs(fluid.domain(), fluid.comm(), blocks);
   const Solid solid{fluid.domain()};
-  if (chosen) pairs.choose([&](int b, Int3 x) { return solid.row_from(blocks[b].box().lower + x); });
+  if (chosen)
+    pairs.choose([&](int b, Int3 x, int axis) { return solid.cells_from(blocks[b].box().lower + x, axis); });
   for (int b = 0; b < int(blocks.size()); ++b)
     for_cells(blocks[b].size(), [&](Int3 x) {
       for (int i = 0; i < directions; ++i)
@@ -181,7 +182,8 @@ TEST(PairsAcross, MoveForCutLinksAlone) {
     const Domain& domain = fluid.domain();
     const Solid solid{domain};
     PairsAcross<float> pairs(domain, fluid.comm(), fluid.blocks());
-    pairs.choose([&](int b, Int3 x) { return solid.row_from(fluid.blocks()[b].box().lower + x); });
+    pairs.choose(
+        [&](int b, Int3 x, int axis) { return solid.cells_from(fluid.blocks()[b].box().lower + x, axis); });
     int read = 0;  // from other ranks
     for (const Block<float>& block : fluid.blocks())
       for_cells(block.size(), [&](Int3 x) {
@@ -191,7 +193,7 @@ TEST(PairsAcross, MoveForCutLinksAlone) {
         }
       });
     EXPECT_EQ(sum_over_ranks(double(pairs.message_bytes())), sum_over_ranks(2. * sizeof(float) * read));
-    pairs.choose([](int, Int3) { return std::uint64_t{0}; });
+    pairs.choose([](int, Int3, int) { return std::uint64_t{0}; });
     EXPECT_EQ(pairs.message_bytes(), 0u);
   }
 }
