@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
 
 #include "adapters/hdf5/order_by_id.hpp"
 #include "adapters/hdf5/table.hpp"
@@ -77,14 +76,6 @@ void resize(File& file, hid_t dataset, hsize_t rows) {
   if (shape[0] == rows) return;
   shape[0] = rows;
   file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
-}
-
-void append_time(File& file, const TimeRow& now, hsize_t times) {
-  for (const Column& c : time_columns("")) {
-    const Handle data = file.dataset(std::string("/") + c.name);
-    resize(file, data, times + 1);
-    hdf5::write_rows(file, data, c, times, 1, hdf5::gather_column<TimeRow>(c, 1, [&](auto) { return now; }));
-  }
 }
 
 int rank_of(MPI_Comm comm) {
@@ -166,6 +157,26 @@ void require_columns(const File& file, const hdf5::Path& path, BodyColumns with)
 
 }  // namespace
 
+/// The file and its columns, which HDF5 keeps at hand from one append to the next.
+struct BodySeries::Open {
+  File file;
+  std::vector<Handle> bodies, times;
+
+  Open(const hdf5::Path& path, BodyColumns with) : file(File::open_journaled(path)) {
+    for (const Column& c : body_columns(with))
+      bodies.push_back(file.dataset(std::string("/bodies/") + c.name));
+    for (const Column& c : time_columns("")) times.push_back(file.dataset(std::string("/") + c.name));
+  }
+  void append_time(const TimeRow& now, hsize_t at) {
+    const auto columns = time_columns("");
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      resize(file, times[k], at + 1);
+      hdf5::write_rows(file, times[k], columns[k], at, 1,
+                       hdf5::gather_column<TimeRow>(columns[k], 1, [&](auto) { return now; }));
+    }
+  }
+};
+
 BodySeries BodySeries::create(MPI_Comm comm, const std::filesystem::path& path, const BodySeriesInfo& info,
                               const Provenance& provenance) {
   on_rank_0(comm, [&] { create_series(path, info, provenance); });
@@ -207,29 +218,28 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
     throw hdf5::Error(path_.string() + ": body " + std::to_string(*order.twice) + " has two owners in step " +
                       std::to_string(step));
   const hdf5::SliceExchange slices(comm_, order.total, order.places);
-  std::optional<File> file;  // on rank 0
+  std::shared_ptr<Open> open = std::move(open_);  // kept if all goes well
   on_rank_0(comm_, [&] {
-    file.emplace(File::open_journaled(path_));
+    if (!open) open.reset(new Open(path_, with_));
     hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(order.total));
   });
-  for (const Column& c : body_columns(with_)) {
-    Handle data;
-    on_rank_0(comm_, [&] {
-      data = file->dataset(std::string("/bodies/") + c.name);
-      resize(*file, data, rows_ + order.total);
-    });
+  const auto columns = body_columns(with_);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Column& c = columns[k];
+    on_rank_0(comm_, [&] { resize(open->file, open->bodies[k], rows_ + order.total); });
     const auto slice = slices.to_slice(
-        c.bytes(), hdf5::gather_column<BodyRow>(c, n, [&](std::size_t k) { return row(order.rows[k]); }));
+        c.bytes(), hdf5::gather_column<BodyRow>(c, n, [&](std::size_t r) { return row(order.rows[r]); }));
     together(comm_, [&] {
       slices.hand_to_rank_0(c.bytes(), slice,
                             [&](std::uint64_t first, std::uint64_t count, const auto& values) {
-                              hdf5::write_rows(*file, data, c, rows_ + first, count, values);
+                              hdf5::write_rows(open->file, open->bodies[k], c, rows_ + first, count, values);
                             });
     });
   }
   on_rank_0(comm_, [&] {
-    append_time(*file, {time, step, rows_, order.total}, times_);
-    file->close();
+    open->append_time({time, step, rows_, order.total}, times_);
+    open->file.commit();
+    open_ = open;
     ++times_;
     rows_ += order.total;
     last_step_ = step;

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,7 @@ struct BodySeriesInfo {
   BodyColumns columns;
 };
 
-/// BodySeries is the open series. Every call is collective. The file is closed between appends, so it can be
+/// BodySeries is the open series, of which a file has one at a time. Every call is collective. The file can be
 /// read while the run goes on, and an append comes whole or not at all, whenever the run is killed
 /// (journal.hpp; one killed at the very end leaves FILE.journal, which open_for_append and
 /// scripts/body_series.py see to). Errors are std::runtime_error on every rank, naming the file and the
@@ -78,6 +79,8 @@ class BodySeries {
   MPI_Comm comm_;
   std::filesystem::path path_;
   BodyColumns with_;
+  struct Open;
+  std::shared_ptr<Open> open_;  // on rank 0, from the first append on
   std::size_t times_ = 0, rows_ = 0;
   std::int64_t last_step_ = -1;
 };

@@ -143,9 +143,17 @@ void File::flush() {
   check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)");
 }
 
+void File::commit() {
+  flush();
+  commit_journaled(handle_, path_);
+}
+
 void File::close() {
   flush();
-  if (writing_ == Writing::journaled) return commit_journaled(handle_, path_);
+  if (writing_ == Writing::journaled) {
+    commit_journaled(handle_, path_);
+    abandon();  // what HDF5 may still write changes nothing
+  }
   if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
 }
 

@@ -58,8 +58,8 @@ class File {
  public:
   static File create(const Path&, Format);
   static File open(const Path&, bool writable);
-  /// Opens a file whose changes come all at once with close(), or not at all: if anything fails, if it is not
-  /// called, or if the process is killed (journal.hpp).
+  /// Opens a file whose changes come all at once with commit() or close(), or not at all: if anything fails,
+  /// if neither is called, or if the process is killed (journal.hpp).
   static File open_journaled(const Path&);
   /// Opens a file on all ranks of comm; collective.
   static File open_parallel(MPI_Comm, const Path&, bool writable);
@@ -67,6 +67,8 @@ class File {
   const Path& path() const { return path_; }
   operator hid_t() const { return handle_; }
   void flush();
+  /// Of a journaled file.
+  void commit();
   /// Writes out everything; throws where that fails. The destructor closes silently.
   void close();
   ~File();

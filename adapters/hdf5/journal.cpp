@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "adapters/hdf5/file.hpp"
 
@@ -26,9 +27,10 @@ struct JournaledFile {
   H5FD_t hdf5;  // first: HDF5 knows a file by this part
   int file = -1;
   struct stat status {};
-  haddr_t end = 0, allocated = 0;        // of what is written; of what HDF5 has given away
-  Pages pages;                           // that differ from the file
-  bool abandoned = false, kept = false;  // kept: by commit_journaled, when HDF5 has closed it
+  haddr_t end = 0, allocated = 0;  // of what is written; of what HDF5 has given away
+  Pages pages;                     // that are to be written
+  std::vector<char> there;         // what the file has at some place
+  bool abandoned = false;
 
   JournaledFile() = default;
   JournaledFile(const JournaledFile&) = delete;
@@ -39,6 +41,7 @@ struct JournaledFile {
     const auto size = static_cast<haddr_t>(status.st_size);
     return (size + journal_page - 1) / journal_page * journal_page;
   }
+  bool keep(haddr_t at, std::size_t size, const char* from);
 };
 
 JournaledFile& of(H5FD_t* file) {
@@ -81,6 +84,27 @@ void for_pages(haddr_t at, std::size_t size, Visit&& visit) {
     visit((at + done) / journal_page, first, bytes, done);
     done += bytes;
   }
+}
+
+/// Takes what is to be written to a place that the file has: of pages that it changes. (HDF5 writes whole
+/// chunks, of which an append changes few.) Returns whether the file could be read.
+bool JournaledFile::keep(haddr_t at, std::size_t size, const char* from) {
+  if (size == 0) return true;
+  const haddr_t begin = at / journal_page * journal_page;
+  const std::size_t room = (at + size - begin + journal_page - 1) / journal_page * journal_page;
+  there.resize(std::max(there.size(), room));
+  if (!read_all(file, begin, room, there.data())) return false;
+  for_pages(at, size, [&](std::uint64_t number, std::size_t first, std::size_t bytes, std::size_t done) {
+    const char* const old = there.data() + (number * journal_page - begin);
+    auto page = pages.find(number);
+    if (page == pages.end()) {
+      if (std::memcmp(old + first, from + done, bytes) == 0) return;
+      page = pages.try_emplace(number).first;
+      std::copy_n(old, journal_page, page->second.data());
+    }
+    std::memcpy(page->second.data() + first, from + done, bytes);
+  });
+  return true;
 }
 
 Pages pages_of_journal(const Path& path) {
@@ -148,7 +172,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
 herr_t close_file(H5FD_t* file) {
   JournaledFile& f = of(file);
   if (f.abandoned && ::ftruncate(f.file, f.status.st_size) != 0) errno = 0;  // it only takes room
-  if (!f.kept) delete &f;
+  delete &f;
   return 0;
 }
 
@@ -196,13 +220,7 @@ herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, cons
   if (f.abandoned) return 0;
   f.end = std::max(f.end, at + size);
   const std::size_t kept = at < f.old_end() ? std::min<haddr_t>(size, f.old_end() - at) : 0;
-  bool good = write_all(f.file, at + kept, size - kept, from + kept);
-  for_pages(at, kept, [&](std::uint64_t number, std::size_t first, std::size_t bytes, std::size_t done) {
-    const auto [page, fresh] = f.pages.try_emplace(number);
-    if (fresh) good = read_all(f.file, number * journal_page, journal_page, page->second.data()) && good;
-    std::memcpy(page->second.data() + first, from + done, bytes);
-  });
-  return good ? 0 : -1;
+  return f.keep(at, kept, from) && write_all(f.file, at + kept, size - kept, from + kept) ? 0 : -1;
 }
 
 herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
@@ -258,25 +276,21 @@ void finish_journal(const Path& path) {
   if (::unlink(journal.c_str()) != 0) fail_in_system(journal, "remove the journal");
 }
 
-void commit_journaled(Handle& file, const Path& path) {
+void commit_journaled(hid_t file, const Path& path) {
   JournaledFile& f = *journaled_file(file);
-  f.kept = true;
-  if (!file.close()) fail(path, "cannot close the file (is the disk full?)");
-  const std::unique_ptr<JournaledFile> owned(&f);
-  std::erase_if(f.pages, [&](const auto& page) {
-    Page there;
-    return read_all(f.file, page.first * journal_page, journal_page, there.data()) && there == page.second;
-  });
-  if (f.pages.empty()) return;
-  struct stat now;
-  if (::fstat(f.file, &now) != 0) fail_in_system(path, "look at the file");
-  // HDF5 takes a file that ends before what it has given away for a truncated one.
-  if (static_cast<haddr_t>(now.st_size) < f.allocated && ::ftruncate(f.file, f.allocated) != 0)
-    fail_in_system(path, "make the file longer (is the disk full?)");
-  write_journal(path, f.pages);
-  if (!write_pages(f.file, f.pages)) fail_in_system(path, "finish an append");
-  if (::unlink(journal_of(path).c_str()) != 0) fail_in_system(journal_of(path), "remove the journal");
-  if (::ftruncate(f.file, f.allocated) != 0) errno = 0;  // what is behind the end only takes room
+  if (!f.pages.empty()) {
+    struct stat now;
+    if (::fstat(f.file, &now) != 0) fail_in_system(path, "look at the file");
+    // HDF5 takes a file that ends before what it has given away for a truncated one.
+    if (static_cast<haddr_t>(now.st_size) < f.allocated && ::ftruncate(f.file, f.allocated) != 0)
+      fail_in_system(path, "make the file longer (is the disk full?)");
+    write_journal(path, f.pages);
+    if (!write_pages(f.file, f.pages)) fail_in_system(path, "finish an append");
+    if (::unlink(journal_of(path).c_str()) != 0) fail_in_system(journal_of(path), "remove the journal");
+    if (::ftruncate(f.file, f.allocated) != 0) errno = 0;  // what is behind the end only takes room
+  }
+  f.pages.clear();
+  if (::fstat(f.file, &f.status) != 0) fail_in_system(path, "look at the file");
 }
 
 void abandon_journaled(hid_t file) {

@@ -13,8 +13,6 @@
 
 namespace silt::adapters::hdf5 {
 
-class Handle;
-
 inline constexpr char journal_mark[9] = "SILTJNL1";
 inline constexpr std::size_t journal_page = 4096;  // bytes
 
@@ -27,9 +25,10 @@ hid_t journaled_driver();
 /// Writes the pages of a journal that a killed process left to their file, and removes it. Throws Error.
 void finish_journal(const std::filesystem::path&);
 
-/// Closes a file and writes what has been changed since it was opened. Throws Error; unless the journal is
-/// then there, whose pages the next one to open the file takes, the file is as it was.
-void commit_journaled(Handle& file, const std::filesystem::path&);
+/// Writes what has been changed since the file was opened, or since the last commit; HDF5 must have flushed
+/// it. Throws Error; unless the journal is then there, whose pages the next one to open the file takes, the
+/// file is as it was.
+void commit_journaled(hid_t file, const std::filesystem::path&);
 /// Forgets what has been changed; HDF5 may go on writing, to no effect.
 void abandon_journaled(hid_t file);
 

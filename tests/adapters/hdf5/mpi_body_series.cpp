@@ -82,12 +82,16 @@ TEST(BodySeries, is_the_same_on_any_number_of_ranks) {
 
 TEST(BodySeries, goes_on_after_the_step_of_a_checkpoint) {
   const Scratch scratch;
-  auto series = BodySeries::create(MPI_COMM_WORLD, scratch / "b.h5", info, {});
-  append(MPI_COMM_WORLD, series, 0, 9);
-  auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 45, info.columns);
-  EXPECT_EQ(resumed.times(), rank() == 0 ? 5u : 0u);
-  append(MPI_COMM_WORLD, resumed, 5, 6);
-  EXPECT_EQ(resumed.times(), rank() == 0 ? 7u : 0u);
+  {
+    auto series = BodySeries::create(MPI_COMM_WORLD, scratch / "b.h5", info, {});
+    append(MPI_COMM_WORLD, series, 0, 9);
+  }
+  {
+    auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 45, info.columns);
+    EXPECT_EQ(resumed.times(), rank() == 0 ? 5u : 0u);
+    append(MPI_COMM_WORLD, resumed, 5, 6);
+    EXPECT_EQ(resumed.times(), rank() == 0 ? 7u : 0u);
+  }
   EXPECT_EQ(BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", -1, info.columns).times(), 0u);
 }
 
@@ -115,8 +119,10 @@ const Act write_a_series("write_a_series", [] {
   const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";
   adapters::Provenance provenance;
   provenance.title = "\u00e4";
-  auto series = BodySeries::create(MPI_COMM_WORLD, path, info, provenance);
-  append(MPI_COMM_WORLD, series, 0, 9);
+  {
+    auto series = BodySeries::create(MPI_COMM_WORLD, path, info, provenance);
+    append(MPI_COMM_WORLD, series, 0, 9);
+  }
   auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, path, 45, info.columns);
   append(MPI_COMM_WORLD, resumed, 5, 9);
 });
