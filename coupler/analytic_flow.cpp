@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
+#include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 
@@ -16,19 +17,21 @@ TaylorGreen::TaylorGreen(const Case& scene)
       viscosity(scene.fluid->kinematic_viscosity) {}
 
 std::array<double, 3> TaylorGreen::velocity(double x, double y, double t) const {
-  const double a = amplitude * std::exp(-decay_rate() * t);
-  return {-a * std::cos(kx * x) * std::sin(ky * y), a * kx / ky * std::sin(kx * x) * std::cos(ky * y), 0};
+  const double a = amplitude * rigid::elementary::exp(-decay_rate() * t);
+  return {-a * rigid::elementary::cos(kx * x) * rigid::elementary::sin(ky * y),
+          a * kx / ky * rigid::elementary::sin(kx * x) * rigid::elementary::cos(ky * y), 0};
 }
 
 double TaylorGreen::density_deviation(double x, double y, double t) const {
-  const double a = amplitude * std::exp(-decay_rate() * t), ratio = kx / ky;
-  return -0.75 * a * a * (std::cos(2 * kx * x) + ratio * ratio * std::cos(2 * ky * y));
+  const double a = amplitude * rigid::elementary::exp(-decay_rate() * t), ratio = kx / ky;
+  return -0.75 * a * a *
+         (rigid::elementary::cos(2 * kx * x) + ratio * ratio * rigid::elementary::cos(2 * ky * y));
 }
 
 std::array<double, 3> TaylorGreen::strain_rate(double x, double y, double t) const {
-  const double a = amplitude * std::exp(-decay_rate() * t);
-  const double xx = a * kx * std::sin(kx * x) * std::sin(ky * y);
-  const double cc = std::cos(kx * x) * std::cos(ky * y);
+  const double a = amplitude * rigid::elementary::exp(-decay_rate() * t);
+  const double xx = a * kx * rigid::elementary::sin(kx * x) * rigid::elementary::sin(ky * y);
+  const double cc = rigid::elementary::cos(kx * x) * rigid::elementary::cos(ky * y);
   return {xx, -xx, 0.5 * a * (-ky + kx * kx / ky) * cc};
 }
 
@@ -100,9 +103,10 @@ double WallProfile::duct(double y, double z) const {
   for (int n = 0, sign = 1; n < terms; ++n, sign = -sign) {
     const double i = 2 * n + 1, s = i * pi / (2 * a);
     // cosh(s z) / cosh(s b) without overflow
-    const double ratio =
-        std::exp(-s * (b - std::abs(z))) * (1 + std::exp(-2 * s * std::abs(z))) / (1 + std::exp(-2 * s * b));
-    sum += sign * (1 - ratio) * std::cos(s * y) / (i * i * i);
+    const double ratio = rigid::elementary::exp(-s * (b - std::abs(z))) *
+                         (1 + rigid::elementary::exp(-2 * s * std::abs(z))) /
+                         (1 + rigid::elementary::exp(-2 * s * b));
+    sum += sign * (1 - ratio) * rigid::elementary::cos(s * y) / (i * i * i);
   }
   return 16 * a * a * acceleration_ / (viscosity_ * pi * pi * pi) * sum;
 }

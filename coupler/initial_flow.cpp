@@ -9,6 +9,7 @@
 #include "coupler/flow.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "lbm/lattice.hpp"
+#include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 
@@ -47,11 +48,13 @@ struct TaylorGreen3D {
 
 Local at(const TaylorGreen3D& vortex, const rigid::Vec3& x) {
   const double a = vortex.amplitude, k = vortex.k;
-  const double sx = std::sin(k * x[0]), cx = std::cos(k * x[0]), sy = std::sin(k * x[1]),
-               cy = std::cos(k * x[1]);
-  const double sz = std::sin(k * x[2]), cz = std::cos(k * x[2]), stretch = a * k * cx * cy * cz;
-  const double pressure =
-      a * a / 16 * (std::cos(2 * k * x[0]) + std::cos(2 * k * x[1])) * (std::cos(2 * k * x[2]) + 2);
+  const double sx = rigid::elementary::sin(k * x[0]), cx = rigid::elementary::cos(k * x[0]),
+               sy = rigid::elementary::sin(k * x[1]), cy = rigid::elementary::cos(k * x[1]);
+  const double sz = rigid::elementary::sin(k * x[2]), cz = rigid::elementary::cos(k * x[2]),
+               stretch = a * k * cx * cy * cz;
+  const double pressure = a * a / 16 *
+                          (rigid::elementary::cos(2 * k * x[0]) + rigid::elementary::cos(2 * k * x[1])) *
+                          (rigid::elementary::cos(2 * k * x[2]) + 2);
   return {3 * pressure,
           {a * sx * cy * cz, -a * cx * sy * cz, 0},
           stretch,
@@ -77,11 +80,12 @@ struct ShearLayer {
 
 Local at(const ShearLayer& layer, const rigid::Vec3& x) {
   const double y = x[1] / layer.height - 0.5, a = layer.amplitude, phase = layer.kx * x[0] + pi / 2;
-  const double u = std::tanh(layer.steepness * (0.25 - std::abs(y))), wave = a * layer.perturbation;
+  const double u = rigid::elementary::tanh(layer.steepness * (0.25 - std::abs(y))),
+               wave = a * layer.perturbation;
   const double slope = std::copysign(a * layer.steepness / layer.height * (1 - u * u), -y);
   Local flow;
-  flow.velocity = {a * u, wave * std::sin(phase), 0};
-  flow.xy = 0.5 * (slope + wave * layer.kx * std::cos(phase));
+  flow.velocity = {a * u, wave * rigid::elementary::sin(phase), 0};
+  flow.xy = 0.5 * (slope + wave * layer.kx * rigid::elementary::cos(phase));
   return flow;
 }
 
@@ -100,7 +104,8 @@ struct GaussianVortex {
 
 Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
   const double x = point[0] - vortex.centre[0], y = point[1] - vortex.centre[1];
-  const double square = vortex.radius * vortex.radius, share = std::exp(1 - (x * x + y * y) / square);
+  const double square = vortex.radius * vortex.radius,
+               share = rigid::elementary::exp(1 - (x * x + y * y) / square);
   const double turn = vortex.swirl / vortex.radius * std::sqrt(share);
   Local flow;
   flow.density_deviation = -1.5 * vortex.swirl * vortex.swirl * share;

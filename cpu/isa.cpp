@@ -1,6 +1,7 @@
 #include "cpu/isa.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 
 #if defined(__x86_64__)
@@ -42,6 +43,9 @@ Isa chosen_isa() {
 void flush_denormals_to_zero() {
 #if defined(__x86_64__)
   _mm_setcsr(_mm_getcsr() | 0x8040);  // FTZ and DAZ
+#elif defined(__aarch64__)
+  constexpr std::uint64_t flush_to_zero = 1u << 24;  // of arguments and results
+  __builtin_aarch64_set_fpcr64(__builtin_aarch64_get_fpcr64() | flush_to_zero);
 #endif
 }
 

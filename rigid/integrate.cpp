@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -66,8 +68,8 @@ Quat free_rotation(const Quat& q, const Mat3& inertia_B, const Vec3& angular_mom
 Quat rotation_by(const Vec3& angle) {
   const double size = angle.norm();
   if (size == 0) return Quat::Identity();
-  const Vec3 v = std::sin(0.5 * size) / size * angle;
-  return Quat(std::cos(0.5 * size), v[0], v[1], v[2]);
+  const Vec3 v = elementary::sin(0.5 * size) / size * angle;
+  return Quat(elementary::cos(0.5 * size), v[0], v[1], v[2]);
 }
 
 void drift(BodySet& b, double h) {

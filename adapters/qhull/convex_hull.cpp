@@ -10,6 +10,8 @@
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
+
+#include "rigid/math/elementary.hpp"
 }
 
 namespace silt::adapters {
@@ -118,7 +120,7 @@ void put_in_order(std::vector<int>& corners, std::span<const Vec3> points, const
   const Vec3 right = normal.unitOrthogonal(), up = normal.cross(right);
   std::map<int, double> angle;
   for (const int c : corners)
-    angle[c] = std::atan2(up.dot(points[c] - centre), right.dot(points[c] - centre));
+    angle[c] = rigid::elementary::atan2(up.dot(points[c] - centre), right.dot(points[c] - centre));
   std::sort(corners.begin(), corners.end(), [&](int a, int b) { return angle[a] < angle[b]; });
 }
 

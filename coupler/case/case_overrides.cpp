@@ -115,6 +115,17 @@ void take_away(Node& root, const std::string& path) {
 
 }  // namespace
 
+std::string complaint_of_set(const std::string& argument) {
+  if (argument.find('=') + 1 != argument.size()) return "";
+  return fmt::format("{} has no value; to take a key away: --unset {}", argument,
+                     argument.substr(0, argument.size() - 1));
+}
+
+std::string complaint_of_unset(const std::string& argument) {
+  const bool key = !argument.empty() && argument.find('=') == argument.npos;
+  return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", argument);
+}
+
 std::string override_text(const std::string& argument) {
   const bool taken_away = argument.find('=') + 1 == argument.size();
   return taken_away ? "--unset " + argument.substr(0, argument.size() - 1) : "--set " + argument;

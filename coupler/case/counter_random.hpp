@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
@@ -31,7 +32,9 @@ class CounterRandom {
   rigid::Quat orientation() {
     const double u = uniform(), a = 2 * std::numbers::pi * uniform(), b = 2 * std::numbers::pi * uniform();
     const double r = std::sqrt(1 - u), s = std::sqrt(u);
-    return rigid::Quat(s * std::cos(b), r * std::sin(a), r * std::cos(a), s * std::sin(b)).normalized();
+    return rigid::Quat(s * rigid::elementary::cos(b), r * rigid::elementary::sin(a),
+                       r * rigid::elementary::cos(a), s * rigid::elementary::sin(b))
+        .normalized();
   }
 
  private:

@@ -10,6 +10,7 @@
 #include "adapters/stl/stl_polyhedron.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
+#include "rigid/math/elementary.hpp"
 #include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -208,8 +209,11 @@ Quat read_orientation(TableReader& table) {
     const auto axis = turn.vector("axis");
     const auto degrees = turn.number("degrees", range::any);
     if (axis && axis->norm() == 0) turn.refuse("axis", "a direction, not all 0");
-    if (axis && degrees && axis->norm() > 0)
-      return Quat(Eigen::AngleAxisd(*degrees * std::numbers::pi / 180, axis->normalized())).normalized();
+    if (axis && degrees && axis->norm() > 0) {
+      const double half = *degrees * std::numbers::pi / 360;
+      const Vec3 v = rigid::elementary::sin(half) * axis->normalized();
+      return Quat(rigid::elementary::cos(half), v[0], v[1], v[2]).normalized();
+    }
   } else if (given == "axis") {
     const auto axis = table.vector(given);
     if (axis && axis->norm() > 0) return rigid::rotation_between(Vec3::UnitZ(), *axis).normalized();

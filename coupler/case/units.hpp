@@ -2,7 +2,7 @@
 // Conversion between the units of a case and lattice units, one line a quantity, both ways: x_lattice =
 // lattice(x_case, dimension), x_case = physical(x_lattice, dimension). In a lattice-unit case all scales
 // are 1.
-#include <cmath>
+#include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 
@@ -22,7 +22,8 @@ struct Units {
   /// Returns one lattice unit of a quantity, in the units of the case.
   double scale(Dimension d) const {
     const double mass = density * cell_size * cell_size * cell_size;
-    return std::pow(cell_size, d.length) * std::pow(time_step, d.time) * std::pow(mass, d.mass);
+    using rigid::elementary::power;
+    return power(cell_size, d.length) * power(time_step, d.time) * power(mass, d.mass);
   }
   double lattice(double x, Dimension d) const { return x / scale(d); }
   double physical(double x, Dimension d) const { return x * scale(d); }

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 
@@ -13,8 +14,8 @@ constexpr double speed_of_sound = std::numbers::inv_sqrt3;
 constexpr double negligible = 1e-9;  // change of velocity, cells a step: given at once
 
 double share_of_step(double displaced) {
-  const double radius = std::cbrt(0.75 * displaced / std::numbers::pi);
-  return 1 - std::exp(-speed_of_sound / radius);
+  const double radius = rigid::elementary::cbrt(0.75 * displaced / std::numbers::pi);
+  return 1 - rigid::elementary::exp(-speed_of_sound / radius);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "coupler/forces/gap_cells.hpp"
 #include "lbm/collision_model.hpp"
 #include "lbm/wall_scheme.hpp"
+#include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 
@@ -19,7 +20,7 @@ double squeeze_integral(double h, double least, double cutoff) {
   if (least >= cutoff) return 0;
   if (h <= least) return (h - least) * (1 / least - 1 / cutoff);
   const double end = std::min(h, cutoff);
-  return std::log(end / least) - (end - least) / cutoff;
+  return rigid::elementary::log(end / least) - (end - least) / cutoff;
 }
 
 /// Mean of 1 / h - 1 / cutoff over the way that the gap is about to go: a step may take it far.
@@ -32,7 +33,7 @@ double mean_squeeze(const rigid::LubricatedGap& gap, double least, double cutoff
 }
 
 double log_excess(double width, double cutoff) {
-  return std::max(0.0, std::log(cutoff / width));
+  return std::max(0.0, rigid::elementary::log(cutoff / width));
 }
 
 ResolvedFlow mean(double share, const ResolvedFlow& a, const ResolvedFlow& b) {

@@ -10,6 +10,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
 #include "coupler/placement/rain.hpp"
+#include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -276,7 +277,7 @@ void RandomFill::keep(std::uint64_t last_time) {
 }
 
 void RandomFill::refuse(std::uint64_t placed) const {
-  const double ball = 4. / 3 * std::numbers::pi * std::pow(radius_ + spec_.gap / 2, 3);
+  const double ball = 4. / 3 * std::numbers::pi * rigid::elementary::power(radius_ + spec_.gap / 2, 3);
   const CurvedWalls walls(scene_);
   const double left = walls.share_left({spec_.lower, spec_.upper}, 0);
   const double room = left * (spec_.upper - spec_.lower).prod();

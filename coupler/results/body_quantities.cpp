@@ -12,6 +12,7 @@
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/placement/start_positions.hpp"
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -426,7 +427,7 @@ double outflow_rate(const Simulation& simulation, const QuantitySpec&, const Qua
 double bed_angle(const Case& scene, const QuantitySpec& q, std::span<const double> sums) {
   const Vec3 g = scene.gravity, moment(sums[0], sums[1], sums[2]);
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
-  return std::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
+  return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
 }
 
 }  // namespace silt::coupler

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
@@ -122,10 +123,11 @@ class SolidCells {
 /// Makes the fields of a simulation for the pieces of a box.
 class Fields {
  public:
-  Fields(const Simulation& simulation, const FieldsSpec& spec)
+  /// Their values are in these units.
+  Fields(const Simulation& simulation, const FieldsSpec& spec, const Units& units)
       : simulation_(simulation),
         flow_(*simulation.scene().flow),
-        units_(simulation.setup().units),
+        units_(units),
         pieces_(pieces_of(flow_, spec)),
         solid_cells_(simulation),
         double_precision_(spec.double_precision) {
@@ -237,7 +239,7 @@ class Fields {
 
   const Simulation& simulation_;
   const Flow& flow_;
-  const Units& units_;
+  const Units units_;
   std::vector<Piece> pieces_;
   SolidCells solid_cells_;
   bool double_precision_;
@@ -256,11 +258,49 @@ std::vector<adapters::CellBox> boxes_of(const Flow* flow) {
   return boxes;
 }
 
+adapters::CellBox box_of(const Flow* flow) {
+  const std::vector<adapters::CellBox> boxes = boxes_of(flow);
+  if (boxes.empty()) return {};
+  adapters::CellBox all = boxes.front();
+  for (const adapters::CellBox& box : boxes)
+    for (int d = 0; d < 3; ++d) {
+      all.lower[d] = std::min(all.lower[d], box.lower[d]);
+      all.upper[d] = std::max(all.upper[d], box.upper[d]);
+    }
+  return all;
+}
+
+FieldHere field_here(const Simulation& simulation, Field field) {
+  const Flow& flow = *simulation.scene().flow;
+  FieldsSpec all;
+  all.upper = simulation.setup().cells;
+  all.quantities = {field};
+  const Fields fields(simulation, all, Units{});
+  const adapters::FieldQuantity quantity = fields.quantity(field);
+  const std::size_t components = quantity.components;
+  FieldHere here{box_of(&flow), quantity.components, {}};
+  here.values.assign(here.box.cells() * components, std::numeric_limits<double>::quiet_NaN());
+  const Piece whole{0, int3(here.box.lower), int3(here.box.upper)};
+  std::vector<double> plane;
+  for (std::size_t k = 0; k < fields.pieces().size(); ++k) {
+    const lbm::CellBox& block = flow.block(fields.pieces()[k].block);
+    const std::size_t row = block.size.x * components;
+    plane.resize(row * block.size.y);
+    for (int z = 0; z < block.size.z; ++z) {
+      quantity.values(k, z, z + 1, plane.data());
+      for (int y = 0; y < block.size.y; ++y)
+        std::copy_n(plane.data() + y * row, row,
+                    here.values.data() + whole.index(block.lower + Int3{0, y, z}) * components);
+    }
+  }
+  return here;
+}
+
 void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
                        const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const Units& units = simulation.setup().units;
   const Flow& flow = *simulation.scene().flow;
-  const Fields fields(simulation, spec);
+  const Fields fields(simulation, spec, units);
   adapters::FieldSnapshot snapshot;
   for (int d = 0; d < 3; ++d) {
     snapshot.grid.cells[d] = spec.upper[d] - spec.lower[d];

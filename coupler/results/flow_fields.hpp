@@ -13,6 +13,19 @@ namespace silt::coupler {
 /// Returns the boxes of this rank's blocks; empty without a flow.
 std::vector<adapters::CellBox> boxes_of(const Flow*);
 
+/// Returns the smallest box around them; an empty one without.
+adapters::CellBox box_of(const Flow*);
+
+/// FieldHere is a field on the box of this rank's blocks, in lattice units.
+struct FieldHere {
+  adapters::CellBox box;
+  int components = 1;          // or 3
+  std::vector<double> values;  // x fastest, components innermost; nan in cells of other ranks
+};
+
+/// Makes a field as it would be written. Collective if it is the vorticity; needs a flow.
+FieldHere field_here(const Simulation&, Field);
+
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
 /// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure
 /// and no shear.

@@ -11,6 +11,7 @@
 #include "coupler/placement/body_records.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/strain_rate.hpp"
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -71,7 +72,7 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
     if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
     const double volume = shapes[bodies.shape[row]].volume;
     sums[0] += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
-    sums[1] += to_fixed(std::cbrt(volume * 0.75 / std::numbers::pi));
+    sums[1] += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
     sums[2] += to_fixed(1);
   }
   sum_over_ranks(simulation.scene().comm, sums);
@@ -143,8 +144,8 @@ double vortex_decay_error(const Simulation& simulation) {
   if (simulation.steps_done() == 0) return no_value;
   const TaylorGreen exact(simulation.setup());
   const VortexSums sums = vortex_sums(simulation, exact);
-  const double rate =
-      -std::log(sums.projection / sums.projection0) / static_cast<double>(simulation.steps_done());
+  const double rate = -rigid::elementary::log(sums.projection / sums.projection0) /
+                      static_cast<double>(simulation.steps_done());
   return rate / exact.decay_rate() - 1;
 }
 

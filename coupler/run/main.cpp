@@ -10,9 +10,11 @@
 
 #include "adapters/hdf5/describe_file.hpp"
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/case_overrides.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
+#include "coupler/run/start_mpi.hpp"
 #include "cpu/isa.hpp"
 
 namespace silt::coupler {
@@ -68,20 +70,8 @@ const CLI::Validator above_zero(
     },
     "");
 
-/// An empty value is more often a variable of the shell that is not set than a key to be taken away.
-const CLI::Validator with_a_value(
-    [](std::string& text) {
-      if (text.find('=') + 1 != text.size()) return std::string();
-      return fmt::format("{} has no value; to take a key away: --unset {}", text,
-                         text.substr(0, text.size() - 1));
-    },
-    "");
-const CLI::Validator without_a_value(
-    [](std::string& text) {
-      const bool key = !text.empty() && text.find('=') == text.npos;
-      return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", text);
-    },
-    "");
+const CLI::Validator with_a_value(complaint_of_set, "");
+const CLI::Validator without_a_value(complaint_of_unset, "");
 
 void add_case(CLI::App& command, CommandLine& line) {
   command.add_option("CASE", line.case_directory, "case directory, or a .toml file")->required();
@@ -179,10 +169,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
 }  // namespace silt::coupler
 
 int main(int argc, char** argv) {
-  // Open MPI's usual component for shared file pointers, which nothing here uses, overflows with paths above
-  // 240 bytes.
-  setenv("OMPI_MCA_sharedfp", "individual", 0);
-  MPI_Init(&argc, &argv);
+  silt::coupler::start_mpi(&argc, &argv);
   int code = 1;
   try {
     code = int(silt::coupler::main_on(MPI_COMM_WORLD, argc, argv));

@@ -125,7 +125,7 @@ fs::path result_folder(const RunOptions& options) {
   return (is_file ? options.directory.parent_path() : options.directory) / "out";
 }
 
-PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   PreparedRun prepared;
   const auto scene = read_once(options.directory, comm,
                                [&](CaseSource& source) { return read_case(source, options.overrides); });
@@ -138,6 +138,11 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
   adapters::together(comm, [&] { require_buildable(*scene, comm); });
   require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
+  return prepared;
+}
+
+PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+  PreparedRun prepared = prepare_scene(options, comm);
   const Scene& made = prepared.simulation->scene();
   if (const auto found = disk_warning(made.setup, disk_needed(made.setup, made.body_count), folder))
     prepared.warnings.push_back(*found);

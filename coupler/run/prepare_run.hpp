@@ -30,7 +30,9 @@ std::string examine_case(const RunOptions&);
 /// Returns where the results go: the option, else DIRECTORY/out.
 std::filesystem::path result_folder(const RunOptions&);
 
-/// Collective. Both throw on every rank, with what is wrong: CaseError, FileError, std::runtime_error.
+/// Collective. All three throw on every rank, with what is wrong: CaseError, FileError, std::runtime_error.
+/// Without a folder for results, for those who write none:
+PreparedRun prepare_scene(const RunOptions&, MPI_Comm);
 PreparedRun prepare_run(const RunOptions&, MPI_Comm, const std::filesystem::path& folder);
 /// Goes on from the checkpoint of the options, else from the newest one in the folder.
 PreparedRun prepare_resume(const RunOptions&, MPI_Comm, const std::filesystem::path& folder);

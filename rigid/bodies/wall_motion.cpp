@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -15,8 +17,8 @@ constexpr double full_turn = 2 * std::numbers::pi;
 Quat turn_by(const Vec3& rotation) {
   const double angle = rotation.norm();
   if (angle == 0) return Quat::Identity();
-  const Vec3 v = std::sin(0.5 * angle) / angle * rotation;
-  return Quat(std::cos(0.5 * angle), v[0], v[1], v[2]);
+  const Vec3 v = elementary::sin(0.5 * angle) / angle * rotation;
+  return Quat(elementary::cos(0.5 * angle), v[0], v[1], v[2]);
 }
 
 /// Displacement and rotation, and their rates.
@@ -63,9 +65,9 @@ Interpolated at(const std::vector<MotionRow>& table, double time) {
 Vec3 angular_velocity_of(const Vec3& rotation, const Vec3& rate) {
   const double angle = rotation.norm();
   const double small = 1e-4;  // below it the next terms of the series are rounding
-  const double a = angle < small ? 0.5 - angle * angle / 24 : (1 - std::cos(angle)) / (angle * angle);
-  const double b =
-      angle < small ? 1. / 6 - angle * angle / 120 : (angle - std::sin(angle)) / (angle * angle * angle);
+  const double a = angle < small ? 0.5 - angle * angle / 24 : (1 - elementary::cos(angle)) / (angle * angle);
+  const double b = angle < small ? 1. / 6 - angle * angle / 120
+                                 : (angle - elementary::sin(angle)) / (angle * angle * angle);
   return rate + a * rotation.cross(rate) + b * rotation.cross(rotation.cross(rate));
 }
 
@@ -78,8 +80,8 @@ bool WallMotion::moves() const {
 
 Pose WallMotion::pose(const Pose& start, double time) const {
   const Interpolated moved = at(table, time);
-  const Vec3 to =
-      velocity * time + amplitude * std::sin(full_turn * frequency * time + phase) + moved.displacement;
+  const Vec3 to = velocity * time + amplitude * elementary::sin(full_turn * frequency * time + phase) +
+                  moved.displacement;
   const Vec3 turned = angular_velocity * time + moved.rotation;
   return {start.position + to, (turn_by(turned) * start.orientation).normalized()};
 }
@@ -87,7 +89,7 @@ Pose WallMotion::pose(const Pose& start, double time) const {
 WallMotion::Velocity WallMotion::velocity_at(double time) const {
   const Interpolated moved = at(table, time);
   const double swing = full_turn * frequency;
-  return {velocity + amplitude * (swing * std::cos(swing * time + phase)) + moved.velocity,
+  return {velocity + amplitude * (swing * elementary::cos(swing * time + phase)) + moved.velocity,
           angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -38,12 +40,12 @@ bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, dou
                     const CommonPoint& where) {
   if (a.touching_ball(where.on_a, n) + b.touching_ball(where.on_b, -n) >= depth) return true;
   if (!is_solid_polytope(a) || !is_solid_polytope(b)) return false;
-  const double covered = 2 * std::atan2(disc_of_edges(a, b, n, where), depth);
+  const double covered = 2 * elementary::atan2(disc_of_edges(a, b, n, where), depth);
   const Vec3 centre = b.centre - a.centre;
   const double ahead = centre.dot(n), aside = (centre - ahead * n).norm();
-  const double behind = std::atan2(aside, ahead);  // the angle at which the ball reaches least far
+  const double behind = elementary::atan2(aside, ahead);  // the angle at which the ball reaches least far
   return covered >= behind &&
-         a.central_ball() + b.central_ball() - centre.norm() * std::cos(covered - behind) >= depth;
+         a.central_ball() + b.central_ball() - centre.norm() * elementary::cos(covered - behind) >= depth;
 }
 
 }  // namespace silt::rigid

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -9,7 +11,7 @@ namespace {
 /// By which the outward normal turns across an edge; positive where the solid is convex.
 double turn_at(const MeshFeatures& mesh, const MeshFeatures::Edge& edge) {
   const Vec3 n = mesh.normal(edge.triangles[0]), m = mesh.normal(edge.triangles[1]);
-  const double angle = std::atan2(n.cross(m).norm(), n.dot(m));
+  const double angle = elementary::atan2(n.cross(m).norm(), n.dot(m));
   return n.dot(mesh.corner(edge.opposite[1]) - mesh.corner(edge.low)) < 0 ? angle : -angle;
 }
 

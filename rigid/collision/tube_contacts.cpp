@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/furthest_on_ellipse.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -56,7 +57,7 @@ class ExtremePoints {
     const Eigen::Matrix2d spread = u * u.transpose() + v * v.transpose();
     const Vec3 centre = pose_.to_world({0, 0, z});
     for_furthest(centre, spread, first_feature, [&](const Vec3& n) -> Vec3 {
-      const double x = turn.col(0).dot(n), y = turn.col(1).dot(n), across = std::hypot(x, y);
+      const double x = turn.col(0).dot(n), y = turn.col(1).dot(n), across = elementary::hypot(x, y);
       if (!(across > 0)) return centre;  // the whole rim is equally far
       return centre + radius / across * (x * turn.col(0) + y * turn.col(1));
     });
@@ -93,7 +94,7 @@ class ExtremePoints {
     const Mat3 turn = pose_.orientation.toRotationMatrix();
     for (int k = 0; k < directions; ++k) {
       const double angle = 2 * std::numbers::pi * k / directions;
-      Vec2 n(std::cos(angle), std::sin(angle));
+      Vec2 n(elementary::cos(angle), elementary::sin(angle));
       Vec3 x = pose_.position;
       for (int step = 0; step < steps; ++step) {
         x = pose_.position + turn * shape.support(turn.transpose() * section_.to_world(n));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/response/common_rest.hpp"
 
 namespace silt::rigid {
@@ -164,7 +165,7 @@ void ImpactPhase::split_masses(Pair& p) {
     };
     const double k11 = both(1, 1), k22 = both(2, 2), k12 = both(1, 2);
     c.k_n = both(0, 0);
-    c.k_t = 0.5 * (k11 + k22) + std::hypot(0.5 * (k11 - k22), k12);
+    c.k_t = 0.5 * (k11 + k22) + elementary::hypot(0.5 * (k11 - k22), k12);
     c.impulse = {};
   }
 }
@@ -195,7 +196,7 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
         impulse[0] = std::max(0.0, impulse[0] - c.direction[0].dot(u) / c.k_n);
       } else {
         for (int d = 1; d < 3; ++d) impulse[d] -= c.direction[d].dot(u) / c.k_t;
-        const double size = std::hypot(impulse[1], impulse[2]), limit = c.friction * impulse[0];
+        const double size = elementary::hypot(impulse[1], impulse[2]), limit = c.friction * impulse[0];
         if (size > limit)
           for (int d = 1; d < 3; ++d) impulse[d] *= limit / size;
       }

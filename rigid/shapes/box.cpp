@@ -1,5 +1,6 @@
 #include "rigid/shapes/box.hpp"
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/ball_under_planes.hpp"
 
 namespace silt::rigid {
@@ -45,7 +46,7 @@ void Box::add_inner_balls(std::vector<InnerBall>& balls) const {
 }
 
 void Box::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
-  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const double sine = elementary::sin(angle), cosine = elementary::cos(angle);
   for (int k = 0; k < 3; ++k) {
     if (half_edges[k] > 0 && std::abs(n_B[k]) <= sine) out.circles.push_back({at.axes.col(k)});
     if (half_edges[(k + 1) % 3] > 0 && half_edges[(k + 2) % 3] > 0 && std::abs(n_B[k]) >= cosine)

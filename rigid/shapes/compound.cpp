@@ -4,6 +4,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/defaults.hpp"
 #include "rigid/shapes/overlap_quadrature.hpp"
 
@@ -87,7 +88,7 @@ MassProperties Compound::mass_properties() const {
 }
 
 double Compound::least_width() const {
-  return std::cbrt(6 / std::numbers::pi * mass_properties().volume);
+  return elementary::cbrt(6 / std::numbers::pi * mass_properties().volume);
 }
 
 Compound Compound::recentred(const Vec3& centre) const {

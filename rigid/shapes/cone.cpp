@@ -2,21 +2,23 @@
 
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 double Cone::above_side(const Vec3& x) const {
-  return (height * std::hypot(x[0], x[1]) + radius * (x[2] - apex()[2])) / slant();
+  return (height * elementary::hypot(x[0], x[1]) + radius * (x[2] - apex()[2])) / slant();
 }
 
 /// Seen in the plane through x and the axis: of a triangle.
 double Cone::signed_distance(const Vec3& x) const {
-  const double below = base().z - x[2], side = above_side(x), rho = std::hypot(x[0], x[1]);
+  const double below = base().z - x[2], side = above_side(x), rho = elementary::hypot(x[0], x[1]);
   if (std::max(below, side) <= 0) return std::max(below, side);
   if (below >= 0 && rho <= radius) return below;
   // from the rim up along the side
   const double out = rho - radius, up = -below, length = slant();
   const double along = std::clamp((height * up - radius * out) / length, 0.0, length) / length;
-  return std::hypot(out + along * radius, up - along * height);
+  return elementary::hypot(out + along * radius, up - along * height);
 }
 
 /// With w the depth below the apex: where rho^2 - (radius w / height)^2 <= 0 and 0 <= w <= height. A line
@@ -26,8 +28,8 @@ std::optional<LineInterval> Cone::line_interval(const Vec3& o, const Vec3& d) co
   const auto between_ends = in_slab(o[2] - (apex()[2] - height / 2), d[2], height / 2);
   if (!between_ends) return {};
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const double k = radius / height, w = apex()[2] - o[2], rho = std::hypot(o[0], o[1]);
-  const double across = std::hypot(d[0], d[1]);
+  const double k = radius / height, w = apex()[2] - o[2], rho = elementary::hypot(o[0], o[1]);
+  const double across = elementary::hypot(d[0], d[1]);
   const double a = (across - k * d[2]) * (across + k * d[2]),
                b = o[0] * d[0] + o[1] * d[1] + k * k * w * d[2];
   const double c = (rho - k * w) * (rho + k * w);
@@ -52,13 +54,14 @@ BoundingBox Cone::bounding_box(const Pose& pose) const {
 
 double Cone::reach(const Pose& pose) const {
   const Vec3 centre = pose.orientation.conjugate() * pose.position;
-  const double rim = std::hypot(std::hypot(centre[0], centre[1]) + radius, centre[2] + base().z);
+  const double rim =
+      elementary::hypot(elementary::hypot(centre[0], centre[1]) + radius, centre[2] + base().z);
   return std::max(rim, (centre + apex()).norm());
 }
 
 Vec3 Cone::support(const Vec3& n) const {
   if (apex_lead(n) >= 0) return apex();
-  const double across = std::hypot(n[0], n[1]), scale = across > 0 ? radius / across : 0;
+  const double across = elementary::hypot(n[0], n[1]), scale = across > 0 ? radius / across : 0;
   return {scale * n[0], scale * n[1], base().z};
 }
 
@@ -80,7 +83,7 @@ void Cone::add_inner_balls(std::vector<InnerBall>& balls) const {
   for (int k = 0; k < points; ++k) {
     const double angle = 2 * std::numbers::pi * k / points;
     for (const double r : {0.5 * radius, radius})
-      balls.push_back({{r * std::cos(angle), r * std::sin(angle), base().z}, 0});
+      balls.push_back({{r * elementary::cos(angle), r * elementary::sin(angle), base().z}, 0});
   }
 }
 
@@ -89,16 +92,16 @@ Mat3 Cone::support_derivative(const Vec3& n) const {
 }
 
 void Cone::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
-  const double from_axis = std::atan2(std::hypot(n_B[0], n_B[1]), n_B[2]);
-  if (std::abs(from_axis - std::atan2(height, radius)) <= angle)
+  const double from_axis = elementary::atan2(elementary::hypot(n_B[0], n_B[1]), n_B[2]);
+  if (std::abs(from_axis - elementary::atan2(height, radius)) <= angle)
     out.circles.push_back({at.axes.col(2), radius / slant()});
-  if (-n_B[2] >= std::cos(angle)) out.faces.push_back(-at.axes.col(2));
+  if (-n_B[2] >= elementary::cos(angle)) out.faces.push_back(-at.axes.col(2));
 }
 
 /// On the base, up to the side; on the side, up to the axis or the base.
 double Cone::touching_ball(const Vec3& x, const Vec3& n) const {
   constexpr double same = 1e-9;  // radian, of two normals
-  const double rise = radius / slant(), run = height / slant(), rho = std::hypot(x[0], x[1]);
+  const double rise = radius / slant(), run = height / slant(), rho = elementary::hypot(x[0], x[1]);
   if ((n + Vec3::UnitZ()).norm() <= same) return std::max(0.0, -above_side(x)) / (1 + rise);
   if (!(rho > 0) || (n - Vec3(run * x[0] / rho, run * x[1] / rho, rise)).norm() > same) return 0;
   return std::min(rho / run, std::max(0.0, x[2] - base().z) / (1 + rise));
@@ -115,7 +118,7 @@ void Cone::side_line(const Placement& at, const Vec3& n, ContactOutline& out) co
 void Cone::touching_outline(const Placement& at, const Vec3& n, double slack, ContactOutline& out) const {
   const Vec3 d = at.direction_B(n);
   const double lead = apex_lead(d);
-  if (d[2] < 0 && 2 * radius * std::hypot(d[0], d[1]) <= slack) return base().outline(at, out);
+  if (d[2] < 0 && 2 * radius * elementary::hypot(d[0], d[1]) <= slack) return base().outline(at, out);
   if (std::abs(lead) <= slack) return side_line(at, n, out);
   if (lead > 0) return out.set_point(at.to_world(apex()), Disc::apex_code);
   const auto lowest = base().lowest(at, n);
@@ -126,7 +129,7 @@ void Cone::touching_outline(const Placement& at, const Vec3& n, double slack, Co
 void Cone::facing_outline(const Placement& at, const Vec3& n, ContactOutline& out) const {
   const Vec3 d = at.direction_B(n);
   if (base().is_flat_against(d)) return base().outline(at, out);
-  const double to_side = (height * std::hypot(d[0], d[1]) + radius * d[2]) / slant();
+  const double to_side = (height * elementary::hypot(d[0], d[1]) + radius * d[2]) / slant();
   touching_outline(at, n, 0, out);
   if (to_side >= std::numbers::sqrt2 / 2) side_line(at, n, out);
 }

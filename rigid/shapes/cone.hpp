@@ -1,4 +1,5 @@
 #pragma once
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/disc.hpp"
 #include "rigid/shapes/solid.hpp"
 
@@ -43,9 +44,9 @@ struct Cone {
  private:
   Vec3 apex() const { return {0, 0, 0.75 * height}; }
   Disc base() const { return {radius, -0.25 * height, -1}; }
-  double slant() const { return std::hypot(radius, height); }
+  double slant() const { return elementary::hypot(radius, height); }
   /// How much further along n the apex is than the rim.
-  double apex_lead(const Vec3& n) const { return n[2] * height - radius * std::hypot(n[0], n[1]); }
+  double apex_lead(const Vec3& n) const { return n[2] * height - radius * elementary::hypot(n[0], n[1]); }
   /// How far x is outside the plane that touches the side where it is nearest to x.
   double above_side(const Vec3& x) const;
   void side_line(const Placement&, const Vec3& n, ContactOutline& out) const;

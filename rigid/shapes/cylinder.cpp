@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/ball_under_planes.hpp"
 
 namespace silt::rigid {
@@ -9,7 +10,7 @@ namespace silt::rigid {
 double Cylinder::signed_distance(const Vec3& x) const {
   const double across = std::sqrt(x[0] * x[0] + x[1] * x[1]) - radius, along = std::abs(x[2]) - half_length;
   if (std::max(across, along) <= 0) return std::max(across, along);
-  return std::hypot(std::max(across, 0.0), std::max(along, 0.0));
+  return elementary::hypot(std::max(across, 0.0), std::max(along, 0.0));
 }
 
 std::optional<LineInterval> Cylinder::line_interval(const Vec3& o, const Vec3& d) const {
@@ -29,7 +30,8 @@ BoundingBox Cylinder::bounding_box(const Pose& pose) const {
 /// To the rim point furthest from the origin, seen from the cylinder's own frame.
 double Cylinder::reach(const Pose& pose) const {
   const Vec3 centre = pose.orientation.conjugate() * pose.position;
-  return std::hypot(std::hypot(centre[0], centre[1]) + radius, std::abs(centre[2]) + half_length);
+  return elementary::hypot(elementary::hypot(centre[0], centre[1]) + radius,
+                           std::abs(centre[2]) + half_length);
 }
 
 MassProperties Cylinder::mass_properties() const {
@@ -49,14 +51,15 @@ void Cylinder::add_inner_balls(std::vector<InnerBall>& balls) const {
     for (int k = 0; k < points; ++k) {
       const double angle = 2 * std::numbers::pi * k / points;
       for (const double r_k : {0.5 * radius, radius})
-        balls.push_back({{r_k * std::cos(angle), r_k * std::sin(angle), z}, 0});
+        balls.push_back({{r_k * elementary::cos(angle), r_k * elementary::sin(angle), z}, 0});
     }
   }
 }
 
 void Cylinder::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
-  if (std::abs(n_B.z()) <= std::sin(angle)) out.circles.push_back({at.axes.col(2)});
-  if (std::abs(n_B.z()) >= std::cos(angle)) out.faces.push_back(std::copysign(1.0, n_B.z()) * at.axes.col(2));
+  if (std::abs(n_B.z()) <= elementary::sin(angle)) out.circles.push_back({at.axes.col(2)});
+  if (std::abs(n_B.z()) >= elementary::cos(angle))
+    out.faces.push_back(std::copysign(1.0, n_B.z()) * at.axes.col(2));
 }
 
 namespace {
@@ -92,7 +95,7 @@ void Cylinder::side_line(const Placement& at, const Vec3& n, ContactOutline& out
 void Cylinder::touching_outline(const Placement& at, const Vec3& n, double slack, ContactOutline& out) const {
   const Vec3 d = at.direction_B(n);
   const int side = d.z() < 0 ? -1 : 1;
-  if (2 * radius * std::hypot(d.x(), d.y()) <= slack) return end(side).outline(at, out);
+  if (2 * radius * elementary::hypot(d.x(), d.y()) <= slack) return end(side).outline(at, out);
   if (2 * half_length * std::abs(d.z()) <= slack) return side_line(at, n, out);
   const auto lowest = end(side).lowest(at, n);
   out.set_point(lowest.x, lowest.code);

@@ -1,4 +1,5 @@
 #pragma once
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/disc.hpp"
 #include "rigid/shapes/solid.hpp"
 
@@ -18,7 +19,7 @@ struct Cylinder {
   BoundingBox bounding_box(const Pose&) const;
   double reach(const Pose&) const;
   Vec3 support(const Vec3& n) const {
-    const double across = std::hypot(n[0], n[1]), scale = across > 0 ? radius / across : 0;
+    const double across = elementary::hypot(n[0], n[1]), scale = across > 0 ? radius / across : 0;
     return {scale * n[0], scale * n[1], std::copysign(half_length, n[2])};
   }
   MassProperties mass_properties() const;

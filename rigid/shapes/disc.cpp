@@ -3,11 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 ContactOutline::Corner Disc::lowest(const Placement& at, const Vec3& n) const {
   const Vec3 d = at.direction_B(n);
-  const double across = std::hypot(d.x(), d.y()), scale = across > 0 ? radius / across : 0;
+  const double across = elementary::hypot(d.x(), d.y()), scale = across > 0 ? radius / across : 0;
   const std::uint32_t code = first_lowest + (side > 0);
   return {at.to_world({scale * d.x(), scale * d.y(), z}), code, code};
 }
@@ -21,8 +23,8 @@ void Disc::outline(const Placement& at, ContactOutline& out) const {
   out.disc_radius = radius;
   for (int k = 0; k < rim_points; ++k) {
     const double angle = 2 * std::numbers::pi * k / rim_points;
-    const Vec3 x =
-        out.centre + out.disc_radius * (std::cos(angle) * at.axes.col(0) + std::sin(angle) * at.axes.col(1));
+    const Vec3 x = out.centre + out.disc_radius * (elementary::cos(angle) * at.axes.col(0) +
+                                                   elementary::sin(angle) * at.axes.col(1));
     const std::uint32_t which = upper * rim_points + k;
     out.corners.push_back({x, first_rim + which, first_chord + which});
   }
@@ -40,7 +42,7 @@ void Disc::add_plane_points(const Placement& at, const Vec3& n, std::vector<Plan
 }
 
 Mat3 rim_derivative(double radius, const Vec3& n) {
-  const double across = std::hypot(n.x(), n.y());
+  const double across = elementary::hypot(n.x(), n.y());
   if (!(across > 0)) return Mat3::Zero();
   const Vec3 tangent(-n.y() / across, n.x() / across, 0);
   return radius / across * tangent * tangent.transpose();

@@ -2,6 +2,7 @@
 // The flat round end of a shape of revolution: what of it meets another body.
 #include <cmath>
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/contact_outline.hpp"
 
 namespace silt::rigid {
@@ -25,7 +26,7 @@ struct Disc {
                                  first_lowest = side_code + 1, apex_code = first_lowest + 2;
 
   bool is_flat_against(const Vec3& n_B) const {
-    return (n_B.z() < 0) == (side < 0) && std::hypot(n_B.x(), n_B.y()) <= flat_sine;
+    return (n_B.z() < 0) == (side < 0) && elementary::hypot(n_B.x(), n_B.y()) <= flat_sine;
   }
   /// The point of the rim that is furthest along n.
   ContactOutline::Corner lowest(const Placement&, const Vec3& n) const;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "rigid/math/elementary.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -25,9 +27,9 @@ double crossing(double low, double high, Slope&& slope) {
 
 FurthestOnEllipse furthest_on_ellipse(const Vec2& centre, const Eigen::Matrix2d& spread) {
   const double mean = 0.5 * (spread(0, 0) + spread(1, 1)), half = 0.5 * (spread(0, 0) - spread(1, 1));
-  const double k = 2 * std::hypot(half, spread(0, 1));  // a^2 - b^2
-  const double turn = 0.5 * std::atan2(spread(0, 1), half);
-  Vec2 along(std::cos(turn), std::sin(turn)), across(-along[1], along[0]);
+  const double k = 2 * elementary::hypot(half, spread(0, 1));  // a^2 - b^2
+  const double turn = 0.5 * elementary::atan2(spread(0, 1), half);
+  Vec2 along(elementary::cos(turn), elementary::sin(turn)), across(-along[1], along[0]);
   const int near_end = along.dot(centre) < 0;
   if (near_end) along = -along;
   if (across.dot(centre) < 0) across = -across;
@@ -35,7 +37,7 @@ FurthestOnEllipse furthest_on_ellipse(const Vec2& centre, const Eigen::Matrix2d&
   const double a = std::sqrt(mean + 0.5 * k), b = std::sqrt(std::max(0.0, mean - 0.5 * k));
   const double pa = p * a, qb = q * b;
   const auto direction = [&](double t) -> Vec2 {
-    const Vec2 x = (p + a * std::cos(t)) * along + (q + b * std::sin(t)) * across;
+    const Vec2 x = (p + a * elementary::cos(t)) * along + (q + b * elementary::sin(t)) * across;
     const double length = x.norm();
     return length > 0 ? Vec2(x / length) : along;
   };
@@ -44,13 +46,15 @@ FurthestOnEllipse furthest_on_ellipse(const Vec2& centre, const Eigen::Matrix2d&
   FurthestOnEllipse found;
   found.end = {near_end, 1 - near_end};
   found.direction[0] = direction(crossing(0, quarter, [&](double t) {
-    const double s = std::sin(t), c = std::cos(t);
+    const double s = elementary::sin(t), c = elementary::cos(t);
     return qb * c - pa * s - k * s * c;
   }));
-  const double least = std::atan2(std::cbrt(qb), std::cbrt(pa));
-  if (std::pow(std::cbrt(pa * pa) + std::cbrt(qb * qb), 1.5) < k) {
+  const double least = elementary::atan2(elementary::cbrt(qb), elementary::cbrt(pa));
+  const double sum = elementary::cbrt(pa * pa) + elementary::cbrt(qb * qb);
+  if (sum * std::sqrt(sum) < k) {
     const double t = std::numbers::pi - crossing(0, least, [&](double s) {
-                       return pa * std::sin(s) + qb * std::cos(s) - k * std::sin(s) * std::cos(s);
+                       return pa * elementary::sin(s) + qb * elementary::cos(s) -
+                              k * elementary::sin(s) * elementary::cos(s);
                      });
     found.direction[1] = direction(t);
     found.count = 2;

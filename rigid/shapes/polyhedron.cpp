@@ -1,5 +1,6 @@
 #include "rigid/shapes/polyhedron.hpp"
 
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/ball_under_planes.hpp"
 
 namespace silt::rigid {
@@ -129,7 +130,7 @@ double Polyhedron::central_ball() const {
 }
 
 void Polyhedron::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
-  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const double sine = elementary::sin(angle), cosine = elementary::cos(angle);
   const int v = support_vertex(n_B);
   for (const int u : mesh->neighbours[v]) {
     const Vec3 along = (mesh->vertices[u] - mesh->vertices[v]).normalized();

@@ -44,7 +44,11 @@ double add_and_multiply(T* result, int rounds) {
 #pragma GCC unroll 16
     for (int i = 0; i < chains; ++i) {
       v[i] = v[i] * T(0.5) + T(1);  // not contracted: two operations
-      asm("" : "+x"(v[i]));         // stays in a register, one round after the other
+#if defined(__x86_64__)
+      asm("" : "+x"(v[i]));  // stays in a register, one round after the other
+#elif defined(__aarch64__)
+      asm("" : "+w"(v[i]));
+#endif
     }
   }
 #pragma GCC unroll 16

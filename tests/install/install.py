@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """install.py BUILD: installs what was built; a program of its own is built on that by find_package(silt) and runs, another tree takes
 the library by add_subdirectory, and a build without engines is configured and says so."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -37,7 +38,9 @@ class Install(unittest.TestCase):
         since = 0.5 - (2 / 9.81) ** 0.5
         self.assertAlmostEqual(0.1 * float(said.split()[-2]), 0.05 + rebound * since - 9.81 * since**2 / 2, delta=2e-3)
         self.assertIn("cells", done(prefix / "bin" / "silt", "check", prefix / "share" / "silt" / "cases" / "bouncing-ball"))
-        done("/usr/bin/python3", "-c", "import silt_results", env={"PYTHONPATH": str(prefix / "lib/python3/dist-packages")})
+        modules = prefix / "lib/python3/dist-packages"
+        for module in ["silt_results"] + ["silt"] * any(modules.glob("silt.*.so")):
+            done("/usr/bin/python3", "-c", f"import {module}; print({module})", env=dict(os.environ, PYTHONPATH=str(modules)))
 
     def test_as_a_folder(self):
         build = self.folder / "build"

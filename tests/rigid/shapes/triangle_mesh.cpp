@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -61,7 +62,12 @@ MassProperties exact_mass(const TriangleMesh& mesh, double units) {
         second[d][e] += v * (x[0][d] * x[0][e] + x[1][d] * x[1][e] + x[2][d] * x[2][e] + s[d] * s[e]);
     }
   }
+#if defined(__SIZEOF_FLOAT128__)
   using Real = __float128;
+#else
+  using Real = long double;  // of 113 bits where there is no __float128
+  static_assert(std::numeric_limits<Real>::digits >= 113);
+#endif
   const Real u = units, six = 6, v = Real(volume) / (six * u * u * u);
   Real centre[3], about[3][3];
   for (int d = 0; d < 3; ++d) centre[d] = Real(first[d]) / (24 * u * u * u * u) / v;

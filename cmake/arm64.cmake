@@ -1,0 +1,22 @@
+# Cross-compiles for 64-bit ARM with Debian's g++-aarch64-linux-gnu, against the packages unpacked in SILT_SYSROOT, and runs what
+# the build runs under qemu-user (scripts/cross-arm does both).
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES SILT_SYSROOT)
+set(CMAKE_SYSROOT ${SILT_SYSROOT})
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64;-L;${SILT_SYSROOT})
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(libraries usr/lib/aarch64-linux-gnu)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${SILT_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${SILT_SYSROOT}/${libraries}/pkgconfig:${SILT_SYSROOT}/usr/share/pkgconfig)
+# mpicxx would tell of this machine's MPI.
+set(MPI_CXX_COMPILER ${CMAKE_CXX_COMPILER})
+set(MPI_CXX_HEADER_DIR ${SILT_SYSROOT}/${libraries}/openmpi/include)
+set(MPI_CXX_LIB_NAMES mpi_cxx mpi)
+set(MPI_mpi_cxx_LIBRARY ${SILT_SYSROOT}/${libraries}/openmpi/lib/libmpi_cxx.so)
+set(MPI_mpi_LIBRARY ${SILT_SYSROOT}/${libraries}/openmpi/lib/libmpi.so)

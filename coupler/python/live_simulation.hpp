@@ -1,0 +1,86 @@
+#pragma once
+// A simulation in the hands of a program that may keep it longer than MPI lasts, and that knows neither of
+// MPI_Abort nor of floating-point modes: an interpreter.
+#include <fmt/format.h>
+
+#include <cfenv>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "coupler/guard.hpp"
+#include "coupler/run/run.hpp"
+#include "coupler/simulation.hpp"
+#include "cpu/isa.hpp"
+
+namespace silt::coupler {
+
+/// For as long as it lives, numbers are computed as in `silt run`; then as they were before.
+class RunArithmetic {
+ public:
+  RunArithmetic() {
+    std::fegetenv(&before_);
+    flush_denormals_to_zero();
+  }
+  RunArithmetic(const RunArithmetic&) = delete;
+  ~RunArithmetic() { std::fesetenv(&before_); }
+
+ private:
+  std::fenv_t before_;
+};
+
+/// UnfitCase says why a case cannot run, on every rank: the lines of `silt run`.
+struct UnfitCase : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// LiveSimulation owns a simulation, which ends with it or when MPI is finalised, by whomever.
+class LiveSimulation {
+ public:
+  /// Collective. Reads and judges a case as `silt run` does. UnfitCase.
+  LiveSimulation(const RunOptions&, MPI_Comm);
+  LiveSimulation(const LiveSimulation&) = delete;
+  ~LiveSimulation();
+
+  const std::vector<std::string>& warnings() const { return warnings_; }  // of the case
+  /// Returns the simulation; std::runtime_error once MPI is finalised.
+  Simulation& get();
+  /// Does work(simulation). What every rank finds alike it throws: CommonGuardStop, std::invalid_argument.
+  /// What this rank meets alone it throws if there is no other, as GuardStop where a guard told it; else the
+  /// others would wait for ever: it says what it was, and ends all with MPI_Abort.
+  template <class Work>
+  auto with(Work&& work);
+
+ private:
+  static int end_all(MPI_Comm, int, void*, void*);
+  static std::vector<LiveSimulation*>& living();
+  [[noreturn]] void end_alone(const std::string& text) const;
+
+  std::unique_ptr<Simulation> simulation_;
+  std::vector<std::string> warnings_;
+};
+
+template <class Work>
+auto LiveSimulation::with(Work&& work) {
+  Simulation& simulation = get();
+  const RunArithmetic arithmetic;
+  const Scene& scene = simulation.scene();
+  try {
+    return work(simulation);
+  } catch (const CommonGuardStop&) {
+    throw;
+  } catch (const std::invalid_argument&) {
+    throw;
+  } catch (const std::overflow_error& error) {
+    const std::string text =
+        overflow_text(scene.setup, error.what(), simulation.steps_done() + 1, scene.rank);
+    if (scene.ranks == 1) throw GuardStop(text);
+    end_alone(text);
+  } catch (const std::exception& error) {
+    if (scene.ranks == 1) throw;
+    end_alone(fmt::format("step {}, rank {}: {}", simulation.steps_done() + 1, scene.rank, error.what()));
+  }
+}
+
+}  // namespace silt::coupler

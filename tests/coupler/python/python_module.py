@@ -1,0 +1,322 @@
+#!/usr/bin/python3
+"""python_module.py SILT FOLDER: the module `silt` in FOLDER does what the program SILT does, its arrays are what they say
+they are, and the program of its page runs as it stands. Without a FOLDER there is no module: skipped."""
+import contextlib
+import gc
+import io
+import pathlib
+import re
+import subprocess
+import sys
+import textwrap
+import unittest
+import warnings
+
+if len(sys.argv) < 3:
+    print("skipped: built without pybind11, so there is no module")
+    sys.exit(77)
+MODULE = pathlib.Path(sys.argv.pop(2)).resolve()
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(MODULE), str(ROOT / "scripts"), str(ROOT / "tests/coupler/run")]
+
+import numpy as np  # noqa: E402
+import silt  # noqa: E402
+import silt_results  # noqa: E402
+from silt_test import CASE, ENVIRONMENT, MPIRUN, UNSTABLE, SiltTest  # noqa: E402
+
+DRY = """
+[units]
+system = "lattice"
+[domain]
+size = [32, 32, 32]
+boundary = "periodic"
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 3
+[[bodies]]
+shape = "ball"
+density = 2
+positions = [[8, 8, 8], [24, 24, 24]]
+[run]
+steps = 10
+"""
+WATER = """
+[units]
+system = "si"
+cell_size = 1e-3
+relaxation_time = 0.8
+[domain]
+size = [0.016, 0.02, 0.024]
+boundary = "periodic"
+[fluid]
+density = 1000
+kinematic_viscosity = 1e-6
+precision = "double"
+[coupling]
+force = "exact"
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 4e-3
+[[bodies]]
+shape = "ball"
+density = 2000
+position = [0.008, 0.01, 0.012]
+[run]
+steps = 5
+[output]
+fields = { every = 5, quantities = ["velocity", "density", "body-id"], precision = "double" }
+"""
+MASS = 2 * 4 / 3 * np.pi * 3**3  # of a ball of DRY
+
+
+class Module(SiltTest):
+    def setUp(self):
+        super().setUp()
+        warnings.simplefilter("ignore")
+
+    def simulation(self, text, **options):
+        self.write(text)
+        return silt.Simulation(self.case, **options)
+
+    def script(self, program, ranks):
+        """Runs a program with the module on so many ranks."""
+        file = self.case / "program.py"
+        file.write_text(textwrap.dedent(program))
+        command = (MPIRUN + ["-np", str(ranks)] if ranks > 1 else []) + ["/usr/bin/python3", str(file)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=self.case,
+                              env=dict(ENVIRONMENT, PYTHONPATH=str(MODULE), PYTHONWARNINGS="ignore"))
+
+    # ---- physics ----
+
+    def test_a_force_gives_its_impulse_once(self):
+        simulation = self.simulation(DRY)
+        force, torque = np.array([0.02, -0.01, 0.03]), np.array([0.1, 0.2, -0.3])
+        first = int(simulation.bodies.id[0])
+        simulation.add_force(first, force, torque=torque)
+        simulation.step()
+        bodies = simulation.bodies
+        self.assertTrue(np.allclose(bodies.mass, MASS, rtol=1e-12))
+        inertia = 2 / 5 * MASS * 3**2
+        for _ in range(2):
+            self.assertTrue(np.allclose(MASS * bodies.velocity[0], force, rtol=1e-12), bodies.velocity)
+            self.assertTrue(np.allclose(inertia * bodies.angular_velocity[0], torque, rtol=1e-12))
+            self.assertTrue((bodies.velocity[1] == 0).all() and (bodies.angular_velocity[1] == 0).all())
+            simulation.step()
+
+    def test_momentum_in_a_fluid(self):
+        """Of the impulse nothing is lost: the body and the fluid have it, but for what has yet to act on the body."""
+        simulation = self.simulation(WATER)
+        force = np.array([0, 0, 0.2])
+        simulation.add_force(1, force)
+        simulation.step()
+        fluid = simulation.field("velocity")[simulation.field("body-id") == 0].sum(axis=0)
+        body = simulation.bodies.mass[0] * simulation.bodies.velocity[0]
+        self.assertTrue(np.allclose(fluid + body, force, atol=1e-3 * 0.2), (fluid, body))
+        self.assertLess(body[2], force[2] - 1e-2 * 0.2)  # some of it is the fluid's
+        one = simulation.units
+        self.assertAlmostEqual(one["length"], 1e-3, delta=1e-15)
+        self.assertAlmostEqual(one["time"], 0.1 * 1e-6 / 1e-6, delta=1e-12)  # nu = (tau - 1/2) / 3
+        self.assertAlmostEqual(one["force"], 1000 * 1e-3**4 / one["time"]**2, delta=1e-15)
+        self.assertAlmostEqual(simulation.time, one["time"], delta=1e-12)
+
+    def test_fluid_at_rest(self):
+        simulation = self.simulation(WATER)
+        simulation.run(3)
+        self.assertEqual(simulation.steps_done, 3)
+        self.assertEqual((simulation.cells, simulation.box), ((16, 20, 24), ((0, 0, 0), (16, 20, 24))))
+        density, velocity, ball = (simulation.field(name) for name in ("density", "velocity", "body-id"))
+        self.assertEqual((density.shape, velocity.shape), ((16, 20, 24), (16, 20, 24, 3)))
+        self.assertTrue((density == 1).all() and (velocity == 0).all())
+        self.assertAlmostEqual((ball == 1).sum(), 4 / 3 * np.pi * 4**3, delta=15)
+        self.assertEqual(tuple(np.argwhere(ball == 1).mean(axis=0) + 0.5), (8, 10, 12))
+
+    # ---- the program and the module ----
+
+    def test_same_state_as_of_the_program(self):
+        self.silt("run", self.case, "--set", "fluid.relaxation_time=0.7")
+        simulation = silt.Simulation(str(self.case), set=["fluid.relaxation_time=0.7"])
+        simulation.run(59)
+        simulation.step()
+        self.assertEqual(simulation.hash(), self.report()["state_hash"])
+        simulation.add_force(1, [0, 0, 1e-9])
+        simulation.step()
+        other = silt.Simulation(self.case, set=["fluid.relaxation_time=0.7"])
+        other.run(61)
+        self.assertNotEqual(simulation.hash(), other.hash())
+
+    def test_same_fields_and_bodies_as_in_files(self):
+        text = WATER.replace("density = 2000", "density = 2000\nvelocity = [1e-3, 0, 2e-3]\nangular_velocity = [0, 0.1, 0.2]")
+        text += 'bodies = { every = 5 }\n'
+        self.write(text)
+        self.silt("run", self.case)
+        files, simulation = silt_results.open(self.case), silt.Simulation(self.case)
+        simulation.run(5)
+        for name in ("velocity", "density", "body-id"):
+            scale = simulation.units.get(name, 1)
+            self.assertTrue(np.allclose(scale * simulation.field(name), files.fields[-1][name], rtol=1e-14, atol=0), name)
+        last, bodies = files.bodies.at(-1), simulation.bodies
+        for name, of in (("position", "length"), ("velocity", "velocity"), ("angular_velocity", "angular_velocity"),
+                         ("force", "force"), ("torque", "torque"), ("mass", "mass")):
+            self.assertTrue(np.allclose(simulation.units[of] * getattr(bodies, name), last[name], rtol=1e-14, atol=0), name)
+        for name in ("id", "kind", "image", "orientation"):
+            self.assertTrue((getattr(bodies, name) == last[name]).all(), name)
+        self.assertEqual(simulation.kinds, list(files.bodies.kinds))
+
+    # ---- arrays ----
+
+    def test_views_are_views(self):
+        simulation = self.simulation(DRY)
+        position, velocity = simulation.bodies.position, simulation.bodies.velocity
+        self.assertEqual(position.__array_interface__["data"], simulation.bodies.position.__array_interface__["data"])
+        simulation.set_velocity(2, [0.01, 0, 0], [0, 0, 0.1])
+        self.assertEqual(velocity[1].tolist(), [0.01, 0, 0])
+        simulation.step()
+        self.assertAlmostEqual(position[1, 0], 24.01, delta=1e-12)
+        turned = simulation.bodies.orientation[1]  # w, x, y, z
+        self.assertTrue(np.allclose(turned, [np.cos(0.05), 0, 0, np.sin(0.05)], atol=1e-4), turned)
+        simulation.set_pose(2, [20, 21, 22], orientation=[0, 0, 2, 0])
+        self.assertEqual(position[1].tolist(), [20, 21, 22])
+        self.assertEqual(simulation.bodies.orientation[1].tolist(), [0, 0, 1, 0])
+        for name in ("id", "position", "velocity", "orientation", "force"):
+            with self.assertRaisesRegex(ValueError, "read-only"):
+                getattr(simulation.bodies, name)[...] = 0
+        del simulation  # the arrays keep what they look at
+        gc.collect()
+        self.assertEqual(position[1].tolist(), [20, 21, 22])
+
+    def test_numbers_of_the_interpreter_stay_as_they_are(self):
+        smallest = sys.float_info.min
+        simulation = self.simulation(CASE)
+        simulation.run(2)
+        self.assertGreater(smallest / 2, 0)  # the steps have none so small
+
+    # ---- errors ----
+
+    def test_errors_of_a_case_are_those_of_the_program(self):
+        self.write(CASE.replace("radius = 2.5", "radios = 2.5"))
+        said = self.silt("check", self.case, "--set", "fluid.relaxation_time=0.4", code=2).stderr
+        with self.assertRaises(silt.CaseError) as error:
+            silt.Simulation(self.case, set=["fluid.relaxation_time=0.4"])
+        self.assertEqual(str(error.exception).strip(), said.strip())
+        self.assertRegex(said, r"case.toml:\d+:\d+: .*did you mean 'radius'")
+        self.assertIsInstance(error.exception, ValueError)
+        self.write(CASE)
+        for options, text in (({"set": ["run.steps="]}, "set: run.steps= has no value; to take a key away: --unset run.steps"),
+                              ({"unset": ["run.steps=1"]}, "unset: 'run.steps=1' must be the path of a key")):
+            with self.assertRaisesRegex(ValueError, text):
+                silt.Simulation(self.case, **options)
+        with self.assertRaisesRegex(silt.CaseError, "needs one of steps, time"):
+            silt.Simulation(self.case, unset=["run.steps"])
+
+    def test_errors_of_calls(self):
+        simulation = self.simulation(CASE)
+        before = simulation.hash()
+        for call, text in ((lambda: simulation.add_force(7, [0, 0, 1]), "there is no body 7"),
+                           (lambda: simulation.add_force(1, [0, 0, float("nan")]), "force is .*nan.*finite"),
+                           (lambda: simulation.set_pose(1, [8, 8, 8], [0, 0, 0, 0]), "must be a quaternion"),
+                           (lambda: simulation.field("velocty"), "no field 'velocty'; did you mean 'velocity'")):
+            with self.assertRaisesRegex(ValueError, text):
+                call()
+        with self.assertRaises(TypeError):
+            simulation.add_force(1, [0, 1])
+        self.assertEqual(simulation.hash(), before)
+        with self.assertRaisesRegex(ValueError, "no .fluid."):
+            self.simulation(DRY).field("density")
+
+    def test_a_guard_stops_it(self):
+        simulation = self.simulation(UNSTABLE)
+        with self.assertRaisesRegex(silt.GuardStop, "step 2.*coupling.time"):
+            simulation.run(60)
+
+    def test_warnings(self):
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            silt.Simulation(self.case, set=["bodies[0].density=1e-2"])
+        said = self.silt("check", self.case, "--set", "bodies[0].density=1e-2").stdout
+        self.assertTrue(found and all(str(warning.message) in said for warning in found), (found, said))
+
+    # ---- ranks ----
+
+    def test_same_state_on_any_ranks(self):
+        program = """
+            import numpy, silt
+            simulation = silt.Simulation(".", unset=["domain.blocks"])
+            for step in range(20):
+                simulation.add_force(1, [0, 0, 1e-3 * step])
+                simulation.step()
+            numpy.savez(f"{simulation.ranks}.{simulation.rank}", box=simulation.box, ids=simulation.bodies.id,
+                        **{name: simulation.field(name) for name in ("velocity", "vorticity", "density")})
+            said = simulation.hash()  # every rank asks
+            if simulation.rank == 0:
+                print(said)
+            """
+        said = {ranks: self.script(program, ranks) for ranks in (1, 2, 4)}
+        for result in said.values():
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertRegex(result.stdout, r"^[0-9a-f]{16}\n$")
+            self.assertEqual(result.stdout, said[1].stdout)
+        alone = np.load(self.case / "1.0.npz")
+        for ranks in (2, 4):
+            parts = [np.load(self.case / f"{ranks}.{rank}.npz") for rank in range(ranks)]
+            self.assertEqual(sorted(i for part in parts for i in part["ids"]), [1, 2])
+            self.assertEqual(sum(np.prod(part["box"][1] - part["box"][0]) for part in parts), 24 * 16 * 16)
+            for part in parts:
+                cells = tuple(slice(*ends) for ends in part["box"].T)
+                for name in ("velocity", "vorticity", "density"):
+                    self.assertTrue((alone[name][cells] == part[name]).all(), (ranks, name))
+
+    def test_an_error_on_one_rank_ends_all(self):
+        result = self.script("""
+            import silt
+            simulation = silt.Simulation(".")
+            if simulation.rank == 1:
+                raise RuntimeError("this rank is ill")
+            simulation.run(60)
+            """, 2)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("this rank is ill", result.stderr)
+
+    def test_errors_of_a_case_come_on_every_rank(self):
+        result = self.script("""
+            import silt
+            try:
+                silt.Simulation(".", set=["fluid.relaxation_time=0.4"])
+            except silt.CaseError as error:
+                assert "relaxation_time" in str(error)
+                print("caught\\n", end="", flush=True)
+            """, 2)
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, 2 * "caught\n", ""))
+
+    def test_mpi_of_somebody_else(self):
+        """mpi4py, which comes with VTK, starts and ends MPI; with it simulations end, wherever they are kept."""
+        result = self.script("""
+            from mpi4py import MPI
+            import silt
+            simulation = silt.Simulation(".")
+            simulation.run(2)
+            MPI.Finalize()
+            try:
+                simulation.bodies.position
+            except RuntimeError as error:
+                print(f"{error}\\n", end="", flush=True)
+            """, 2)
+        ended = "the simulation has ended: MPI is finalised\n"
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, 2 * ended, ""))
+
+    # ---- its page ----
+
+    def test_the_program_of_its_page(self):
+        """A sphere that its weight in the fluid is taken from stays where it is: let go, it falls 0.37 mm."""
+        page = (ROOT / "coupler/python/README.md").read_text()
+        program = textwrap.dedent(re.search(r"\n\n((?:    .*\n|\n)+)", page)[1])
+        with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.chdir(ROOT):
+            exec(program, {})  # noqa: S102
+        height, fastest = (float(line.split()[-1]) for line in said.getvalue().splitlines())
+        self.assertAlmostEqual(height, 0.1275, delta=1e-8)
+        self.assertLess(fastest, 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
