@@ -301,7 +301,8 @@ class FlowOf final : public Flow {
     for (std::size_t b = 0; b < columns_.size(); ++b)
       if (map_.blocks()[b].changed) columns_[b].reset(map_.blocks()[b].solid);
     pairs_->choose([&](int b, Int3 x, int axis) {
-      return axis == 1 ? columns_[b].from(x.x, x.y, x.z) : map_.blocks()[b].solid.from(x.x, x.y, x.z);
+      const CellBits& solid = map_.blocks()[b].solid;
+      return axis == 1 ? columns_[b].from(solid, x.x, x.y, x.z) : solid.from(x.x, x.y, x.z);
     });
   }
 

@@ -28,8 +28,8 @@ class PairsAcross {
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks);
   /// From now on the pairs of cut links are brought: of fluid cells x with x + c_i solid; others mean
   /// nothing. solid(block, cell, axis) has 64 cells of a local block along x or y as bits, `cell` the first,
-  /// for cells to two beyond its faces; those along y are asked for within two of the faces across x. Each rank calls it when one of these of its blocks has changed. What two ranks
-  /// know of the same cells must agree: how long their messages are follows from it.
+  /// for cells to two beyond its faces. Each rank calls it when one of these of its blocks has changed. What
+  /// two ranks know of the same cells must agree: how long their messages are follows from it.
   template <class Solid>
   void choose(Solid&& solid);
   /// Call after the halo exchange, with the parity of the blocks then. The pair of an idle block means

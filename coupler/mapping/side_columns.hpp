@@ -1,5 +1,6 @@
 #pragma once
-// The solid cells near a block's two faces across x, as bits along y: rows along x hold few cells a word there.
+// The solid cells near a block's two faces across x, as bits along y: rows along x hold few cells a word
+// there.
 #include <cstdint>
 #include <vector>
 
@@ -25,10 +26,12 @@ class SideColumns {
           }
         }
   }
-  /// 64 cells of a column from cell y on; beyond the column: anything.
-  std::uint64_t from(int x, int y, int z) const {
-    const int side = x >= ghosts ? 1 : 0, bit = y + ghosts;
-    const std::uint64_t* const w = bits_.data() + start(side, x - side * size_.x + ghosts, z) + (bit >> 6);
+  /// 64 cells of a column of `solid` from cell y on, the bits of the last reset; beyond the column: anything.
+  /// Columns far from the faces, which corners of blocks that are not in line ask for, are put together here.
+  std::uint64_t from(const CellBits& solid, int x, int y, int z) const {
+    const int side = x >= ghosts ? 1 : 0, column = x - side * size_.x + ghosts, bit = y + ghosts;
+    if (column < 0) return put_together(solid, x, y, z);
+    const std::uint64_t* const w = bits_.data() + start(side, column, z) + (bit >> 6);
     return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
   }
 
@@ -37,6 +40,13 @@ class SideColumns {
 
   std::size_t start(int side, int column, int z) const {
     return std::size_t(words_) * ((z + ghosts) * sides * depth + side * depth + column);
+  }
+
+  std::uint64_t put_together(const CellBits& solid, int x, int y, int z) const {
+    std::uint64_t column = 0;
+    for (int n = 0; n < 64 && y + n < size_.y + ghosts; ++n)
+      column |= std::uint64_t(solid.test({x, y + n, z})) << n;
+    return column;
   }
 
   lbm::Int3 size_;
