@@ -49,13 +49,19 @@ bool any_solid(const BlockMap& map, int y, int z) {
   return false;
 }
 
+/// The impulses that a body remembers; those of walls, which remember none, twice.
+std::int64_t impulses_of(const rigid::BodySet& bodies, std::size_t row) {
+  const auto& stored = bodies.stored_impulses[row];
+  const auto of_a_wall = [](const rigid::StoredImpulse& s) { return rigid::is_wall(s.partner); };
+  return std::int64_t(stored.size()) + std::count_if(stored.begin(), stored.end(), of_a_wall);
+}
+
 }  // namespace
 
 void add_bodies(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (bodies.motion[row] != Motion::fixed)
-      work.add(bodies.position[row],
-               costs.body + costs.impulse * std::int64_t(bodies.stored_impulses[row].size()));
+      work.add(bodies.position[row], costs.body + costs.impulse * impulses_of(bodies, row));
 }
 
 void add_surfaces(const rigid::BodySet& bodies, const rigid::World& world, const WorkCosts& costs,

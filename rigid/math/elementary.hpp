@@ -1,9 +1,8 @@
 #pragma once
 // Functions of which the last bit must be the same on every machine. Those of a C library are not: glibc's
 // round otherwise where the processor has fused multiply-add, and otherwise in another version. These are
-// made of
-// +, -, *, / and square roots, which IEEE 754 rounds in one way. Errors in units in the last place (ulp) of
-// the result are measured in tests/rigid/math/elementary.cpp.
+// made of sums, differences, products, quotients and square roots, which IEEE 754 rounds in one way. Errors
+// in units in the last place (ulp) of the result are measured in tests/rigid/math/elementary.cpp.
 
 namespace silt::rigid::elementary {
 
