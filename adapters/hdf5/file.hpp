@@ -67,7 +67,7 @@ class File {
   const Path& path() const { return path_; }
   operator hid_t() const { return handle_; }
   void flush();
-  /// Of a journaled file.
+  /// Writes out what has changed in a journaled file, which stays open.
   void commit();
   /// Writes out everything; throws where that fails. The destructor closes silently.
   void close();

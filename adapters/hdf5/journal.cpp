@@ -86,8 +86,8 @@ void for_pages(haddr_t at, std::size_t size, Visit&& visit) {
   }
 }
 
-/// Takes what is to be written to a place that the file has: of pages that it changes. (HDF5 writes whole
-/// chunks, of which an append changes few.) Returns whether the file could be read.
+/// Keeps what is to be written to a place that the file has, but for pages that it does not change. (HDF5
+/// writes whole chunks; an append changes few pages of one.) Returns whether the file could be read.
 bool JournaledFile::keep(haddr_t at, std::size_t size, const char* from) {
   if (size == 0) return true;
   const haddr_t begin = at / journal_page * journal_page;
@@ -285,6 +285,8 @@ void commit_journaled(hid_t file, const Path& path) {
     if (static_cast<haddr_t>(now.st_size) < f.allocated && ::ftruncate(f.file, f.allocated) != 0)
       fail_in_system(path, "make the file longer (is the disk full?)");
     write_journal(path, f.pages);
+    f.status.st_size =
+        static_cast<off_t>(f.allocated);  // what the journal refers to stays, whatever fails now
     if (!write_pages(f.file, f.pages)) fail_in_system(path, "finish an append");
     if (::unlink(journal_of(path).c_str()) != 0) fail_in_system(journal_of(path), "remove the journal");
     if (::ftruncate(f.file, f.allocated) != 0) errno = 0;  // what is behind the end only takes room
