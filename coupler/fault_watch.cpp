@@ -19,7 +19,7 @@ using rigid::Vec3;
 namespace {
 
 /// Of the components of rows [begin, end): infinite or not a number as soon as one is.
-double sum_of(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
+double sum_over(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
   return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).sum();
 }
 
@@ -39,8 +39,8 @@ Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t en
 bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds,
                    double furthest) {
   return std::isfinite(speeds.sum) && speeds.highest <= furthest * furthest &&
-         std::isfinite(sum_of(bodies.angular_velocity, begin, end)) &&
-         std::isfinite(sum_of(bodies.position, begin, end));
+         std::isfinite(sum_over(bodies.angular_velocity, begin, end)) &&
+         std::isfinite(sum_over(bodies.position, begin, end));
 }
 
 /// A number as soon as velocity and position are, and no more than the speed; else not finite.

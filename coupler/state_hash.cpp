@@ -17,7 +17,7 @@ namespace silt::coupler {
 namespace {
 
 /// The bytes of plain numbers, one after the other, without padding.
-class Bytes {
+class PlainBytes {
  public:
   template <class... T>
   void add(const T&... numbers) {
@@ -39,7 +39,7 @@ class Bytes {
 
 std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
   std::uint64_t sum = 0;
-  Bytes bytes;
+  PlainBytes bytes;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const rigid::Quat& q = bodies.orientation[row];
     bytes.clear();

@@ -13,10 +13,6 @@ using rigid::Motion;
 
 namespace {
 
-std::uint64_t first_cells(std::uint64_t cells, int n) {
-  return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
-}
-
 /// Calls visit(x, n) for the pieces of a row of a block that lie in one tile each: n cells from x on.
 template <class Visit>
 void for_pieces(const lbm::CellBox& block, Int3 first, int end, Visit&& visit) {

@@ -24,8 +24,6 @@ namespace {
 using rigid::Motion;
 using rigid::Vec3;
 
-constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
-
 std::string of_fill(std::size_t index, const char* key) {
   return fmt::format("fill[{}].{}", index, key);
 }

@@ -11,6 +11,8 @@ struct Case;
 
 /// Cells that given bodies may overlap something at the start: rounding of a case's numbers.
 inline constexpr double start_overlap = 0.02;
+/// Messages of one kind: more of them would say nothing new.
+inline constexpr std::size_t most_messages = 10;
 
 /// Gathers what checks find; keys are paths as in Case::places.
 struct Findings {

@@ -16,10 +16,6 @@ namespace {
 using rigid::TriangleMesh;
 using rigid::Vec3;
 
-std::string key_of(std::size_t wall, const char* key) {
-  return fmt::format("walls[{}].{}", wall, key);
-}
-
 struct Thinnest {
   double width = std::numeric_limits<double>::infinity();
   Vec3 place = Vec3::Zero();  // in the frame of the mesh
@@ -27,7 +23,7 @@ struct Thinnest {
 
 /// The shortest ray from the middle of a triangle along (sign 1) or against its normal to another triangle
 /// that faces it: the width of a gap, or the thickness of the solid. Of so many triangles at most.
-Thinnest thinnest(const TriangleMesh& mesh, int sign) {
+Thinnest thinnest_part(const TriangleMesh& mesh, int sign) {
   constexpr std::uint32_t most = 20000;
   constexpr double facing = 0.5, above = 1e-6;  // cosine; of the mesh's size: past the triangle itself
   const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
@@ -52,10 +48,10 @@ void check_features(const Case& scene, Findings& findings, std::size_t index, co
   constexpr double thin = 1, coarse = 2;  // cells
   const int solid = wall.mesh.hollow ? 1 : -1;
   const auto warn = [&](int sign, const char* what) {
-    const Thinnest found = thinnest(*wall.mesh.surface, sign);
+    const Thinnest found = thinnest_part(*wall.mesh.surface, sign);
     if (found.width >= coarse) return;
     findings.warning(
-        key_of(index, "file"),
+        wall_key(index, "file"),
         fmt::format("walls[{}] has {} of {} at {}, {}; use smaller cells, or a mesh without it", index, what,
                     shown_length(scene, found.width), shown_point(scene, wall.start.to_world(found.place)),
                     found.width < thin ? "thinner than a cell: parts of it are missing on the lattice"
@@ -83,12 +79,12 @@ bool check_place_at(const Case& scene, Findings& findings, std::size_t index, co
     const bool crosses = low < 0.5 || high > size - 0.5;
     const bool goes_on = low <= -beyond && high >= size + beyond;
     if (!scene.periodic(d) && (high <= 0 || low >= size) && step == 0)
-      findings.error(key_of(index, "position"),
+      findings.error(wall_key(index, "position"),
                      fmt::format("{}; the domain is from 0 to {}: move it, or correct its scale", reach,
                                  shown_length(scene, size)));
     else if (wall.mesh.hollow && scene.periodic(d) && crosses && !goes_on)
       findings.error(
-          key_of(index, step > 0 ? "motion" : "position"),
+          wall_key(index, step > 0 ? "motion" : "position"),
           fmt::format("{}, which is periodic; a vessel must stay half a cell within the domain there, "
                       "or go on alike for {} beyond both sides",
                       reach, shown_length(scene, beyond)));
@@ -122,12 +118,16 @@ double fastest(const Case& scene, const MeshWall& wall) {
 
 }  // namespace
 
+std::string wall_key(std::size_t wall, const char* key) {
+  return fmt::format("walls[{}].{}", wall, key);
+}
+
 void find_mesh_faults(const Case& scene, Findings& findings, std::size_t index) {
   const MeshWall& wall = *scene.walls[index].mesh();
   check_place(scene, findings, index, wall);
   if (!scene.fluid) return;
   check_features(scene, findings, index, wall);
-  if (wall.motion.moves()) check_speed(findings, key_of(index, "motion"), fastest(scene, wall));
+  if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(scene, wall));
 }
 
 }  // namespace silt::coupler

@@ -8,15 +8,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "coupler/case/trimmed.hpp"
+
 namespace silt::coupler {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
 
 /// Numbers with commas between them; false for anything else.
 bool take_numbers(std::string_view line, std::array<double, 7>& numbers) {

@@ -9,20 +9,13 @@
 #include <string_view>
 
 #include "adapters/hdf5/point_table.hpp"
+#include "coupler/case/trimmed.hpp"
 
 namespace silt::coupler {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr std::string_view blanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(blanks);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
 
 bool begins_with_number(std::string_view text) {
   double x = 0;

@@ -9,7 +9,7 @@
 namespace silt::coupler {
 namespace {
 
-constexpr double rounding = 1e-9;  // of what two digits give already
+constexpr double digit_rounding = 1e-9;  // of what two digits give already
 
 /// One of the second digit of x.
 double second_digit(double x) {
@@ -19,11 +19,11 @@ double second_digit(double x) {
 }  // namespace
 
 double rounded_down(double x) {
-  return std::floor(x / second_digit(x) + rounding) * second_digit(x);
+  return std::floor(x / second_digit(x) + digit_rounding) * second_digit(x);
 }
 
 double rounded_up(double x) {
-  return std::ceil(x / second_digit(x) - rounding) * second_digit(x);
+  return std::ceil(x / second_digit(x) - digit_rounding) * second_digit(x);
 }
 
 std::string time_step_key(const Case& scene) {

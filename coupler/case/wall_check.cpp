@@ -17,10 +17,6 @@ namespace {
 
 using rigid::Vec3;
 
-std::string key_of(std::size_t wall, const char* key) {
-  return fmt::format("walls[{}].{}", wall, key);
-}
-
 /// How far the axis of a tube passes the domain at; 0: through it. By going to and fro between the two.
 double distance_from_domain(const Case& scene, const rigid::TubeSpec& tube) {
   constexpr int projections = 1000;
@@ -42,7 +38,7 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
     const double along = std::abs(tube.axis[d]), size = scene.cells[d];
     if (!scene.periodic(d) || along > 1 - straight) continue;
     if (along > straight) {
-      findings.error(key_of(index, "axis"),
+      findings.error(wall_key(index, "axis"),
                      fmt::format("walls[{}] leaves the domain through its periodic border across {}, at a "
                                  "slant; let its axis be {} or lie across it, or give the domain sides there",
                                  index, "xyz"[d], "xyz"[d]));
@@ -51,7 +47,7 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
     const double low = tube.point[d] - tube.radius, high = tube.point[d] + tube.radius;
     if (low >= 0.5 && high <= size - 0.5) continue;
     findings.error(
-        key_of(index, "point"),
+        wall_key(index, "point"),
         fmt::format("walls[{}] reaches from {} to {} along {}, which is periodic; it must stay half "
                     "a cell within the domain, {} to {}: enlarge the domain, or give it sides there",
                     index, shown_length(scene, low), shown_length(scene, high), "xyz"[d],
@@ -70,13 +66,13 @@ void find_wall_faults(const Case& scene, Findings& findings) {
     const rigid::TubeSpec& tube = *scene.walls[i].tube();
     check_borders(scene, findings, i);
     if (distance_from_domain(scene, tube) >= tube.radius)
-      findings.error(key_of(i, "point"),
+      findings.error(wall_key(i, "point"),
                      fmt::format("walls[{}] has its hole outside the domain: all of it would be solid; move "
                                  "its point, or change its axis or radius",
                                  i));
     if (!scene.fluid) continue;
-    check_speed(findings, key_of(i, "velocity"), std::abs(tube.velocity));
-    check_speed(findings, key_of(i, "angular_velocity"), std::abs(tube.angular_velocity) * tube.radius);
+    check_speed(findings, wall_key(i, "velocity"), std::abs(tube.velocity));
+    check_speed(findings, wall_key(i, "angular_velocity"), std::abs(tube.angular_velocity) * tube.radius);
   }
 }
 

@@ -16,7 +16,7 @@ using rigid::Contact;
 
 namespace {
 
-enum class Item : std::uint64_t { contact, partner };
+enum class ContactItem : std::uint64_t { contact, partner };
 
 struct PackedContact {
   BodyId a, b;
@@ -98,7 +98,7 @@ void ParallelBodyExchange::Distribution::send_contact(const BodySet& bodies, con
     if (rigid::is_wall(id) || bodies.row_of(id) < bodies.owned) continue;
     const int to = owner(id);
     if (to != sent_to) {
-      put(messages.to(to), Item::contact);
+      put(messages.to(to), ContactItem::contact);
       put(messages.to(to), packed(c));
     }
     sent_to = to;
@@ -116,7 +116,7 @@ void ParallelBodyExchange::Distribution::send_partner(const BodySet& bodies, Bod
     if (held != held_by.end() && std::binary_search(held->second.begin(), held->second.end(), to)) return;
   }
   Bytes& message = messages.to(to);
-  put(message, Item::partner);
+  put(message, ContactItem::partner);
   put(message, bodies.record(row));
   put(message, partners_owner);
 }
@@ -126,7 +126,7 @@ void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::
   std::map<BodyId, BodyRecord> visitors;
   for (const Messages::Message& m : messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
-      if (reader.take<Item>() == Item::contact) {
+      if (reader.take<ContactItem>() == ContactItem::contact) {
         const Contact& c = contacts.emplace_back(unpacked(reader.take<PackedContact>()));
         if (!rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});
         continue;

@@ -59,6 +59,11 @@ std::uint64_t least_over_ranks(MPI_Comm comm, std::uint64_t x) {
   return x;
 }
 
+std::uint64_t most_over_ranks(MPI_Comm comm, std::uint64_t x) {
+  MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_UINT64_T, MPI_MAX, comm);
+  return x;
+}
+
 std::string text_of_one(MPI_Comm comm, std::string text) {
   int rank = 0, ranks = 1;
   MPI_Comm_rank(comm, &rank);

@@ -25,6 +25,7 @@ void sum_over_ranks(MPI_Comm, std::span<rigid::ExactSum>);
 void max_over_ranks(MPI_Comm, std::span<double>);
 double max_over_ranks(MPI_Comm, double);
 std::uint64_t least_over_ranks(MPI_Comm, std::uint64_t);
+std::uint64_t most_over_ranks(MPI_Comm, std::uint64_t);
 /// Collective. Returns the text of the first rank that has one; "" if none has.
 std::string text_of_one(MPI_Comm, std::string);
 

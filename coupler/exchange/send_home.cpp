@@ -3,17 +3,12 @@
 #include <algorithm>
 
 #include "coupler/exchange/impulse_bytes.hpp"
+#include "coupler/exchange/reduce.hpp"
 
 namespace silt::coupler {
 namespace {
 
 using rigid::BodyRecord;
-
-std::uint64_t most_over_ranks(MPI_Comm comm, std::uint64_t mine) {
-  std::uint64_t most = 0;
-  MPI_Allreduce(&mine, &most, 1, MPI_UINT64_T, MPI_MAX, comm);
-  return most;
-}
 
 void add(rigid::BodySet& bodies, const BodyRecord& record, std::vector<rigid::StoredImpulse> impulses) {
   bodies.add(record);

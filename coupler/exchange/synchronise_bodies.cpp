@@ -23,7 +23,7 @@ using rigid::BodySet;
 
 namespace {
 
-enum class Item : std::uint64_t { update, copy, handover, force };
+enum class BodyItem : std::uint64_t { update, copy, handover, force };
 
 /// What changes from step to step.
 struct State {
@@ -201,11 +201,11 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
     const bool has_copy =
         known != held_by.end() && std::binary_search(known->second.begin(), known->second.end(), to);
     if (to != owner && has_copy) {
-      put(message, Item::update);
+      put(message, BodyItem::update);
       put(message, state_of(record, owner));
       continue;
     }
-    put(message, to == owner ? Item::handover : Item::copy);
+    put(message, to == owner ? BodyItem::handover : BodyItem::copy);
     put(message, record);
     put(message, owner);
     if (to == owner) put_handover(message, bodies, row, ranks_, owner);
@@ -226,7 +226,7 @@ void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) 
     const int to = owner(bodies.id[row]);
     require_around(bodies.id[row], to);
     Bytes& message = messages.to(to);
-    put(message, Item::force);
+    put(message, BodyItem::force);
     put(message, bodies.id[row]);
     put(message, bodies.force[row].q);
     put(message, bodies.torque[row].q);
@@ -237,8 +237,8 @@ void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) 
 void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrivals) {
   for (const Messages::Message& m : messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) {
-      const auto item = reader.take<Item>();
-      if (item == Item::update) {
+      const auto item = reader.take<BodyItem>();
+      if (item == BodyItem::update) {
         const auto state = reader.take<State>();
         const std::size_t row = bodies.row_of(state.id);
         if (row < bodies.owned || row >= bodies.owned + bodies.copies)
@@ -247,7 +247,7 @@ void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrival
         assign(bodies, row, state);
         owner_of[state.id] = state.owner;
         arrivals.updated[row - bodies.owned] = 1;
-      } else if (item == Item::force) {
+      } else if (item == BodyItem::force) {
         Arrivals::Push& p = arrivals.pushes.emplace_back();
         p.id = reader.take<BodyId>();
         p.force.q = reader.take<decltype(p.force.q)>();
@@ -256,8 +256,8 @@ void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrival
         Traveller t;
         t.record = reader.take<BodyRecord>();
         t.owner = reader.take<int>();
-        if (item == Item::handover) take_handover(reader, t);
-        (item == Item::handover ? arrivals.own : arrivals.copies).push_back(std::move(t));
+        if (item == BodyItem::handover) take_handover(reader, t);
+        (item == BodyItem::handover ? arrivals.own : arrivals.copies).push_back(std::move(t));
       }
     }
 }

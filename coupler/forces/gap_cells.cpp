@@ -33,7 +33,7 @@ struct Principal {
 };
 
 /// With the axes x, y, z of the lattice taken in this order.
-Fall fall_of(const Mat3& k, int x, int y, int z) {
+SurfaceFall fall_of(const Mat3& k, int x, int y, int z) {
   return {0.5 * k(x, x), 0.5 * k(y, y), 0.5 * k(z, z), k(x, y), k(y, z), k(z, x)};
 }
 

@@ -24,7 +24,7 @@ struct Surface {
   Real8 here, slope;
   double curvature;
 
-  Surface(const Fall& f, double half_width, double y, const Real8& z)
+  Surface(const SurfaceFall& f, double half_width, double y, const Real8& z)
       : here((half_width + f.yy * y * y) + z * (f.yz * y + f.zz * z)),
         slope(f.xy * y + f.zx * z),
         curvature(f.xx) {}

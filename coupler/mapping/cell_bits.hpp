@@ -7,6 +7,11 @@
 
 namespace silt::coupler {
 
+/// The first n of some cells (all, if there are more).
+inline std::uint64_t first_cells(std::uint64_t cells, int n) {
+  return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
+}
+
 /// Rows of bits over a block and `ghosts` layers of ghost cells: bit x + ghosts of row (y, z). A word before
 /// and three after them may be read.
 class CellBits {

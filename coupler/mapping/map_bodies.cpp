@@ -30,11 +30,6 @@ bool same(const rigid::Pose& a, const rigid::Pose& b) {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-/// The first n of some cells (all, if there are more).
-std::uint64_t first_cells(std::uint64_t cells, int n) {
-  return n >= 64 ? cells : cells & ((std::uint64_t{1} << n) - 1);
-}
-
 /// Gives the mask those of its cells that no one has yet.
 void take_cells(CellBits& solid, BodyMask& mask) {
   const BitFrame& f = mask.inside.frame();

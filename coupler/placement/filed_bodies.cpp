@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
+#include "coupler/exchange/reduce.hpp"
 #include "coupler/placement/first_faults.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -85,11 +86,6 @@ void send(const Case& scene, const FiledBodies& filed, Surroundings& around, con
       put(around.messages.to(rank), body);
   }
   around.messages.unannounced();
-}
-
-std::uint64_t most_over_ranks(MPI_Comm comm, std::uint64_t x) {
-  MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_UINT64_T, MPI_MAX, comm);
-  return x;
 }
 
 }  // namespace

@@ -13,11 +13,11 @@ using rigid::Pose;
 using rigid::Shape;
 using rigid::Vec3;
 
-constexpr double none = -std::numeric_limits<double>::infinity();
+constexpr double no_overlap = -std::numeric_limits<double>::infinity();
 
 // How far the balls of a reach into b.
 double depth_into(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
-  double depth = none;
+  double depth = no_overlap;
   for (const rigid::InnerBall& ball : rigid::inner_balls(a)) {
     const Vec3 x_B = pose_b.to_body(pose_a.to_world(ball.centre));
     depth = std::max(depth, ball.radius - rigid::signed_distance(b, x_B));
@@ -44,7 +44,7 @@ double overlap_depth(const Shape& a, const Pose& pose_a, const Shape& b, const P
 double overlap_depth(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b,
                      const Extent& extent) {
   const double reach = rigid::bounding_radius(a) + rigid::bounding_radius(b);
-  double depth = none;
+  double depth = no_overlap;
   for_images(extent, [&](const Vec3& shift) {
     const Pose image{pose_b.position + shift, pose_b.orientation};
     if ((image.position - pose_a.position).norm() < reach)

@@ -23,13 +23,13 @@ using rigid::Vec3;
 constexpr double points_a_body_at_start = 20000, points_a_body_later = 1000;
 constexpr double bodies_a_cell = 4;
 
-enum class State : std::uint8_t { open, stays, goes };
+enum class PointState : std::uint8_t { open, stays, goes };
 
-struct Point {
+struct DrawnPoint {
   std::uint64_t number;
   Vec3 centre;
   bool own = true, shared = false, told = false;
-  State state = State::open;
+  PointState state = PointState::open;
   bool waits = false;  // in this round of messages, for another rank
 };
 
@@ -68,7 +68,7 @@ class RandomFill {
   std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const;
   void tell_neighbours();
   void decide();
-  State judge(Point&, const NeighbourGrid&);
+  PointState judge(DrawnPoint&, const NeighbourGrid&);
   void decide_what_can_be(const NeighbourGrid&);
   void hear_decisions();
   Tally tally() const;
@@ -87,7 +87,7 @@ class RandomFill {
   const Rain rain_;
   std::uint64_t fallen_ = 0;  // of this batch of rounds, here
   // of this batch: those that meet nothing placed earlier; by number, so that memory is near where space is
-  std::vector<Point> points_;
+  std::vector<DrawnPoint> points_;
   std::vector<FilledBody> placed_;
 };
 
@@ -168,7 +168,7 @@ std::vector<std::int64_t> RandomFill::cells_met(int axis, const lbm::CellBox& bo
 }
 
 void RandomFill::tell_neighbours() {
-  for (Point& p : points_)
+  for (DrawnPoint& p : points_)
     for (const int rank : around_.ranks_near({p.centre, p.centre})) {
       if (rank == around_.rank) continue;
       p.shared = true;
@@ -181,7 +181,7 @@ void RandomFill::tell_neighbours() {
       points_.push_back({seen.number, Eigen::Map<const Vec3>{seen.centre}, false});
     }
   std::sort(points_.begin(), points_.end(),
-            [](const Point& a, const Point& b) { return a.number < b.number; });
+            [](const DrawnPoint& a, const DrawnPoint& b) { return a.number < b.number; });
 }
 
 void RandomFill::decide() {
@@ -191,40 +191,42 @@ void RandomFill::decide() {
   do {
     decide_what_can_be(grid);
     hear_decisions();
-  } while (around_.sum(std::count_if(points_.begin(), points_.end(),
-                                     [](const Point& p) { return p.own && p.state == State::open; })) > 0);
+  } while (around_.sum(std::count_if(points_.begin(), points_.end(), [](const DrawnPoint& p) {
+    return p.own && p.state == PointState::open;
+  })) > 0);
 }
 
 /// All that does not wait for another rank; tells who shares it.
 void RandomFill::decide_what_can_be(const NeighbourGrid& grid) {
-  for (Point& p : points_) p.waits = false;
-  for (Point& p : points_) {
-    if (!p.own || p.state != State::open) continue;
+  for (DrawnPoint& p : points_) p.waits = false;
+  for (DrawnPoint& p : points_) {
+    if (!p.own || p.state != PointState::open) continue;
     judge(p, grid);
   }
-  for (Point& p : points_) {
-    if (!p.shared || p.told || p.state == State::open) continue;
+  for (DrawnPoint& p : points_) {
+    if (!p.shared || p.told || p.state == PointState::open) continue;
     p.told = true;
     for (const int rank : around_.ranks_near({p.centre, p.centre}))
-      if (rank != around_.rank) put(around_.messages.to(rank), Decided{p.number, p.state == State::stays});
+      if (rank != around_.rank)
+        put(around_.messages.to(rank), Decided{p.number, p.state == PointState::stays});
   }
 }
 
 /// Decides a point of this rank, and before it the earlier ones too close to it.
-State RandomFill::judge(Point& p, const NeighbourGrid& grid) {
+PointState RandomFill::judge(DrawnPoint& p, const NeighbourGrid& grid) {
   const std::uint64_t time = rain_.time_of(p.number);
-  State state = State::stays;
+  PointState state = PointState::stays;
   grid.visit(BoundingBox::around(p.centre, Vec3::Constant(distance_)), [&](int i) {
-    Point& other = points_[i];
-    if (other.state == State::goes || rain_.time_of(other.number) >= time) return true;
+    DrawnPoint& other = points_[i];
+    if (other.state == PointState::goes || rain_.time_of(other.number) >= time) return true;
     if (nearest_image(other.centre - p.centre, around_.extent).norm() >= distance_) return true;
-    const bool known = other.state != State::open || !other.own || other.waits;
-    const State found = known ? other.state : judge(other, grid);
-    if (found == State::stays) state = State::goes;
-    if (found == State::open) state = State::open;
-    return state != State::goes;
+    const bool known = other.state != PointState::open || !other.own || other.waits;
+    const PointState found = known ? other.state : judge(other, grid);
+    if (found == PointState::stays) state = PointState::goes;
+    if (found == PointState::open) state = PointState::open;
+    return state != PointState::goes;
   });
-  p.waits = state == State::open;
+  p.waits = state == PointState::open;
   return p.state = state;
 }
 
@@ -235,14 +237,14 @@ void RandomFill::hear_decisions() {
       const auto decided = reader.take<Decided>();
       const auto at =
           std::lower_bound(points_.begin(), points_.end(), decided.number,
-                           [](const Point& p, std::uint64_t number) { return p.number < number; });
-      at->state = decided.stays ? State::stays : State::goes;
+                           [](const DrawnPoint& p, std::uint64_t number) { return p.number < number; });
+      at->state = decided.stays ? PointState::stays : PointState::goes;
     }
 }
 
 RandomFill::Tally RandomFill::tally() const {
   std::uint64_t counts[2] = {fallen_, 0};
-  for (const Point& p : points_) counts[1] += p.own && p.state == State::stays;
+  for (const DrawnPoint& p : points_) counts[1] += p.own && p.state == PointState::stays;
   MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_UINT64_T, MPI_SUM, around_.comm());
   return {counts[0], counts[1]};
 }
@@ -253,9 +255,9 @@ std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
   std::uint64_t time = 0, known = 0;  // known: mask of the bytes found
   for (int shift = 56; shift >= 0; shift -= 8) {
     std::array<std::uint64_t, 256> counts{};
-    for (const Point& p : points_)
+    for (const DrawnPoint& p : points_)
       if (const std::uint64_t t = rain_.time_of(p.number);
-          p.own && p.state == State::stays && (t & known) == time)
+          p.own && p.state == PointState::stays && (t & known) == time)
         ++counts[t >> shift & 255];
     MPI_Allreduce(MPI_IN_PLACE, counts.data(), 256, MPI_UINT64_T, MPI_SUM, around_.comm());
     std::uint64_t byte = 0;
@@ -267,8 +269,8 @@ std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
 }
 
 void RandomFill::keep(std::uint64_t last_time) {
-  for (const Point& p : points_) {
-    if (p.state != State::stays || rain_.time_of(p.number) > last_time) continue;
+  for (const DrawnPoint& p : points_) {
+    if (p.state != PointState::stays || rain_.time_of(p.number) > last_time) continue;
     obstacles_.add_ball(p.centre);
     if (!p.own) continue;
     placed_.push_back({p.number, p.centre, rigid::Quat::Identity()});

@@ -22,8 +22,6 @@ namespace {
 using rigid::Motion;
 using rigid::Vec3;
 
-constexpr std::size_t most_messages = 10;  // of one kind: more of them would say nothing new
-
 std::string in_the_domain(const Case& scene, const std::string& key, const Vec3& x) {
   return fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
                      shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size));

@@ -15,13 +15,13 @@ namespace fs = std::filesystem;
 namespace {
 
 /// What of a report changes while a run goes on; of objects all numbers in them.
-constexpr std::array columns = {
+constexpr std::array series_columns = {
     "steps",           "time",           "wall_seconds", "mlups",        "bodies",         "bodies_arrived",
     "bodies_left",     "bodies_left_by", "energy",       "momentum",     "max_velocity",   "min_density",
     "max_density",     "mass_drift",     "mass_surplus", "contacts_now", "momentum_drift", "links",
     "max_penetration", "quantities",     "stage_seconds"};
 
-fs::path first_free(const fs::path& folder) {
+fs::path first_free_series(const fs::path& folder) {
   for (int n = 1;; ++n)
     if (const fs::path path = folder / ("series." + std::to_string(n) + ".csv"); !fs::exists(path))
       return path;
@@ -29,7 +29,7 @@ fs::path first_free(const fs::path& folder) {
 
 /// Moves a series away, so that another can begin in its place.
 void set_aside(const fs::path& path) {
-  const fs::path aside = first_free(path.parent_path());
+  const fs::path aside = first_free_series(path.parent_path());
   std::error_code error;
   fs::rename(path, aside, error);
   if (error)
@@ -45,7 +45,7 @@ RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(fo
 
 void RunSeries::append(const adapters::Json& report) {
   std::string names, row;
-  for (const char* column : columns)
+  for (const char* column : series_columns)
     for (const auto& [name, number] : report.numbers(column)) {
       if (name.ends_with(".min") || name.ends_with(".max")) continue;  // over the ranks: the mean is enough
       (names += names.empty() ? "" : ",") += name;

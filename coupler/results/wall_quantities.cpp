@@ -13,7 +13,7 @@ using rigid::ExactSum;
 using rigid::Vec3;
 
 /// A step counts from the time of the quantity on; before the first one nothing has acted.
-bool counts(const Simulation& simulation, const QuantitySpec& q) {
+bool step_counts(const Simulation& simulation, const QuantitySpec& q) {
   return simulation.steps_done() > 0 && static_cast<double>(simulation.steps_done()) >= q.time;
 }
 
@@ -83,7 +83,7 @@ double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
 
 bool add_wall_stress(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                      std::span<ExactSum> force) {
-  if (!counts(simulation, q)) return false;
+  if (!step_counts(simulation, q)) return false;
   add_side_force(simulation, q.side, 1, force);
   return true;
 }
@@ -94,7 +94,7 @@ double wall_stress(const Case& scene, const QuantitySpec& q, std::span<const dou
 
 bool add_shear_resistance(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                           std::span<ExactSum> resistance) {
-  if (!counts(simulation, q)) return false;
+  if (!step_counts(simulation, q)) return false;
   add_side_force(simulation, 2 * q.axis, 1, resistance);
   add_side_force(simulation, 2 * q.axis + 1, -1, resistance);
   return true;
@@ -109,7 +109,7 @@ double relative_viscosity(const Case& scene, const QuantitySpec& q, std::span<co
 
 bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                     std::span<ExactSum> force) {
-  if (!counts(simulation, q)) return false;
+  if (!step_counts(simulation, q)) return false;
   add_fluid_load(simulation, q.wall, false, force);
   for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(f[d]);
@@ -123,7 +123,7 @@ double wall_force(const Case&, const QuantitySpec& q, std::span<const double> fo
 
 bool add_wall_torque(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                      std::span<ExactSum> torque) {
-  if (!counts(simulation, q)) return false;
+  if (!step_counts(simulation, q)) return false;
   add_fluid_load(simulation, q.wall, true, torque);
   add_contact_torque(simulation, q.wall, torque);
   return true;

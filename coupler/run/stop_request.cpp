@@ -23,7 +23,7 @@ void note(int signal) {
   if (!caught) caught_at = now.tv_sec;
   caught = signal;
 }
-double seconds(std::chrono::steady_clock::duration d) {
+double in_seconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double>(d).count();
 }
 }  // namespace
@@ -46,9 +46,10 @@ StopRequest::~StopRequest() {
 
 void StopRequest::ask(std::int64_t step) {
   const auto now = std::chrono::steady_clock::now();
-  const double late = limit_seconds_ > 0 && seconds(now - begin_) > limit_seconds_;
+  const double late = limit_seconds_ > 0 && in_seconds(now - begin_) > limit_seconds_;
   const auto steps = static_cast<double>(std::max<std::int64_t>(1, step - last_step_));
-  under_way_ = {double(caught), late, last_step_ < 0 ? answer_.step_seconds : seconds(now - last_) / steps};
+  under_way_ = {double(caught), late,
+                last_step_ < 0 ? answer_.step_seconds : in_seconds(now - last_) / steps};
   static_assert(sizeof(Answer) == 3 * sizeof(double));
   MPI_Iallreduce(MPI_IN_PLACE, &under_way_, 3, MPI_DOUBLE, MPI_MAX, comm_, &request_);
   last_ = now;

@@ -8,7 +8,7 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double rounding = 2e-15;  // part of the pair's size: differences of height below it are none
+constexpr double height_rounding = 2e-15;  // part of the pair's size: differences of height below it are none
 constexpr double parallel_sine = 1e-8;
 constexpr int most_rounds = 12, most_steps = 30, most_halvings = 6;
 
@@ -74,7 +74,7 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     for (int k = 0; k <= most_halvings; ++k, share /= 2) {
       next = track.direction(track.across(n + share * *step).normalized());
       d_next = b.support(-next) - a.support(next);
-      if (next.dot(d_next) >= height - rounding * d.norm()) break;
+      if (next.dot(d_next) >= height - height_rounding * d.norm()) break;
     }
     const double moved = (next - n).squaredNorm();
     n = next;
@@ -136,7 +136,7 @@ Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double ang
 }  // namespace
 
 Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle) {
-  const double handicap = rounding * length_scale(a, b);
+  const double handicap = height_rounding * length_scale(a, b);
   Peak peak{n, core_separation(a, b, n)};
   for (int round = 0; round < most_rounds; ++round) {
     const Peak next = step_up(a, b, peak.normal, angle, handicap);

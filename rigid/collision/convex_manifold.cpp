@@ -12,12 +12,12 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double rounding = 1e-12;    // part of the pair's size: lengths below it are none
-constexpr double same_depth = 2e-14;  // part of the pair's size: gaps that differ by less are equal
+constexpr double length_rounding = 1e-12;  // part of the pair's size: lengths below it are none
+constexpr double same_depth = 2e-14;       // part of the pair's size: gaps that differ by less are equal
 /// Faces seen more obliquely than this (cosine) have no points worth having.
 constexpr double oblique_cosine = 0.1;
 /// Lines (of capsules and cylinders) at an angle with a sine up to this may touch along their common length,
-constexpr double parallel_sine = 0.2;
+constexpr double parallel_lines_sine = 0.2;
 /// ... where their surfaces' normals are this near (cosine) to that of the deepest point.
 constexpr double same_side_cosine = 0.9;
 
@@ -74,7 +74,7 @@ void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& 
 std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m) {
   if (line.radius == 0) return 0;
   const double half = line.half.z(), tilt = line.axes.col(2).dot(m);
-  const bool at_end = std::abs(t) >= half * (1 - rounding);
+  const bool at_end = std::abs(t) >= half * (1 - length_rounding);
   if (at_end ? t * tilt >= 0 : std::abs(tilt) < 1e-12) return line.radius;
   const double across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
   if (std::abs(t * across + line.radius * tilt) > half * across) return {};
@@ -124,9 +124,9 @@ void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const C
     const double r = barrel_radius(b, line_b), root = p * p - (d_across.squaredNorm() - r * r) / q;
     if (!(root >= 0)) continue;
     const double gap = -p - std::sqrt(root), t = (d + gap * m).dot(v), half = b.half.z();
-    if (std::abs(t) > half * (1 + rounding)) continue;
+    if (std::abs(t) > half * (1 + length_rounding)) continue;
     const std::uint32_t code_b =
-        std::abs(t) < half * (1 - rounding) ? line_b.code : line_b.corners[t > 0].code;
+        std::abs(t) < half * (1 - length_rounding) ? line_b.code : line_b.corners[t > 0].code;
     add(points, x, m, gap, line_a.corners[e].code, code_b, swap);
   }
 }
@@ -134,7 +134,7 @@ void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const C
 void line_on_line(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
                   const ContactOutline& line_b, const Vec3& n, std::vector<ContactPoint>& points) {
   if (!(barrel_radius(a, line_a) > 0 && barrel_radius(b, line_b) > 0)) return;
-  if (a.axes.col(2).cross(b.axes.col(2)).norm() > parallel_sine) return;
+  if (a.axes.col(2).cross(b.axes.col(2)).norm() > parallel_lines_sine) return;
   ends_over_barrel(a, line_a, b, line_b, n, false, points);
   ends_over_barrel(b, line_b, a, line_a, -n, true, points);
 }
@@ -159,7 +159,7 @@ void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double
 void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                             const CommonPoint& deepest, double tolerance, std::vector<ContactPoint>& out) {
   const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
-  const double slack = rounding * scale, deep = same_depth * scale;
+  const double slack = length_rounding * scale, deep = same_depth * scale;
   if (gap > tolerance) return;
   thread_local std::vector<ContactPoint> points;
   points.clear();

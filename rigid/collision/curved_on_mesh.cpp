@@ -13,7 +13,8 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double rounding = 1e-9;  // part of the pair's size: what a normal that was searched for may be off
+constexpr double normal_rounding =
+    1e-9;  // part of the pair's size: what a normal that was searched for may be off
 /// Part of a body's least width: deeper behind a triangle, the way out may be another one.
 constexpr double deep = 0.02;
 constexpr double wide_angle = 0.6;  // radian
@@ -145,7 +146,7 @@ class OnTriangle {
   bool is_over(const Vec3& x) const {
     for (int k = 0; k < 3; ++k) {
       const Vec3 along = corners_[(k + 1) % 3] - corners_[k];
-      if (n_.dot(along.cross(x - corners_[k])) < -rounding * deep_ * along.norm()) return false;
+      if (n_.dot(along.cross(x - corners_[k])) < -normal_rounding * deep_ * along.norm()) return false;
     }
     return true;
   }
@@ -163,7 +164,7 @@ class OnTriangle {
     const auto found = approach();
     if (!found) return {};
     const Vec3 m = -found->peak.normal;
-    if (!is_true(triangle, m, rounding * length_scale(core_, flat()))) return m;
+    if (!is_true(triangle, m, normal_rounding * length_scale(core_, flat()))) return m;
     thread_local std::vector<ContactPoint> points;
     points.clear();
     append_convex_manifold(core_, flat(), found->peak.normal, found->peak.core_gap, found->where, tolerance_,
@@ -195,12 +196,12 @@ class OnTriangle {
     for (int k = 0; k < 3; ++k)
       if (top[k] && top[(k + 1) % 3]) {
         const std::uint32_t e = edge_of(triangle, k);
-        return mesh_.is_sharp(e) && mesh_.edge_supports(e, m, rounding);
+        return mesh_.is_sharp(e) && mesh_.edge_supports(e, m, normal_rounding);
       }
     for (int k = 0; k < 3; ++k)
       if (top[k]) {
         const std::uint32_t v = corner_of(triangle, k);
-        return mesh_.is_corner(v) && mesh_.corner_supports(v, m, rounding);
+        return mesh_.is_corner(v) && mesh_.corner_supports(v, m, normal_rounding);
       }
     return false;
   }

@@ -9,10 +9,10 @@ namespace silt::rigid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Differences below this part of the pair's size are rounding.
-constexpr double rounding = 1e-13;
+/// Differences below this part of the pair's size are difference_rounding.
+constexpr double difference_rounding = 1e-13;
 /// Edges more nearly parallel than this (sine) have no normal of their own worth trying: a face's is as good.
-constexpr double parallel_sine = 1e-8;
+constexpr double parallel_edges_sine = 1e-8;
 
 /// Unit axis with the sign that points from a to b.
 Vec3 oriented(const Vec3& axis, const Vec3& d) {
@@ -24,7 +24,7 @@ std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& 
   if (a.half[i] <= 0 || b.half[j] <= 0) return {};
   const Vec3 cross = a.axes.col(i).cross(b.axes.col(j));
   const double sine = cross.norm();
-  if (sine < parallel_sine) return {};
+  if (sine < parallel_edges_sine) return {};
   return oriented(cross / sine, b.centre - a.centre);
 }
 
@@ -70,7 +70,7 @@ struct AxisTable {
     const double gap_by_sine = centres - reach_a - reach_b;
     if (gap_by_sine <= std::min(best, 0.0)) return -infinity;
     const double sine = std::sqrt(cosine(i1, j) * cosine(i1, j) + cosine(i2, j) * cosine(i2, j));
-    return sine < parallel_sine ? -infinity : gap_by_sine / sine;
+    return sine < parallel_edges_sine ? -infinity : gap_by_sine / sine;
   }
 };
 
@@ -149,7 +149,8 @@ Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
 
 Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b, double enough) {
   const AxisTable table(a, b);
-  const double edge_handicap = 10 * rounding * length_scale(a, b);  // of two equal axes the face's is kept
+  const double edge_handicap =
+      10 * difference_rounding * length_scale(a, b);  // of two equal axes the face's is kept
   double best = -infinity;
   Vec3 axis = Vec3::UnitZ();
   const auto found = [&] { return Separation{axis, best > -infinity ? core_separation(a, b, axis) : best}; };
@@ -191,16 +192,16 @@ std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedB
     Separation s = a_is_point ? point_to_core(a.centre, b) : point_to_core(b.centre, a);
     if (s.core_gap > reach) return {};
     if (a_is_point) s.normal = -s.normal;
-    if (s.core_gap > rounding * scale) return s;
+    if (s.core_gap > difference_rounding * scale) return s;
     return extent_a + extent_b == 3 ? best_separating_axis(a, b) : touching_cores(a, b);
   }
   const Separation axis = best_separating_axis(a, b, reach);
   if (axis.core_gap > reach) return {};
   const bool with_box = extent_a == 3 || extent_b == 3;
   if (with_box && axis.core_gap <= 0) return axis;
-  if (axis.core_gap > rounding * scale && is_distance(a, b, axis.normal)) return axis;
+  if (axis.core_gap > difference_rounding * scale && is_distance(a, b, axis.normal)) return axis;
   const Separation closest = closest_features(a, b);
-  if (closest.core_gap <= rounding * scale) return with_box ? axis : touching_cores(a, b);
+  if (closest.core_gap <= difference_rounding * scale) return with_box ? axis : touching_cores(a, b);
   // the better supported normal is the right one: where faces are parallel, with no vertex over either
   // (crossed beams), the closest features found are not the closest there are, and the axis shows it
   const Separation best = core_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;

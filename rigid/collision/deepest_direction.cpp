@@ -9,11 +9,11 @@ namespace silt::rigid {
 namespace {
 
 /// Part of the pair's size by which two points that are one may miss each other.
-constexpr double rounding = 1e-10;
+constexpr double meeting_slack = 1e-10;
 /// The same of the proof that a direction is one of nearest approach.
 constexpr double proven = 1e-12;
 /// Radian: how far edges and faces are tried where those within search_resolution did not lead to a peak.
-constexpr double wide_angle = 0.6;
+constexpr double widest_angle = 0.6;
 
 CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
   const Vec3& n = peak.normal;
@@ -21,8 +21,9 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& 
   const double scale = length_scale(a, b);
   CommonPoint best{};
   best.miss = std::numeric_limits<double>::infinity();
-  // a normal that is off by rounding may leave out a corner of an edge or a face
-  for (const double slack : {rounding * scale, 100 * rounding * scale, 1e4 * rounding * scale}) {
+  // a normal that is off by meeting_slack may leave out a corner of an edge or a face
+  for (const double slack :
+       {meeting_slack * scale, 100 * meeting_slack * scale, 1e4 * meeting_slack * scale}) {
     a.touching_outline(n, slack, of_a);
     b.touching_outline(-n, slack, of_b);
     const CommonPoint p = common_point(of_a, of_b, n, peak.core_gap, 10 * slack);
@@ -42,9 +43,9 @@ void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
   const auto take = [&](const Peak& other) {
     if (other.core_gap > found.peak.core_gap) found = meet(a, b, other);
   };
-  take(climb(a, b, found.peak.normal, wide_angle));
+  take(climb(a, b, found.peak.normal, widest_angle));
   if (const auto apart = gjk_direction(a, b, Vec3::Zero(), found.peak.normal))
-    take(climb(a, b, *apart, wide_angle));
+    take(climb(a, b, *apart, widest_angle));
 }
 
 /// Whether proven to be the largest separation; see proven_direction().
@@ -76,7 +77,7 @@ std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore&
   if (core_separation(a, b, n) > reach) return {};
   const bool with_ellipsoid = a.is<Ellipsoid>() || b.is<Ellipsoid>();
   if (with_ellipsoid && !a.is<Polyhedron>() && !b.is<Polyhedron>()) {
-    const Peak peak = climb(a, b, between_ellipsoids(a, b), wide_angle);
+    const Peak peak = climb(a, b, between_ellipsoids(a, b), widest_angle);
     if (peak.core_gap > reach) return {};
     if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;
   }

@@ -9,7 +9,7 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double rounding = 1e-10;  // part of the pair's size: corners of an edge that touch
+constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
 
 bool is_solid_polytope(const ConvexCore& core) {
   return core.is_polytope && core.half.minCoeff() > 0;
@@ -27,7 +27,7 @@ Vec3 along(const ContactOutline& edge) {
 /// Radius of a disc about where two edges cross, within the face that they span; 0 where they are no edges.
 double disc_of_edges(const ConvexCore& a, const ConvexCore& b, const Vec3& n, const CommonPoint& where) {
   thread_local ContactOutline of_a, of_b;
-  const double slack = rounding * length_scale(a, b);
+  const double slack = touching_slack * length_scale(a, b);
   a.touching_outline(n, slack, of_a);
   b.touching_outline(-n, slack, of_b);
   if (of_a.size() != 2 || of_b.size() != 2) return 0;

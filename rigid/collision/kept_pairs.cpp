@@ -8,9 +8,9 @@ namespace silt::rigid {
 namespace {
 
 // in shares of a body's reach
-constexpr double least_slack = 0.05;  // a sixth more pairs
-constexpr double most_slack = 0.2;    // three quarters more
-constexpr double rounding = 1e-3;     // of the slack
+constexpr double least_slack = 0.05;     // a sixth more pairs
+constexpr double most_slack = 0.2;       // three quarters more
+constexpr double slack_rounding = 1e-3;  // of the slack
 
 constexpr double calls_wanted = 6;  // that a list should serve
 
@@ -62,7 +62,7 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   if (!known_) return false;
   for (std::size_t row = 0; row < seen_.size(); ++row) {
     const double before = seen_[row].reach;
-    const double spare = (1 - rounding) * slack_ * before + (before - around.reach[row].sum());
+    const double spare = (1 - slack_rounding) * slack_ * before + (before - around.reach[row].sum());
     if (spare < 0 || displacement_of(around, row).squaredNorm() > spare * spare) return false;
     wrapped_ |= differ(around.bodies.image[row], seen_[row].image);
   }

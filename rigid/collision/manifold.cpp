@@ -12,13 +12,13 @@ namespace silt::rigid {
 
 namespace {
 
-/// Lengths below this part of the pair's size are rounding.
-constexpr double rounding = 1e-10;
+/// Lengths below this part of the pair's size are gap_rounding.
+constexpr double gap_rounding = 1e-10;
 /// Capsules whose axes make an angle with a sine up to this may touch along their common length.
-constexpr double parallel_sine = 0.2;
+constexpr double parallel_axes_sine = 0.2;
 /// ... at points whose normals make an angle with a cosine from this up with that of the nearest point: for
 /// deep overlaps they may not.
-constexpr double same_side_cosine = 0.9;
+constexpr double same_gap_cosine = 0.9;
 
 ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Feature& of_a,
                      const Feature& of_b) {
@@ -45,7 +45,7 @@ struct OnSegment {
 
 OnSegment clamp_to(const RoundedBox& capsule, double t) {
   const double half = capsule.half.z();
-  const double slack = rounding * half;
+  const double slack = gap_rounding * half;
   Feature f;
   if (t >= half - slack) f.sign[2] = 1;
   if (t <= -half + slack) f.sign[2] = -1;
@@ -82,14 +82,14 @@ void end_over(const RoundedBox& a, const OnSegment& end, const RoundedBox& b, co
               std::vector<ContactPoint>& points) {
   const Vec3 x = a.centre + end.t * a.axes.col(2);
   const double t = (x - b.centre).dot(b.axes.col(2));
-  if (std::abs(t) > b.half.z() * (1 + rounding)) return;
+  if (std::abs(t) > b.half.z() * (1 + gap_rounding)) return;
   const OnSegment other = clamp_to(b, t);
   const Vec3 between = b.centre + other.t * b.axes.col(2) - x;
   const double distance = between.norm();
   const Vec3 normal =
       distance > 1e-6 * (a.radius + b.radius) ? Vec3(between / distance) : Vec3(swap ? -n : n);
   const auto of_a = to_surface(a, end, normal), of_b = to_surface(b, other, -normal);
-  if (!of_a || !of_b || normal.dot(swap ? -n : n) < same_side_cosine) return;
+  if (!of_a || !of_b || normal.dot(swap ? -n : n) < same_gap_cosine) return;
   const double gap = between.dot(normal) - *of_a - *of_b;
   if (!swap)
     add_unique(points, contact(x + *of_a * normal, normal, gap, end.feature, other.feature));
@@ -101,7 +101,7 @@ void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, dou
                     std::vector<ContactPoint>& points) {
   const Vec3 u = a.axes.col(2), v = b.axes.col(2);
   const double sine = u.cross(v).norm();
-  if (sine <= parallel_sine) {
+  if (sine <= parallel_axes_sine) {
     for (const double sign : {-1.0, 1.0}) {
       end_over(a, clamp_to(a, sign * a.half.z()), b, n, false, points);
       end_over(b, clamp_to(b, sign * b.half.z()), a, n, true, points);
@@ -110,7 +110,7 @@ void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, dou
   // the closest points of the lines, clamped in turn (exact for the closest points of segments)
   const double gap = core_gap - a.radius - b.radius;
   for (const ContactPoint& p : points)
-    if (p.gap <= gap + rounding * length_scale(a, b)) return;
+    if (p.gap <= gap + gap_rounding * length_scale(a, b)) return;
   const Vec3 d = b.centre - a.centre;
   const double cosine = u.dot(v), det = sine * sine;
   auto nearest_on_b = [&](double s) { return (s * u - d).dot(v); };
@@ -126,9 +126,9 @@ void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, dou
 /// A capsule over the face of a box; `m` is unit, from the capsule to the box.
 void capsule_on_box(const RoundedBox& capsule, const RoundedBox& box, const Vec3& m, bool swap, double slack,
                     std::vector<ContactPoint>& points) {
-  const Face face = face_towards(box, -m);
-  const Prism prism = prism_over(face, m);
-  const Segment over = clip_segment(prism, capsule, slack);
+  const BoxFace face = face_towards(box, -m);
+  const FacePrism prism = prism_over(face, m);
+  const ClippedSegment over = clip_segment(prism, capsule, slack);
   for (int e = 0; e < 2 && !over.empty; ++e) {
     const Feature of_capsule{{0, 0, over.sign[e]}},
         of_box = feature_under(face, prism, over.end[e], 10 * slack);
@@ -146,14 +146,14 @@ void capsule_on_box(const RoundedBox& capsule, const RoundedBox& box, const Vec3
 
 void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double slack,
                 std::vector<ContactPoint>& points) {
-  const Face face_a = face_towards(a, n), face_b = face_towards(b, -n);
-  const Prism over_a = prism_over(face_a, n), over_b = prism_over(face_b, n);
+  const BoxFace face_a = face_towards(a, n), face_b = face_towards(b, -n);
+  const FacePrism over_a = prism_over(face_a, n), over_b = prism_over(face_b, n);
   const Polygon patch = clip_face(over_a, face_b, slack);
   for (int c = 0; c < patch.size; ++c) {
     const Vec3& x = patch.corner[c];
     const double gap = -face_a.height(x, n);
     // by where it is, not by what the clipping passed through: where a vertex meets an edge that is up to
-    // rounding
+    // gap_rounding
     const Feature of_a = feature_under(face_a, over_a, x, 10 * slack);
     const Feature of_b = feature_under(face_b, over_b, x, 10 * slack);
     add_unique(points, {x - gap * n, x, n, gap, feature_id(of_a, of_b)});
@@ -196,12 +196,12 @@ void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& norma
   thread_local std::vector<ContactPoint> points;
   const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
   const auto is_deepest = [&](const ContactPoint& p) {
-    return std::abs(p.gap - gap) <= 10 * rounding * scale;
+    return std::abs(p.gap - gap) <= 10 * gap_rounding * scale;
   };
-  // an edge along an edge is over it or not by rounding, or by what the normal is off: the deepest point must
-  // not be lost, and none can lie between the supporting planes
+  // an edge along an edge is over it or not by gap_rounding, or by what the normal is off: the deepest point
+  // must not be lost, and none can lie between the supporting planes
   bool has_deepest = false;
-  for (const double slack : {rounding * scale, 100 * rounding * scale}) {
+  for (const double slack : {gap_rounding * scale, 100 * gap_rounding * scale}) {
     points.clear();
     if (extent_a == 1 && extent_b == 1)
       capsule_points(a, b, normal, core_gap, points);

@@ -8,8 +8,8 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double rounding = 1e-12;  // part of the meshes' size: lengths below it are none
-constexpr double exact = 1e-9;      // sine of an angle that is none
+constexpr double mesh_rounding = 1e-12;  // part of the meshes' size: lengths below it are none
+constexpr double exact = 1e-9;           // sine of an angle that is none
 
 /// A mesh and where it is, in the frame of the query.
 struct Placed {
@@ -161,18 +161,18 @@ class CornersOn {
   std::vector<BesideFace> beside_;
 };
 
-struct Segment {
+struct EdgeSegment {
   Vec3 x, d;  // x + t d, 0 <= t <= 1
   Vec3 at(double t) const { return x + t * d; }
 };
 
-Segment segment_of(const Placed& placed, std::uint32_t e) {
+EdgeSegment segment_of(const Placed& placed, std::uint32_t e) {
   const Vec3 x = placed.corner(placed.mesh.edge(e).low);
   return {x, placed.corner(placed.mesh.edge(e).high) - x};
 }
 
 /// The length of a segment that is behind both faces of an edge.
-double length_behind(const Segment& s, const Placed& placed, std::uint32_t e) {
+double length_behind(const EdgeSegment& s, const Placed& placed, std::uint32_t e) {
   const MeshFeatures::Edge& edge = placed.mesh.edge(e);
   const Vec3 origin = placed.corner(edge.low);
   double first = 0, last = 1;
@@ -190,12 +190,12 @@ double length_behind(const Segment& s, const Placed& placed, std::uint32_t e) {
 void cross_edges(const Placed& a, std::uint32_t edge_a, const Placed& b, std::uint32_t edge_b,
                  double tolerance, std::vector<MeshContact>& out) {
   constexpr double parallel = 1e-3;  // sine
-  const Segment s = segment_of(a, edge_a), r = segment_of(b, edge_b);
+  const EdgeSegment s = segment_of(a, edge_a), r = segment_of(b, edge_b);
   const Vec3 cross = s.d.cross(r.d), between = r.x - s.x;
   const double square = cross.squaredNorm();
   if (!(square > parallel * parallel * s.d.squaredNorm() * r.d.squaredNorm())) return;
   const double t = between.cross(r.d).dot(cross) / square, u = between.cross(s.d).dot(cross) / square;
-  if (std::min({t, 1 - t, u, 1 - u}) < -rounding) return;
+  if (std::min({t, 1 - t, u, 1 - u}) < -mesh_rounding) return;
   Vec3 out_of_b = cross / std::sqrt(square);
   if (!b.edge_supports(edge_b, out_of_b, tilt) || !a.edge_supports(edge_a, -out_of_b, tilt)) {
     out_of_b = -out_of_b;
@@ -237,7 +237,7 @@ void append_mesh_on_mesh(const MeshFeatures& mesh_a, const Pose& pose, const Mes
   const auto size = [](const MeshFeatures& mesh) {
     return (mesh.surface().box().upper - mesh.surface().box().lower).norm();
   };
-  const double slack = rounding * (size(mesh_a) + size(mesh_b));
+  const double slack = mesh_rounding * (size(mesh_a) + size(mesh_b));
   CornersOn of_a(a, b, tolerance, slack), of_b(b, a, tolerance, slack);
   for (const auto& [t, r] : near) {
     of_a.look(t, r);

@@ -14,7 +14,7 @@ Vec3 crossing(const Vec3& x, const Vec3& y, double d_x, double d_y) {
 
 }  // namespace
 
-Face face_towards(const RoundedBox& box, const Vec3& direction) {
+BoxFace face_towards(const RoundedBox& box, const Vec3& direction) {
   const Vec3 along = box.axes.transpose() * direction;
   int k = 0;
   for (int i = 1; i < 3; ++i)
@@ -22,7 +22,7 @@ Face face_towards(const RoundedBox& box, const Vec3& direction) {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const std::int8_t up = along[k] < 0 ? -1 : 1;
   constexpr std::array<std::int8_t, 4> si{-1, 1, 1, -1}, sj{-1, -1, 1, 1};
-  Face face;
+  BoxFace face;
   face.normal = up * box.axes.col(k);
   const Vec3 middle = box.centre + box.half[k] * face.normal;
   const Vec3 along_i = box.half[i] * box.axes.col(i), along_j = box.half[j] * box.axes.col(j);
@@ -37,8 +37,8 @@ Face face_towards(const RoundedBox& box, const Vec3& direction) {
   return face;
 }
 
-Prism prism_over(const Face& face, const Vec3& n) {
-  Prism prism;
+FacePrism prism_over(const BoxFace& face, const Vec3& n) {
+  FacePrism prism;
   for (int k = 0; k < 2; ++k) {  // opposite edges are parallel
     const Vec3 across = (face.corner[k + 1] - face.corner[k]).cross(n).normalized();
     const Vec3 inwards = face.corner[k + 2] - face.corner[k];
@@ -49,14 +49,14 @@ Prism prism_over(const Face& face, const Vec3& n) {
   return prism;
 }
 
-Feature feature_under(const Face& face, const Prism& prism, const Vec3& x, double slack) {
+Feature feature_under(const BoxFace& face, const FacePrism& prism, const Vec3& x, double slack) {
   Feature f = face.feature;
   for (int k = 0; k < 4; ++k)
     if (std::abs(prism.beyond(k, x)) <= slack) f = f.with(face.edge_feature[k]);
   return f;
 }
 
-Polygon clip_face(const Prism& prism, const Face& face, double slack) {
+Polygon clip_face(const FacePrism& prism, const BoxFace& face, double slack) {
   Polygon polygon;
   for (const Vec3& x : face.corner) polygon.add(x);
   for (int k = 0; k < 4 && polygon.size > 0; ++k) {
@@ -73,8 +73,8 @@ Polygon clip_face(const Prism& prism, const Face& face, double slack) {
   return polygon;
 }
 
-Segment clip_segment(const Prism& prism, const RoundedBox& capsule, double slack) {
-  Segment s{{capsule.vertex(Vec3(0, 0, -1)), capsule.vertex(Vec3(0, 0, 1))}, {-1, 1}, false};
+ClippedSegment clip_segment(const FacePrism& prism, const RoundedBox& capsule, double slack) {
+  ClippedSegment s{{capsule.vertex(Vec3(0, 0, -1)), capsule.vertex(Vec3(0, 0, 1))}, {-1, 1}, false};
   for (int k = 0; k < 4; ++k) {
     const std::array<double, 2> d{prism.beyond(k, s.end[0]), prism.beyond(k, s.end[1])};
     if (d[0] > slack && d[1] > slack) s.empty = true;

@@ -7,7 +7,7 @@
 namespace silt::rigid {
 
 /// The face of a box most nearly normal to a direction: four corners in order, edge i from corner i to i + 1.
-struct Face {
+struct BoxFace {
   Vec3 normal;
   Feature feature;
   std::array<Vec3, 4> corner;
@@ -16,21 +16,21 @@ struct Face {
   /// How far from x to the face's plane, along unit n.
   double height(const Vec3& x, const Vec3& n) const { return normal.dot(corner[0] - x) / normal.dot(n); }
 };
-Face face_towards(const RoundedBox& box, const Vec3& direction);
+BoxFace face_towards(const RoundedBox& box, const Vec3& direction);
 
 /// A face as seen along unit n (not in its plane): inside are the points with outward[k] . x <= bound[k] for
 /// every edge.
-struct Prism {
+struct FacePrism {
   std::array<Vec3, 4> outward;  // unit
   std::array<double, 4> bound;
 
   double beyond(int k, const Vec3& x) const { return outward[k].dot(x) - bound[k]; }
 };
-Prism prism_over(const Face&, const Vec3& n);
+FacePrism prism_over(const BoxFace&, const Vec3& n);
 
 /// What of the face lies under x: the face, or an edge or corner of it that is within `slack` (lattice
 /// units).
-Feature feature_under(const Face&, const Prism&, const Vec3& x, double slack);
+Feature feature_under(const BoxFace&, const FacePrism&, const Vec3& x, double slack);
 
 /// Corners of a clipped face: four, and one more for each edge it is cut by.
 struct Polygon {
@@ -41,15 +41,15 @@ struct Polygon {
 };
 /// The part of `face` within the prism (Sutherland, Hodgman, CACM 17 (1974) 32); points within `slack`
 /// (lattice units) outside count as inside.
-Polygon clip_face(const Prism&, const Face& face, double slack);
+Polygon clip_face(const FacePrism&, const BoxFace& face, double slack);
 
 /// The two ends of a segment, each with the sign of the capsule's end it is, 0 where it was cut.
-struct Segment {
+struct ClippedSegment {
   std::array<Vec3, 2> end;
   std::array<std::int8_t, 2> sign;
   bool empty;
 };
 /// The part of the capsule's segment within the prism.
-Segment clip_segment(const Prism&, const RoundedBox& capsule, double slack);
+ClippedSegment clip_segment(const FacePrism&, const RoundedBox& capsule, double slack);
 
 }  // namespace silt::rigid

@@ -12,9 +12,9 @@ namespace silt::rigid {
 namespace {
 
 /// A bound this little above the best (part of the pair's size) is not worth following.
-constexpr double rounding = 1e-12;
+constexpr double bound_rounding = 1e-12;
 /// For pairs whose separation is the same in many directions (concentric bodies of revolution).
-constexpr int most_halvings = 6000;
+constexpr int most_bisections = 6000;
 
 /// A direction and the supports' difference found there.
 struct Sample {
@@ -22,11 +22,11 @@ struct Sample {
   double height() const { return n.dot(w); }
 };
 
-struct Triangle {
+struct DirectionTriangle {
   double bound;  // no direction of it has a larger separation
   std::array<Sample, 3> corner;
 
-  bool operator<(const Triangle& other) const { return bound < other.bound; }
+  bool operator<(const DirectionTriangle& other) const { return bound < other.bound; }
 };
 
 /// The least over some mixtures of the three w of the largest n_j . w.
@@ -51,15 +51,15 @@ double bound_of(const std::array<Sample, 3>& c) {
 class Search {
  public:
   Search(const ConvexCore& a, const ConvexCore& b, const Peak& seed, double enough)
-      : a_(a), b_(b), slack_(rounding * length_scale(a, b)), enough_(enough), best_(seed) {}
+      : a_(a), b_(b), slack_(bound_rounding * length_scale(a, b)), enough_(enough), best_(seed) {}
 
   std::optional<Peak> run() {
     start_with_octants();
     for (int halving = 0; !heap_.empty() && best_.core_gap <= enough_; ++halving) {
       std::pop_heap(heap_.begin(), heap_.end());
-      const Triangle t = heap_.back();
+      const DirectionTriangle t = heap_.back();
       heap_.pop_back();
-      if (t.bound <= best_.core_gap + slack_ || halving >= most_halvings) break;
+      if (t.bound <= best_.core_gap + slack_ || halving >= most_bisections) break;
       halve(t.corner);
     }
     if (best_.core_gap > enough_) return {};
@@ -84,7 +84,7 @@ class Search {
   }
 
   void push(const std::array<Sample, 3>& corner) {
-    const Triangle t{bound_of(corner), corner};
+    const DirectionTriangle t{bound_of(corner), corner};
     if (t.bound <= best_.core_gap + slack_) return;
     heap_.push_back(t);
     std::push_heap(heap_.begin(), heap_.end());
@@ -115,7 +115,7 @@ class Search {
   const ConvexCore &a_, &b_;
   double slack_, enough_;
   Peak best_;
-  std::vector<Triangle> heap_;
+  std::vector<DirectionTriangle> heap_;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int width = 8;                     // doubles a body in a share: v, w and the two that follow
+constexpr int share_width = 8;               // doubles a body in a share: v, w and the two that follow
 constexpr int number = 6;                    // of its pairs that collide in the round
 constexpr int word = 7;                      // what the stage at hand has to tell its partners
 constexpr double negligible = 1e-12;         // approach in a step, relative to the lever arms: none
@@ -85,12 +85,12 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
 namespace {
 
 Twist read(const std::vector<double>& state, std::size_t row) {
-  const double* s = state.data() + row * width;
+  const double* s = state.data() + row * share_width;
   return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
 }
 
 void write(std::vector<double>& state, std::size_t row, const Twist& t) {
-  double* s = state.data() + row * width;
+  double* s = state.data() + row * share_width;
   for (int d = 0; d < 3; ++d) {
     s[d] = t.v[d];
     s[3 + d] = t.w[d];
@@ -118,7 +118,7 @@ bool ImpactPhase::mark_approaching(double dt) {
 }
 
 double& ImpactPhase::shared(const Body& b, int which) {
-  return state_[b.row * width + which];
+  return state_[b.row * share_width + which];
 }
 
 /// Picks the round's pairs: those whose restitution no approaching pair of either body exceeds.
@@ -128,7 +128,7 @@ void ImpactPhase::choose_pairs(BodySet& bodies, BodyExchange& exchange) {
     for (const std::size_t end : {p.a, p.b})
       if (p.collides && bodies_[end].inverse_mass > 0)
         shared(bodies_[end], word) = std::max(shared(bodies_[end], word), p.restitution);
-  exchange.share(bodies, state_, width);
+  exchange.share(bodies, state_, share_width);
   for (Pair& p : pairs_)
     p.collides = p.collides && p.restitution >= shared(bodies_[p.a], word) &&
                  p.restitution >= shared(bodies_[p.b], word);
@@ -147,7 +147,7 @@ void ImpactPhase::begin_round(BodySet& bodies, BodyExchange& exchange) {
     ++bodies_[p.b].pairs;
   }
   for (const Body& b : bodies_) shared(b, number) = b.pairs;
-  exchange.share(bodies, state_, width);
+  exchange.share(bodies, state_, share_width);
   for (Pair& p : pairs_)
     if (p.collides) split_masses(p);
 }
@@ -276,7 +276,7 @@ int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage st
   CommonRest rest(exchange);
   for (int i = 1;; ++i) {
     const bool at_rest = rest.reached(sweep(stage, i));
-    rest.share(bodies, state_, width);
+    rest.share(bodies, state_, share_width);
     cut_short_ = !at_rest;
     if (at_rest || i >= most_sweeps_) return i;
   }
@@ -296,7 +296,7 @@ void ImpactPhase::spread_word(BodySet& bodies, BodyExchange& exchange) {
       }
     }
     at_rest = rest.reached(moving);
-    rest.share(bodies, state_, width);
+    rest.share(bodies, state_, share_width);
   }
 }
 
@@ -314,7 +314,7 @@ void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange) {
     take_impulses(p, {});
   }
   apply();
-  exchange.share(bodies, state_, width);
+  exchange.share(bodies, state_, share_width);
 }
 
 bool ImpactPhase::rubs() const {
@@ -325,7 +325,7 @@ bool ImpactPhase::rubs() const {
 int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                             StepVelocities& velocities, BodyExchange& exchange) {
   collect(bodies, contacts);
-  state_.assign(bodies.size() * width, 0.0);
+  state_.assign(bodies.size() * share_width, 0.0);
   for (const Body& b : bodies_)
     write(state_, b.row, {velocities.before_v[b.row], velocities.before_w[b.row]});
   int sweeps = 0;

@@ -9,8 +9,9 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr int width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
-constexpr double rounding = 1e-5;  // times mass x speed: an impulse this small says nothing about convergence
+constexpr int state_width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
+constexpr double impulse_rounding =
+    1e-5;  // times mass x speed: an impulse this small says nothing about convergence
 constexpr int accelerated_sweeps = 64;       // what is not at rest by then does better without
 constexpr int most_start_sweeps = 10000;     // of chains at the start: a ratio of masses of 10^4 takes 9000
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
@@ -36,7 +37,7 @@ void store(BodyState& s, const Vec3& v, const Vec3& w, double number) {
 }
 
 std::span<double> as_doubles(std::vector<BodyState>& state) {
-  return {&state.data()->v[0], (state.size() - 1) * width};  // not the one at rest
+  return {&state.data()->v[0], (state.size() - 1) * state_width};  // not the one at rest
 }
 
 /// Least normal velocity after the step (C1): what closes the gap, or what Newton's restitution asks
@@ -178,13 +179,13 @@ void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, 
   }
 }
 
-/// Impulses of a pair below this are rounding.
+/// Impulses of a pair below this are impulse_rounding.
 double SffdResolver::least_scale(const Pair& p) const {
   const auto speed = [&](std::size_t row) {
     const BodyState& s = state_[row];
     return std::max(velocity(s).norm(), bodies_[row].size * angular_velocity(s).norm());
   };
-  return p.reduced_mass * rounding * std::max(speed(p.row_a), speed(p.row_b));
+  return p.reduced_mass * impulse_rounding * std::max(speed(p.row_a), speed(p.row_b));
 }
 
 /// Each pair with the share of its bodies' masses that it has to itself.
@@ -218,7 +219,7 @@ std::span<ContactImpulse> SffdResolver::impulses_of(const Pair& p) {
 void SffdResolver::share_pair_numbers(BodySet& bodies, BodyExchange& exchange) {
   for (const std::size_t row : involved_)
     if (row < bodies.owned) state_[row].number = bodies_[row].moves ? bodies_[row].pairs : 0;
-  exchange.share(bodies, as_doubles(state_), width);
+  exchange.share(bodies, as_doubles(state_), state_width);
 }
 
 /// A pair of a chain: one of its bodies has no more than two. (A film has no impulse that could be solved
@@ -285,7 +286,7 @@ int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::ve
     if (found.solved) last = i;
     residual = i >= sweeps.most ? found.residual : 0;
     if (rest.reached(found.residual > sweeps.tolerance || found.carried) || i >= sweeps.most) return last;
-    rest.share(bodies, as_doubles(state), width);
+    rest.share(bodies, as_doubles(state), state_width);
   }
 }
 
@@ -366,7 +367,7 @@ bool SffdResolver::is_to_correct(const std::vector<Contact>& contacts, const Bod
 /// forgotten.
 void SffdResolver::correct_positions(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                                      StepVelocities& velocities, BodyExchange& exchange) {
-  exchange.share(bodies, as_doubles(state_), width);
+  exchange.share(bodies, as_doubles(state_), state_width);
   aim_push(contacts, dt);
   push_.assign(bodies.size() + 1, BodyState{});
   double residual = 0;
@@ -392,7 +393,7 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
     return statistics;
   }
   start(bodies, contacts, dt, velocities);
-  exchange.share(bodies, as_doubles(state_), width);
+  exchange.share(bodies, as_doubles(state_), state_width);
   lay_out(contacts, dt);
   statistics.sweeps = sweep_to_rest(bodies, exchange, state_,
                                     {settings_.max_sweeps, accelerated_sweeps, settings_.sweep_tolerance},

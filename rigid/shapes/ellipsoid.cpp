@@ -48,13 +48,13 @@ std::array<int, 3> by_length(const Vec3& half_axes) {
 }
 
 /// The nearest point and the displacement to it, both without cancellation.
-struct Nearest {
+struct NearestPoint {
   Vec3 point, displacement;  // point = x + displacement
 };
 
 /// The nearest point of the surface is x_i = e_i^2 y_i / (t + e_i^2), t the root beyond minus the square of
 /// the shortest half axis e. In units of that: u = t / e^2 + 1, r_i = e_i^2 / e^2, d_i = r_i - 1.
-Nearest nearest(const Vec3& half_axes, const Vec3& x) {
+NearestPoint nearest(const Vec3& half_axes, const Vec3& x) {
   const Vec3 y = x.cwiseAbs();
   const int shortest = by_length(half_axes)[2];
   const double e = half_axes[shortest];
@@ -67,7 +67,7 @@ Nearest nearest(const Vec3& half_axes, const Vec3& x) {
   }
   const double u = equation.root();
   const Vec3 p = equation.p(u);
-  Nearest n;
+  NearestPoint n;
   for (int i = 0; i < 3; ++i) {
     n.point[i] = half_axes[i] * p[i];
     n.displacement[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;

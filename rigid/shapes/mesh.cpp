@@ -6,7 +6,7 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double boundless = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -29,7 +29,7 @@ BoundingBox Mesh::bounding_box(const Pose& pose) const {
 }
 
 double Mesh::bounding_radius() const {
-  return hollow ? infinity : surface->radius();
+  return hollow ? boundless : surface->radius();
 }
 
 MassProperties Mesh::mass_properties() const {
@@ -38,7 +38,7 @@ MassProperties Mesh::mass_properties() const {
 }
 
 double Mesh::least_width() const {
-  return hollow ? infinity : (surface->box().upper - surface->box().lower).minCoeff();
+  return hollow ? boundless : (surface->box().upper - surface->box().lower).minCoeff();
 }
 
 Mesh Mesh::recentred(const Vec3& centre) const {

@@ -7,6 +7,7 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "tests/adapters/collision_scenes.hpp"
+#include "tests/adapters/every_backend.hpp"
 
 namespace silt::tests {
 namespace {
@@ -204,13 +205,7 @@ TEST_P(Conformance, SupportsEveryPair) {
   EXPECT_FALSE(backend->supports(rigid::HalfSpace{Vec3::UnitX()}, rigid::Sphere{1}));
 }
 
-std::vector<std::string> names() {
-  std::vector<std::string> all;
-  for (const auto name : adapters::backend_names()) all.emplace_back(name);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(Backends, Conformance, testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(Backends, Conformance, testing::ValuesIn(every_backend()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

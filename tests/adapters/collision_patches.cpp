@@ -7,6 +7,7 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "tests/adapters/collision_scenes.hpp"
+#include "tests/adapters/every_backend.hpp"
 
 namespace silt::tests {
 namespace {
@@ -190,13 +191,7 @@ TEST_P(Patches, NearlyFlatBoxesKeepFourPoints) {
     }
 }
 
-std::vector<std::string> names() {
-  std::vector<std::string> all;
-  for (const auto name : adapters::backend_names()) all.emplace_back(name);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(Backends, Patches, testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(Backends, Patches, testing::ValuesIn(every_backend()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/collision/reduce_manifold.hpp"
 #include "tests/adapters/collision_scenes.hpp"
+#include "tests/adapters/every_backend.hpp"
 
 namespace silt::tests {
 namespace {
@@ -317,13 +318,7 @@ TEST_P(ConvexPatches, TheDeepestPointSurvivesReduction) {
   }
 }
 
-std::vector<std::string> names() {
-  std::vector<std::string> all;
-  for (const auto name : adapters::backend_names()) all.emplace_back(name);
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(Backends, ConvexPatches, testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(Backends, ConvexPatches, testing::ValuesIn(every_backend()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

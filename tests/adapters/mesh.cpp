@@ -20,8 +20,8 @@ const Vec3 corner_of(int i) {
   return Vec3(i & 1, i >> 1 & 1, i >> 2 & 1);
 }
 
-/// The triangles of a cube.
-std::vector<std::array<int, 3>> cube() {
+/// The triangles of a indexed_cube.
+std::vector<std::array<int, 3>> indexed_cube() {
   std::vector<std::array<int, 3>> triangles;
   const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                              {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
@@ -37,7 +37,7 @@ struct Piece {
 
 /// Cubes as an OBJ file.
 std::string obj_of(const std::vector<Piece>& pieces,
-                   const std::vector<std::array<int, 3>>& triangles = cube()) {
+                   const std::vector<std::array<int, 3>>& triangles = indexed_cube()) {
   std::string text = "# cubes\nmtllib none.mtl\n";
   char line[100];
   for (std::size_t p = 0; p < pieces.size(); ++p) {
@@ -55,7 +55,7 @@ std::string obj_of(const std::vector<Piece>& pieces,
 }
 
 std::string ply_header(const char* format, int vertices, int faces) {
-  return std::string("ply\nformat ") + format + " 1.0\ncomment a cube\nelement vertex " +
+  return std::string("ply\nformat ") + format + " 1.0\ncomment a indexed_cube\nelement vertex " +
          std::to_string(vertices) +
          "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face " +
          std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n";
@@ -67,7 +67,7 @@ std::string ply_text() {
     text += std::to_string(int(x[0])) + ' ' + std::to_string(int(x[1])) + ' ' + std::to_string(int(x[2])) +
             " 255\n";
   }
-  for (const auto& t : cube())
+  for (const auto& t : indexed_cube())
     text += "3 " + std::to_string(t[0]) + ' ' + std::to_string(t[1]) + ' ' + std::to_string(t[2]) + '\n';
   return text;
 }
@@ -78,14 +78,14 @@ std::string ply_binary() {
     for (int d = 0; d < 3; ++d) put(float(corner_of(i)[d]));
     put(std::uint8_t{255});
   }
-  for (const auto& t : cube()) put(std::uint8_t{3}), put(t);
+  for (const auto& t : indexed_cube()) put(std::uint8_t{3}), put(t);
   return bytes;
 }
 std::string stl_binary() {
   std::string bytes(80, ' ');
   const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
   put(std::uint32_t{12});
-  for (const auto& t : cube()) {
+  for (const auto& t : indexed_cube()) {
     for (int k = 0; k < 3; ++k) put(0.f);
     for (const int i : t)
       for (int d = 0; d < 3; ++d) put(float(corner_of(i)[d]));
@@ -94,8 +94,8 @@ std::string stl_binary() {
   return bytes;
 }
 std::string stl_text() {
-  std::string text = "solid cube\n";
-  for (const auto& t : cube()) {
+  std::string text = "solid indexed_cube\n";
+  for (const auto& t : indexed_cube()) {
     text += "facet normal 0 0 0\nouter loop\n";
     for (const int i : t) {
       const Vec3 x = corner_of(i);
@@ -147,7 +147,7 @@ TEST(ReadMesh, PolygonsBecomeTriangles) {
 }
 
 TEST(ReadMesh, DefectsAreMendedAndCounted) {
-  auto triangles = cube();
+  auto triangles = indexed_cube();
   std::swap(triangles[3][0], triangles[3][1]), std::swap(triangles[8][0], triangles[8][1]);
   triangles.push_back(triangles[5]);
   triangles.push_back({0, 0, 1});
@@ -161,7 +161,7 @@ TEST(ReadMesh, DefectsAreMendedAndCounted) {
       << "inside out";
 }
 
-/// A cube in a hollow of a cube, and one beside: outward, inward, outward again.
+/// A indexed_cube in a hollow of a indexed_cube, and one beside: outward, inward, outward again.
 TEST(ReadMesh, ShellsAreTurnedByWhatIsAroundThem) {
   const ReadMesh read =
       read_mesh("a.obj", obj_of({{{0, 0, 0}, 8}, {{1, 1, 1}, 4}, {{2, 2, 2}, 1}, {{20, 0, 0}, 2}}), 1);
@@ -187,7 +187,7 @@ TEST(ReadMesh, NearlyEqualCornersAreOne) {
 }
 
 TEST(ReadMesh, WhatCannotBeMendedIsNamedWithItsPlace) {
-  auto open = cube();
+  auto open = indexed_cube();
   open.pop_back();
   EXPECT_NE(error_of_obj(obj_of({{}}, open)).find("3 edges, the first from [0, 0, 1]"), std::string::npos);
   const std::string touching = error_of_obj(obj_of({{}, {{1, 1, 0}, 1}}));

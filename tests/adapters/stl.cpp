@@ -13,9 +13,9 @@ namespace {
 
 using rigid::Vec3;
 
-/// The unit cube in 12 triangles, its corners seen through a map.
+/// The unit cube_triangles in 12 triangles, its corners seen through a map.
 template <class Map>
-std::vector<Triangle> cube(Map&& map) {
+std::vector<Triangle> cube_triangles(Map&& map) {
   const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                              {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   const auto corner = [&](int i) -> Vec3 { return map(Vec3(i & 1, i >> 1 & 1, i >> 2 & 1)); };
@@ -26,12 +26,12 @@ std::vector<Triangle> cube(Map&& map) {
   }
   return triangles;
 }
-std::vector<Triangle> cube() {
-  return cube([](const Vec3& x) { return x; });
+std::vector<Triangle> cube_triangles() {
+  return cube_triangles([](const Vec3& x) { return x; });
 }
 
 std::string as_text(const std::vector<Triangle>& triangles, const char* newline = "\n") {
-  std::string text = std::string("solid a cube") + newline;
+  std::string text = std::string("solid a cube_triangles") + newline;
   for (const Triangle& t : triangles) {
     text += std::string("facet normal 0 0 0") + newline + " outer loop" + newline;
     for (const Vec3& v : t) {
@@ -41,7 +41,7 @@ std::string as_text(const std::vector<Triangle>& triangles, const char* newline 
     }
     text += std::string(" endloop") + newline + "endfacet" + newline;
   }
-  return text + "endsolid a cube" + newline;
+  return text + "endsolid a cube_triangles" + newline;
 }
 
 std::string as_binary(const std::vector<Triangle>& triangles, const char* header = "binary") {
@@ -69,46 +69,46 @@ std::string refusal(const std::string& bytes) {
 
 TEST(Stl, TextAndBinaryGiveTheSameBody) {
   const rigid::Quat turn = rigid::Quat(0.3, 0.5, -0.2, 0.7).normalized();
-  const auto turned = cube([&](const Vec3& x) -> Vec3 { return turn * x + Vec3(5, 6, 7); });
+  const auto turned = cube_triangles([&](const Vec3& x) -> Vec3 { return turn * x + Vec3(5, 6, 7); });
   for (const std::string& bytes :
-       {as_text(cube()), as_text(cube(), "\r\n"), as_binary(cube()), as_binary(cube(), "solid but binary"),
-        as_text(turned), as_binary(turned)}) {
+       {as_text(cube_triangles()), as_text(cube_triangles(), "\r\n"), as_binary(cube_triangles()),
+        as_binary(cube_triangles(), "solid but binary"), as_text(turned), as_binary(turned)}) {
     const auto mesh = stl_polyhedron(bytes, 2);
     EXPECT_EQ(mesh->vertices.size(), 8u);
     EXPECT_EQ(mesh->faces.size(), 6u) << "two triangles a face, put together";
     EXPECT_NEAR(rigid::integrals(*mesh).volume, 8, 1e-5);
   }
-  EXPECT_EQ(stl_triangles(as_text(cube())), stl_triangles(as_binary(cube())));
+  EXPECT_EQ(stl_triangles(as_text(cube_triangles())), stl_triangles(as_binary(cube_triangles())));
 }
 
 TEST(Stl, CornersAreWeldedAndTurnedOverBodiesTaken) {
-  auto shaken = cube();
+  auto shaken = cube_triangles();
   for (std::size_t t = 0; t < shaken.size(); ++t)
     for (int k = 0; k < 3; ++k) shaken[t][k][(t + k) % 3] += 1e-7 * ((t * k) % 3);
   EXPECT_EQ(stl_polyhedron(as_text(shaken), 1)->vertices.size(), 8u);
-  auto inside_out = cube();
+  auto inside_out = cube_triangles();
   for (Triangle& t : inside_out) std::swap(t[0], t[1]);
   EXPECT_EQ(stl_polyhedron(as_text(inside_out), 1)->faces.size(), 6u);
-  auto sliver = cube();  // a triangle without area, between two that meet along its edge
+  auto sliver = cube_triangles();  // a triangle without area, between two that meet along its edge
   sliver.push_back({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 0)});
   EXPECT_EQ(stl_polyhedron(as_text(sliver), 1)->faces.size(), 6u);
 }
 
 TEST(Stl, SaysWhatIsWrongWithTheSurface) {
-  auto open = cube();
+  auto open = cube_triangles();
   open.pop_back();
   EXPECT_EQ(
       refusal(as_text(open)),
       "the surface is not closed: 3 open edges, the first from [0, 0, 1] to [0, 1, 1]; close its holes");
-  auto turned = cube();
+  auto turned = cube_triangles();
   std::swap(turned[3][0], turned[3][1]);
   EXPECT_EQ(
       refusal(as_text(turned)),
       "two triangles run the same way along 3 edges, the first from [1, 0, 0] to [1, 0, 1]: some are turned "
       "over or doubled; repair the surface");
-  EXPECT_EQ(refusal(as_text({cube()[0]})), "it has 1 triangles; a closed surface has at least 4");
+  EXPECT_EQ(refusal(as_text({cube_triangles()[0]})), "it has 1 triangles; a closed surface has at least 4");
   // the top drawn down to a point below its middle: a dent of a pyramid, 1/3 x 1/2
-  auto dented = cube();
+  auto dented = cube_triangles();
   dented.resize(10);
   const Vec3 tip(0.5, 0.5, 0.5), a(0, 0, 1), b(1, 0, 1), c(1, 1, 1), d(0, 1, 1);
   for (const auto& [p, q] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}}) dented.push_back({p, q, tip});
@@ -119,8 +119,8 @@ TEST(Stl, SaysWhatIsWrongWithTheSurface) {
   const Vec3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0), pressed(0.3, 0.3, 0);
   EXPECT_EQ(refusal(as_text({{o, y, x}, {o, x, pressed}, {x, y, pressed}, {y, o, pressed}})),
             "all points lie in one plane, or nearly: they enclose no volume");
-  auto two = cube();
-  const auto other = cube([](const Vec3& x) -> Vec3 { return x + Vec3(3, 0, 0); });
+  auto two = cube_triangles();
+  const auto other = cube_triangles([](const Vec3& x) -> Vec3 { return x + Vec3(3, 0, 0); });
   two.insert(two.end(), other.begin(), other.end());
   EXPECT_TRUE(refusal(as_text(two)).starts_with("the surface is not convex: it encloses 0.5 of the volume"))
       << refusal(as_text(two));
@@ -137,10 +137,10 @@ TEST(Stl, SaysWhereTheFileGoesWrong) {
   EXPECT_EQ(refusal("solid x\nvertex 0 0 1"), "line 2: expected 'facet' or 'endsolid', found 'vertex'");
   EXPECT_EQ(refusal("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\n"),
             "line 4: expected a number, found 'inf'");
-  const std::string whole = as_binary(cube());
+  const std::string whole = as_binary(cube_triangles());
   EXPECT_EQ(refusal(whole.substr(0, 600)),
             "it is no STL, or cut off: as a binary file of 12 triangles it would have 684 bytes, it has 600");
-  auto wild = cube();
+  auto wild = cube_triangles();
   wild[5][1][0] = INFINITY;
   EXPECT_EQ(refusal(as_binary(wild)), "triangle 5 has a coordinate that is not finite");
 }

@@ -48,7 +48,7 @@ box = [[0, 0, 0], [24, 14, 12]]
   return c;
 }
 
-const std::string wet = "[fluid]\nrelaxation_time = 0.8\n";
+const std::string with_fluid = "[fluid]\nrelaxation_time = 0.8\n";
 
 struct Flux {
   std::uint64_t arrived, left, refused, there;
@@ -87,10 +87,10 @@ TEST(BodyTurnover, DryBodiesComeAndGoAlikeOnAnyRanks) {
   expect_one_hash("", {}, 250);
 }
 TEST(BodyTurnover, BodiesInAFluidComeAndGoAlikeOnAnyRanks) {
-  expect_one_hash(wet, {}, 280);
+  expect_one_hash(with_fluid, {}, 280);
 }
 TEST(BodyTurnover, TheyDoInTheExactForm) {
-  expect_one_hash(wet, {"coupling.force=exact", "fluid.precision=double"}, 280);
+  expect_one_hash(with_fluid, {"coupling.force=exact", "fluid.precision=double"}, 280);
 }
 
 // ---- who is there ----
@@ -265,7 +265,7 @@ TEST(BodyTurnover, ABodyAtACornerOfRanksLeavesAllThatHeldIt) {
 
 TEST(BodyTurnover, ARunGoesOnToTheBit) {
   constexpr int steps = 200;
-  for (const std::string& fluid : {std::string(), wet}) {
+  for (const std::string& fluid : {std::string(), with_fluid}) {
     const tests::Scratch scratch;
     const CaseText text = stream(fluid);
     for (const int at : {120, 121}) {  // 120: before bodies of all fills come

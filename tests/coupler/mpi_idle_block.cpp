@@ -22,14 +22,14 @@ Simulation channel_beside_a_box(const std::string& motion, const std::string& bl
   return c.start(MPI_COMM_WORLD, {"domain.blocks=" + blocks});
 }
 
-constexpr const char* whole = "[16, 32, 8]";   // fluid in every block
-constexpr const char* halves = "[16, 16, 8]";  // the upper ones are full
+constexpr const char* whole_height = "[16, 32, 8]";  // fluid in every block
+constexpr const char* halves = "[16, 16, 8]";        // the upper ones are full
 
 TEST(IdleBlock, FluidBesideItIsTheSame) {
   const std::string fixed = "motion = \"fixed\"",
                     moving = "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]";
   for (const std::string& motion : {fixed, moving}) {  // moving: cells come free, the blocks wake up
-    Simulation a = channel_beside_a_box(motion, whole), b = channel_beside_a_box(motion, halves);
+    Simulation a = channel_beside_a_box(motion, whole_height), b = channel_beside_a_box(motion, halves);
     for (int t = 0; t < 40; ++t) a.step(), b.step();
     EXPECT_EQ(a.hash(), b.hash()) << motion;
     EXPECT_GT(a.look_at_flow().max_speed, 1e-3);
@@ -53,7 +53,7 @@ TEST(IdleBlock, RanksWithoutAFluidCellTakeNoPart) {
   if (tests::ranks() == 1) return;
   for (const std::string motion :
        {"motion = \"fixed\"", "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]"}) {
-    Simulation a = channel_beside_a_box(motion, whole), b = channel_beside_a_box(motion, "auto");
+    Simulation a = channel_beside_a_box(motion, whole_height), b = channel_beside_a_box(motion, "auto");
     b.cut_anew(halves_of_ranks());
     for (int t = 0; t < 20; ++t) a.step(), b.step();
     EXPECT_EQ(a.hash(), b.hash()) << motion;

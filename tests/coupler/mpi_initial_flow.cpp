@@ -18,7 +18,7 @@ using std::numbers::pi;
 
 /// Fluid alone in a periodic box; quantities are its energy and dissipation at the start, and the dissipation
 /// a step later: a stress that is not that of the flow changes within a step.
-CaseText fluid_of(const std::array<int, 3>& cells, const std::string& initial, double tau = 0.8) {
+CaseText flow_of(const std::array<int, 3>& cells, const std::string& initial, double tau = 0.8) {
   CaseText c;
   c.domain = domain_of(cells);
   c.fluid = "[fluid]\nprecision = \"double\"\nrelaxation_time = " + std::to_string(tau) + "\ninitial = { " +
@@ -36,9 +36,8 @@ CaseText fluid_of(const std::array<int, 3>& cells, const std::string& initial, d
 /// vorticity's square, 2 pi e s^2 / A. The tails that the box cuts off are e^-28 of it.
 TEST(InitialFlow, VortexHasItsEnergyAndDissipation) {
   const double swirl = 0.02, radius = 6, viscosity = 0.1, area = 64 * 64;
-  const auto found =
-      fluid_of({64, 64, 8}, "type = \"vortex\", velocity = [0, 0, 0], swirl = 0.02, radius = 6")
-          .values(MPI_COMM_WORLD);
+  const auto found = flow_of({64, 64, 8}, "type = \"vortex\", velocity = [0, 0, 0], swirl = 0.02, radius = 6")
+                         .values(MPI_COMM_WORLD);
   EXPECT_NEAR(found[0] / (swirl * swirl * e * pi * radius * radius / (2 * area)), 1, 1e-6);
   EXPECT_NEAR(found[1] / (viscosity * 2 * pi * e * swirl * swirl / area), 1, 1e-4);
   EXPECT_NEAR(found[2] / found[1], 1, 0.03);
@@ -48,7 +47,7 @@ TEST(InitialFlow, VortexHasItsEnergyAndDissipation) {
 /// is 4 . 2/3 d/H.
 TEST(InitialFlow, ShearLayersHaveTheirEnergyAndDissipation) {
   const double speed = 0.05, steepness = 20, share = 0.05, viscosity = 0.1, height = 64;
-  const auto found = fluid_of({64, 64, 8}, "type = \"shear-layer\", velocity = [0.05, 0, 0], steepness = 20")
+  const auto found = flow_of({64, 64, 8}, "type = \"shear-layer\", velocity = [0.05, 0, 0], steepness = 20")
                          .values(MPI_COMM_WORLD);
   const double thickness = height / steepness, wave = share * speed, k = 2 * pi / 64;
   const double energy = speed * speed / 2 * (1 - 4 / steepness) + wave * wave / 4;
@@ -62,7 +61,7 @@ TEST(InitialFlow, ShearLayersHaveTheirEnergyAndDissipation) {
 /// of a mean over 32768 cells.
 TEST(InitialFlow, NoiseIsBoundedAndTheSameOnAnyRanks) {
   const double noise = 0.01;
-  const CaseText c = fluid_of({32, 32, 32}, "type = \"rest\", noise = 0.01");
+  const CaseText c = flow_of({32, 32, 32}, "type = \"rest\", noise = 0.01");
   const Overrides odd_blocks{"domain.blocks=[8, 16, 8]"};
   Simulation simulation = c.start(MPI_COMM_WORLD, odd_blocks);
   const FlowTotals start = simulation.look_at_flow();

@@ -18,7 +18,7 @@ using rigid::Vec3;
 using tests::odd_cut;
 using tests::ranks;
 
-void stir(Simulation& s) {
+void throw_about(Simulation& s) {
   for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
     s.set_velocity(
         id, 0.05 * Vec3(std::cos(1.7 * double(id)), std::sin(1.7 * double(id)), std::sin(3.4 * double(id))),
@@ -29,7 +29,7 @@ void stir(Simulation& s) {
 /// `moves`.
 std::uint64_t hash_of_crowd(MPI_Comm comm, const Overrides& overrides, int every) {
   Simulation s = crowd().start(comm, overrides);
-  stir(s);
+  throw_about(s);
   for (int t = 0; t < 100; ++t) {
     if (t % 3 == 0) s.add_force(1 + t % 14, {0.01, -0.02, 0.01}, {0, 0.01, 0});
     if (every > 0 && t % every == 2) s.cut_anew(odd_cut(s.scene().domain.cells(), ranks(), 2, t));
@@ -39,23 +39,23 @@ std::uint64_t hash_of_crowd(MPI_Comm comm, const Overrides& overrides, int every
   return s.hash();
 }
 
-void expect_same_bits(const Overrides& overrides) {
+void expect_moves_change_no_bit(const Overrides& overrides) {
   EXPECT_EQ(hash_of_crowd(MPI_COMM_WORLD, overrides, 7),
             tests::alone([&] { return hash_of_crowd(MPI_COMM_SELF, overrides, 0); }));
 }
 
 TEST(LoadBalance, AMoveChangesNoBit) {
-  expect_same_bits({});
+  expect_moves_change_no_bit({});
 }
 TEST(LoadBalance, AMoveChangesNoBitInDouble) {
-  expect_same_bits({"fluid.precision=double"});
+  expect_moves_change_no_bit({"fluid.precision=double"});
 }
 TEST(LoadBalance, AMoveChangesNoBitOfTheExactForm) {
-  expect_same_bits({"coupling.force=exact"});
+  expect_moves_change_no_bit({"coupling.force=exact"});
 }
 TEST(LoadBalance, AMoveChangesNoBitOfOtherSchemes) {
-  expect_same_bits({"coupling.wall_scheme=parabolic"});
-  expect_same_bits({"coupling.wall_scheme=cli", "coupling.time=explicit", "fill[0].density=2"});
+  expect_moves_change_no_bit({"coupling.wall_scheme=parabolic"});
+  expect_moves_change_no_bit({"coupling.wall_scheme=cli", "coupling.time=explicit", "fill[0].density=2"});
 }
 
 /// On ranks of any cut an owned body's partners in films have rows: the coupling in time asks for their
@@ -63,7 +63,7 @@ TEST(LoadBalance, AMoveChangesNoBitOfOtherSchemes) {
 TEST(LoadBalance, BodiesBeyondFilmsAreKnown) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     Simulation s = crowd().start(MPI_COMM_WORLD);
-    stir(s);
+    throw_about(s);
     s.cut_anew(odd_cut(s.scene().domain.cells(), ranks(), 2, seed));
     double films = 0;
     for (int t = 0; t < 60; ++t) {

@@ -9,11 +9,12 @@
 
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Blocks of nothing but wall do not collide: the same bits as with one block.
 TEST(Tube, SameBitsForAnyBlocksAndRanks) {
@@ -32,7 +33,7 @@ TEST(Tube, SameBitsForAnyBlocksAndRanks) {
     simulation.run(150);
     return simulation.hash();
   };
-  const std::uint64_t alone = hash("[16, 32, 32]", MPI_COMM_SELF);
+  const std::uint64_t alone = tests::alone([&] { return hash("[16, 32, 32]", MPI_COMM_SELF); });
   EXPECT_EQ(hash("[8, 8, 8]", MPI_COMM_WORLD), alone);
   EXPECT_EQ(hash("[16, 4, 4]", MPI_COMM_WORLD), alone);
 }
@@ -68,7 +69,7 @@ TEST(BodyForce, OnBodiesMovesBallAndFluidAlike) {
     EXPECT_NEAR(bodies.velocity[row][0], 500 * 1e-5, 2e-2 * 500 * 1e-5);
 }
 
-double value_of(const CaseText& text) {
+double quantity_of(const CaseText& text) {
   return text.values(MPI_COMM_WORLD).front();
 }
 
@@ -87,10 +88,10 @@ CaseText couette(const std::string& quantity) {
 TEST(WallQuantities, StressOfPlaneCouetteFlow) {
   const double stress = 0.1 / 16;
   const std::string type = "type = \"wall-stress\"\n";
-  EXPECT_NEAR(value_of(couette(type + "side = \"z-low\"\naxis = \"x\"")), 0.03 * stress, 1e-9 * stress);
-  EXPECT_NEAR(value_of(couette(type + "side = \"z-high\"\naxis = \"y\"")), -0.04 * stress, 1e-9 * stress);
-  EXPECT_NEAR(value_of(couette(type + "side = \"z-high\"\naxis = \"z\"")), 0, 1e-3 * stress);
-  EXPECT_NEAR(value_of(couette("type = \"relative-viscosity\"\naxis = \"z\"")), 1, 1e-7);
+  EXPECT_NEAR(quantity_of(couette(type + "side = \"z-low\"\naxis = \"x\"")), 0.03 * stress, 1e-9 * stress);
+  EXPECT_NEAR(quantity_of(couette(type + "side = \"z-high\"\naxis = \"y\"")), -0.04 * stress, 1e-9 * stress);
+  EXPECT_NEAR(quantity_of(couette(type + "side = \"z-high\"\naxis = \"z\"")), 0, 1e-3 * stress);
+  EXPECT_NEAR(quantity_of(couette("type = \"relative-viscosity\"\naxis = \"z\"")), 1, 1e-7);
 }
 
 /// A ball of twice the fluid's density on the floor presses with its weight less its buoyancy.
@@ -108,7 +109,7 @@ TEST(WallQuantities, StressOfABallOnTheFloor) {
   c.run =
       "[run]\nsteps = 1500\n[[quantities]]\nname = \"q\"\ntype = \"wall-stress\"\nside = \"z-low\"\naxis = "
       "\"z\"\ntime = 1400\n";
-  EXPECT_NEAR(value_of(c), -weight / 256, 2e-2 * weight / 256);
+  EXPECT_NEAR(quantity_of(c), -weight / 256, 2e-2 * weight / 256);
 }
 
 TEST(WallQuantities, DistanceFromTheAxis) {
@@ -118,7 +119,7 @@ TEST(WallQuantities, DistanceFromTheAxis) {
   c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 3\nposition = [2, 15.13, 15.71]\n";
   c.domain.replace(c.domain.find("size = [4"), 9, "size = [16");
   c.run = "[run]\nsteps = 1\n[[quantities]]\nname = \"q\"\ntype = \"axis-distance\"\n";
-  EXPECT_NEAR(value_of(c), 5, 1e-12);
+  EXPECT_NEAR(quantity_of(c), 5, 1e-12);
 }
 
 }  // namespace

@@ -18,13 +18,13 @@ namespace {
 
 using rigid::Vec3;
 
-constexpr int edge = 12;       // of the periodic box, cells
+constexpr int box_edge = 12;   // of the periodic box, cells
 constexpr double size = 1e-6;  // of the disturbance, cells a step: bodies cross no cell, nothing but linear
 
 /// A body at a place and orientation of no symmetry, so many times as heavy as the fluid (0: it is held).
 CaseText scene(const std::string& shape, double density, double tau, std::string_view collision) {
   CaseText c;
-  c.domain = domain_of({edge, edge, edge}, "\"periodic\"");
+  c.domain = domain_of({box_edge, box_edge, box_edge}, "\"periodic\"");
   c.fluid = fmt::format("[fluid]\nrelaxation_time = {}\ncollision = \"{}\"\nprecision = \"double\"\n", tau,
                         collision);
   c.shapes = "[[shapes]]\nname = \"body\"\n" + shape;

@@ -1,5 +1,5 @@
-// Bodies alone, by sffd, at the edge of what it can do: towers that theory just lets stand, heavy on light,
-// and a gas that nothing may slow down. Cells of 0.1 m, steps of a millisecond.
+// Bodies alone, by sffd, at the cube_edge of what it can do: towers that theory just lets stand, heavy on
+// light, and a gas that nothing may slow down. Cells of 0.1 m, steps of a millisecond.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using rigid::Vec3;
 
-constexpr double edge = 2;
+constexpr double cube_edge = 2;
 /// One box on the other, in the field of the earth, the k-th above the lowest at offsets[k] along x; the
 /// topmost `ratio` times as heavy as the others.
 CaseText stack(const std::vector<double>& offsets, double ratio = 1) {
@@ -26,9 +26,9 @@ CaseText stack(const std::vector<double>& offsets, double ratio = 1) {
   c.shapes = shape_of("box", "box", "edges = [2, 2, 2]");
   c.bodies.clear();
   for (int k = 0; k < n; ++k)
-    c.bodies += body_of(
-        "box", k + 1 == n ? ratio : 1,
-        "position = [" + std::to_string(10 + offsets[k]) + ", 10, " + std::to_string((k + 0.5) * edge) + "]");
+    c.bodies += body_of("box", k + 1 == n ? ratio : 1,
+                        "position = [" + std::to_string(10 + offsets[k]) + ", 10, " +
+                            std::to_string((k + 0.5) * cube_edge) + "]");
   return c;
 }
 
@@ -40,14 +40,15 @@ double drift_of(const CaseText& text, int steps) {
   double furthest = 0;
   for (std::size_t row = 0; row < simulation.bodies().owned; ++row)
     furthest = std::max(furthest, (simulation.bodies().position[row] - start[row]).norm());
-  return furthest / edge;
+  return furthest / cube_edge;
 }
 
 /// Offsets of a tower of eight that hangs over by a share of the most that statics allows: there the centre
-/// of mass of any k topmost boxes is above the rim of the one below them, which is edge / 2k from its middle.
+/// of mass of any k topmost boxes is above the rim of the one below them, which is cube_edge / 2k from its
+/// middle.
 std::vector<double> overhang(double share) {
   std::vector<double> offsets{0};
-  for (int k = 7; k >= 1; --k) offsets.push_back(offsets.back() + share * edge / (2 * k));
+  for (int k = 7; k >= 1; --k) offsets.push_back(offsets.back() + share * cube_edge / (2 * k));
   return offsets;
 }
 

@@ -9,7 +9,7 @@
 namespace silt::coupler {
 namespace {
 
-constexpr std::uint64_t cells = 1'000'000'000'000;
+constexpr std::uint64_t all_cells = 1'000'000'000'000;
 
 rigid::FixedSum quanta(double mass) {
   return rigid::FixedSum(mass / lbm::mass_quantum);
@@ -19,7 +19,7 @@ rigid::FixedSum quanta(double mass) {
 TEST(MassCorrection, TakesOutASurplusOfAThousandthOfATrillionCells) {
   MassCorrection correction;
   FlowTotals totals;
-  totals.fluid_cells = cells;
+  totals.fluid_cells = all_cells;
   totals.mass_deviation = 1e9;
   correction.recount(totals);
   EXPECT_DOUBLE_EQ(correction.take_surplus(), -1e-3);
@@ -29,13 +29,13 @@ TEST(MassCorrection, TakesOutASurplusOfAThousandthOfATrillionCells) {
 TEST(MassCorrection, SumsWhatLinksAndCellsOfATrillionBring) {
   MassCorrection correction;
   FlowTotals totals;
-  totals.fluid_cells = cells;
+  totals.fluid_cells = all_cells;
   correction.recount(totals);
   correction.end_step({quanta(3e8), quanta(-1e8), -1'000'000'000});
   EXPECT_EQ(correction.state().surplus, quanta(2e8));
-  EXPECT_EQ(correction.state().fluid_cells, std::int64_t(cells) - 1'000'000'000);
+  EXPECT_EQ(correction.state().fluid_cells, std::int64_t(all_cells) - 1'000'000'000);
   // what is known, and as much again as links brought in the last step
-  EXPECT_DOUBLE_EQ(correction.take_surplus(), -5e8 / double(cells - 1'000'000'000));
+  EXPECT_DOUBLE_EQ(correction.take_surplus(), -5e8 / double(all_cells - 1'000'000'000));
 }
 
 TEST(MassCorrection, CountsACellAsItsDensity) {

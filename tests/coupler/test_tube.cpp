@@ -14,7 +14,7 @@
 namespace silt::coupler::testing {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Until the flow is steady: exp(-5.78 nu t / R^2) is below 1e-7.
 int long_enough(double radius) {

@@ -7,12 +7,16 @@
 
 #include "lbm/equal_cut.hpp"
 #include "lbm/fluid.hpp"
+#include "tests/lbm/sides.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 
 namespace silt::lbm {
 namespace {
 
+using testing::no_slip;
+using testing::periodic;
+using testing::slip;
 using tests::largest_of_ranks;
 using tests::ranks;
 
@@ -22,8 +26,6 @@ SideCondition side(SideKind kind, std::array<double, 3> v = {}, double rho = 0) 
 std::array<SideCondition, 6> sides(SideCondition x, SideCondition y, SideCondition zl, SideCondition zh) {
   return {x, x, y, y, zl, zh};
 }
-const SideCondition periodic = side(SideKind::periodic), no_slip = side(SideKind::bounce),
-                    slip = side(SideKind::free_slip);
 
 template <class T>
 void step(Fluid<T>& fluid) {

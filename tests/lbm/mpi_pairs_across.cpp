@@ -9,17 +9,20 @@
 #include "lbm/fluid.hpp"
 #include "lbm/pairs_across.hpp"
 #include "lbm/places_across.hpp"
+#include "tests/lbm/sides.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 
 namespace silt::lbm {
 namespace {
 
+using testing::no_slip;
+using testing::periodic;
+using testing::slip;
 using tests::ranks;
 using tests::sum_over_ranks;
 
-const SideCondition periodic{}, no_slip{SideKind::bounce}, slip{SideKind::free_slip},
-    lid{SideKind::bounce, {0.02, -0.01, 0.03}}, outlet{SideKind::pressure, {}, 0.01};
+const SideCondition lid{SideKind::bounce, {0.02, -0.01, 0.03}}, outlet{SideKind::pressure, {}, 0.01};
 
 struct Layout {
   std::string name;

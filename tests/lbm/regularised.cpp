@@ -16,7 +16,7 @@ using Vector = std::array<double, 3>;
 using Tensor = std::array<Vector, 3>;
 using Populations = std::array<double, directions>;
 
-constexpr double same = 1e-15;  // populations are of the size of 0.01
+constexpr double rounding = 1e-15;  // populations are of the size of 0.01
 
 double delta(int a, int b) {
   return a == b;
@@ -134,7 +134,8 @@ void expect_definition(const CollisionSpec& spec, double added = 0) {
     stream_collide(block, parity, rates, {0, size.y, 0, size.z}, {0, fast});
     const Populations expected = regularised(before, spec, added);
     for (int i = 0; i < directions; ++i)
-      EXPECT_NEAR(block.data()[block.leaving(i, flipped(parity)) + block.cell(x)], expected[i], same) << i;
+      EXPECT_NEAR(block.data()[block.leaving(i, flipped(parity)) + block.cell(x)], expected[i], rounding)
+          << i;
   }
 }
 constexpr CollisionSpec of(double tau, Vector force = {}, double smagorinsky = 0) {

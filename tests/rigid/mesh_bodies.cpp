@@ -11,7 +11,7 @@ namespace {
 
 using testing::Scene;
 
-constexpr double g = 9.81;
+using testing::g;
 
 class MeshBodies : public ::testing::TestWithParam<const char*> {
  protected:

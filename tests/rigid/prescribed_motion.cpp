@@ -10,7 +10,7 @@ namespace {
 
 using testing::Scene;
 
-constexpr double g = 9.81;
+using testing::g;
 
 Scene on_earth(double friction) {
   Scene s(0, friction);

@@ -10,6 +10,8 @@
 
 namespace silt::rigid::testing {
 
+inline constexpr double g = 9.81;  // m / s^2
+
 /// The collision backend of the scenes made from now on.
 inline const char* backend_name = "analytic";
 /// Their broad phase.

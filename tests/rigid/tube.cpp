@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "rigid/collision/tube_contacts.hpp"
+#include "tests/rigid/random.hpp"
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 
@@ -14,17 +14,12 @@ namespace {
 
 using testing::Scene;
 
-constexpr double g = 9.81, pi = std::numbers::pi;
+using std::numbers::pi;
+using testing::g;
+using testing::random_turn;
+using testing::uniform;
 
-std::mt19937 generator(11);
-double uniform(double a, double b) {
-  return std::uniform_real_distribution<>(a, b)(generator);
-}
-Quat random_turn() {
-  return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
-}
-
-std::vector<ConvexShape> solids() {
+std::vector<ConvexShape> convex_solids() {
   return {Sphere{0.7},
           Box{{0.5, 1.1, 0.8}},
           Capsule{0.4, 0.9},
@@ -63,7 +58,7 @@ double furthest(const ConvexShape& shape, const Pose& pose, const Pose& tube) {
 }
 
 TEST(TubeContacts, GapIsThatOfASearchOverDirections) {
-  for (const ConvexShape& shape : solids())
+  for (const ConvexShape& shape : convex_solids())
     for (int i = 0; i < 20; ++i) {
       const Pose tube{{uniform(-2, 2), uniform(-2, 2), uniform(-2, 2)}, random_turn()};
       const double off = i < 5 ? 0.05 : 3;
@@ -76,7 +71,7 @@ TEST(TubeContacts, GapIsThatOfASearchOverDirections) {
 
 /// Points on both surfaces, normals from the axis outwards, features in order, the deepest among them.
 TEST(TubeContacts, PointsLieOnBothSurfaces) {
-  for (const ConvexShape& shape : solids())
+  for (const ConvexShape& shape : convex_solids())
     for (int i = 0; i < 20; ++i) {
       const Pose tube{{1, 2, 3}, random_turn()},
           pose{tube.position + Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)), random_turn()};
@@ -179,7 +174,7 @@ TEST(Tube, TubeThatSlidesAlongItsAxisCarriesABox) {
 /// Dropped at a slant, each stays in the tube and gains no energy; those that cannot roll come to rest.
 TEST(Tube, EveryShapeSettles) {
   const double R = 4;
-  for (const ConvexShape& shape : solids()) {
+  for (const ConvexShape& shape : convex_solids()) {
     const std::string name(shape_name(any(shape)));
     const Quat q(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()));
     Scene s = in_tube(R, 0.8, any(shape), {0, 10, R}, q);

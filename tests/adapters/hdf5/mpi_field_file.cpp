@@ -10,8 +10,8 @@ namespace {
 using adapters::CellBox;
 using adapters::FieldQuantity;
 
-constexpr std::array<int, 3> cells{13, 8, 21};
-const adapters::ImageGrid grid{cells, {-1, 0, 2}, {0.5, 0.5, 0.5}, "m", "s"};
+constexpr std::array<int, 3> grid_cells{13, 8, 21};
+const adapters::ImageGrid grid{grid_cells, {-1, 0, 2}, {0.5, 0.5, 0.5}, "m", "s"};
 const adapters::Provenance provenance{"0.1.0", "abc", "a title", "title = \"a title\"\n", 1, "auto",
                                       "g++",   "",    ""};
 
@@ -44,9 +44,9 @@ TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
   for (const bool in_turn : {true, false})
     for (const bool idle : {true, false}) {
       write(MPI_COMM_WORLD, scratch / "many.hdf",
-            blocks_of(rank(), ranks(), cells, {4, 8, 5}, in_turn, idle));
+            blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, in_turn, idle));
       if (rank() == 0) {
-        write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, cells}});
+        write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, grid_cells}});
         const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
         EXPECT_GT(one.size(), 13u * 8 * 21 * (4 + 12 + 8));
         EXPECT_TRUE(one == many);
@@ -56,7 +56,7 @@ TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
 
 TEST(FieldFile, cells_no_rank_holds_are_zero) {
   const Scratch scratch;
-  std::vector<CellBox> boxes = blocks_of(rank(), ranks(), cells, {13, 8, 7});
+  std::vector<CellBox> boxes = blocks_of(rank(), ranks(), grid_cells, {13, 8, 7});
   std::erase_if(boxes, [](const CellBox& b) { return b.lower[2] == 7; });
   write(MPI_COMM_WORLD, scratch / "part.hdf", boxes);
   if (rank() == 0) {
@@ -66,7 +66,7 @@ TEST(FieldFile, cells_no_rank_holds_are_zero) {
 
 TEST(FieldFile, keeps_a_list_of_times_and_replaces_later_ones) {
   const Scratch scratch;
-  const auto boxes = blocks_of(rank(), ranks(), cells, {8, 8, 8});
+  const auto boxes = blocks_of(rank(), ranks(), grid_cells, {8, 8, 8});
   for (const double t : {0.0, 0.1, 0.2, 0.3, 0.15})
     write(MPI_COMM_WORLD, scratch / ("fields_00" + std::to_string(int(100 * t + 0.5)) + ".hdf"), boxes, t);
   if (rank() == 0) {
@@ -80,7 +80,7 @@ TEST(FieldFile, keeps_a_list_of_times_and_replaces_later_ones) {
 
 TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
   const Scratch scratch;
-  auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5});
+  auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5});
   if (rank() == ranks() - 1) boxes.push_back({{0, 0, 20}, {1, 1, 22}});
   EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "a.hdf", boxes); }),
               "outside the lattice of 13 x 8 x 21");
@@ -92,7 +92,7 @@ TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
 const Act write_fields("write_fields", [] {
   const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
   for (const int step : {0, 50}) {
-    const auto boxes = blocks_of(rank(), ranks(), cells, {4, 8, 5}, step == 0, true);
+    const auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, step == 0, true);
     write(MPI_COMM_WORLD, adapters::field_path(folder, "fields", step), boxes, 0.01 * step);
   }
 });

@@ -4,7 +4,7 @@
 namespace silt::coupler::testing {
 namespace {
 
-const std::vector<Mistake> mistakes = {
+const std::vector<Mistake> mistakes_of_fluid = {
     {"ViscosityInSquareMillimetres",
      "viscosity = 1e-4",
      "viscosity = 100",
@@ -117,7 +117,7 @@ class OfFluid : public ::testing::TestWithParam<Mistake> {};
 TEST_P(OfFluid, IsNamed) {
   expect_named(sound_wet_case(), GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(Mistakes, OfFluid, ::testing::ValuesIn(mistakes), name_of);
+INSTANTIATE_TEST_SUITE_P(Mistakes, OfFluid, ::testing::ValuesIn(mistakes_of_fluid), name_of);
 
 }  // namespace
 }  // namespace silt::coupler::testing

@@ -4,7 +4,7 @@
 namespace silt::coupler::testing {
 namespace {
 
-const std::vector<Mistake> mistakes = {
+const std::vector<Mistake> mistakes_of_run = {
     {"NoRun",
      "[run]\ntime = 0.5\nbalance = { every = 100 }\n",
      "",
@@ -86,7 +86,7 @@ class OfRun : public ::testing::TestWithParam<Mistake> {};
 TEST_P(OfRun, IsNamed) {
   expect_named(sound_wet_case(), GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(Mistakes, OfRun, ::testing::ValuesIn(mistakes), name_of);
+INSTANTIATE_TEST_SUITE_P(Mistakes, OfRun, ::testing::ValuesIn(mistakes_of_run), name_of);
 
 }  // namespace
 }  // namespace silt::coupler::testing

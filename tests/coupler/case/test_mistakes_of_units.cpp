@@ -4,7 +4,7 @@
 namespace silt::coupler::testing {
 namespace {
 
-const std::vector<Mistake> mistakes = {
+const std::vector<Mistake> mistakes_of_units = {
     {"AKeyMisspelt",
      "cell_size = 5e-4",
      "cel_size = 5e-4",
@@ -173,7 +173,7 @@ class OfUnits : public ::testing::TestWithParam<Mistake> {};
 TEST_P(OfUnits, IsNamed) {
   expect_named(sound_wet_case(), GetParam());
 }
-INSTANTIATE_TEST_SUITE_P(Mistakes, OfUnits, ::testing::ValuesIn(mistakes), name_of);
+INSTANTIATE_TEST_SUITE_P(Mistakes, OfUnits, ::testing::ValuesIn(mistakes_of_units), name_of);
 
 }  // namespace
 }  // namespace silt::coupler::testing

@@ -8,12 +8,7 @@ namespace silt::coupler {
 namespace {
 
 using namespace testing;
-
-int rank() {
-  int r = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
-  return r;
-}
+using tests::rank;
 
 void expect_text(const std::string& whole, const std::string& part) {
   EXPECT_NE(whole.find(part), std::string::npos) << "\"" << part << "\" is not in \"" << whole << '"';

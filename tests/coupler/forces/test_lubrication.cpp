@@ -14,7 +14,8 @@
 namespace silt::coupler::testing {
 namespace {
 
-constexpr double mu = 0.1, pi = std::numbers::pi;
+using std::numbers::pi;
+constexpr double mu = 0.1;
 constexpr ResolvedFlow everywhere = {1.5, 0, 0, 0.5, 0.5};  // in the lattice
 constexpr ResolvedFlows resolved = {everywhere, everywhere};
 

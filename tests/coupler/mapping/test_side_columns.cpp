@@ -15,7 +15,7 @@ TEST(SideColumns, HaveTheCellsOfTheRows) {
   std::mt19937 random(1);
   for (const Int3 size :
        {Int3{1, 1, 1}, Int3{3, 70, 2}, Int3{4, 60, 5}, Int3{63, 64, 3}, Int3{130, 129, 4}}) {
-    SCOPED_TRACE(testing::Message() << size.x << " x " << size.y << " x " << size.z);
+    SCOPED_TRACE(::testing::Message() << size.x << " x " << size.y << " x " << size.z);
     constexpr int ghosts = CellBits::ghosts;
     const Int3 margin{ghosts, ghosts, ghosts};
     CellBits first(size), solid(size);

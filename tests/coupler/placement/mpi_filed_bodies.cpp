@@ -81,7 +81,7 @@ Case read(const Scratch& scratch, const CaseText& text, const Overrides& overrid
   return read_case(scratch.path(), overrides);
 }
 
-std::uint64_t placed_hash(const Case& scene, MPI_Comm comm) {
+std::uint64_t filed_hash(const Case& scene, MPI_Comm comm) {
   std::uint64_t sum = 0;
   place(scene, comm).for_each([&](rigid::BodyId id, const BodySpec& body) {
     std::uint64_t h = mixed(id + 1000 * body.shape);
@@ -96,13 +96,13 @@ TEST(FiledBodies, AreThoseThatACaseWouldList) {
   const Scratch scratch;
   write(scratch / "cloud.csv", csv_of(points));
   write_series(scratch / "cloud.h5");
-  const std::uint64_t expected = alone([&] { return placed_hash(text_of(listed()).read(), MPI_COMM_SELF); });
+  const std::uint64_t expected = alone([&] { return filed_hash(text_of(listed()).read(), MPI_COMM_SELF); });
   for (const char* name : {"\"cloud.csv\"", "\"cloud.h5:/bodies/position\""})
     for (const char* blocks : {"\"auto\"", "[8, 32, 5]", "[3, 7, 32]"}) {
       const Case scene = read(scratch, text_of(name), {std::string("domain.blocks=") + blocks});
       EXPECT_EQ(count_given(scene), std::uint64_t(points));
       EXPECT_EQ(fault_of(scene, MPI_COMM_WORLD), "");
-      EXPECT_EQ(placed_hash(scene, MPI_COMM_WORLD), expected) << name << ", blocks " << blocks;
+      EXPECT_EQ(filed_hash(scene, MPI_COMM_WORLD), expected) << name << ", blocks " << blocks;
     }
 }
 

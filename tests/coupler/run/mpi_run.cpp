@@ -22,7 +22,7 @@ using tests::rank;
 using tests::ranks;
 using tests::Scratch;
 
-constexpr const char* finely_cut = "domain.blocks=[6, 12, 6]";  // 32 blocks
+constexpr const char* in_small_blocks = "domain.blocks=[6, 12, 6]";  // 32 blocks
 
 /// Heavy and light bodies of two shapes that drift through each other, close enough to touch.
 CaseText crowd(const std::string& precision) {
@@ -72,14 +72,14 @@ std::uint64_t hash_after(Simulation&& simulation, std::int64_t steps) {
 
 void expect_same_on_any_ranks(const CaseText& text, std::int64_t steps) {
   const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF), steps); });
-  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, {finely_cut}), steps), one);
+  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, {in_small_blocks}), steps), one);
 }
 
 TEST(Run, CrowdInFluidHasOneHashOnAnyRanksAndBlocks) {
   constexpr std::int64_t steps = 500;
   const CaseText text = crowd("single");
   const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF), steps); });
-  Simulation simulation = text.start(MPI_COMM_WORLD, {finely_cut});
+  Simulation simulation = text.start(MPI_COMM_WORLD, {in_small_blocks});
   simulation.run(steps);
   EXPECT_EQ(simulation.hash(), one);
   const RunCounters c = simulation.counters();
@@ -118,7 +118,7 @@ std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene,
 
 void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t steps) {
   const Scratch scratch;
-  Simulation simulation = text.start(MPI_COMM_WORLD, {finely_cut}), whole = text.start(MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD, {in_small_blocks}), whole = text.start(MPI_COMM_WORLD);
   const Case &scene = simulation.setup(), &uncut = whole.setup();
   Quantities quantities(scene);
   for (int i = 0; i < odd; ++i) {
@@ -176,7 +176,7 @@ TEST(Run, WhatAProgramDoesIsTheSameOnAnyRanks) {
        {"5, 5, 5", "17, 5, 5", "5, 17, 5", "17, 17, 5", "5, 5, 19", "17, 5, 19", "5, 17, 19", "17, 17, 19"})
     text.bodies += std::string("[[bodies]]\nshape = \"ball\"\ndensity = 1.5\nposition = [") + x + "]\n";
   const std::uint64_t one = alone([&] { return steered_hash(text.start(MPI_COMM_SELF)); });
-  EXPECT_EQ(steered_hash(text.start(MPI_COMM_WORLD, {finely_cut})), one);
+  EXPECT_EQ(steered_hash(text.start(MPI_COMM_WORLD, {in_small_blocks})), one);
   const std::uint64_t unsteered = hash_after(text.start(MPI_COMM_WORLD), 40);
   EXPECT_NE(unsteered, one);
 }
@@ -204,7 +204,7 @@ TEST(Run, ABodyMovedAwayLeavesItsFilmsBehind) {
     return simulation.hash();
   };
   const std::uint64_t one = alone([&] { return moved_hash(text.start(MPI_COMM_SELF), MPI_COMM_SELF); });
-  EXPECT_EQ(moved_hash(text.start(MPI_COMM_WORLD, {finely_cut}), MPI_COMM_WORLD), one);
+  EXPECT_EQ(moved_hash(text.start(MPI_COMM_WORLD, {in_small_blocks}), MPI_COMM_WORLD), one);
 }
 
 TEST(Run, ABodyThatIsNotThereIsAnError) {

@@ -12,7 +12,7 @@ namespace {
 
 using testing::Scene;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Principal curvatures, ascending, of which that along the normal, zero, is taken out.
 std::array<double, 2> principal(const Mat3& k, const Vec3& normal) {

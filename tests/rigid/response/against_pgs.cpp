@@ -16,7 +16,7 @@ namespace {
 using testing::PgsResolver;
 using testing::Scene;
 
-constexpr double g = 9.81;
+using testing::g;
 
 /// Resolves with sffd and, every so many steps, with pgs; keeps the largest differences.
 class Both : public ContactResolver {

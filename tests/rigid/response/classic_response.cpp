@@ -9,8 +9,8 @@
 namespace silt::rigid {
 namespace {
 
+using testing::g;
 using testing::Scene;
-constexpr double g = 9.81;
 const Vec3 down(0, 0, -g);
 
 TEST(DualActiveSet, ClosestPointOfAPolyhedron) {

@@ -17,7 +17,6 @@ inline std::string name_of_backend(const ::testing::TestParamInfo<const char*>& 
   return info.param;
 }
 
-constexpr double g = 9.81;
 inline const Vec3 down(0, 0, -g);
 
 /// Gravity as seen by a slope of that angle, falling along +x.

@@ -14,7 +14,7 @@ namespace {
 
 using testing::Scene;
 
-constexpr double g = 9.81;
+using testing::g;
 
 Vec3 slope(double angle) {  // falling along +x
   return g * Vec3(std::sin(angle), 0, -std::cos(angle));

@@ -4,23 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
-#include <random>
 
 #include "rigid/math/rotation_between.hpp"
+#include "tests/rigid/random.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::rigid {
 namespace {
 
-std::mt19937 generator(7);
-double uniform(double a, double b) {
-  return std::uniform_real_distribution<>(a, b)(generator);
-}
+using testing::random_turn;
+using testing::uniform;
+
 Vec3 random_vector(double size) {
   return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
-}
-Quat random_turn() {
-  return Quat(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
 }
 
 using tests::all_solids;
@@ -65,7 +61,7 @@ TEST(Shape, ClosedForms) {
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {0.2, 0, 4}, {0, 0, -2}, 10), 1.5);
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 0.9}, {-1, 0, 0}, 10), 2.5);
   EXPECT_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 1.1}, {-1, 0, 0}, 10), 10);
-  // of radius 3 and height 4: the base at z = -1, the apex at 3
+  // of radius 3 and height_along 4: the base at z = -1, the apex at 3
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, -3}), 2);
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, 5}), 2);
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {6, 0, -5}), 5);
@@ -159,7 +155,7 @@ TEST(Shape, SupportIsFurthest) {
 
 /// n . x - h(n), h(n) how far the shape reaches along n. The signed distance of a convex shape is the largest
 /// over all directions n, inside and outside (duality); nothing of the shape is looked at but `support`.
-double height(const ConvexShape& shape, const Vec3& x, const Vec3& n) {
+double height_along(const ConvexShape& shape, const Vec3& x, const Vec3& n) {
   return n.dot(x - support(shape, n));
 }
 
@@ -169,7 +165,7 @@ double largest_height(const ConvexShape& shape, const Vec3& x) {
   for (int i = 0; i < directions; ++i) {
     const double z = 1 - (2 * i + 1.) / directions, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
     const double r = std::sqrt(1 - z * z);
-    best = std::max(best, height(shape, x, {r * std::cos(turn), r * std::sin(turn), z}));
+    best = std::max(best, height_along(shape, x, {r * std::cos(turn), r * std::sin(turn), z}));
   }
   return best;
 }
@@ -195,7 +191,7 @@ TEST(Shape,
       if (i % 7 == 0) x[i % 3] = 0;
       const double distance = signed_distance(solid, x);
       EXPECT_LE(largest_height(shape, x), distance + 1e-12) << shape_name(solid) << " at " << x.transpose();
-      EXPECT_NEAR(height(shape, x, gradient(solid, x)), distance, 1e-6)
+      EXPECT_NEAR(height_along(shape, x, gradient(solid, x)), distance, 1e-6)
           << shape_name(solid) << " at " << x.transpose();
     }
 }

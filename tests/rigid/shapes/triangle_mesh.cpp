@@ -10,6 +10,7 @@
 
 #include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/rigid/random.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
 namespace silt::rigid {
@@ -20,10 +21,8 @@ using testing::gear_mesh;
 using testing::icosphere;
 using testing::torus_mesh;
 
-std::mt19937 generator(5);
-double uniform(double a, double b) {
-  return std::uniform_real_distribution<>(a, b)(generator);
-}
+using testing::uniform;
+
 Vec3 random_point(double reach) {
   return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)};
 }
@@ -222,6 +221,7 @@ TEST(TriangleMesh, RaysHitWhatASearchOverAllFindsAndSlipThroughNoEdge) {
 }
 
 TEST(TriangleMesh, TheOrderOfTheFileDoesNotMatter) {
+  std::mt19937 generator(5);
   const TriangleMesh mesh = gear_mesh(9, 2);
   std::vector<std::uint32_t> order(mesh.vertices().size());
   std::iota(order.begin(), order.end(), 0u);

@@ -9,7 +9,6 @@
 #include "coupler/simulation.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
-#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -21,12 +20,11 @@ using rigid::Vec3;
 double drag_coefficient(const std::string& position, double tau = 1, int steps = 2500,
                         const std::string& scheme = "multireflection") {
   Simulation s = sphere_array().start(
-      MPI_COMM_WORLD, {fmt::format("fluid.relaxation_time={}", tau), "bodies[0].position=" + position,
-                       "coupling.wall_scheme=" + scheme});
+      MPI_COMM_SELF, {fmt::format("fluid.relaxation_time={}", tau), "bodies[0].position=" + position,
+                      "coupling.wall_scheme=" + scheme});
   s.run(steps);
   double force = 0;
   for (const auto& load : s.last_loads()) force += load.force[0];
-  force = tests::sum_over_ranks(force);
   const FlowTotals t = s.look_at_flow();
   const double a = array_diameter / 2, g = array_force, viscosity = (tau - 0.5) / 3;
   const double u = (t.momentum[0] + 0.5 * g * double(t.fluid_cells)) / std::pow(array_edge, 3);
@@ -40,8 +38,7 @@ TEST(CoupledStep, DragOfACubicArray) {
   double sum = 0;
   for (const char* p : positions) sum += drag_coefficient(p);
   const double error = sum / std::size(positions) / 2.810198 - 1;
-  if (tests::rank() == 0)
-    printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
+  printf("cubic array, phi 0.064, D = 7.94, 6 positions: mean error %.2f %%\n", 100 * error);
   EXPECT_LT(std::fabs(error), 0.01);
 }
 
@@ -71,18 +68,17 @@ CaseText light_sphere() {
 // diameters away).
 TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
   for (const auto name : lbm::wall_scheme_names) {
-    Simulation s = light_sphere().start(MPI_COMM_WORLD, {"coupling.wall_scheme=" + std::string(name)});
+    Simulation s = light_sphere().start(MPI_COMM_SELF, {"coupling.wall_scheme=" + std::string(name)});
     double speed[2] = {};
     for (int half = 0; half < 2; ++half) {
       while (s.steps_done() < 1500 + half * 500) s.step();
       double v = 0;
       for (std::size_t row = 0; row < s.bodies().owned; ++row) v += s.bodies().velocity[row][2];
-      speed[half] = tests::sum_over_ranks(v);
+      speed[half] = v;
     }
     const double unbounded = terminal_velocity(8, 0.5, 4e-4, 0.1 / 3);
-    if (tests::rank() == 0)
-      printf("light sphere, %s: %.5f, unbounded fluid %.5f\n", std::string(name).c_str(), speed[1],
-             std::fabs(unbounded));
+    printf("light sphere, %s: %.5f, unbounded fluid %.5f\n", std::string(name).c_str(), speed[1],
+           std::fabs(unbounded));
     EXPECT_NEAR(speed[1] / speed[0], 1, 0.05);
     EXPECT_LT(speed[1], std::fabs(unbounded));
     EXPECT_GT(speed[1], 0.7 * std::fabs(unbounded));
@@ -95,15 +91,13 @@ TEST(CoupledStep, LightSphereRisesSteadilyWithAnyWallScheme) {
 TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
   for (const std::string name :
        {"cli", "bouzidi", "parabolic"}) {  // plain bounce-back lets shut-in cells swing for ever
-    Simulation s = heap().start(MPI_COMM_WORLD, {"coupling.wall_scheme=" + name});
+    Simulation s = heap().start(MPI_COMM_SELF, {"coupling.wall_scheme=" + name});
     while (s.steps_done() < 2000) s.step();
     const double speed = s.look_at_flow().max_speed;
     double body = 0;
     for (std::size_t row = 0; row < s.bodies().owned; ++row)
       body = std::max(body, s.bodies().velocity[row].norm() + 4 * s.bodies().angular_velocity[row].norm());
-    body = tests::largest_of_ranks(body);
-    if (tests::rank() == 0)
-      printf("heap at rest, %s: fastest fluid %.2g, fastest surface %.2g\n", name.c_str(), speed, body);
+    printf("heap at rest, %s: fastest fluid %.2g, fastest surface %.2g\n", name.c_str(), speed, body);
     EXPECT_LT(speed, 1e-3) << name;
   }
 }

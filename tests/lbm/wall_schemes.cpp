@@ -1,5 +1,5 @@
 // What each wall scheme holds at a flat wall, against the closure of lbm/README.md, equation 12: flow driven
-// by a force between two planes anywhere in the grid. Every rank does the same.
+// by a force between two planes anywhere in the grid.
 #include <gtest/gtest.h>
 
 #include <algorithm>
