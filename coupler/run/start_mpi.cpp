@@ -38,6 +38,8 @@ void propose_parameters() {
   // The usual component for shared file pointers, which nothing here uses, overflows with paths above 240
   // bytes.
   propose("OMPI_MCA_sharedfp", "individual");
+  // To read another rank's memory is forbidden in most containers.
+  propose("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
   if (is_alone()) {
     propose("OMPI_MCA_ess_singleton_isolated", "1");
     propose("OMPI_MCA_orte_create_session_dirs", "0");

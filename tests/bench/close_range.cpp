@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "coupler/forces/gap_cells.hpp"
+#include "coupler/run/start_mpi.hpp"
 #include "coupler/simulation.hpp"
 #include "rigid/math/rotation_between.hpp"
 #include "tests/coupler/case/case_text.hpp"
@@ -152,7 +153,7 @@ Resistance exact(const std::string& kind, double gap, double radius) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
+  silt::coupler::start_mpi(&argc, &argv);
   if (argc != 5 && argc != 6)
     return std::fputs(
                "usage: bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] "

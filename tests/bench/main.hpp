@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "coupler/run/start_mpi.hpp"
 #include "cpu/isa.hpp"
 #include "tests/bench/figures.hpp"
 
@@ -14,7 +15,7 @@ namespace silt::bench {
 /// come. What it throws is said, and the exit code is then 2 (on several ranks for all of them).
 template <class Run>
 int main_of(int argc, char** argv, Run&& run) {
-  MPI_Init(&argc, &argv);
+  coupler::start_mpi(&argc, &argv);
   setvbuf(stdout, nullptr, _IOLBF, 0);
   flush_denormals_to_zero();
   try {

@@ -13,6 +13,7 @@
 #include <map>
 #include <sstream>
 
+#include "coupler/run/start_mpi.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
@@ -239,7 +240,7 @@ void report(const Array& a, const Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
+  silt::coupler::start_mpi(&argc, &argv);
   const Options o = options_of(argc, argv);
   for (const double d : o.diameters)
     for (const double phi : o.phi) report(Array(o.lattice, phi, d), o);

@@ -58,8 +58,7 @@ parser.add_argument("--ranks", type=int, default=1)
 parser.add_argument("--seed", type=int, default=1)
 options = parser.parse_args()
 
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
-                   OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
 LAUNCHER = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet", "-np", str(options.ranks)]
 
 

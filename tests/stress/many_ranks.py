@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
 from case_text import case_text, cube, sphere  # noqa: E402
 
 SILT = sys.argv.pop(1)
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1")
 
 
 def state(text, ranks, *options):

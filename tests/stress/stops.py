@@ -40,8 +40,7 @@ steps = 1000000
 WET = DRY.replace("size = [100, 100, 400]", "size = [60, 60, 80]").replace("2000", "200").replace("-1e-5", "-1e-6").replace(
     "box = [[0, 0, 100], [100, 100, 400]]\n", "").replace("[contacts]", "[fluid]\nrelaxation_time = 0.8\n[contacts]")
 SCENES = {"dry": DRY, "wet": WET}
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
-                   OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
 
 
 def ranks_of(process, ranks):

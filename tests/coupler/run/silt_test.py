@@ -10,8 +10,7 @@ import unittest
 
 SILT = os.path.abspath(sys.argv.pop(1))
 MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet"]
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
-                   OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
+ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
 
 CASE = """
 title = "two balls"
