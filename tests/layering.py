@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """The dependency rule, read from the includes: cpu -> (std); lbm -> (cpu, MPI, std); rigid -> (cpu, Eigen, std); adapters -> rigid or lbm
 types, never the coupler; engine headers only inside their adapter's folder; a coupler includes factory headers. And no function
-of the C library whose last bit depends on the machine."""
+of the C library whose last bit depends on the machine; and no two types of one name in headers of one namespace, which files
+that see one of them each would take for the same."""
 import pathlib
 import re
 import sys
@@ -44,12 +45,31 @@ def calls_of_unequal(root):
                     yield f"{name}:{number}: {call[0]}...) rounds otherwise on other machines: rigid/math/elementary.hpp has it"
 
 
+TYPE = re.compile(r"(?:struct|class|enum class|enum|union) (?:alignas\([^)]*\) )?(\w+)(?: final)?(?: :[^:].*)? ?\{")
+
+
+def types_of_one_name(root):
+    """Types at the level of a namespace, which are not indented."""
+    places = {}
+    for folder in FORBIDDEN:
+        for file in sorted((root / folder).rglob("*.hpp")):
+            namespace = ""
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                if entered := re.match(r"namespace ([\w:]+) \{", line):
+                    namespace = entered[1]
+                elif found := TYPE.match(line):
+                    places.setdefault((namespace, found[1]), []).append(f"{file.relative_to(root)}:{number}")
+    for (namespace, name), several in places.items():
+        if len(several) > 1:
+            yield f"{', '.join(several)}: two types {namespace}::{name}: give one of them another name"
+
+
 def files_seen(root):
     return sum(1 for folder in FORBIDDEN for _ in (root / folder).rglob("*.[hc]pp"))
 
 
 root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-found = [*violations(root), *calls_of_unequal(root)]
+found = [*violations(root), *calls_of_unequal(root), *types_of_one_name(root)]
 print("\n".join(found))
 if not files_seen(root):
     sys.exit("layering: no sources found under " + str(root))
