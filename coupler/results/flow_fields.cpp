@@ -216,7 +216,8 @@ class Fields {
     return vector(
         "vorticity", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
         [this](const Piece& piece) {
-          return [this, b = piece.block](Int3 cell) { return coupler::vorticity(*velocities_, b, cell); };
+          return [around = VelocitiesAround(flow_, *velocities_, piece.block, piece.first, piece.last)](
+                     Int3 cell) mutable { return coupler::vorticity(around, cell); };
         },
         [this](std::size_t row, const Vec3&) {
           return Vec3(2 * simulation_.bodies().angular_velocity[row]);

@@ -8,11 +8,11 @@ using rigid::Vec3;
 namespace {
 
 /// Derivative of the velocity along an axis.
-Vec3 derivative(const CellVelocities& velocities, int block, Int3 cell, int axis) {
+Vec3 derivative(VelocitiesAround& velocities, Int3 cell, int axis) {
   const auto beside = [&](int steps) {
     Int3 other = cell;
     other[axis] += steps;
-    return velocities.at(block, other);
+    return velocities.at(other);
   };
   const auto before = beside(-1), after = beside(1);
   if (before && after) return 0.5 * (*after - *before);
@@ -25,9 +25,9 @@ Vec3 derivative(const CellVelocities& velocities, int block, Int3 cell, int axis
 
 }  // namespace
 
-Vec3 vorticity(const CellVelocities& velocities, int block, Int3 cell) {
-  const Vec3 x = derivative(velocities, block, cell, 0), y = derivative(velocities, block, cell, 1),
-             z = derivative(velocities, block, cell, 2);
+Vec3 vorticity(VelocitiesAround& velocities, Int3 cell) {
+  const Vec3 x = derivative(velocities, cell, 0), y = derivative(velocities, cell, 1),
+             z = derivative(velocities, cell, 2);
   return {y[2] - z[1], z[0] - x[2], x[1] - y[0]};
 }
 
