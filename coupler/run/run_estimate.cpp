@@ -22,7 +22,7 @@ namespace {
 
 // Measured on one core (coupler/README.md, "What a run will take").
 constexpr double bytes_of_a_cell = 2 * 19 * 4, share_of_bandwidth = 0.7;
-constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;  // s; the latter on several
+constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        // s; the latter on several
 constexpr double seconds_of_a_body = 0.5e-6, seconds_of_an_impulse = 0.4e-6;  // a sub-step
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
