@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/coupler/exchange/exchange_scene.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler {
 namespace {
