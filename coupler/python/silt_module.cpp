@@ -254,39 +254,36 @@ void bind_changes(py::class_<LiveSimulation>& simulation) {
           "Moves body `id` to anywhere in the domain, orientation w, x, y, z; its velocity stays.");
 }
 
+constexpr const char* about_simulation =
+    R"(A case that advances in time, in lattice units. On several ranks each call is collective: every rank
+makes the same calls with the same arguments. Properties are of this rank, and wait for no other.)";
+constexpr const char* about_opening =
+    R"(Reads and judges a case directory (or .toml file) as `silt run CASE --set ... --unset ...` does, and
+starts at step 0. Raises CaseError with everything that is wrong, on every rank; warnings come as
+UserWarning on rank 0.)";
+constexpr const char* about_step =
+    R"(Does one step. Raises GuardStop, on every rank, when the state has left the range in which it means
+anything. What only one of several ranks meets would leave the others waiting: that rank says what
+it is and ends all of them.)";
+constexpr const char* about_field =
+    R"(Makes a field of the fluid, an array [x, y, z] or [x, y, z, 3] of the cells of `box`, in lattice
+units: velocity, density, pressure, shear-rate, body-id, vorticity. As in files of fields a cell in
+a body has the body's velocity and id. Cells of other ranks are nan; on one rank there are none.)";
+
 void bind_simulation(py::module_& module) {
-  py::class_<LiveSimulation> simulation(
-      module, "Simulation",
-      "A case that advances in time, in lattice units. On several ranks each call is collective: every rank "
-      "makes "
-      "the same\ncalls with the same arguments. Properties are of this rank, and wait for no other.");
+  py::class_<LiveSimulation> simulation(module, "Simulation", about_simulation);
   simulation
       .def(py::init(&opened), py::arg("case"), py::arg("set") = std::vector<std::string>{},
-           py::arg("unset") = std::vector<std::string>{},
-           "Reads and judges a case directory (or .toml file) as `silt run CASE --set ... --unset ...` does, "
-           "and "
-           "starts at step 0.\nRaises CaseError with everything that is wrong, on every rank; warnings come "
-           "as "
-           "UserWarning on rank 0.")
+           py::arg("unset") = std::vector<std::string>{}, about_opening)
       .def(
-          "step", [](LiveSimulation& live) { with(live, [](Simulation& s) { s.step(); }); },
-          "Does one step. Raises GuardStop, on every rank, when the state has left the range in which it "
-          "means "
-          "anything. What\nonly one of several ranks meets would leave the others waiting: that rank says "
-          "what it is "
-          "and ends all of them.")
+          "step", [](LiveSimulation& live) { with(live, [](Simulation& s) { s.step(); }); }, about_step)
       .def("run", &run, py::arg("steps"),
            "Does so many steps, with a look at all of the fluid every 100; errors as of step.")
       .def(
           "hash",
           [](LiveSimulation& live) { return hex(with(live, [](Simulation& s) { return s.hash(); })); },
           "state_hash of report.json: the same for the same state on any number of ranks.")
-      .def("field", &field, py::arg("name"),
-           "Makes a field of the fluid, an array [x, y, z] or [x, y, z, 3] of the cells of `box`, in lattice "
-           "units: "
-           "velocity,\ndensity, pressure, shear-rate, body-id, vorticity. As in files of fields a cell in a "
-           "body has "
-           "the body's velocity and\nid. Cells of other ranks are nan; on one rank there are none.")
+      .def("field", &field, py::arg("name"), about_field)
       .def_property_readonly("bodies", [](py::object self) { return Bodies{std::move(self)}; })
       .def_property_readonly("steps_done", reads([](const Simulation& s) { return s.steps_done(); }))
       .def_property_readonly("time", reads([](const Simulation& s) {

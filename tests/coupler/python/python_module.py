@@ -22,7 +22,7 @@ sys.path[:0] = [str(MODULE), str(ROOT / "scripts"), str(ROOT / "tests/coupler/ru
 import numpy as np  # noqa: E402
 import silt  # noqa: E402
 import silt_results  # noqa: E402
-from silt_test import CASE, ENVIRONMENT, MPIRUN, UNSTABLE, SiltTest  # noqa: E402
+from silt_test import CASE, ENVIRONMENT, MPIRUN, SILT, UNSTABLE, SiltTest  # noqa: E402
 
 DRY = """
 [units]
@@ -304,6 +304,19 @@ class Module(SiltTest):
             """, 2)
         ended = "the simulation has ended: MPI is finalised\n"
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, 2 * ended, ""))
+
+    def test_parameters_of_its_mpi_are_not_left_to_others(self):
+        """What coupler/run/start_mpi.cpp sets for a process alone is for this one; a program that a script starts beside it runs."""
+        result = self.script(f"""
+            import subprocess, silt
+            simulation = silt.Simulation(".")
+            subprocess.run({[SILT, "run", "."]!r}, check=True, stdout=subprocess.DEVNULL)
+            seen = subprocess.run(["env"], capture_output=True, text=True).stdout.splitlines()
+            print(*(line for line in seen if line.startswith("OMPI_MCA_")), sep="\\n")
+            """, 1)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        for parameter in ("btl", "pml", "ess_singleton_isolated", "orte_create_session_dirs"):
+            self.assertNotIn(f"OMPI_MCA_{parameter}=", result.stdout)
 
     # ---- its page ----
 
