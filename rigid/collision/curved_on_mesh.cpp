@@ -13,8 +13,8 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double normal_rounding =
-    1e-9;  // part of the pair's size: what a normal that was searched for may be off
+/// Part of the pair's size: what a normal that was searched for may be off.
+constexpr double normal_rounding = 1e-9;
 /// Part of a body's least width: deeper behind a triangle, the way out may be another one.
 constexpr double deep = 0.02;
 constexpr double wide_angle = 0.6;  // radian

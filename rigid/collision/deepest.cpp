@@ -9,7 +9,7 @@ namespace silt::rigid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Differences below this part of the pair's size are difference_rounding.
+/// Differences below this part of the pair's size are rounding.
 constexpr double difference_rounding = 1e-13;
 /// Edges more nearly parallel than this (sine) have no normal of their own worth trying: a face's is as good.
 constexpr double parallel_edges_sine = 1e-8;

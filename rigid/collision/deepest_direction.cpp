@@ -21,7 +21,7 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& 
   const double scale = length_scale(a, b);
   CommonPoint best{};
   best.miss = std::numeric_limits<double>::infinity();
-  // a normal that is off by meeting_slack may leave out a corner of an edge or a face
+  // a normal that is off by rounding may leave out a corner of an edge or a face
   for (const double slack :
        {meeting_slack * scale, 100 * meeting_slack * scale, 1e4 * meeting_slack * scale}) {
     a.touching_outline(n, slack, of_a);

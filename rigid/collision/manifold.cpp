@@ -12,7 +12,7 @@ namespace silt::rigid {
 
 namespace {
 
-/// Lengths below this part of the pair's size are gap_rounding.
+/// Lengths below this part of the pair's size are rounding.
 constexpr double gap_rounding = 1e-10;
 /// Capsules whose axes make an angle with a sine up to this may touch along their common length.
 constexpr double parallel_axes_sine = 0.2;
@@ -153,7 +153,7 @@ void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double 
     const Vec3& x = patch.corner[c];
     const double gap = -face_a.height(x, n);
     // by where it is, not by what the clipping passed through: where a vertex meets an edge that is up to
-    // gap_rounding
+    // rounding
     const Feature of_a = feature_under(face_a, over_a, x, 10 * slack);
     const Feature of_b = feature_under(face_b, over_b, x, 10 * slack);
     add_unique(points, {x - gap * n, x, n, gap, feature_id(of_a, of_b)});
@@ -198,7 +198,7 @@ void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& norma
   const auto is_deepest = [&](const ContactPoint& p) {
     return std::abs(p.gap - gap) <= 10 * gap_rounding * scale;
   };
-  // an edge along an edge is over it or not by gap_rounding, or by what the normal is off: the deepest point
+  // an edge along an edge is over it or not by rounding, or by what the normal is off: the deepest point
   // must not be lost, and none can lie between the supporting planes
   bool has_deepest = false;
   for (const double slack : {gap_rounding * scale, 100 * gap_rounding * scale}) {

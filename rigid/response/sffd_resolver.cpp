@@ -10,8 +10,8 @@ namespace silt::rigid {
 namespace {
 
 constexpr int state_width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
-constexpr double impulse_rounding =
-    1e-5;  // times mass x speed: an impulse this small says nothing about convergence
+/// Times mass x speed: an impulse this small says nothing about convergence.
+constexpr double impulse_rounding = 1e-5;
 constexpr int accelerated_sweeps = 64;       // what is not at rest by then does better without
 constexpr int most_start_sweeps = 10000;     // of chains at the start: a ratio of masses of 10^4 takes 9000
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
@@ -179,7 +179,7 @@ void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, 
   }
 }
 
-/// Impulses of a pair below this are impulse_rounding.
+/// Impulses of a pair below this are rounding.
 double SffdResolver::least_scale(const Pair& p) const {
   const auto speed = [&](std::size_t row) {
     const BodyState& s = state_[row];

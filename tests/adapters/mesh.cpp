@@ -20,7 +20,7 @@ const Vec3 corner_of(int i) {
   return Vec3(i & 1, i >> 1 & 1, i >> 2 & 1);
 }
 
-/// The triangles of a indexed_cube.
+/// The triangles of a cube.
 std::vector<std::array<int, 3>> indexed_cube() {
   std::vector<std::array<int, 3>> triangles;
   const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
@@ -55,7 +55,7 @@ std::string obj_of(const std::vector<Piece>& pieces,
 }
 
 std::string ply_header(const char* format, int vertices, int faces) {
-  return std::string("ply\nformat ") + format + " 1.0\ncomment a indexed_cube\nelement vertex " +
+  return std::string("ply\nformat ") + format + " 1.0\ncomment a cube\nelement vertex " +
          std::to_string(vertices) +
          "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face " +
          std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n";
@@ -94,7 +94,7 @@ std::string stl_binary() {
   return bytes;
 }
 std::string stl_text() {
-  std::string text = "solid indexed_cube\n";
+  std::string text = "solid cube\n";
   for (const auto& t : indexed_cube()) {
     text += "facet normal 0 0 0\nouter loop\n";
     for (const int i : t) {
@@ -161,7 +161,7 @@ TEST(ReadMesh, DefectsAreMendedAndCounted) {
       << "inside out";
 }
 
-/// A indexed_cube in a hollow of a indexed_cube, and one beside: outward, inward, outward again.
+/// A cube in a hollow of a cube, and one beside: outward, inward, outward again.
 TEST(ReadMesh, ShellsAreTurnedByWhatIsAroundThem) {
   const ReadMesh read =
       read_mesh("a.obj", obj_of({{{0, 0, 0}, 8}, {{1, 1, 1}, 4}, {{2, 2, 2}, 1}, {{20, 0, 0}, 2}}), 1);

@@ -13,7 +13,7 @@ namespace {
 
 using rigid::Vec3;
 
-/// The unit cube_triangles in 12 triangles, its corners seen through a map.
+/// The unit cube in 12 triangles, its corners seen through a map.
 template <class Map>
 std::vector<Triangle> cube_triangles(Map&& map) {
   const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
@@ -31,7 +31,7 @@ std::vector<Triangle> cube_triangles() {
 }
 
 std::string as_text(const std::vector<Triangle>& triangles, const char* newline = "\n") {
-  std::string text = std::string("solid a cube_triangles") + newline;
+  std::string text = std::string("solid a cube") + newline;
   for (const Triangle& t : triangles) {
     text += std::string("facet normal 0 0 0") + newline + " outer loop" + newline;
     for (const Vec3& v : t) {
@@ -41,7 +41,7 @@ std::string as_text(const std::vector<Triangle>& triangles, const char* newline 
     }
     text += std::string(" endloop") + newline + "endfacet" + newline;
   }
-  return text + "endsolid a cube_triangles" + newline;
+  return text + "endsolid a cube" + newline;
 }
 
 std::string as_binary(const std::vector<Triangle>& triangles, const char* header = "binary") {

@@ -1,4 +1,4 @@
-// Bodies alone, by sffd, at the cube_edge of what it can do: towers that theory just lets stand, heavy on
+// Bodies alone, by sffd, at the edge of what it can do: towers that theory just lets stand, heavy on
 // light, and a gas that nothing may slow down. Cells of 0.1 m, steps of a millisecond.
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ double drift_of(const CaseText& text, int steps) {
 }
 
 /// Offsets of a tower of eight that hangs over by a share of the most that statics allows: there the centre
-/// of mass of any k topmost boxes is above the rim of the one below them, which is cube_edge / 2k from its
+/// of mass of any k topmost boxes is above the rim of the one below them, which is edge / 2k from its
 /// middle.
 std::vector<double> overhang(double share) {
   std::vector<double> offsets{0};

@@ -61,7 +61,7 @@ TEST(Shape, ClosedForms) {
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {0.2, 0, 4}, {0, 0, -2}, 10), 1.5);
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 0.9}, {-1, 0, 0}, 10), 2.5);
   EXPECT_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 1.1}, {-1, 0, 0}, 10), 10);
-  // of radius 3 and height_along 4: the base at z = -1, the apex at 3
+  // of radius 3 and height 4: the base at z = -1, the apex at 3
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, -3}), 2);
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, 5}), 2);
   EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {6, 0, -5}), 5);
