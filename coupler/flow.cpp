@@ -311,7 +311,7 @@ class FlowOf final : public Flow {
   lbm::Fluid<T> fluid_;
   MapBodies map_;
   std::vector<BlockLinks<T>> links_;
-  MeshDistances meshes_;
+  MeshDistances meshes_{map_.meshes()};
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<SideColumns> columns_;          // of the blocks, for pairs_
   bool pushes_bodies_;

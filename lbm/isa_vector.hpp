@@ -40,13 +40,16 @@ template <class Mask>
 #endif
 }
 
-/// The lanes in which a comparison of two vectors of 32-bit elements held, as bits.
+/// The lanes in which a comparison of two vectors of 32-bit or 64-bit elements held, as bits.
 template <class Mask>
 [[gnu::always_inline]] inline unsigned lane_bits(const Mask& mask) {
+  [[maybe_unused]] constexpr bool wide = sizeof mask[0] == 8;
 #if defined(SILT_ISA_avx512)
   const auto lanes = std::bit_cast<__m512i>(mask);
+  if constexpr (wide) return _mm512_test_epi64_mask(lanes, lanes);
   return _mm512_test_epi32_mask(lanes, lanes);
 #elif defined(SILT_ISA_avx2)
+  if constexpr (wide) return unsigned(_mm256_movemask_pd(std::bit_cast<__m256d>(mask)));
   return unsigned(_mm256_movemask_ps(std::bit_cast<__m256>(mask)));
 #else
   unsigned bits = 0;

@@ -332,7 +332,8 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
-  MeshDistances own;
+  PlacedMeshes placed;
+  MeshDistances own(placed);
   LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own);
   for (std::size_t k = 0; k < map.masks.size(); ++k) {
     const BodyMask& mask = map.masks[k];

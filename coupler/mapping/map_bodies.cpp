@@ -174,10 +174,8 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
   const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
     return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
-  if (const auto* mesh = std::get_if<rigid::Mesh>(&shape)) {
-    mesh_.place(*mesh->surface, mask.pose);
-    return mark_mesh(*mesh, mesh_, centre.low, mask.inside);
-  }
+  if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))
+    return mark_mesh(*mesh, meshes_.at(*mesh->surface, mask.pose), centre.low, mask.inside);
   surface_.reset(shape, mask.pose.orientation);
   bit_kernels().mark_parts(frame, centre, surface_.view(), mask.inside.words());
 }

@@ -31,6 +31,7 @@ class MapBodies {
   /// Whether the last mapping changed some block.
   bool changed() const;
   const std::vector<BlockMap>& blocks() const { return blocks_; }
+  PlacedMeshes& meshes() { return meshes_; }
 
  private:
   struct Image {
@@ -53,7 +54,7 @@ class MapBodies {
   std::vector<BlockMap> blocks_;
   std::vector<Image> found_;      // in the block at work
   SurfaceParts<double> surface_;  // of the body at work
-  PlacedMesh mesh_;               // likewise
+  PlacedMeshes meshes_;
   std::vector<std::uint8_t> changed_rows_;
 };
 

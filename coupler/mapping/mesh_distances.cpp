@@ -15,9 +15,9 @@ using rigid::Vec3;
 void MeshDistances::find(const rigid::Mesh& mesh, const BlockMap& map, const BodyMask& mask) {
   mesh_ = &mesh, map_ = &map, mask_ = &mask;
   find_near_cells();
-  placed_.place(*mesh.surface, mask.pose);
+  PlacedMesh& placed = placed_.at(*mesh.surface, mask.pose);
   const Int3 low = map.box.lower - mask.shift + mask.frame().low, high = low + mask.frame().size;
-  mesh_kernels().cut_links(placed_.near(Vec3(low.x, low.y, low.z), Vec3(high.x, high.y, high.z)), low,
+  mesh_kernels().cut_links(placed.near(Vec3(low.x, low.y, low.z), Vec3(high.x, high.y, high.z)), low,
                            view());
 }
 

@@ -11,6 +11,8 @@ namespace silt::coupler {
 
 class MeshDistances {
  public:
+  /// Keeps a reference to the meshes.
+  explicit MeshDistances(PlacedMeshes& placed) : placed_(placed) {}
   /// Finds the distances of all links from fluid cells of the block to cells of the mask.
   void find(const rigid::Mesh&, const BlockMap&, const BodyMask&);
   /// Sets those of links at places that count from a cell of the block: where they first meet a triangle, in
@@ -24,10 +26,10 @@ class MeshDistances {
   LinkDistances view();
   double by_nearest_points(lbm::Int3 cell, int direction) const;
 
+  PlacedMeshes& placed_;
   const rigid::Mesh* mesh_ = nullptr;
   const BlockMap* map_ = nullptr;
   const BodyMask* mask_ = nullptr;
-  PlacedMesh placed_;
   BitWindow near_, fluid_;             // near_: fluid cells of the block next to cells of the mask
   std::vector<std::uint32_t> before_;  // how many of them come before each word
   std::vector<std::uint32_t> least_;   // of every direction of each of them, in units

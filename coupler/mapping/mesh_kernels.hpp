@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "coupler/mapping/bit_window.hpp"
 #include "cpu/isa.hpp"
@@ -14,16 +15,30 @@ namespace silt::coupler {
 inline constexpr int cell_bits = 24;
 inline constexpr std::int64_t cell_units = std::int64_t{1} << cell_bits;
 
-using Whole3 = std::array<std::int64_t, 3>;
+/// A corner of a triangle: in units, whole numbers; and the lattice points that it is between along x, y and
+/// z, `field` bits each: of the one before it the number, modulo 2^20, then whether the corner is at it.
+struct alignas(32) Corner {
+  double at[3];
+  std::uint64_t between;
+
+  static constexpr int field = 21;
+  static constexpr std::uint64_t of_x = (std::uint64_t{1} << field) - 1;
+  static constexpr std::uint64_t x_is_whole = std::uint64_t{1} << (field - 1),
+                                 is_whole = x_is_whole | x_is_whole << field | x_is_whole << 2 * field;
+  static constexpr double distinct = 1 << (field - 1);  // cells
+};
+
+/// Numbers of triangles, some by some; those that meet no plane of lattice points are left out.
+struct TrianglesByPlanes {
+  std::span<const std::uint32_t> in_plane[3];  // that meet planes across an axis
+  std::span<const std::uint32_t> on_x_axis;    // that meet planes across y and z
+};
 
 /// Some triangles at a pose.
 struct TriangleView {
   const std::uint32_t (*triangles)[3];  // of corners
-  const std::uint32_t* wanted;          // numbers of triangles
-  std::size_t count;                    // of those wanted
-  const Whole3* corner;                 // in units
-  const float* rough;                   // the same in cells, three numbers each, from `base` on
-  std::int64_t base[3];                 // whole cells
+  const Corner* corner;
+  std::span<const TrianglesByPlanes> parts;  // a part's corners fit the near caches
 };
 
 /// Cells from which links may be cut: those set in `near`, of which `before` come before each word; a
@@ -40,10 +55,9 @@ struct LinkDistances {
 
 /// What each build offers.
 struct MeshKernels {
-  /// Places corners, of three numbers each: position + turn corner; turn: rows. `base` is taken off in
-  /// `rough`.
+  /// Places corners, of three numbers each: position + turn corner; turn: rows.
   void (*place_corners)(const double* from, std::size_t count, const double* turn, const double* position,
-                        const std::int64_t* base, Whole3* corner, float* rough);
+                        Corner*);
   /// Changes the bit of the first cell beyond wherever a row of cells along x meets a triangle; `low`: of the
   /// frame's bit 0. All cells but two at either end of the frame.
   void (*mark_changes)(const TriangleView&, const BitFrame&, lbm::Int3 low, std::uint64_t* words);

@@ -1,20 +1,50 @@
 #include "coupler/mapping/placed_mesh.hpp"
 
-#include <cmath>
-#include <numeric>
+#include <algorithm>
 
 namespace silt::coupler {
 
 using rigid::Vec3;
 
+/// A triangle meets a plane unless its corners lie between the same two, none of them at one.
+template <class Number>
+void SortedByPlanes::sort(std::span<const rigid::TriangleMesh::Triangle> triangles,
+                          const std::vector<Corner>& corners, std::size_t count, Number&& number) {
+  constexpr std::size_t part = 1024;  // triangles
+  constexpr std::uint64_t of_x = Corner::of_x, of_y = of_x << Corner::field, of_z = of_y << Corner::field;
+  lists_.resize(std::max(lists_.size(), 4 * (count + 1)));
+  parts_.clear();
+  for (std::size_t first = 0; first < count; first += part) {
+    const std::size_t end = std::min(first + part, count);
+    std::uint32_t* list[4];
+    std::size_t found[4] = {};
+    for (std::size_t k = 0; k < 4; ++k) list[k] = lists_.data() + 4 * first + k * (end - first);
+    for (std::size_t n = first; n < end; ++n) {
+      const auto& t = triangles[number(n)];
+      const std::uint64_t a = corners[t[0]].between, b = corners[t[1]].between, c = corners[t[2]].between;
+      const std::uint64_t apart = (a ^ b) | (b ^ c) | ((a | b | c) & Corner::is_whole);
+      const unsigned x = (apart & of_x) != 0, y = (apart & of_y) != 0, z = (apart & of_z) != 0;
+      const unsigned takes[] = {x, y, z, y & z};
+      for (int k = 0; k < 4; ++k) {
+        list[k][found[k]] = std::uint32_t(number(n));
+        found[k] += takes[k];
+      }
+    }
+    TrianglesByPlanes& sorted = parts_.emplace_back();
+    for (int d = 0; d < 3; ++d) sorted.in_plane[d] = {list[d], found[d]};
+    sorted.on_x_axis = {list[3], found[3]};
+  }
+}
+
 void PlacedMesh::place(const rigid::TriangleMesh& mesh, const rigid::Pose& pose) {
   if (mesh_ == &mesh && pose_ == pose) return;
-  mesh_ = &mesh, pose_ = pose;
-  corner_.resize(mesh.vertices().size()), rough_.resize(3 * mesh.vertices().size());
-  for (int d = 0; d < 3; ++d) base_[d] = std::llround(pose.position[d]);
+  mesh_ = &mesh, pose_ = pose, all_sorted_ = false;
+  corner_.resize(mesh.vertices().size());
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn = pose.orientation.toRotationMatrix();
-      mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(),
-                                   pose.position.data(), base_.data(), corner_.data(), rough_.data());
+  mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(),
+                               pose.position.data(), corner_.data());
+  if (2 * mesh.radius() >= Corner::distinct)  // lattice points look alike: every triangle is looked at
+    for (Corner& corner : corner_) corner.between |= Corner::is_whole;
 }
 
 rigid::BoundingBox PlacedMesh::box() const {
@@ -25,26 +55,26 @@ rigid::BoundingBox PlacedMesh::box() const {
 }
 
 TriangleView PlacedMesh::near(const Vec3& low, const Vec3& high) {
+  static_assert(sizeof(rigid::TriangleMesh::Triangle) == sizeof(std::uint32_t[3]));
+  const auto view = [&](const SortedByPlanes& sorted) {
+    return TriangleView{reinterpret_cast<const std::uint32_t(*)[3]>(mesh_->triangles().data()),
+                        corner_.data(), sorted.parts()};
+  };
+  const rigid::BoundingBox whole = box();
+  if ((whole.lower.array() >= low.array()).all() && (whole.upper.array() <= high.array()).all()) {
+    if (!all_sorted_)
+      of_all_.sort(mesh_->triangles(), corner_, mesh_->triangles().size(), [](std::size_t k) { return k; });
+    all_sorted_ = true;
+    return view(of_all_);
+  }
   const rigid::Mat3 to_body = pose_.orientation.toRotationMatrix().transpose();
   const Vec3 slack = Vec3::Constant(1e-3);  // cells: of rounding to units and of the turned box
   const Vec3 middle = to_body * (0.5 * (low + high) - pose_.position);
   const Vec3 half = to_body.cwiseAbs() * (0.5 * (high - low) + slack);
-  const rigid::BoundingBox all = box();
   near_.clear();
-  if ((all.lower.array() >= low.array()).all() && (all.upper.array() <= high.array()).all()) {
-    near_.resize(mesh_->triangles().size());
-    std::iota(near_.begin(), near_.end(), 0u);
-  } else {
-    mesh_->for_near({middle - half, middle + half},
-                    [&](std::uint32_t triangle) { near_.push_back(triangle); });
-  }
-  static_assert(sizeof(rigid::TriangleMesh::Triangle) == sizeof(std::uint32_t[3]));
-  return {reinterpret_cast<const std::uint32_t(*)[3]>(mesh_->triangles().data()),
-          near_.data(),
-          near_.size(),
-          corner_.data(),
-          rough_.data(),
-          {base_[0], base_[1], base_[2]}};
+  mesh_->for_near({middle - half, middle + half}, [&](std::uint32_t triangle) { near_.push_back(triangle); });
+  of_near_.sort(mesh_->triangles(), corner_, near_.size(), [&](std::size_t k) { return near_[k]; });
+  return view(of_near_);
 }
 
 }  // namespace silt::coupler

@@ -132,6 +132,14 @@ TEST(MeshMapping, TheSameInAnyBlocks) {
   }
 }
 
+/// Corners of a triangle 2^22 cells apart, between lattice points that look alike.
+TEST(MeshMapping, AMeshMayBeMillionsOfCellsWide) {
+  constexpr double wide = 1 << 22;
+  const Mesh mesh = rigid::testing::solid_of(rigid::testing::cuboid_mesh(
+      {10.3, 5.3 - wide / 2, 5.7 - wide / 2}, {10.3 + wide, 5.3 + wide / 2, 5.7 + wide / 2}));
+  EXPECT_EQ(mapped(mesh, {}, false, {n, n, n}).solid.size(), std::size_t(n - 10) * n * n);
+}
+
 /// In whole numbers a motion by whole cells changes nothing else.
 TEST(MeshMapping, MovedByWholeCellsItIsMoved) {
   const Mesh mesh = rigid::testing::solid_of(rigid::testing::torus_mesh(6, 2.3, 40, 20));

@@ -1,0 +1,147 @@
+#pragma once
+// Where triangles meet lines of lattice points: planes of lattice points cut them into segments, whose ends
+// are rounded to whole units and are the same for both triangles at an edge, so that the segments of a closed
+// surface form closed polygons; these meet lines an even number of times. Doubles hold every number to the
+// bit: neither blocks nor ranks nor instruction sets have a say. Only for *_kernel.cpp files, which are built
+// once an instruction set (SILT_ISA).
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <span>
+
+#include "coupler/mapping/mesh_kernels.hpp"
+#include "lbm/isa_vector.hpp"
+#include "lbm/lattice.hpp"
+
+namespace silt::coupler::SILT_ISA {
+
+using Doubles = lbm::SILT_ISA::VectorOf<double>::type;
+using Longs = lbm::SILT_ISA::VectorOf<std::int64_t>::type;
+inline constexpr int double_lanes = int(sizeof(Doubles) / sizeof(double));
+inline constexpr double units = double(cell_units), rounder = 0x1.8p52;  // a sum with it is a whole number
+
+/// To whole numbers, below 2^51.
+inline Doubles rounded(Doubles x) {
+  return (x + rounder) - rounder;
+}
+/// The last lattice point up to x, which is whole; in units.
+inline Doubles lattice_point(Doubles x) {
+  constexpr std::int64_t fraction = cell_units - 1;
+  return std::bit_cast<Doubles>(std::bit_cast<Longs>(x + rounder) & ~fraction) - rounder;
+}
+inline std::int64_t cell_of(double lattice_point) {
+  return std::int64_t(lattice_point) >> cell_bits;
+}
+
+/// The lines along one of a half of the directions c, known where code is made: through the lattice points
+/// whose coordinate `across` is that along another axis plus a whole number, where c runs up or down that
+/// axis or not at all.
+template <int number_>
+struct Direction {
+  static constexpr int number = number_, forward = 2 * number + 1, backward = forward + 1;
+  static constexpr int plane = number == 0 ? 2 : number < 3 ? number - 1 : 2 - (number - 3) / 2;
+  static constexpr lbm::Int3 c = lbm::c[forward];
+  static constexpr int along = c[0] != 0   ? 0
+                               : c[1] != 0 ? 1
+                                           : 2,
+                       across = 3 - plane - along, slope = c[across];
+  static_assert(c[along] == 1 && c[plane] == 0 && lbm::c[backward][along] == -1);
+};
+
+/// Calls use(Direction<number>()) for those whose lines are looked for in planes across an axis: one along an
+/// axis, two between axes.
+template <int axis, class Use>
+[[gnu::always_inline]] inline void for_directions_in_plane(Use&& use) {
+  constexpr int number = (axis + 1) % 3, diagonal = 3 + 2 * (2 - axis);
+  use(Direction<number>()), use(Direction<diagonal>()), use(Direction<diagonal + 1>());
+}
+
+/// Segments side by side, in a plane each: both ends, in units.
+struct Segments {
+  Doubles end[2][3];
+  unsigned used;  // lanes
+};
+
+/// Triangles side by side, cut by planes across an axis.
+template <int axis>
+class SlicedTriangles {
+ public:
+  [[gnu::always_inline]] SlicedTriangles(const TriangleView& view, std::span<const std::uint32_t> list)
+      : lanes_((1u << std::min<std::size_t>(list.size(), double_lanes)) - 1) {
+    for (std::size_t l = 0; l < double_lanes; ++l) {
+      const auto& t = view.triangles[list[std::min(l, list.size() - 1)]];
+      for (int k = 0; k < 3; ++k)
+        for (int d = 0; d < 3; ++d) x_[d][k][l] = view.corner[t[k]].at[d];
+    }
+  }
+  /// Calls use(segments) for the planes from first to last, in units.
+  template <class Use>
+  [[gnu::always_inline]] void slice(double first, double last, Use&& use) const {
+    const Doubles(&z)[3] = x_[axis];
+    Doubles plane = largest(lattice_point(least(least(z[0], z[1]), z[2])) + units, Doubles{} + first);
+    const Doubles end = least(lattice_point(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
+    for (unsigned used; (used = lanes_ & lbm::SILT_ISA::lane_bits(plane <= end)) != 0; plane += units)
+      use(cut(plane, used));
+  }
+
+ private:
+  static Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
+  static Doubles largest(Doubles a, Doubles b) { return a > b ? a : b; }
+
+  /// From the corner that is alone on its side of the plane to both others; a corner on the plane is above.
+  [[gnu::always_inline]] Segments cut(Doubles plane, unsigned used) const {
+    const Doubles(&z)[3] = x_[axis];
+    const Longs above[] = {z[0] >= plane, z[1] >= plane, z[2] >= plane};
+    const Longs first = above[1] == above[2], second = ~first & (above[0] == above[2]);
+    const Longs is_above = first ? above[0] : second ? above[1] : above[2];
+    Doubles alone[3], other[2][3];
+    for (int d = 0; d < 3; ++d) {
+      const Doubles(&x)[3] = x_[d];
+      alone[d] = first ? x[0] : second ? x[1] : x[2];
+      other[0][d] = first ? x[1] : second ? x[2] : x[0];
+      other[1][d] = first ? x[2] : second ? x[0] : x[1];
+    }
+    Segments s;
+    s.used = used;
+    for (int k = 0; k < 2; ++k) {
+      const Doubles low = is_above ? other[k][axis] : alone[axis],
+                    high = is_above ? alone[axis] : other[k][axis];
+      const Doubles part = (plane - low) / (high - low);
+      for (int d = 0; d < 3; ++d) {
+        const Doubles from = is_above ? other[k][d] : alone[d], to = is_above ? alone[d] : other[k][d];
+        s.end[k][d] = d == axis ? plane : from + rounded(part * (to - from));
+      }
+    }
+    return s;
+  }
+
+  unsigned lanes_;
+  Doubles x_[3][3];  // of each coordinate that of three corners
+};
+
+/// Calls visit(direction, x, w) for the lines along a direction that segments meet and that may pass cells
+/// from first to last: a cell of the line, that with 0 along it, and where along it, in units.
+template <class Along, class Visit>
+[[gnu::always_inline]] inline void meet_lines(const Segments& segments, Along direction, lbm::Int3 first,
+                                              lbm::Int3 last, const Visit& visit) {
+  constexpr int along = direction.along, across = direction.across, slope = direction.slope;
+  const auto on = [&](int k) { return segments.end[k][across] - double(slope) * segments.end[k][along]; };
+  const Doubles s0 = on(0), s1 = on(1), line0 = lattice_point(s0), line1 = lattice_point(s1);
+  for (unsigned left = segments.used & lbm::SILT_ISA::lane_bits(line0 != line1); left != 0;
+       left &= left - 1) {
+    const int l = std::countr_zero(left);
+    const int down = std::max(slope * first[along], slope * last[along]),
+              up = std::min(slope * first[along], slope * last[along]);
+    const double low = std::max(std::min(line0[l], line1[l]) + units, units * (first[across] - down));
+    const double high = std::min(std::max(line0[l], line1[l]), units * (last[across] - up));
+    const double from = segments.end[0][along][l], to = segments.end[1][along][l];
+    for (double line = low; line <= high; line += units) {
+      const double w = from + ((((line - s0[l]) / (s1[l] - s0[l])) * (to - from) + rounder) - rounder);
+      lbm::Int3 x;
+      x[direction.plane] = int(cell_of(segments.end[0][direction.plane][l])), x[across] = int(cell_of(line));
+      visit(direction, x, std::int64_t(w));
+    }
+  }
+}
+
+}  // namespace silt::coupler::SILT_ISA
