@@ -118,6 +118,16 @@ TEST(MeshMapping, FacesThroughCellCentresAreDecided) {
   for (const auto& [key, q] : found.links) EXPECT_TRUE(q == 0 || q == 1) << q;
 }
 
+/// Edges and faces run through cell centres in every direction of the lattice.
+TEST(MeshMapping, AnOctahedronWithItsCornersAtCellCentresIsDecided) {
+  const std::vector<Vec3> corners = {{9, 0, 0}, {-9, 0, 0}, {0, 9, 0}, {0, -9, 0}, {0, 0, 9}, {0, 0, -9}};
+  const std::vector<rigid::TriangleMesh::Triangle> faces = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                            {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  const Mesh mesh = rigid::testing::solid_of({corners, faces});
+  for (const Vec3& at : {Vec3(16.5, 16.5, 16.5), Vec3(16.5, 16.5, 16.0)})
+    expect_as_defined(mesh, {at, Quat::Identity()});
+}
+
 TEST(MeshMapping, TheSameInAnyBlocks) {
   for (const bool periodic : {false, true}) {
     const Mesh gear = rigid::testing::solid_of(rigid::testing::scaled(rigid::testing::gear_mesh(9, 3), 11));
