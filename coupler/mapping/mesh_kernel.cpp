@@ -71,11 +71,6 @@ bool within(const BitFrame& frame, Int3 x) {
 
 void cut_links(const TriangleView& view, Int3 low, const LinkDistances& links) {
   constexpr std::int64_t rounding = 4;  // units: a crossing so near a lattice point is at it
-  const auto note = [&](std::size_t from, std::size_t to, int direction, std::int64_t distance) {
-    if (!test(links.near, from) || !test(links.body, to)) return;
-    std::uint32_t& least = least_of(links, from, direction);
-    least = std::min(least, std::uint32_t(distance));
-  };
   const Int3 last = low + links.frame.size - Int3{1, 1, 1};
   const auto cut = [&](auto direction, Int3 line, std::int64_t w) {
     for (std::int64_t k = (w - rounding) >> cell_bits; k <= (w + rounding) >> cell_bits; ++k) {
@@ -84,9 +79,13 @@ void cut_links(const TriangleView& view, Int3 low, const LinkDistances& links) {
       const Int3 to = from + direction.c;
       if (!within(links.frame, from) || !within(links.frame, to)) continue;
       const std::size_t bit_from = bit_of(links.frame, from), bit_to = bit_of(links.frame, to);
-      const std::int64_t distance = std::clamp<std::int64_t>(w - k * cell_units, 0, cell_units);
-      note(bit_from, bit_to, direction.forward, distance);
-      note(bit_to, bit_from, direction.backward, cell_units - distance);
+      const bool from_body = test(links.body, bit_from);
+      if (from_body == test(links.body, bit_to)) continue;
+      const std::size_t fluid = from_body ? bit_to : bit_from;
+      if (!test(links.near, fluid)) continue;
+      const std::int64_t along = std::clamp<std::int64_t>(w - k * cell_units, 0, cell_units);
+      std::uint32_t& least = least_of(links, fluid, from_body ? direction.backward : direction.forward);
+      least = std::min(least, std::uint32_t(from_body ? cell_units - along : along));
     }
   };
   const auto in_planes = [&]<int axis>(std::integral_constant<int, axis>,
