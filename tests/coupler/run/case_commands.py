@@ -125,6 +125,21 @@ class Commands(SiltTest):
         (folder / "bin" / "silt").chmod(0o755)
         self.assertEqual(run().stdout, "installed: run\n")
 
+    def test_build_lets_go_of_the_pipe_that_it_writes_to(self):
+        tree = pathlib.Path(self.scratch.name) / "tree"
+        (tree / "scripts").mkdir(parents=True)
+        shutil.copy(SCRIPTS / "build", tree / "scripts")
+        (tree / "scripts/setup").write_text("#!/bin/sh\n")
+        (tree / "scripts/setup").chmod(0o755)
+        (tree / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(tiny NONE)\n"
+                                             "add_custom_target(short ALL COMMAND ${CMAKE_COMMAND} -E sleep 1)\n")
+        (tree / "CMakePresets.json").write_text('{"version": 3, "configurePresets": [{"name": "release", "generator": "Ninja", '
+                                                '"binaryDir": "${sourceDir}/build/release"}]}')
+        begun = time.monotonic()
+        done = subprocess.run([tree / "scripts/build"], capture_output=True, text=True, check=False)  # reads until nobody writes
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertLess(time.monotonic() - begun, 8)  # it tells how far it is each 10 s
+
     def test_a_wrong_word_gets_the_nearest(self):
         self.assertIn("did you mean 'check'?", self.silt("chek", self.case, code=2).stderr)
         self.assertRegex(self.silt("--version").stdout, r"silt .*\n.*Open MPI.*HDF5.*Bullet.*FCL")
