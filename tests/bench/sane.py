@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""sane.py BENCH_FOLDER
+"""sane.py BENCH_FOLDER SILT
 
 Runs each benchmark for a second (--quick) and looks whether its figures make sense: all there, finite, in a range that no
 machine leaves. How fast they are gates nothing. Then the page and the plots of scripts/bench all."""
@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 
-bench = pathlib.Path(sys.argv[1])
+bench, silt = map(pathlib.Path, sys.argv[1:3])
 root = pathlib.Path(__file__).resolve().parents[2]
 anything = (0, math.inf)
 share = (1e-3, 3)
@@ -39,6 +39,10 @@ if shutil.which("valgrind"):  # instructions are the same on every machine: here
                        {"skip.outputs.ratio": (0.95, 1.10)} | \
                        {f"skip.{row}.ratio": (0.95, 1.15) for row in ("contacts", "external_force")} | \
                        {"skip.friction.ratio": (0.5, 0.9)}
+of_runs = {  # of whole runs of the program
+    "output": {"output.share": (-0.5, 1), "output.over_plain_write": anything},
+    "rotor": {"rotor.mapping_over_fluid": (1e-3, 20), "rotor.over_fluid": (0.2, 50)},
+}
 only = {"skip": ["--instructions"], "coupled": ["--only", "coupled.a.cli$,coupled.a.cli.box$"]}
 
 on_two_ranks = ["mpirun", "-n", "2", "--oversubscribe", "--quiet", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]
@@ -57,6 +61,12 @@ with tempfile.TemporaryDirectory() as scratch:
         for key, (low, high) in keys.items():
             assert low < figures[key] < high, f"{key} is {figures[key]}"
     subprocess.run([root / "tests" / "bench" / "summary.py", folder], check=True)
+    for name, keys in of_runs.items():
+        found = folder / "runs.json"
+        subprocess.run([root / "tests" / "bench" / f"{name}.py", silt, "--quick", "--json", found], check=True)
+        figures = json.loads(found.read_text())["figures"]
+        for key, (low, high) in keys.items():
+            assert low < figures[key] < high, f"{key} is {figures[key]}"
     page = (folder / "README.md").read_text()
     for name, keys in expected.items():
         assert all(f"`{key}`" in page for key in keys), f"README.md lacks figures of {name}"
