@@ -24,10 +24,10 @@ inline constexpr double units = double(cell_units), rounder = 0x1.8p52;  // a su
 inline Doubles rounded(Doubles x) {
   return (x + rounder) - rounder;
 }
-/// The last lattice point up to x, which is whole; in units.
-inline Doubles lattice_point(Doubles x) {
+/// The last lattice point before x, which is whole; in units.
+inline Doubles lattice_point_before(Doubles x) {
   constexpr std::int64_t fraction = cell_units - 1;
-  return std::bit_cast<Doubles>(std::bit_cast<Longs>(x + rounder) & ~fraction) - rounder;
+  return std::bit_cast<Doubles>(std::bit_cast<Longs>(x - 1 + rounder) & ~fraction) - rounder;
 }
 inline std::int64_t cell_of(double lattice_point) {
   return std::int64_t(lattice_point) >> cell_bits;
@@ -78,8 +78,8 @@ class SlicedTriangles {
   template <class Use>
   [[gnu::always_inline]] void slice(double first, double last, Use&& use) const {
     const Doubles(&z)[3] = x_[axis];
-    Doubles plane = largest(lattice_point(least(least(z[0], z[1]), z[2])) + units, Doubles{} + first);
-    const Doubles end = least(lattice_point(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
+    Doubles plane = largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + units, Doubles{} + first);
+    const Doubles end = least(lattice_point_before(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
     for (unsigned used; (used = lanes_ & lbm::SILT_ISA::lane_bits(plane <= end)) != 0; plane += units)
       use(cut(plane, used));
   }
@@ -88,10 +88,10 @@ class SlicedTriangles {
   static Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
   static Doubles largest(Doubles a, Doubles b) { return a > b ? a : b; }
 
-  /// From the corner that is alone on its side of the plane to both others; a corner on the plane is above.
+  /// From the corner that is alone on its side of the plane to both others; a corner on the plane is below.
   [[gnu::always_inline]] Segments cut(Doubles plane, unsigned used) const {
     const Doubles(&z)[3] = x_[axis];
-    const Longs above[] = {z[0] >= plane, z[1] >= plane, z[2] >= plane};
+    const Longs above[] = {z[0] > plane, z[1] > plane, z[2] > plane};
     const Longs first = above[1] == above[2], second = ~first & (above[0] == above[2]);
     const Longs is_above = first ? above[0] : second ? above[1] : above[2];
     Doubles alone[3], other[2][3];
@@ -126,7 +126,7 @@ template <class Along, class Visit>
                                               lbm::Int3 last, const Visit& visit) {
   constexpr int along = direction.along, across = direction.across, slope = direction.slope;
   const auto on = [&](int k) { return segments.end[k][across] - double(slope) * segments.end[k][along]; };
-  const Doubles s0 = on(0), s1 = on(1), line0 = lattice_point(s0), line1 = lattice_point(s1);
+  const Doubles s0 = on(0), s1 = on(1), line0 = lattice_point_before(s0), line1 = lattice_point_before(s1);
   for (unsigned left = segments.used & lbm::SILT_ISA::lane_bits(line0 != line1); left != 0;
        left &= left - 1) {
     const int l = std::countr_zero(left);
