@@ -23,7 +23,7 @@ void place_corners(const double* from, std::size_t count, const double* turn, co
   for (std::size_t k = 0; k < count; ++k) {
     const double* const x = from + 3 * k;
     const Four y = at + (columns[0] * x[0] + columns[1] * x[1] + columns[2] * x[2]) - 0.5;
-    const Four sum = y * units + rounder, whole = sum - rounder;  // low bits of the sum: those of the number
+    const Four sum = y * one_cell + rounder, whole = sum - rounder;  // low bits of the sum: those of the number
     std::memcpy(&corner[k], &whole, sizeof whole);
     WholeFour bits;
     std::memcpy(&bits, &sum, sizeof bits);
@@ -50,7 +50,7 @@ void mark_changes(const TriangleView& view, const BitFrame& frame, Int3 low, std
   for (const TrianglesByPlanes& part : view.parts)
     for (std::size_t n = 0; n < part.on_x_axis.size(); n += double_lanes)
       SlicedTriangles<along_x.plane>(view, part.on_x_axis.subspan(n))
-          .slice(units * first.z, units * last.z,
+          .slice(one_cell * first.z, one_cell * last.z,
                  [&](const Segments& segments) { meet_lines(segments, along_x, first, last, change); });
 }
 
@@ -92,7 +92,7 @@ void cut_links(const TriangleView& view, Int3 low, const LinkDistances& links) {
                                        std::span<const std::uint32_t> list) {
     for (std::size_t n = 0; n < list.size(); n += double_lanes)
       SlicedTriangles<axis>(view, list.subspan(n))
-          .slice(units * low[axis], units * last[axis], [&](const Segments& segments) {
+          .slice(one_cell * low[axis], one_cell * last[axis], [&](const Segments& segments) {
             for_directions_in_plane<axis>(
                 [&](auto direction) { meet_lines(segments, direction, low, last, cut); });
           });

@@ -18,10 +18,12 @@ namespace silt::coupler::SILT_ISA {
 using Doubles = lbm::SILT_ISA::VectorOf<double>::type;
 using Longs = lbm::SILT_ISA::VectorOf<std::int64_t>::type;
 inline constexpr int double_lanes = int(sizeof(Doubles) / sizeof(double));
-inline constexpr double units = double(cell_units), rounder = 0x1.8p52;  // a sum with it is a whole number
+inline constexpr double one_cell = double(cell_units);  // in units
+inline constexpr double rounder = 0x1.8p52;             // a sum with it is a whole number
 
-/// To whole numbers, below 2^51.
-inline Doubles rounded(Doubles x) {
+/// To a whole number, below 2^51; of a double or of several.
+template <class Number>
+Number rounded(Number x) {
   return (x + rounder) - rounder;
 }
 /// The last lattice point before x, which is whole; in units.
@@ -53,6 +55,8 @@ struct Direction {
 template <int axis, class Use>
 [[gnu::always_inline]] inline void for_directions_in_plane(Use&& use) {
   constexpr int number = (axis + 1) % 3, diagonal = 3 + 2 * (2 - axis);
+  static_assert(Direction<number>::plane == axis && Direction<diagonal>::plane == axis &&
+                Direction<diagonal + 1>::plane == axis);
   use(Direction<number>()), use(Direction<diagonal>()), use(Direction<diagonal + 1>());
 }
 
@@ -78,9 +82,9 @@ class SlicedTriangles {
   template <class Use>
   [[gnu::always_inline]] void slice(double first, double last, Use&& use) const {
     const Doubles(&z)[3] = x_[axis];
-    Doubles plane = largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + units, Doubles{} + first);
+    Doubles plane = largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + one_cell, Doubles{} + first);
     const Doubles end = least(lattice_point_before(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
-    for (unsigned used; (used = lanes_ & lbm::SILT_ISA::lane_bits(plane <= end)) != 0; plane += units)
+    for (unsigned used; (used = lanes_ & lbm::SILT_ISA::lane_bits(plane <= end)) != 0; plane += one_cell)
       use(cut(plane, used));
   }
 
@@ -127,16 +131,17 @@ template <class Along, class Visit>
   constexpr int along = direction.along, across = direction.across, slope = direction.slope;
   const auto on = [&](int k) { return segments.end[k][across] - double(slope) * segments.end[k][along]; };
   const Doubles s0 = on(0), s1 = on(1), line0 = lattice_point_before(s0), line1 = lattice_point_before(s1);
+  const int down = std::max(slope * first[along], slope * last[along]),
+            up = std::min(slope * first[along], slope * last[along]);
+  const double first_line = one_cell * (first[across] - down), last_line = one_cell * (last[across] - up);
   for (unsigned left = segments.used & lbm::SILT_ISA::lane_bits(line0 != line1); left != 0;
        left &= left - 1) {
     const int l = std::countr_zero(left);
-    const int down = std::max(slope * first[along], slope * last[along]),
-              up = std::min(slope * first[along], slope * last[along]);
-    const double low = std::max(std::min(line0[l], line1[l]) + units, units * (first[across] - down));
-    const double high = std::min(std::max(line0[l], line1[l]), units * (last[across] - up));
+    const double low = std::max(std::min(line0[l], line1[l]) + one_cell, first_line);
+    const double high = std::min(std::max(line0[l], line1[l]), last_line);
     const double from = segments.end[0][along][l], to = segments.end[1][along][l];
-    for (double line = low; line <= high; line += units) {
-      const double w = from + ((((line - s0[l]) / (s1[l] - s0[l])) * (to - from) + rounder) - rounder);
+    for (double line = low; line <= high; line += one_cell) {
+      const double w = from + rounded((line - s0[l]) / (s1[l] - s0[l]) * (to - from));
       lbm::Int3 x;
       x[direction.plane] = int(cell_of(segments.end[0][direction.plane][l])), x[across] = int(cell_of(line));
       visit(direction, x, std::int64_t(w));

@@ -259,8 +259,8 @@ void Run::greet() {
   const auto& n = setup().cells;
   std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
   if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);
-  text += fmt::format("{} {} bodies, {} rank{}", scene.flow ? "," : ":", scene.body_count, scene.ranks,
-                      scene.ranks > 1 ? "s" : "");
+  text += fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.body_count,
+                      scene.body_count == 1 ? "y" : "ies", scene.ranks, scene.ranks > 1 ? "s" : "");
   progress_->say(text);
   if (resumed_) progress_->say(fmt::format("goes on from step {}", first_step_));
   progress_->say(fmt::format("results go to {}", folder_.string()));
