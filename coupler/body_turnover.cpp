@@ -26,7 +26,7 @@ std::optional<int> way_out(const Scene& scene, std::size_t row) {
   if (bodies.motion[row] == rigid::Motion::fixed) return {};
   const auto side = side_behind(scene.setup, x, scene.world.bounding_radii[bodies.shape[row]]);
   if (side && scene.setup.boundary[*side].removes_bodies()) return side;
-  if (!bodies.is_free(row)) return {};
+  if (!bodies.is_dynamic(row)) return {};
   const auto& outflows = scene.setup.outflows;
   const auto at =
       std::find_if(outflows.begin(), outflows.end(), [&](const OutflowSpec& o) { return is_in(o, x); });
@@ -77,7 +77,7 @@ void BodyTurnover::let_leave(Scene& scene, std::int64_t steps_done, BodyChanges&
     const Vec3& x = bodies.position[row];
     departures_.push_back({steps_done, bodies.id[row], way, {x[0], x[1], x[2]}});
     expected_.leave(bodies.id[row]);
-    if (!bodies.is_free(row)) continue;
+    if (!bodies.is_dynamic(row)) continue;
     brought_.add(-momentum_of(bodies, row));
     energy_brought_ -= mechanical_energy(scene.setup, bodies, row);
   }

@@ -47,7 +47,7 @@ Energies energies_of(const Scene& scene) {
   const double g = scene.setup.gravity.norm();
   Energies sums;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!bodies.is_free(row)) continue;
+    if (!bodies.is_dynamic(row)) continue;
     sums.mechanical += mechanical_energy(scene.setup, bodies, row);
     sums.kinetic += cut_off(bodies.kinetic_energy(row));
     sums.lift += cut_off(bodies.mass[row] * std::abs(bodies.weight_in_fluid[row]) * g *

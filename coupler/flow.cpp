@@ -275,7 +275,7 @@ class FlowOf final : public Flow {
     const auto& f = fluid_.spec().force;
     const Vec3 force(f[0], f[1], f[2]);
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_free(row)) bodies.add_force(row, bodies.displaced_mass(row) * force);
+      if (bodies.is_dynamic(row)) bodies.add_force(row, bodies.displaced_mass(row) * force);
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {

@@ -7,6 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
 #include "coupler/case/motion_limits.hpp"
+#include "coupler/case/sleep.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
@@ -50,6 +51,7 @@ rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(scene.material_names.size());
   world.gravity = scene.gravity;
   world.contact_margin = scene.contacts.margin;
+  world.sleep = sleep_rule(scene);
   if (scene.has_lubrication()) world.lubrication = make_lubrication(*scene.fluid, scene.coupling);
   return world;
 }

@@ -316,7 +316,7 @@ Balance Simulation::balance() const {
   rigid::FixedSum sums[4] = {};  // momentum, then |m v|
   const rigid::BodySet& bodies = scene_.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!bodies.is_free(row)) continue;
+    if (!bodies.is_dynamic(row)) continue;
     Vec3 p = bodies.mass[row] * bodies.velocity[row];
     sums[3] += rigid::to_fixed(p.norm());
     p += impulse_debt(bodies, row) + pending_impact(bodies, row);

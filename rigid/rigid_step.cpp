@@ -41,7 +41,8 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
       resolver_(resolver),
       exchange_(exchange),
       clock_([&exchange] { return exchange.traffic(); }),
-      detect_contacts_(std::move(broad_phase)) {
+      detect_contacts_(std::move(broad_phase)),
+      sleep_(world) {
   velocities_.start = true;
 }
 
@@ -68,6 +69,7 @@ RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   detect_contacts(bodies, dt, report);  // lines 7-12
   stage.goes_on(synchronisation);
   exchange_contacts(bodies, report);  // line 13
+  sleep_.wake_what_is_hit(bodies, contacts_, dt, exchange_);
   stage.goes_on(integrate);
   kick_before_contacts(bodies, dt);  // lines 2-5, velocities (M2)
   stage.goes_on(contact_response);
@@ -97,6 +99,7 @@ void RigidStep::resolve_contacts(BodySet& bodies, double dt, RigidStepReport& re
 /// The second half of the drift, with the velocities after the contacts.
 void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   take_velocities(bodies, dt);
+  if (last) sleep_.look(bodies, contacts_, velocities_, dt);
   if (last && forced_) clear_forces(bodies);
   if (before_drift) before_drift(bodies);
   take_position_correction(bodies, dt);
@@ -131,13 +134,16 @@ void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
     of.before_v[row] = bodies.velocity[row];
     of.before_w[row] = bodies.angular_velocity[row];
   }
+  if (world_.sleep)
+    for (auto* load : {&of.load, &of.angular_load}) load->assign(bodies.size(), Vec3::Zero());
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_free(row)) bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
+      if (bodies.motion[row] == Motion::free)
+        bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_free(row)) kick(bodies, row, resolver_.first_kick() * dt);
+      if (bodies.motion[row] == Motion::free) kick(bodies, row, resolver_.first_kick() * dt);
   for (const std::size_t row : of.rows) {
     of.v[row] = bodies.velocity[row];
     of.w[row] = bodies.angular_velocity[row];
@@ -171,6 +177,12 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
     bodies.velocity[row] = velocities_.v[row];
     bodies.angular_velocity[row] = velocities_.w[row];
   }
+  if (contact_impulse && world_.sleep)
+    for (std::size_t row = 0; row < bodies.owned; ++row)
+      if (bodies.is_at_rest(row))
+        contact_impulse(
+            bodies, row, velocities_.load[row] + Eigen::Map<const Vec3>(bodies.rest[row].impulse),
+            velocities_.angular_load[row] + Eigen::Map<const Vec3>(bodies.rest[row].angular_impulse));
   const double share = 1 - resolver_.first_kick();
   if (share == 0) return;
   for (std::size_t row = 0; row < bodies.owned; ++row)
@@ -181,7 +193,7 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
 void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
   if (velocities_.push_v.empty()) return;
   for (const std::size_t row : velocities_.rows) {
-    if (row >= bodies.owned || !bodies.is_free(row)) continue;
+    if (row >= bodies.owned || bodies.motion[row] != Motion::free) continue;
     bodies.position[row] += dt * velocities_.push_v[row];
     const Vec3& turn = velocities_.push_w[row];
     if (turn != Vec3::Zero())

@@ -9,6 +9,7 @@
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/math/stage_clock.hpp"
 #include "rigid/response/contact_resolver.hpp"
+#include "rigid/sleep.hpp"
 
 namespace silt::rigid {
 
@@ -75,6 +76,7 @@ class RigidStep {
 
   RigidClock clock_;
   DetectContacts detect_contacts_;
+  Sleep sleep_;
   std::vector<Contact> contacts_;
   StepVelocities velocities_;
   bool forced_ = false;                   // some body is, in this sub-step

@@ -13,20 +13,27 @@ namespace silt::adapters::hdf5 {
 
 std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
   using R = rigid::BodyRecord;
-  std::vector<Column> columns{{"id", offsetof(R, id), Column::uint64},
-                              {"shape", offsetof(R, shape), Column::int32},
-                              {"material", offsetof(R, material), Column::int32},
-                              {"kind", offsetof(R, kind), Column::int32},
-                              {"motion", offsetof(R, motion), Column::uint8},
-                              {"mass", offsetof(R, mass), Column::float64},
-                              {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
-                              {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
-                              {"position", offsetof(R, position), Column::float64, 3},
-                              {"orientation", offsetof(R, orientation), Column::float64, 4},
-                              {"image", offsetof(R, image), Column::int32, 3},
-                              {"velocity", offsetof(R, velocity), Column::float64, 3},
-                              {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
-                              {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3}};
+  constexpr std::size_t rest = offsetof(R, rest);
+  std::vector<Column> columns{
+      {"id", offsetof(R, id), Column::uint64},
+      {"shape", offsetof(R, shape), Column::int32},
+      {"material", offsetof(R, material), Column::int32},
+      {"kind", offsetof(R, kind), Column::int32},
+      {"motion", offsetof(R, motion), Column::uint8},
+      {"mass", offsetof(R, mass), Column::float64},
+      {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
+      {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
+      {"position", offsetof(R, position), Column::float64, 3},
+      {"orientation", offsetof(R, orientation), Column::float64, 4},
+      {"image", offsetof(R, image), Column::int32, 3},
+      {"velocity", offsetof(R, velocity), Column::float64, 3},
+      {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
+      {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3},
+      {"quiet_steps", rest + offsetof(rigid::Rest, quiet_steps), Column::int32},
+      {"rest_impulse", rest + offsetof(rigid::Rest, impulse), Column::float64, 3},
+      {"rest_angular_impulse", rest + offsetof(rigid::Rest, angular_impulse), Column::float64, 3},
+      {"rest_drift", rest + offsetof(rigid::Rest, drift), Column::float64, 3},
+      {"rest_turn", rest + offsetof(rigid::Rest, turn), Column::float64, 3}};
   for (const HolderColumn& c : holder)
     columns.push_back({c.name, offsetof(R, holder_state) + c.offset,
                        c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.components});
@@ -36,6 +43,7 @@ std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
 const std::vector<Column>& impulse_columns() {
   static const std::vector<Column> columns{{"partner", offsetof(ImpulseRow, partner), Column::uint64},
                                            {"image", offsetof(ImpulseRow, image), Column::int8, 3},
+                                           {"held", offsetof(ImpulseRow, held), Column::int8},
                                            {"feature", offsetof(ImpulseRow, feature), Column::uint64},
                                            {"impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
   return columns;
@@ -97,6 +105,7 @@ ImpulseRow row_of(const rigid::StoredImpulse& s) {
   ImpulseRow r{};
   r.partner = s.partner;
   r.image[0] = s.image.x, r.image[1] = s.image.y, r.image[2] = s.image.z;
+  r.held = s.held;
   r.feature = s.feature;
   for (int d = 0; d < 3; ++d) r.impulse[d] = s.impulse[d];
   return r;
@@ -236,7 +245,8 @@ std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const File& file,
       lists[i].push_back({r->partner,
                           {r->image[0], r->image[1], r->image[2]},
                           r->feature,
-                          rigid::Vec3(r->impulse[0], r->impulse[1], r->impulse[2])});
+                          rigid::Vec3(r->impulse[0], r->impulse[1], r->impulse[2]),
+                          r->held != 0});
   }
   return lists;
 }

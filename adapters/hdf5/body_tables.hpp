@@ -14,7 +14,7 @@ namespace silt::adapters::hdf5 {
 /// ImpulseRow is a stored impulse as a plain row, in the order of the bodies.
 struct ImpulseRow {
   rigid::BodyId partner;
-  std::int8_t image[3];
+  std::int8_t image[3], held;
   std::uint64_t feature;
   double impulse[3];
 };

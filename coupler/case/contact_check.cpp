@@ -8,6 +8,7 @@
 
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/sleep.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -90,6 +91,24 @@ void check_lubrication(const Case& scene, Findings& findings) {
                     shown_length(scene, gap), shown(gap)));
 }
 
+/// A body at the top of its path is quiet as long as gravity takes to give it the speed, twice.
+void check_sleep(const Case& scene, Findings& findings) {
+  const auto rule = sleep_rule(scene);
+  if (!rule) return;
+  const double gravity = scene.gravity.norm();
+  if (gravity == 0 && !scene.contacts.sleep_time)
+    findings.error(
+        "contacts.sleep_speed",
+        "there is no gravity that tells how long a body is to be slower than contacts.sleep_speed; "
+        "give contacts.sleep_time");
+  constexpr double most_of_gravity = 0.1;
+  if (gravity > 0 && rule->speed / rule->steps > most_of_gravity * gravity)
+    findings.warning("contacts.sleep_speed",
+                     fmt::format("bodies at rest sleep until {} of gravity is not balanced; use a longer "
+                                 "contacts.sleep_time, or a lower contacts.sleep_speed",
+                                 shown(rule->speed / rule->steps / gravity)));
+}
+
 }  // namespace
 
 void find_contact_faults(const Case& scene, Findings& findings) {
@@ -97,6 +116,7 @@ void find_contact_faults(const Case& scene, Findings& findings) {
   check_friction(scene, findings);
   check_margin(scene, findings);
   check_lubrication(scene, findings);
+  check_sleep(scene, findings);
 }
 
 }  // namespace silt::coupler

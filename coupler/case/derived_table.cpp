@@ -13,6 +13,7 @@
 #include "coupler/case/expected_fall.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "coupler/case/lattice.hpp"
+#include "coupler/case/sleep.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -223,6 +224,10 @@ void add_bodies(const Case& scene, Table& table) {
   table.line("collision backend", scene.contacts.backend);
   table.line("broad phase", scene.contacts.broad_phase);
   table.line("contact resolver", scene.contacts.resolver);
+  if (const auto rule = sleep_rule(scene)) {
+    table.quantity("sleep, no faster than", rule->speed, dimension::velocity, "m/s", "cells a step");
+    table.quantity("sleep, for", rule->steps, dimension::time, "s", "steps");
+  }
   if (scene.fluid) table.line("lubrication", scene.has_lubrication() ? "on" : "off");
 }
 

@@ -167,6 +167,18 @@ int read_material_name(TableReader& table, const std::vector<std::string>& mater
   return name ? std::max(0, index_of(table, "material", *name, material_names, "material")) : 0;
 }
 
+void read_sleep(TableReader& table, const rigid::ResolverModel& resolver, ContactSpec& contacts) {
+  contacts.sleep_speed = table.quantity("sleep_speed", dimension::velocity, range::above(0));
+  contacts.sleep_time = table.quantity("sleep_time", dimension::time, range::above(0));
+  if (contacts.sleep_speed && !resolver.lets_sleep)
+    table.fail("sleep_speed",
+               fmt::format("{} is given, but contacts.resolver is '{}', where no body sleeps; set "
+                           "contacts.resolver = \"sffd\", or remove the key",
+                           table.path("sleep_speed"), contacts.resolver));
+  if (contacts.sleep_time && !contacts.sleep_speed)
+    table.missing("sleep_speed", "the speed below which bodies are at rest: sleep_time says how long");
+}
+
 void read_contacts(TableReader& root, Case& scene) {
   rigid::Material standard;
   TableReader table = root.table("contacts");
@@ -198,6 +210,7 @@ void read_contacts(TableReader& root, Case& scene) {
     settings.correction = table.number("correction", unit_interval).value_or(settings.correction);
     c.substeps = static_cast<int>(table.integer("substeps", 1, 100000).value_or(c.substeps));
     c.margin = table.quantity("margin", dimension::length, range::at_least(0)).value_or(c.margin);
+    read_sleep(table, resolver, c);
   }
   read_materials(root, standard, scene);
   if (!impacts_given) collide_without_loss(scene);

@@ -11,7 +11,8 @@ struct PackedImpulse {
   rigid::BodyId partner;
   std::uint64_t feature;
   double impulse[3];
-  std::int8_t image[8];
+  std::int8_t image[4], held;
+  std::int8_t unused[3];
 };
 
 inline void put_impulses(Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
@@ -20,7 +21,9 @@ inline void put_impulses(Bytes& to, const std::vector<rigid::StoredImpulse>& imp
     put(to, PackedImpulse{s.partner,
                           s.feature,
                           {s.impulse[0], s.impulse[1], s.impulse[2]},
-                          {s.image.x, s.image.y, s.image.z}});
+                          {s.image.x, s.image.y, s.image.z},
+                          s.held,
+                          {}});
 }
 
 inline std::vector<rigid::StoredImpulse> take_impulses(ByteReader& from) {
@@ -30,7 +33,8 @@ inline std::vector<rigid::StoredImpulse> take_impulses(ByteReader& from) {
     s = {p.partner,
          {p.image[0], p.image[1], p.image[2]},
          p.feature,
-         {p.impulse[0], p.impulse[1], p.impulse[2]}};
+         {p.impulse[0], p.impulse[1], p.impulse[2]},
+         p.held != 0};
   }
   return impulses;
 }

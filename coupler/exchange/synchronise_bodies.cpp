@@ -29,13 +29,15 @@ enum class BodyItem : std::uint64_t { update, copy, handover, force };
 struct State {
   BodyId id;
   double position[3], orientation[4], velocity[3], angular_velocity[3], angular_momentum[3];
-  std::int32_t image[3], owner;
+  std::int32_t image[3];
+  std::uint32_t owner : 29, motion : 3;
 };
 
 State state_of(const BodyRecord& r, int owner) {
   State s{};
   s.id = r.id;
-  s.owner = owner;
+  s.owner = std::uint32_t(owner);
+  s.motion = std::uint32_t(r.motion) & 7;
   std::copy_n(r.position, 3, s.position);
   std::copy_n(r.orientation, 4, s.orientation);
   std::copy_n(r.velocity, 3, s.velocity);
@@ -52,6 +54,7 @@ void assign(BodySet& bodies, std::size_t row, const State& s) {
   bodies.angular_velocity[row] = Eigen::Map<const rigid::Vec3>{s.angular_velocity};
   bodies.angular_momentum[row] = Eigen::Map<const rigid::Vec3>{s.angular_momentum};
   std::copy_n(s.image, 3, bodies.image[row].begin());
+  bodies.motion[row] = rigid::Motion(s.motion);
 }
 
 void put_handover(Bytes& to, const BodySet& bodies, std::size_t row, const std::vector<int>& holders,
@@ -245,7 +248,7 @@ void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrival
           throw std::logic_error("an update came for body " + std::to_string(state.id) +
                                  ", of which there is no copy");
         assign(bodies, row, state);
-        owner_of[state.id] = state.owner;
+        owner_of[state.id] = int(state.owner);
         arrivals.updated[row - bodies.owned] = 1;
       } else if (item == BodyItem::force) {
         Arrivals::Push& p = arrivals.pushes.emplace_back();

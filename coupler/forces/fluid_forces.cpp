@@ -86,7 +86,7 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
   if (!is_exact()) return;
   if (!changes_->is_new(bodies.id[row])) return settle_debt(bodies, row, sums_);
   begin_debt(bodies, row, sums_);
-  if (bodies.is_free(row)) debts_begun_.add(impulse_debt(bodies, row));
+  if (bodies.is_dynamic(row)) debts_begun_.add(impulse_debt(bodies, row));
 }
 
 template <class T>

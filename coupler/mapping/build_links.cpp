@@ -344,7 +344,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
     writer.body(mask, world.shapes[shape], links);
-    if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_free(mask.row))
+    if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row))
       surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
   }
 }

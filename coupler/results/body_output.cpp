@@ -74,8 +74,8 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
   r.torque = scaled(load.torque, newton_metre);
   r.mass = units.scale(dimension::mass) * bodies.mass[row];
   r.buoyancy = scaled(-bodies.displaced_mass(row) * gravity, newton);
-  r.contact_force = known_of_free(bodies.is_free(row), contact.force, newton);
-  r.contact_torque = known_of_free(bodies.is_free(row), contact.torque, newton_metre);
+  r.contact_force = known_of_free(bodies.is_dynamic(row), contact.force, newton);
+  r.contact_torque = known_of_free(bodies.is_dynamic(row), contact.torque, newton_metre);
   return r;
 }
 

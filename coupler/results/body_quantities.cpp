@@ -92,7 +92,7 @@ struct Totals {
 /// A free body's part of the totals; nothing of another. The potential is zero at the corner of the domain
 /// that is lowest against gravity.
 std::array<double, 8> totals_of_body(const Case& scene, const BodySet& bodies, std::size_t row) {
-  if (!bodies.is_free(row)) return {};
+  if (!bodies.is_dynamic(row)) return {};
   const Vec3 period = extent_of(scene).size, g = scene.gravity;
   Vec3 lowest = Vec3::Zero();
   for (int d = 0; d < 3; ++d) lowest[d] = g[d] > 0 ? period[d] : 0;
@@ -337,7 +337,7 @@ double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHisto
 void observe_reversal(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& latest) {
   const BodySet& bodies = simulation.bodies();
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!q.is_about(bodies.kind[row]) || !bodies.is_free(row)) continue;
+    if (!q.is_about(bodies.kind[row]) || !bodies.is_dynamic(row)) continue;
     const Mat3& inertia = bodies.inertia_B[row];
     const Vec3 middle = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors().col(1);
     const Vec3 w = bodies.orientation[row].conjugate() * bodies.angular_velocity[row];

@@ -34,7 +34,7 @@ std::string turn_fault(const BodyRecord& r) {
 
 std::string fault_of(const Case& scene, const BodyRecord& r) {
   if (r.id == 0 || r.id >= rigid::first_wall_id) return "bodies have ids from 1 up to those of the walls";
-  if (r.motion > rigid::Motion::prescribed)
+  if (r.motion > rigid::Motion::asleep)
     return fmt::format("its motion is {}", static_cast<int>(r.motion));
   if (!(r.mass > 0)) return fmt::format("its mass is {}", r.mass);
   for (const std::string& fault :

@@ -31,7 +31,7 @@ MotionTotals motion_totals(const Simulation& simulation) {
   MotionTotals totals;
   Sums bodies, fluid;
   for (std::size_t row = 0; row < rows.owned; ++row)
-    if (rows.is_free(row)) bodies.add(rows.mass[row], rows.velocity[row], rows.kinetic_energy(row));
+    if (rows.is_dynamic(row)) bodies.add(rows.mass[row], rows.velocity[row], rows.kinetic_energy(row));
   bodies.over_ranks(scene.comm, totals.bodies_momentum, totals.bodies_energy);
   if (!scene.flow) return totals;
   const Flow& flow = *scene.flow;

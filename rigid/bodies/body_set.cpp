@@ -26,6 +26,7 @@ void for_each_array(BodySet& b, F f) {
   f(b.inertia_B);
   f(b.force);
   f(b.torque);
+  f(b.rest);
   f(b.holder_state);
   f(b.stored_impulses);
 }
@@ -84,6 +85,7 @@ BodyRecord BodySet::record(std::size_t row) const {
   store(velocity[row], r.velocity);
   store(angular_velocity[row], r.angular_velocity);
   store(angular_momentum[row], r.angular_momentum);
+  r.rest = rest[row];
   r.holder_state = holder_state[row];
   return r;
 }
@@ -103,6 +105,7 @@ void BodySet::assign(std::size_t row, const BodyRecord& r) {
   velocity[row] = vec(r.velocity);
   angular_velocity[row] = vec(r.angular_velocity);
   angular_momentum[row] = vec(r.angular_momentum);
+  rest[row] = r.rest;
   holder_state[row] = r.holder_state;
 }
 
@@ -171,7 +174,14 @@ void BodySet::set_pose(std::size_t row, const Pose& pose) {
   set_velocity(row, velocity[row], angular_velocity[row]);
 }
 
+void BodySet::wake(std::size_t row) {
+  if (!is_dynamic(row)) return;
+  motion[row] = Motion::free;
+  rest[row] = {};
+}
+
 void BodySet::set_velocity(std::size_t row, const Vec3& v, const Vec3& w) {
+  wake(row);
   velocity[row] = v;
   angular_velocity[row] = w;
   const Quat& q = orientation[row];

@@ -19,6 +19,10 @@ enum class Motion : std::uint8_t {
   free,        // moved by forces and contacts
   fixed,       // never moves, infinite mass
   prescribed,  // moves with its constant velocity and angular velocity, infinite mass
+  // of a free body at rest (rigid/sleep.hpp); only where there is sleeping
+  falling_asleep,  // at rest, held; its contacts are looked at for the last time
+  asleep,          // at rest, held; its contacts with bodies that do not move either are not looked at
+  waking,          // hit in this step: moved by contacts, not yet by forces
 };
 
 /// The impulse of one contact in the previous step (world frame, acting on the pair's body b): the warm
@@ -28,6 +32,15 @@ struct StoredImpulse {
   Image image;     // of b relative to a, as in Contact
   std::uint64_t feature;
   Vec3 impulse;
+  bool held = false;  // of a body at rest: kept while nobody looks at the contact
+};
+
+/// What a body has of rest (rigid/sleep.hpp).
+struct Rest {
+  std::int32_t quiet_steps = 0;
+  std::int32_t unused = 0;
+  double impulse[3] = {}, angular_impulse[3] = {};  // a step, by held contacts
+  double drift[3] = {}, turn[3] = {};  // velocities that forces out of balance would have given, lately
 };
 
 /// A record has everything there is to know about one body but its stored impulses: what a message, a
@@ -41,6 +54,7 @@ struct BodyRecord {
   double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
   std::int32_t image[3] = {};
   double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
+  Rest rest = {};
   HolderState holder_state = {};
 };
 
@@ -68,6 +82,7 @@ struct BodySet {
   std::vector<Mat3> inertia_B;
   // what acts on it this step, besides gravity; any holder may add
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
+  std::vector<Rest> rest;
   // the coupler's; travels with the body
   std::vector<HolderState> holder_state;
   // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
@@ -75,7 +90,19 @@ struct BodySet {
 
   std::size_t size() const { return id.size(); }
   std::size_t first_wall() const { return size() - walls; }
-  bool is_free(std::size_t row) const { return motion[row] == Motion::free; }
+  /// Moves by itself, or held at rest. What is neither has infinite mass for good.
+  bool is_dynamic(std::size_t row) const {
+    return motion[row] != Motion::fixed && motion[row] != Motion::prescribed;
+  }
+  /// Moved by contacts.
+  bool is_free(std::size_t row) const { return motion[row] == Motion::free || motion[row] == Motion::waking; }
+  bool is_at_rest(std::size_t row) const {
+    return motion[row] == Motion::falling_asleep || motion[row] == Motion::asleep;
+  }
+  /// May have another velocity after the step, or has one: its contacts are looked at.
+  bool is_active(std::size_t row) const {
+    return motion[row] != Motion::fixed && motion[row] != Motion::asleep;
+  }
 
   BodyRecord record(std::size_t row) const;
   void assign(std::size_t row, const BodyRecord&);  // all but forces and stored impulses
@@ -104,9 +131,12 @@ struct BodySet {
 
   void add_force(std::size_t row, const Vec3& force_W) { force[row].add(force_W); }
   void add_torque(std::size_t row, const Vec3& torque_W) { torque[row].add(torque_W); }
-  /// Both keep angular velocity and momentum consistent (with a new pose the angular velocity stays).
+  /// Both wake the body, and keep angular velocity and momentum consistent (with a new pose the angular
+  /// velocity stays).
   void set_pose(std::size_t row, const Pose&);
   void set_velocity(std::size_t row, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Lets a body that is held at rest, or waking, move by all that acts on it.
+  void wake(std::size_t row);
 
  private:
   std::unordered_map<BodyId, std::size_t> row_of_;

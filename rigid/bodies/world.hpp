@@ -1,9 +1,11 @@
 #pragma once
 // What all ranks know alike about the bodies.
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rigid/bodies/lubrication.hpp"
+#include "rigid/bodies/sleep_rule.hpp"
 #include "rigid/shapes/shape_list.hpp"
 
 namespace silt::rigid {
@@ -21,6 +23,7 @@ struct World {
   Vec3 gravity = Vec3::Zero();
   double contact_margin = 1.0;  // largest gap a speculative contact may have, lattice units
   std::shared_ptr<const LubricationLaw> lubrication;  // between smooth surfaces; null: none
+  std::optional<SleepRule> sleep;                     // none: no body is ever held at rest
 
   const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
 };

@@ -34,12 +34,12 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
     });
 }
 
-/// For pairs that meet or might soon do.
+/// For pairs that meet or might soon do, also of bodies that sleep: they may wake.
 void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
   const double slack = kept_.slack_of(around);
   wider_.assign(around.reach.begin(), around.reach.end());
   for (Reach& r : wider_) r.margin += slack * r.sum();
-  const Surroundings wider{around.bodies, around.extent, wider_};
+  const Surroundings wider{around.bodies, around.extent, wider_, true};
   found_.clear();
   find_pairs(wider, found_);
   find_walls(wider, walls);

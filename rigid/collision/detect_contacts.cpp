@@ -116,12 +116,13 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   for (std::size_t row = count; row < bodies.size(); ++row) {
     const Shape& shape = world.shapes[bodies.shape[row]];
     const Quat& turn = bodies.orientation[row];
+    const bool moves = bodies.is_active(row);
     if (const auto* tube = std::get_if<Tube>(&shape))
-      walls_.push_back({bodies.position[row], turn * Vec3::UnitZ(), tube->radius});
+      walls_.push_back({bodies.position[row], turn * Vec3::UnitZ(), tube->radius, moves});
     else if (std::holds_alternative<Mesh>(shape))
       walls_.push_back(WallSurface::out_of_sight());
     else
-      walls_.push_back({bodies.position[row], turn * std::get<HalfSpace>(shape).normal});
+      walls_.push_back({bodies.position[row], turn * std::get<HalfSpace>(shape).normal, 0, moves});
   }
 }
 
@@ -314,7 +315,7 @@ void DetectContacts::add_mesh_walls(const Call& call) {
         Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // of a hollow one too
     for (const Image image : images(extent))
       for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
-        if (!bodies.is_free(row)) continue;
+        if (!bodies.is_dynamic(row) || !(bodies.is_active(row) || bodies.is_active(wall))) continue;
         const CandidatePair p{row, wall, image};
         const Vec3 shift = extent.shift(image), x = bodies.position[row] - shift;
         const double reach = reach_[row].radius + pair_margin(call.world, bodies, p, shift, call.dt);

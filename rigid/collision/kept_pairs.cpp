@@ -15,7 +15,7 @@ constexpr double slack_rounding = 1e-3;  // of the slack
 constexpr double calls_wanted = 6;  // that a list should serve
 
 bool same(const WallSurface& a, const WallSurface& b) {
-  return a.point == b.point && a.direction == b.direction && a.radius == b.radius;
+  return a.point == b.point && a.direction == b.direction && a.radius == b.radius && a.moves == b.moves;
 }
 
 bool differ(const std::array<std::int32_t, 3>& a, const std::array<std::int32_t, 3>& b) {
@@ -30,7 +30,7 @@ bool KeptPairs::same_surroundings(const Surroundings& around, std::span<const Wa
       !std::equal(walls.begin(), walls.end(), walls_.begin(), walls_.end(), same))
     return false;
   for (std::size_t row = 0; row < seen_.size(); ++row)
-    if (around.bodies.id[row] != seen_[row].id || around.bodies.motion[row] != seen_[row].motion)
+    if (around.bodies.id[row] != seen_[row].id || around.bodies.is_dynamic(row) != seen_[row].dynamic)
       return false;
   return true;
 }
@@ -85,7 +85,7 @@ std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::sp
   const BodySet& bodies = around.bodies;
   seen_.resize(around.size());
   for (std::size_t row = 0; row < around.size(); ++row)
-    seen_[row] = {bodies.id[row], bodies.position[row], bodies.image[row], bodies.motion[row],
+    seen_[row] = {bodies.id[row], bodies.position[row], bodies.image[row], bodies.is_dynamic(row),
                   around.reach[row].sum()};
   walls_.assign(walls.begin(), walls.end());
   extent_ = around.extent;

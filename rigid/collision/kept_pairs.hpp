@@ -27,7 +27,7 @@ class KeptPairs {
     BodyId id;
     Vec3 position;
     std::array<std::int32_t, 3> image;
-    Motion motion;
+    bool dynamic;
     double reach;
   };
   bool same_surroundings(const Surroundings&, std::span<const WallSurface>) const;

@@ -31,10 +31,11 @@ struct WallSurface {
   Vec3 point;
   Vec3 direction;     // outward normal of a plane, or along the axis; unit
   double radius = 0;  // of a tube; 0: a plane
+  bool moves = false;
 
   /// A wall that no body meets here (a mesh: rigid/collision/detect_contacts finds what is near it).
   static WallSurface out_of_sight() {
-    return {Vec3::Zero(), Vec3::UnitZ(), std::numeric_limits<double>::infinity()};
+    return {Vec3::Zero(), Vec3::UnitZ(), std::numeric_limits<double>::infinity(), false};
   }
   /// Returns the distance of a point from the surface, negative in the wall.
   double distance(const Vec3& x_W) const {
@@ -49,6 +50,7 @@ struct Surroundings {
   const BodySet& bodies;
   const Extent& extent;
   std::span<const Reach> reach;  // one a row
+  bool with_sleeping = false;    // pairs of which nothing is active count, too
 
   std::size_t size() const { return bodies.first_wall(); }
   /// Returns the pair of two bodies, `image` being that of `other` seen from `row`, in id order.
@@ -56,16 +58,19 @@ struct Surroundings {
     if (bodies.id[row] < bodies.id[other]) return {row, other, image};
     return {other, row, opposite(image)};
   }
-  /// Says whether one of them is free and their bounding spheres are no further apart than both margins. It
-  /// rounds alike whoever asks.
+  /// Says whether contacts of the two matter and their bounding spheres are no further apart than both
+  /// margins. It rounds alike whoever asks.
   bool meet(const CandidatePair& p) const {
-    if (!bodies.is_free(p.row_a) && !bodies.is_free(p.row_b)) return false;
+    if (!bodies.is_dynamic(p.row_a) && !bodies.is_dynamic(p.row_b)) return false;
+    if (!with_sleeping && !bodies.is_active(p.row_a) && !bodies.is_active(p.row_b)) return false;
     const double range = reach[p.row_a].sum() + reach[p.row_b].sum();
     return near(bodies.position[p.row_a], bodies.position[p.row_b], p.image, range);
   }
-  /// Says whether the body is free and its bounding sphere no further from the wall than its margin.
+  /// Says whether contacts with the wall matter and the body's bounding sphere is no further from it than its
+  /// margin.
   bool meets(std::size_t row, const WallSurface& wall) const {
-    return bodies.is_free(row) && wall.distance(bodies.position[row]) <= reach[row].sum();
+    return bodies.is_dynamic(row) && (with_sleeping || wall.moves || bodies.is_active(row)) &&
+           wall.distance(bodies.position[row]) <= reach[row].sum();
   }
   bool near(const Vec3& a, const Vec3& b, Image of_b, double range) const {
     return (b + extent.shift(of_b) - a).squaredNorm() <= range * range;

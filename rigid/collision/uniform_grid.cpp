@@ -86,7 +86,7 @@ void UniformGrid::sort_by_cell(const Surroundings& around, const Level& of, cons
     const std::uint32_t row = of.rows[k];
     const Vec3& x = around.bodies.position[row];
     sorted[k] = {grid.key_of(grid.cell_of(x)), around.bodies.id[row], x, around.reach[row].sum(), row,
-                 around.bodies.is_free(row)};
+                 around.bodies.is_dynamic(row)};
     largest = std::max(largest, sorted[k].key);
   }
   for (int shift = 0; largest >> shift; shift += bits) {
@@ -158,7 +158,7 @@ void UniformGrid::search(const Surroundings& around, const Level& level, const s
 
 void UniformGrid::add_if_near(const Surroundings& around, const Entry& own, const Entry& other, Image image,
                               std::vector<CandidatePair>& found) {
-  if (other.id == own.id || (!own.free && !other.free)) return;
+  if (other.id == own.id || (!own.dynamic && !other.dynamic)) return;
   const bool first = own.id < other.id;
   const CandidatePair pair =
       first ? CandidatePair{own.row, other.row, image} : CandidatePair{other.row, own.row, opposite(image)};

@@ -26,7 +26,7 @@ class UniformGrid : public BroadPhase {
     Vec3 position;
     double reach;
     std::uint32_t row;
-    bool free;
+    bool dynamic;
   };
   struct Run {  // of cells along x
     std::int32_t first, last;

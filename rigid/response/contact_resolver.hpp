@@ -52,11 +52,13 @@ struct ResolverStatistics {
 
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
 struct StepVelocities {
-  bool start = false;                     // in: nothing happened before, so no impulse is stored
-  std::vector<std::size_t> rows;          // that have a contact
-  std::vector<Vec3> before_v, before_w;   // before the kick: what restitution sees
-  std::vector<Vec3> v, w;                 // in: after the kick; out: after the contacts
-  std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
+  bool start = false;                    // in: nothing happened before, so no impulse is stored
+  std::vector<std::size_t> rows;         // that have a contact
+  std::vector<Vec3> before_v, before_w;  // before the kick: what restitution sees
+  std::vector<Vec3> v, w;                // in: after the kick; out: after the contacts
+  std::vector<Vec3> push_v, push_w;      // out: position correction, velocities for positions only; or empty
+  std::vector<Vec3> load,
+      angular_load;  // out: impulses of moving bodies on those at rest, about their centres
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
 };
 
@@ -77,6 +79,7 @@ class ContactResolver {
 struct ResolverModel {
   std::string_view name;
   bool lubricates, has_impact_phase, has_half_force;
+  bool lets_sleep;    // bodies at rest may be held
   bool makes_energy;  // contacts of several bodies may leave more than there was
   std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
 };

@@ -25,6 +25,7 @@ class SffdResolver : public ContactResolver {
  private:
   struct Body : BodyMass {  // one a row
     bool moves = false;     // owned and free: this rank applies its impulses
+    bool asks = false;      // owned, and moves or is held at rest: this rank needs its impulses
     bool involved = false;  // in a contact of this step; else all here is unset
     double pairs = 0;       // that are solved here
     double size = 0;        // radius of gyration
@@ -43,8 +44,12 @@ class SffdResolver : public ContactResolver {
     bool push = false;  // position correction
   };
 
-  std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
+  std::size_t collect_pairs(BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
+  static void hold_or_release(BodySet&, std::size_t row, std::span<const Contact> of_pair, bool hold);
+  void load_bodies_at_rest(const BodySet&, const Pair&, std::span<const Contact> of_pair,
+                           std::span<const ContactImpulse>, StepVelocities&) const;
+  void forget_last_impulses(BodySet&) const;
   const Pair* pair_ahead(std::size_t k) const;
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
@@ -60,7 +65,7 @@ class SffdResolver : public ContactResolver {
   void aim_push(const std::vector<Contact>&, double dt);
   bool is_correctable(const Contact&) const;
   bool is_to_correct(const std::vector<Contact>&, const BodyExchange&) const;
-  void finish(BodySet&, const std::vector<Contact>&, ResolverStatistics&);
+  void finish(BodySet&, const std::vector<Contact>&, StepVelocities&, ResolverStatistics&);
   void correct_positions(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&, BodyExchange&);
 
   ResolverSettings settings_;

@@ -1,6 +1,7 @@
 #include "rigid/response/warm_start.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace silt::rigid {
 
@@ -55,10 +56,17 @@ void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
   recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
+void sort_by_partner(std::vector<StoredImpulse>& stored) {
+  std::sort(stored.begin(), stored.end(), [](const StoredImpulse& a, const StoredImpulse& b) {
+    return std::tie(a.partner, a.image, a.feature) < std::tie(b.partner, b.image, b.feature);
+  });
+}
+
 void forget_impulses(BodySet& bodies, BodyId id) {
-  for (std::size_t row = 0; row < bodies.size(); ++row)
-    std::erase_if(bodies.stored_impulses[row],
-                  [&](const StoredImpulse& s) { return s.partner == id || bodies.id[row] == id; });
+  for (std::size_t row = 0; row < bodies.size(); ++row) {
+    const auto given = [&](const StoredImpulse& s) { return s.partner == id || bodies.id[row] == id; };
+    if (std::erase_if(bodies.stored_impulses[row], given) > 0) bodies.wake(row);
+  }
 }
 
 /// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
