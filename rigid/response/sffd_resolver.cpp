@@ -352,7 +352,8 @@ bool SffdResolver::is_correctable(const Contact& c) const {
 void SffdResolver::forget_last_impulses(BodySet& bodies) const {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     std::vector<StoredImpulse>& stored = bodies.stored_impulses[row];
-    if (bodies.motion[row] != Motion::waking && !bodies.is_at_rest(row))
+    if (stored.empty()) continue;
+    if (bodies.motion[row] <= Motion::prescribed)  // neither at rest nor waking
       stored.clear();
     else if (bodies_[row].involved)
       std::erase_if(stored, [](const StoredImpulse& s) { return !s.held; });
