@@ -94,7 +94,8 @@ void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
     const double radius = scene.world.bounding_radii[bodies.shape[row]];
     const auto side = side_behind(scene.setup, bodies.position[row], radius);
     if (side && !scene.setup.boundary[*side].removes_bodies())
-      note_body(bodies.id[row], outside_text(scene.setup, bodies.id[row], bodies.is_dynamic(row), *side, step));
+      note_body(bodies.id[row],
+                outside_text(scene.setup, bodies.id[row], bodies.is_dynamic(row), *side, step));
   }
 }
 

@@ -7,7 +7,8 @@
 
 namespace silt::coupler {
 
-/// Without a time of its own, that in which a thousandth of gravity gives the speed; none where nothing sleeps.
+/// Without a time of its own, that in which a thousandth of gravity gives the speed; none where nothing
+/// sleeps.
 std::optional<rigid::SleepRule> sleep_rule(const Case&);
 
 }  // namespace silt::coupler
