@@ -354,6 +354,14 @@ std::uint64_t Simulation::body_count() const {
   return count_owned(scene_.comm, scene_.bodies).count;
 }
 
+std::uint64_t Simulation::bodies_asleep() const {
+  const rigid::BodySet& bodies = scene_.bodies;
+  std::uint64_t n = 0;
+  for (std::size_t row = 0; row < bodies.owned; ++row) n += bodies.is_at_rest(row);
+  sum_over_ranks(scene_.comm, std::span(&n, 1));
+  return n;
+}
+
 std::uint64_t Simulation::contacts_now() const {
   std::uint64_t n = last_contacts_;
   sum_over_ranks(scene_.comm, std::span(&n, 1));

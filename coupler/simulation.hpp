@@ -112,8 +112,9 @@ class Simulation {
   /// Returns the torques of owned bodies' contacts with [[walls]] in the last sub-step; empty where no
   /// quantity of the case asks for a wall's torque or power. Local.
   std::span<const ContactTorque> contact_torques() const { return contact_torques_; }
-  std::uint64_t body_count() const;    // that have an owner on any rank, counted
-  std::uint64_t contacts_now() const;  // of all ranks, in the last step
+  std::uint64_t body_count() const;     // that have an owner on any rank, counted
+  std::uint64_t bodies_asleep() const;  // of all ranks, held at rest now
+  std::uint64_t contacts_now() const;   // of all ranks, in the last step
 
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);

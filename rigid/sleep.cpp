@@ -15,6 +15,14 @@ void hold(BodySet& bodies, std::size_t row) {
   bodies.rest[row] = {};
 }
 
+/// What an angular impulse would give to a body that is held.
+Vec3 angular_velocity_by(const BodySet& bodies, std::size_t row, const Vec3& impulse) {
+  const Mat3& inertia = bodies.inertia_B[row];
+  if (bodies.is_isotropic(row)) return impulse / inertia(0, 0);
+  const Mat3 to_world = bodies.orientation[row].toRotationMatrix();
+  return to_world * (inertia.inverse() * (to_world.transpose() * impulse));
+}
+
 }  // namespace
 
 double Sleep::surface_speed(const BodySet& bodies, std::size_t row, const Vec3& v, const Vec3& w) const {
@@ -69,12 +77,10 @@ bool Sleep::is_balanced(BodySet& bodies, std::size_t row, const StepVelocities& 
                        dt * bodies.force[row].value() + Eigen::Map<const Vec3>(rest.impulse) + of.load[row];
   const Vec3 angular_impulse =
       dt * bodies.torque[row].value() + Eigen::Map<const Vec3>(rest.angular_impulse) + of.angular_load[row];
-  const Mat3 to_world = bodies.orientation[row].toRotationMatrix();
-  Eigen::Map<Vec3> drift{rest.drift}, turn{rest.turn};
-  drift = kept * drift + (1 / dt / mass) * impulse;
-  turn = kept * turn +
-         (1 / dt) * (to_world * (bodies.inertia_B[row].inverse() * (to_world.transpose() * angular_impulse)));
-  return surface_speed(bodies, row, drift, turn) <= hysteresis * world_.sleep->speed;
+  Eigen::Map<Vec3> v{rest.unbalanced_velocity}, w{rest.unbalanced_angular_velocity};
+  v = kept * v + (1 / dt / mass) * impulse;
+  w = kept * w + (1 / dt) * angular_velocity_by(bodies, row, angular_impulse);
+  return surface_speed(bodies, row, v, w) <= hysteresis * world_.sleep->speed;
 }
 
 void Sleep::look(BodySet& bodies, const std::vector<Contact>& contacts, const StepVelocities& of, double dt) {

@@ -38,16 +38,44 @@ def turned_as_at_rest(wall):
     return rotation(np.array(wall.get("orientation", (1, 0, 0, 0)), float) / np.linalg.norm(wall.get("orientation", (1, 0, 0, 0))))
 
 
+def from_table(file, time):
+    """Returns displacement and rotation vector at a time from a CSV file of a motion (cases/README.md, walls.motion): cubics with
+    the slopes of parabolas through three lines, 0 at both ends; before and after it what the first and the last line say."""
+    lines = [line.strip() for line in file.read_text().splitlines()]
+    lines = [line for line in lines if line and not line.startswith("#")]
+    try:
+        float(lines[0].split(",")[0])
+    except ValueError:
+        del lines[0]  # headings
+    rows = np.array([[float(word) for word in line.split(",")] for line in lines])
+    t, moved = rows[:, 0], rows[:, 1:]
+    slopes = np.gradient(moved, t, axis=0)
+    slopes[[0, -1]] = 0
+    k = np.clip(np.searchsorted(t, time, "right") - 1, 0, len(t) - 2)
+    length = t[k + 1] - t[k]
+    s = np.clip((time - t[k]) / length, 0, 1)
+    at = ((1 + 2 * s) * (1 - s)**2 * moved[k] + s**2 * (3 - 2 * s) * moved[k + 1]
+          + length * s * (1 - s) * ((1 - s) * slopes[k] - s * slopes[k + 1]))
+    return at[:3], at[3:]
+
+
 def at_time(wall, folder, time):
-    """Returns the corners [T, 3, 3] of a wall, with what its motion has of rotation and velocity."""
+    """Returns the corners [T, 3, 3] of a wall of a case's folder, moved as its `motion` says."""
     turned, position = turned_as_at_rest(wall), np.array(wall.get("position", (0, 0, 0)), float)
     points = position + wall.get("scale", 1) * triangles_of(folder / wall["file"]) @ turned.T
     motion = wall.get("motion", {})
     axis = motion.get("axis", turned[:, 2])
     axis = np.eye(3)["xyz".index(axis)] if isinstance(axis, str) else np.array(axis, float) / np.linalg.norm(axis)
     point = np.array(motion.get("point", position), float)
-    spun = about(axis, motion.get("angular_velocity", 0) * time)
-    return point + np.array(motion.get("velocity", (0, 0, 0)), float) * time + (points - point) @ spun.T
+    to, spin = np.array(motion.get("velocity", (0, 0, 0)), float) * time, axis * motion.get("angular_velocity", 0) * time
+    if swing := motion.get("oscillation"):
+        to += np.array(swing["amplitude"], float) * np.sin(2 * np.pi * swing["frequency"] * time + np.radians(swing.get("phase", 0)))
+    if "table" in motion:
+        moved, rotated = from_table(folder / motion["table"], time)
+        to, spin = to + moved, spin + rotated
+    angle = np.linalg.norm(spin)
+    spun = about(spin / angle if angle > 0 else axis, angle)
+    return point + to + (points - point) @ spun.T
 
 
 def outline(corners, view, crease=30):

@@ -32,8 +32,9 @@ std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
       {"quiet_steps", rest + offsetof(rigid::Rest, quiet_steps), Column::int32},
       {"rest_impulse", rest + offsetof(rigid::Rest, impulse), Column::float64, 3},
       {"rest_angular_impulse", rest + offsetof(rigid::Rest, angular_impulse), Column::float64, 3},
-      {"rest_drift", rest + offsetof(rigid::Rest, drift), Column::float64, 3},
-      {"rest_turn", rest + offsetof(rigid::Rest, turn), Column::float64, 3}};
+      {"rest_unbalanced_velocity", rest + offsetof(rigid::Rest, unbalanced_velocity), Column::float64, 3},
+      {"rest_unbalanced_angular_velocity", rest + offsetof(rigid::Rest, unbalanced_angular_velocity),
+       Column::float64, 3}};
   for (const HolderColumn& c : holder)
     columns.push_back({c.name, offsetof(R, holder_state) + c.offset,
                        c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.components});

@@ -91,7 +91,8 @@ void check_lubrication(const Case& scene, Findings& findings) {
                     shown_length(scene, gap), shown(gap)));
 }
 
-/// A body at the top of its path is quiet as long as gravity takes to give it the speed, twice.
+/// A body at the top of its path must not sleep: it is slower than the speed for as long as gravity takes to
+/// give it twice that.
 void check_sleep(const Case& scene, Findings& findings) {
   const auto rule = sleep_rule(scene);
   if (!rule) return;

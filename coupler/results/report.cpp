@@ -168,6 +168,7 @@ void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& 
   }
   visit_counters(c, PutCounter{units, report});
   report["bodies_left_by"] = left_by(simulation.setup(), c);
+  report["bodies_asleep"] = simulation.bodies_asleep();
   report["contacts_now"] = simulation.contacts_now();
   report["links"] = simulation.links();
 }

@@ -15,11 +15,12 @@ namespace fs = std::filesystem;
 namespace {
 
 /// What of a report changes while a run goes on; of objects all numbers in them.
-constexpr std::array series_columns = {
-    "steps",           "time",           "wall_seconds", "mlups",        "bodies",         "bodies_arrived",
-    "bodies_left",     "bodies_left_by", "energy",       "momentum",     "max_velocity",   "min_density",
-    "max_density",     "mass_drift",     "mass_surplus", "contacts_now", "momentum_drift", "links",
-    "max_penetration", "quantities",     "stage_seconds"};
+constexpr std::array series_columns = {"steps",        "time",           "wall_seconds", "mlups",
+                                       "bodies",       "bodies_arrived", "bodies_left",  "bodies_left_by",
+                                       "energy",       "momentum",       "max_velocity", "min_density",
+                                       "max_density",  "mass_drift",     "mass_surplus", "bodies_asleep",
+                                       "contacts_now", "momentum_drift", "links",        "max_penetration",
+                                       "quantities",   "stage_seconds"};
 
 fs::path first_free_series(const fs::path& folder) {
   for (int n = 1;; ++n)

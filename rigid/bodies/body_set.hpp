@@ -40,7 +40,8 @@ struct Rest {
   std::int32_t quiet_steps = 0;
   std::int32_t unused = 0;
   double impulse[3] = {}, angular_impulse[3] = {};  // a step, by held contacts
-  double drift[3] = {}, turn[3] = {};  // velocities that forces out of balance would have given, lately
+  // velocities that forces out of balance would have given it, lately
+  double unbalanced_velocity[3] = {}, unbalanced_angular_velocity[3] = {};
 };
 
 /// A record has everything there is to know about one body but its stored impulses: what a message, a
@@ -99,6 +100,8 @@ struct BodySet {
   bool is_at_rest(std::size_t row) const {
     return motion[row] == Motion::falling_asleep || motion[row] == Motion::asleep;
   }
+  /// Its contacts need not be looked at every step: what they gave it stays until they are. (Owned rows.)
+  bool keeps_impulses(std::size_t row) const { return is_at_rest(row) || motion[row] == Motion::waking; }
   /// May have another velocity after the step, or has one: its contacts are looked at.
   bool is_active(std::size_t row) const {
     return motion[row] != Motion::fixed && motion[row] != Motion::asleep;

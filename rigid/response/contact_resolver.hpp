@@ -52,13 +52,12 @@ struct ResolverStatistics {
 
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
 struct StepVelocities {
-  bool start = false;                    // in: nothing happened before, so no impulse is stored
-  std::vector<std::size_t> rows;         // that have a contact
-  std::vector<Vec3> before_v, before_w;  // before the kick: what restitution sees
-  std::vector<Vec3> v, w;                // in: after the kick; out: after the contacts
-  std::vector<Vec3> push_v, push_w;      // out: position correction, velocities for positions only; or empty
-  std::vector<Vec3> load,
-      angular_load;  // out: impulses of moving bodies on those at rest, about their centres
+  bool start = false;                     // in: nothing happened before, so no impulse is stored
+  std::vector<std::size_t> rows;          // that have a contact
+  std::vector<Vec3> before_v, before_w;   // before the kick: what restitution sees
+  std::vector<Vec3> v, w;                 // in: after the kick; out: after the contacts
+  std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
+  std::vector<Vec3> load, angular_load;   // out: impulses that bodies at rest take from moving ones; or empty
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
 };
 

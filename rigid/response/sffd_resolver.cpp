@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rigid/response/common_rest.hpp"
+#include "rigid/response/held_impulses.hpp"
 
 namespace silt::rigid {
 
@@ -93,33 +94,12 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   involved_.push_back(row);
   const bool free = bodies.is_free(row);
   b.moves = row < bodies.owned && free;
-  b.asks = row < bodies.owned && bodies.is_dynamic(row);
+  b.asks_for_impulses = row < bodies.owned && bodies.is_dynamic(row);
   b.inverse_mass = bodies.inverse_mass(row);
   b.inverse_inertia = bodies.inverse_inertia_W(row);
   b.isotropic = !free || bodies.is_isotropic(row);
   b.turns = free || bodies.angular_velocity[row] != Vec3::Zero();
   b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
-}
-
-/// Of a body at rest, the stored impulses of a contact with a body that begins not to move are held, and
-/// those with one that begins to are not any longer.
-void SffdResolver::hold_or_release(BodySet& bodies, std::size_t row, std::span<const Contact> of_pair,
-                                   bool hold) {
-  if (row >= bodies.owned || !bodies.is_at_rest(row)) return;
-  const bool is_a = bodies.id[row] == of_pair[0].a;
-  const BodyId partner = is_a ? of_pair[0].b : of_pair[0].a;
-  Rest& rest = bodies.rest[row];
-  const double sign = (is_a ? -1 : 1) * (hold ? 1 : -1);
-  for (StoredImpulse& s : bodies.stored_impulses[row]) {
-    if (s.partner != partner || s.image != of_pair[0].image || s.held == hold) continue;
-    const auto c = std::find_if(of_pair.begin(), of_pair.end(),
-                                [&](const Contact& contact) { return contact.feature == s.feature; });
-    if (hold && c == of_pair.end()) continue;
-    s.held = hold;
-    Eigen::Map<Vec3>{rest.impulse} += sign * s.impulse;
-    if (c != of_pair.end())
-      Eigen::Map<Vec3>{rest.angular_impulse} += sign * (is_a ? c->r_a : c->r_b).cross(s.impulse);
-  }
 }
 
 /// Returns the number of contacts whose lower body is owned.
@@ -138,7 +118,8 @@ std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Conta
     if (row_a < bodies.owned) owned_contacts += last - first;
     involve(bodies, row_a);
     involve(bodies, row_b);
-    if (!bodies_[row_a].asks && !bodies_[row_b].asks) continue;  // its owners' business
+    if (!bodies_[row_a].asks_for_impulses && !bodies_[row_b].asks_for_impulses)
+      continue;  // its owners' business
     const bool moves = bodies.is_free(row_a) || bodies.is_free(row_b);
     hold_or_release(bodies, row_a, {&c, last - first}, !moves);
     hold_or_release(bodies, row_b, {&c, last - first}, !moves);
@@ -192,7 +173,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
 
 void SffdResolver::warm_start(const Pair& p, std::span<const Contact> contacts, double dt, Recall& recall) {
   const std::span impulses = impulses_of(p);
-  if (bodies_[p.row_a].asks)
+  if (bodies_[p.row_a].asks_for_impulses)
     recall.of_lower(p.row_a, contacts, impulses);
   else
     recall.of_higher(p.row_b, contacts, impulses);
@@ -348,38 +329,10 @@ bool SffdResolver::is_correctable(const Contact& c) const {
          -c.gap > settings_.slop + negligible_overlap * lever_arms(c);
 }
 
-/// All but those that are held.
-void SffdResolver::forget_last_impulses(BodySet& bodies) const {
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    std::vector<StoredImpulse>& stored = bodies.stored_impulses[row];
-    if (stored.empty()) continue;
-    if (bodies.motion[row] <= Motion::prescribed)  // neither at rest nor waking
-      stored.clear();
-    else if (bodies_[row].involved)
-      std::erase_if(stored, [](const StoredImpulse& s) { return !s.held; });
-  }
-}
-
-void SffdResolver::load_bodies_at_rest(const BodySet& bodies, const Pair& p,
-                                       std::span<const Contact> contacts,
-                                       std::span<const ContactImpulse> impulses,
-                                       StepVelocities& velocities) const {
-  const auto load = [&](std::size_t row, const Vec3& r, const Vec3& impulse) {
-    if (!bodies.is_at_rest(row)) return;
-    velocities.load[row] += impulse;
-    velocities.angular_load[row] += r.cross(impulse);
-  };
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const Vec3 impulse = impulses[k].along(contacts[k].normal);
-    load(p.row_a, contacts[k].r_a, -impulse);
-    load(p.row_b, contacts[k].r_b, impulse);
-  }
-}
-
 /// Reads the impulses, for the next step and for the statistics.
 void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts, StepVelocities& velocities,
                           ResolverStatistics& statistics) {
-  forget_last_impulses(bodies);
+  forget_last_impulses(bodies, involved_);
   for (std::size_t n = 0; n < pairs_.size(); ++n) {  // in key order, so each body's list comes out sorted
     const Pair& p = pairs_[n];
     if (const Pair* soon = pair_ahead(n)) {
@@ -389,7 +342,7 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     const std::span impulses = impulses_of(p);
     lanes_.read_impulses(p.place, impulses);
-    if (!velocities.load.empty()) load_bodies_at_rest(bodies, p, of_pair, impulses, velocities);
+    if (!velocities.load.empty()) add_load(bodies, p.row_a, p.row_b, of_pair, impulses, velocities);
     for (std::size_t k = 0; k < impulses.size(); ++k) {
       const Contact& c = of_pair[k];
       const ContactImpulse& i = impulses[k];
@@ -403,14 +356,13 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
         impulses[k] = {};  // mostly an impact, which does not last
     }
     if (!settings_.warm_start) continue;
-    if (bodies_[p.row_a].asks)
+    if (bodies_[p.row_a].asks_for_impulses)
       remember_impulses(of_pair, impulses, of_pair[0].b, bodies.stored_impulses[p.row_a]);
-    if (bodies_[p.row_b].asks)
+    if (bodies_[p.row_b].asks_for_impulses)
       remember_impulses(of_pair, impulses, of_pair[0].a, bodies.stored_impulses[p.row_b]);
   }
   for (const std::size_t row : involved_)
-    if (row < bodies.owned && (bodies.is_at_rest(row) || bodies.motion[row] == Motion::waking))
-      sort_by_partner(bodies.stored_impulses[row]);
+    if (row < bodies.owned && bodies.keeps_impulses(row)) sort_by_partner(bodies.stored_impulses[row]);
 }
 
 /// Whether an overlap here is to be corrected, or may be on a rank that contacts connect this one with.

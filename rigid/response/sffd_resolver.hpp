@@ -23,12 +23,12 @@ class SffdResolver : public ContactResolver {
                              BodyExchange&) override;
 
  private:
-  struct Body : BodyMass {  // one a row
-    bool moves = false;     // owned and free: this rank applies its impulses
-    bool asks = false;      // owned, and moves or is held at rest: this rank needs its impulses
-    bool involved = false;  // in a contact of this step; else all here is unset
-    double pairs = 0;       // that are solved here
-    double size = 0;        // radius of gyration
+  struct Body : BodyMass {           // one a row
+    bool moves = false;              // owned and free: this rank applies its impulses
+    bool asks_for_impulses = false;  // owned, and moves or is held at rest
+    bool involved = false;           // in a contact of this step; else all here is unset
+    double pairs = 0;                // that are solved here
+    double size = 0;                 // radius of gyration
   };
   struct Pair {
     std::size_t first, last;  // its contacts
@@ -46,10 +46,6 @@ class SffdResolver : public ContactResolver {
 
   std::size_t collect_pairs(BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
-  static void hold_or_release(BodySet&, std::size_t row, std::span<const Contact> of_pair, bool hold);
-  void load_bodies_at_rest(const BodySet&, const Pair&, std::span<const Contact> of_pair,
-                           std::span<const ContactImpulse>, StepVelocities&) const;
-  void forget_last_impulses(BodySet&) const;
   const Pair* pair_ahead(std::size_t k) const;
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);

@@ -37,8 +37,8 @@ void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>
 /// Brings what a body remembers into the order that Recall expects.
 void sort_by_partner(std::vector<StoredImpulse>& stored);
 
-/// Forgets the impulses that a body and others gave each other: it is put where it no longer meets them. Bodies that
-/// it helped to hold at rest wake.
+/// Forgets the impulses that a body and others gave each other: it is put where it no longer meets them.
+/// Bodies that it helped to hold at rest wake.
 void forget_impulses(BodySet&, BodyId);
 
 }  // namespace silt::rigid

@@ -2,9 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
-#include "tests/rigid/scene.hpp"
+#include "tests/rigid/beds.hpp"
 
 namespace silt::rigid::testing {
 namespace {
@@ -19,9 +18,9 @@ void run(Scene& s, int steps) {
   s.run(steps, 1);
 }
 
-Scene sleepy(double restitution, double friction, const Vec3& gravity = down) {
+Scene sleepy(double restitution, double friction) {
   Scene s(restitution, friction);
-  s.world.gravity = gravity;
+  s.world.gravity = down;
   s.world.sleep = rule;
   return s;
 }
@@ -32,14 +31,21 @@ std::size_t at_rest(const Scene& s) {
   return n;
 }
 
-TEST(Sleep, ABoxOnTheFloorSleepsAndItsContactsCostNothing) {
-  Scene s = sleepy(0, 0.5);
-  const BodyId box = s.add(s.shape(Box{{0.5, 0.5, 0.5}}), {10, 10, 0.5});
+/// Boxes of edge 1 and ids from 0 upwards, until all are asleep.
+void stack(Scene& s, int boxes) {
+  const int box = s.shape(Box{{0.5, 0.5, 0.5}});
+  for (int i = 0; i < boxes; ++i) s.add(box, {10, 10, 0.5 + i});
   s.floor();
   s.start();
-  run(s, rule.steps + 50);
+  run(s, rule.steps + 100);
+  ASSERT_EQ(at_rest(s), std::size_t(boxes));
+}
+
+TEST(Sleep, ABoxOnTheFloorSleepsAndItsContactsCostNothing) {
+  Scene s = sleepy(0, 0.5);
+  stack(s, 1);
+  const BodyId box = 0;
   const Vec3 x = s.x(box);
-  ASSERT_EQ(at_rest(s), 1u);
   run(s, 500);
   EXPECT_EQ(at_rest(s), 1u);
   EXPECT_EQ(s.report.pairs, 0u);
@@ -65,11 +71,8 @@ TEST(Sleep, NothingThatGravityMovesSleeps) {
 TEST(Sleep, AForceWakesWhereItExceedsTheBalance) {
   for (const double share : {1.5, 3.0, 1000.0}) {
     Scene s = sleepy(0, 0);
-    const BodyId box = s.add(s.shape(Box{{0.5, 0.5, 0.5}}), {10, 10, 0.5});
-    s.floor();
-    s.start();
-    run(s, rule.steps + 50);
-    ASSERT_EQ(at_rest(s), 1u);
+    stack(s, 1);
+    const BodyId box = 0;
     const double force = share * rule.speed / rule.steps * s.bodies.mass[s.row(box)];
     constexpr int steps = 500;
     for (int i = 0; i < steps; ++i) {
@@ -107,12 +110,7 @@ TEST(Sleep, AnImpactIsThatOnABodyAwake) {
 
 TEST(Sleep, AStackWakesFromBelow) {
   Scene s = sleepy(0, 0.3);
-  const int box = s.shape(Box{{0.5, 0.5, 0.5}});
-  for (int i = 0; i < 5; ++i) s.add(box, {10, 10, 0.5 + i});
-  s.floor();
-  s.start();
-  run(s, rule.steps + 100);
-  ASSERT_EQ(at_rest(s), 5u);
+  stack(s, 5);
   s.bodies.set_velocity(s.row(0), {0.04, 0, 0}, Vec3::Zero());  // drawn away
   run(s, 100);
   EXPECT_EQ(at_rest(s), 0u);
@@ -121,13 +119,8 @@ TEST(Sleep, AStackWakesFromBelow) {
 
 TEST(Sleep, AStackWakesByALoadThatIsPutOnGently) {
   Scene s = sleepy(0, 0.5);
-  const int box = s.shape(Box{{0.5, 0.5, 0.5}});
-  for (int i = 0; i < 3; ++i) s.add(box, {10, 10, 0.5 + i});
-  s.floor();
-  s.start();
-  run(s, rule.steps + 100);
-  ASSERT_EQ(at_rest(s), 3u);
-  s.add(box, {10.4, 10, 3.5}, Vec3::Zero(), Vec3::Zero(), 2);
+  stack(s, 3);
+  s.add(0, {10.4, 10, 3.5}, Vec3::Zero(), Vec3::Zero(), 2);
   run(s, 4);
   EXPECT_EQ(at_rest(s), 0u) << "each body feels it through the one above";
   run(s, 30 * rule.steps);
@@ -152,17 +145,8 @@ TEST(Sleep, WhatABeltCarriesStaysAwake) {
 /// The same bed with and without: where its bodies are when it has come to rest.
 TEST(Sleep, ABedIsWhereItWouldBeAwake) {
   const auto bed = [](bool sleeps) {
-    Scene s(0.2, 0.4, {1, 1, 10});
-    s.extent.periodic = {true, true, false};
-    s.world.gravity = down;
+    Scene s = layers_of_spheres(0.2, 0.4, down);
     if (sleeps) s.world.sleep = rule;
-    const int ball = s.shape(Sphere{0.1});
-    std::mt19937 random(3);
-    std::uniform_real_distribution<> u(-0.004, 0.004);
-    for (int i = 0; i < 80; ++i)
-      s.add(ball, {0.125 + 0.25 * (i % 4) + u(random), 0.125 + 0.25 * (i / 4 % 4) + u(random),
-                   0.2 + 0.25 * (i / 16)});
-    s.floor();
     s.start();
     run(s, 6000);
     return s;

@@ -2,6 +2,7 @@
 #include <array>
 #include <random>
 
+#include "tests/rigid/beds.hpp"
 #include "tests/rigid/response/on_every_backend.hpp"
 
 namespace silt::rigid::testing {
@@ -51,17 +52,8 @@ TEST_P(SffdBeds, AChainBearsItsLoadFromTheFirstStepOn) {  // statics: each conta
 }
 
 TEST_P(SffdBeds, BedOfSpheresSettles) {
-  Scene s(0.3, 0.4, {1, 1, 10});
-  s.extent.periodic = {true, true, false};
-  s.world.gravity = down;
+  Scene s = layers_of_spheres(0.3, 0.4, down);
   s.settings.max_sweeps = 16;
-  const int ball = s.shape(Sphere{0.1});
-  std::mt19937 random(3);
-  std::uniform_real_distribution<> u(-0.004, 0.004);
-  for (int i = 0; i < 80; ++i)
-    s.add(ball, {0.125 + 0.25 * (i % 4) + u(random), 0.125 + 0.25 * (i / 4 % 4) + u(random),
-                 0.2 + 0.25 * (i / 16)});
-  s.floor();
   s.start();
   s.run(1200);
   EXPECT_LT(s.deepest, 3e-2 * 0.1) << "while it falls together";
