@@ -24,7 +24,9 @@ void hold_or_release(BodySet& bodies, std::size_t row, std::span<const Contact> 
 
 void forget_last_impulses(BodySet& bodies, std::span<const std::size_t> in_contact) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (!bodies.keeps_impulses(row)) bodies.stored_impulses[row].clear();
+    if (std::vector<StoredImpulse>& stored = bodies.stored_impulses[row];
+        !stored.empty() && !bodies.keeps_impulses(row))
+      stored.clear();
   for (const std::size_t row : in_contact)
     if (row < bodies.owned && bodies.keeps_impulses(row))
       std::erase_if(bodies.stored_impulses[row], [](const StoredImpulse& s) { return !s.held; });
