@@ -45,11 +45,23 @@ bool any_solid(const BlockMap& map, int y, int z) {
   return false;
 }
 
-/// The impulses that a body remembers; those of walls, which remember none, twice.
-std::int64_t impulses_of(const rigid::BodySet& bodies, std::size_t row) {
-  const auto& stored = bodies.stored_impulses[row];
-  const auto of_a_wall = [](const rigid::StoredImpulse& s) { return rigid::is_wall(s.partner); };
-  return std::int64_t(stored.size()) + std::count_if(stored.begin(), stored.end(), of_a_wall);
+/// The contacts of a body that are solved, in halves: one whose partner remembers it as well is a half of
+/// each, one with a wall or another body that does not move by itself is the body's alone. Those held while
+/// a body is at rest are not solved.
+std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
+  std::int64_t halves = 0;
+  for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
+    if (s.held) continue;
+    const std::size_t partner = bodies.row_of(s.partner);
+    const bool alone = rigid::is_wall(s.partner) || (partner < bodies.size() && !bodies.is_dynamic(partner));
+    halves += alone ? 2 : 1;
+  }
+  return halves;
+}
+
+/// Is mapped anew now and then.
+bool is_mapped(const rigid::BodySet& bodies, std::size_t row) {
+  return bodies.motion[row] != Motion::fixed && !bodies.is_at_rest(row);
 }
 
 }  // namespace
@@ -57,7 +69,7 @@ std::int64_t impulses_of(const rigid::BodySet& bodies, std::size_t row) {
 void add_bodies(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (bodies.motion[row] != Motion::fixed)
-      work.add(bodies.position[row], costs.body + costs.impulse * impulses_of(bodies, row));
+      work.add(bodies.position[row], costs.body + costs.impulse * half_contacts(bodies, row));
 }
 
 void add_surfaces(const rigid::BodySet& bodies, const rigid::World& world, const WorkCosts& costs,
@@ -75,7 +87,7 @@ void add_surfaces(const rigid::BodySet& bodies, const rigid::World& world, const
       const double surface = 6 * counts.cells / rigid::least_width(shape);  // of spheres and cubes
       counts.links = links_of_a_surface * surface;
     }
-    const double mapped = bodies.motion[row] == Motion::fixed ? 0 : counts.cells;
+    const double mapped = is_mapped(bodies, row) ? counts.cells : 0;
     work.add(rigid::bounding_box(shape, bodies.pose(row)),
              std::llround(double(costs.link) * counts.links + double(costs.mapped_cell) * mapped));
   }
@@ -89,7 +101,7 @@ void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const WorkCos
         for_pieces(map.box, {0, y, z}, size.x,
                    [&](Int3 x, int n) { work.add(map.box.lower + x, costs.link * links_from(map, x, n)); });
   for (const BodyMask& mask : map.masks) {
-    if (mask.row >= bodies.first_wall() || bodies.motion[mask.row] == Motion::fixed) continue;
+    if (mask.row >= bodies.first_wall() || !is_mapped(bodies, mask.row)) continue;
     const BitFrame& f = mask.frame();
     for (int z = std::max(f.low.z, 0); z < std::min(f.low.z + f.size.z, size.z); ++z)
       for (int y = std::max(f.low.y, 0); y < std::min(f.low.y + f.size.y, size.y); ++y)

@@ -1,4 +1,4 @@
-// A contact is the same work whether two bodies remember it or one.
+// A contact is the same work whether two bodies remember it or one, and none while it is held.
 #include "coupler/balance/body_work.hpp"
 
 #include <gtest/gtest.h>
@@ -12,16 +12,24 @@ namespace {
 
 using rigid::Vec3;
 
-std::int64_t work_of(const std::vector<std::vector<rigid::BodyId>>& partners) {
+struct Body {
+  std::vector<rigid::BodyId> partners;  // that it remembers; ids count from 1
+  rigid::Motion motion = rigid::Motion::free;
+  bool held = false;  // all of these
+};
+
+/// A body is 150, half a contact 100.
+std::int64_t work_of(const std::vector<Body>& all) {
   rigid::BodySet bodies;
-  for (std::size_t k = 0; k < partners.size(); ++k) {
+  for (const Body& body : all) {
     rigid::BodyRecord record;
-    record.id = k + 1;
+    record.id = bodies.size() + 1;
+    record.motion = body.motion;
     bodies.add(record);
-    for (const rigid::BodyId partner : partners[k])
-      bodies.stored_impulses.back().push_back({partner, {}, 0, Vec3(0, 0, 1)});
+    for (const rigid::BodyId partner : body.partners)
+      bodies.stored_impulses.back().push_back({partner, {}, 0, Vec3(0, 0, 1), body.held});
   }
-  bodies.owned = partners.size();
+  bodies.reindex();
   WorkMap work(lbm::Domain(lbm::equal_cut({16, 16, 16}, 1), {}, 1));
   WorkCosts costs(testing::CaseText{}.read());
   costs.body = 150, costs.impulse = 100;
@@ -32,11 +40,21 @@ std::int64_t work_of(const std::vector<std::vector<rigid::BodyId>>& partners) {
 }
 
 TEST(BodyWork, AContactCountsAlikeWhereverItIs) {
-  const std::int64_t two_bodies = work_of({{}, {}});
-  EXPECT_EQ(two_bodies, 2 * 150);
-  EXPECT_EQ(work_of({{2}, {1}}) - two_bodies, 200);
-  EXPECT_EQ(work_of({{rigid::first_wall_id}, {}}) - two_bodies, 200);
-  EXPECT_EQ(work_of({{rigid::first_tube_id + 1}, {}}) - two_bodies, 200);
+  using enum rigid::Motion;
+  EXPECT_EQ(work_of({{}, {}}), 2 * 150);
+  EXPECT_EQ(work_of({{{2}}, {{1}}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{rigid::first_wall_id}}, {}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{rigid::first_tube_id + 1}}, {}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{2}}, {{}, fixed}}), 150 + 200);
+  EXPECT_EQ(work_of({{{2}}, {{}, prescribed}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{7}}}), 150 + 100) << "whose other half another rank has";
+}
+
+TEST(BodyWork, ContactsThatAreHeldAreNone) {
+  using enum rigid::Motion;
+  EXPECT_EQ(work_of({{{2}, asleep, true}, {{1}, asleep, true}}), 2 * 150);
+  EXPECT_EQ(work_of({{{rigid::first_wall_id}, asleep, true}, {}}), 2 * 150);
+  EXPECT_EQ(work_of({{{2}, asleep}, {{1}}}), 2 * 150 + 200) << "with one that moves";
 }
 
 }  // namespace
