@@ -87,14 +87,18 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
       counters_.body_speed = std::max(counters_.body_speed, speed);
       faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);
     };
-  if (scene_.rigid_step && setup().output.body_contacts)
+  if (scene_.rigid_step && (setup().output.body_contacts || scene_.flow))
     scene_.rigid_step->contact_impulse = note_contact_impulse;
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
 
 SceneParts Simulation::observed_parts() {
   SceneParts parts = scene_.parts();
-  if (parts.flow && parts.surfaces) parts.forces_seen = note_loads;
+  if (parts.flow && parts.surfaces)
+    parts.forces_seen = [](rigid::BodySet& bodies) {
+      note_loads(bodies);
+      forget_contact_loads(bodies);  // the flow has used them
+    };
   return parts;
 }
 
@@ -172,7 +176,7 @@ void Simulation::step() {
   const Traffic before = traffic();
   begin_step_of_traffic();
   scene_.move_walls(step_);
-  if (setup().output.body_contacts) forget_contact_loads(scene_.bodies);
+  if (!scene_.flow && setup().output.body_contacts) forget_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});

@@ -18,8 +18,8 @@ struct CouplingState {
   // force and torque about the centre of mass that the fluid had on the body when they were last evaluated,
   // for output; not in checkpoints
   double seen_load[6];
-  // force and torque about the centre of mass of its contacts in the last step, for output that asks for
-  // them; not in checkpoints
+  // force and torque about the centre of mass of its contacts in the last step. The torque is what the
+  // coupling in time expects of them in the next one, the force is for output and not in checkpoints
   double contact_load[6];
 };
 static_assert(sizeof(CouplingState) == rigid::HolderState::size);
@@ -42,6 +42,10 @@ inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigi
   const rigid::Quat& q = pose.orientation;
   Eigen::Map<rigid::Vec3>{s.mapping_position} = pose.position;
   Eigen::Map<Eigen::Vector4d>{s.mapping_orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+}
+
+inline rigid::Vec3 last_contact_torque(const rigid::BodySet& bodies, std::size_t row) {
+  return Eigen::Map<const rigid::Vec3>{coupling_state(bodies, row).contact_load + 3};
 }
 
 inline Eigen::Map<rigid::Vec3> pending_impact(rigid::BodySet& bodies, std::size_t row) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/explicit_stability.hpp"
 #include "lbm/cut_links.hpp"
 
@@ -70,6 +71,18 @@ Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substep
   return std::min(opposing / square, double(substeps)) * contacts;
 }
 
+/// The same of a torque: a body that rests, or rolls, goes on to. Films turn nothing, and what contacts did
+/// beside them is not told apart.
+Vec3 turn_held_by_contacts(const rigid::BodySet& bodies, std::size_t row, const Vec3& load) {
+  const auto& stored = bodies.stored_impulses[row];
+  const auto is_film = [](const rigid::StoredImpulse& s) { return s.feature & rigid::lubrication_feature; };
+  if (stored.empty() || std::any_of(stored.begin(), stored.end(), is_film)) return Vec3::Zero();
+  const Vec3 contacts = last_contact_torque(bodies, row);
+  const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
+  if (!(opposing > 0)) return Vec3::Zero();
+  return std::min(opposing / square, 1.0) * contacts;
+}
+
 /// The impulse of lubrication in the coming step. Films that gave an impulse in the last sub-step give it
 /// again in each of the next as long as the load lasts. But films damp: together they hold what presses the
 /// body on and stop its motion relative to the bodies beyond them, and turn neither round. So after an
@@ -121,6 +134,7 @@ Vec6 ImplicitCoupling::load_on(const rigid::BodySet& bodies, std::size_t row, co
   Vec6 load = link_force + external;
   load.head<3>() += impulse_of_films(world_, bodies, row, substeps_, load.head<3>());
   load.head<3>() += held_by_contacts(bodies, row, substeps_, load.head<3>());
+  load.tail<3>() += turn_held_by_contacts(bodies, row, load.tail<3>());
   return load;
 }
 

@@ -1,0 +1,40 @@
+// A body that contacts hold in a stream feels what a body feels that is fixed there.
+#include <gtest/gtest.h>
+
+#include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+/// A box on the floor of a channel, not all symmetric to the stream.
+CaseText box_in_a_stream(double density, const std::string& motion) {
+  CaseText c;
+  c.domain =
+      domain_of({28, 20, 18}, "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
+  c.fluid = "[fluid]\nrelaxation_time = 0.65\nbody_force = [1e-5, 2e-6, 0]\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -4e-3]\n[contacts]\nrestitution = 0\nfriction = 0.8\n";
+  c.shapes = shape_of("box", "box", "edges = [7, 6, 8]");
+  c.bodies = body_of("box", density, "position = [10, 10, 4]\nmotion = \"" + motion + "\"");
+  return c;
+}
+
+BodyLoad load_after(const CaseText& c, int steps) {
+  Simulation s = c.start(MPI_COMM_SELF);
+  s.run(steps);
+  return s.last_loads()[0];
+}
+
+TEST(BodiesThatRest, FeelWhatFixedOnesFeel) {
+  constexpr int steps = 3000;
+  for (const double density : {1.1, 3.0}) {
+    const BodyLoad fixed = load_after(box_in_a_stream(density, "fixed"), steps),
+                   held = load_after(box_in_a_stream(density, "free"), steps);
+    EXPECT_GT(fixed.torque.norm(), fixed.force.norm());
+    EXPECT_LT((held.force - fixed.force).norm(), 1e-4 * fixed.force.norm()) << density;
+    EXPECT_LT((held.torque - fixed.torque).norm(), 1e-4 * fixed.torque.norm()) << density;
+  }
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
