@@ -44,6 +44,10 @@ inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigi
   Eigen::Map<Eigen::Vector4d>{s.mapping_orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
 }
 
+inline rigid::Vec3 last_contact_force(const rigid::BodySet& bodies, std::size_t row) {
+  return Eigen::Map<const rigid::Vec3>{coupling_state(bodies, row).contact_load};
+}
+
 inline rigid::Vec3 last_contact_torque(const rigid::BodySet& bodies, std::size_t row) {
   return Eigen::Map<const rigid::Vec3>{coupling_state(bodies, row).contact_load + 3};
 }

@@ -71,16 +71,24 @@ Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substep
   return std::min(opposing / square, double(substeps)) * contacts;
 }
 
-/// The same of a torque: a body that rests, or rolls, goes on to. Films turn nothing, and what contacts did
-/// beside them is not told apart.
+/// The same of a torque: a body that rests, or rolls, goes on to.
 Vec3 turn_held_by_contacts(const rigid::BodySet& bodies, std::size_t row, const Vec3& load) {
-  const auto& stored = bodies.stored_impulses[row];
-  const auto is_film = [](const rigid::StoredImpulse& s) { return s.feature & rigid::lubrication_feature; };
-  if (stored.empty() || std::any_of(stored.begin(), stored.end(), is_film)) return Vec3::Zero();
   const Vec3 contacts = last_contact_torque(bodies, row);
   const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
-  if (!(opposing > 0)) return Vec3::Zero();
+  if (bodies.stored_impulses[row].empty() || !(opposing > 0)) return Vec3::Zero();
   return std::min(opposing / square, 1.0) * contacts;
+}
+
+/// The same of what films do against rolling, which no stored impulse has: what contacts and films did
+/// in the last step beyond stored impulses.
+Vec3 held_against_rolling(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
+  if (bodies.stored_impulses[row].empty()) return Vec3::Zero();
+  Vec3 rolling = last_contact_force(bodies, row);
+  for (const auto& s : bodies.stored_impulses[row])
+    rolling -= substeps * (s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse));
+  const double opposing = -rolling.dot(load), square = rolling.squaredNorm();
+  if (!(opposing > 0)) return Vec3::Zero();
+  return std::min(opposing / square, 1.0) * rolling;
 }
 
 /// The impulse of lubrication in the coming step. Films that gave an impulse in the last sub-step give it
@@ -133,6 +141,7 @@ Vec6 ImplicitCoupling::load_on(const rigid::BodySet& bodies, std::size_t row, co
       bodies.torque[row].value();
   Vec6 load = link_force + external;
   load.head<3>() += impulse_of_films(world_, bodies, row, substeps_, load.head<3>());
+  load.head<3>() += held_against_rolling(bodies, row, substeps_, load.head<3>());
   load.head<3>() += held_by_contacts(bodies, row, substeps_, load.head<3>());
   load.tail<3>() += turn_held_by_contacts(bodies, row, load.tail<3>());
   return load;

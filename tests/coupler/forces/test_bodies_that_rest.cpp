@@ -1,4 +1,5 @@
-// A body that contacts hold in a stream feels what a body feels that is fixed there.
+// What a stream does to bodies in contact: those that rest feel what fixed ones feel, and those that roll
+// are as fast whatever their mass.
 #include <gtest/gtest.h>
 
 #include "coupler/simulation.hpp"
@@ -33,6 +34,31 @@ TEST(BodiesThatRest, FeelWhatFixedOnesFeel) {
     EXPECT_GT(fixed.torque.norm(), fixed.force.norm());
     EXPECT_LT((held.force - fixed.force).norm(), 1e-4 * fixed.force.norm()) << density;
     EXPECT_LT((held.torque - fixed.torque).norm(), 1e-4 * fixed.torque.norm()) << density;
+  }
+}
+
+/// The steady speed of a ball that rolls along the floor, or the ceiling if it floats, pressed on alike.
+double rolling_speed(double density, bool lubrication) {
+  CaseText c;
+  c.domain =
+      domain_of({24, 16, 16}, "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
+  c.fluid = "[fluid]\nrelaxation_time = 0.65\nbody_force = [1e-5, 0, 0]\n";
+  if (!lubrication) c.fluid += "[coupling]\nlubrication = false\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, " + std::to_string(-1e-3 / (density - 1)) +
+           "]\n[contacts]\nrestitution = 0\nfriction = 0.4\n";
+  c.shapes = shape_of("ball", "sphere", "radius = 4");
+  c.bodies = body_of("ball", density, density > 1 ? "position = [8, 8, 4]" : "position = [8, 8, 12]");
+  Simulation s = c.start(MPI_COMM_SELF);
+  s.run(6000);
+  return s.scene().bodies.velocity[0].x();
+}
+
+TEST(BodiesThatRoll, AreAsFastWhateverTheirMass) {
+  for (const bool lubrication : {true, false}) {
+    const double heavy = rolling_speed(2.0, lubrication);
+    EXPECT_GT(heavy, 1e-4);
+    for (const double light : {0.05, 0.3})
+      EXPECT_NEAR(rolling_speed(light, lubrication), heavy, 0.02 * heavy) << light << lubrication;
   }
 }
 
