@@ -18,8 +18,8 @@ struct CouplingState {
   // force and torque about the centre of mass that the fluid had on the body when they were last evaluated,
   // for output; not in checkpoints
   double seen_load[6];
-  // force and torque about the centre of mass of its contacts in the last step. The torque is what the
-  // coupling in time expects of them in the next one, the force is for output and not in checkpoints
+  // force and torque about the centre of mass of its contacts in the last step: what the coupling in time
+  // expects of them in the next one
   double contact_load[6];
 };
 static_assert(sizeof(CouplingState) == rigid::HolderState::size);

@@ -71,24 +71,39 @@ Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substep
   return std::min(opposing / square, double(substeps)) * contacts;
 }
 
-/// The same of a torque: a body that rests, or rolls, goes on to.
-Vec3 turn_held_by_contacts(const rigid::BodySet& bodies, std::size_t row, const Vec3& load) {
-  const Vec3 contacts = last_contact_torque(bodies, row);
-  const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
-  if (bodies.stored_impulses[row].empty() || !(opposing > 0)) return Vec3::Zero();
-  return std::min(opposing / square, 1.0) * contacts;
+/// Films of a body that has left the scene are gone.
+bool is_gone(const rigid::BodySet& bodies, const rigid::StoredImpulse& s) {
+  return (s.feature & rigid::lubrication_feature) && bodies.row_of(s.partner) >= bodies.size();
+}
+
+/// Whether something holds the body as in the last step.
+bool is_held_as_before(const rigid::BodySet& bodies, std::size_t row) {
+  const auto& stored = bodies.stored_impulses[row];
+  return !stored.empty() &&
+         std::none_of(stored.begin(), stored.end(), [&](const auto& s) { return is_gone(bodies, s); });
+}
+
+/// What of the last step's opposes the load, at most all of it.
+Vec3 opposing_part(const Vec3& last, const Vec3& load) {
+  const double opposing = -last.dot(load), square = last.squaredNorm();
+  if (!(opposing > 0)) return Vec3::Zero();
+  return std::min(opposing / square, 1.0) * last;
 }
 
 /// The same of what films do against rolling, which no stored impulse has: what contacts and films did
 /// in the last step beyond stored impulses.
 Vec3 held_against_rolling(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
-  if (bodies.stored_impulses[row].empty()) return Vec3::Zero();
+  if (!is_held_as_before(bodies, row)) return Vec3::Zero();
   Vec3 rolling = last_contact_force(bodies, row);
   for (const auto& s : bodies.stored_impulses[row])
     rolling -= substeps * (s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse));
-  const double opposing = -rolling.dot(load), square = rolling.squaredNorm();
-  if (!(opposing > 0)) return Vec3::Zero();
-  return std::min(opposing / square, 1.0) * rolling;
+  return opposing_part(rolling, load);
+}
+
+/// The same of a torque, of contacts and films: a body that rests, or rolls, goes on to.
+Vec3 turn_held_by_contacts(const rigid::BodySet& bodies, std::size_t row, const Vec3& load) {
+  if (!is_held_as_before(bodies, row)) return Vec3::Zero();
+  return opposing_part(last_contact_torque(bodies, row), load);
 }
 
 /// The impulse of lubrication in the coming step. Films that gave an impulse in the last sub-step give it
