@@ -16,6 +16,7 @@
 #include "coupler/mapping/body_changes.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
+#include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
 #include "coupler/side_force.hpp"
@@ -74,7 +75,6 @@ class FlowOf final : public Flow {
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     renew_mapping_poses(bodies, world_, coupling_.remap_tolerance);
-    map_walls_where_they_are(bodies);
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);

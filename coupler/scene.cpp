@@ -87,14 +87,17 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
     take_placed_bodies(shapes);
   count_bodies();
   if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
-  for (const CurvedWall& wall : setup.walls) {
-    if (const MeshWall* mesh = wall.mesh())
+  for (std::size_t k = 0; k < setup.walls.size(); ++k) {
+    if (const MeshWall* mesh = setup.walls[k].mesh()) {
       rigid::add_mesh_wall(bodies, world, *mesh);
-    else
-      rigid::add_tube(bodies, world, *wall.tube());
+      if (mesh->motion.moves()) moving_walls_.push_back({k, {*mesh, setup.coupling.remap_tolerance}});
+    } else {
+      rigid::add_tube(bodies, world, *setup.walls[k].tube());
+    }
   }
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
     set_mapping_pose(bodies, row, bodies.pose(row));
+  move_walls(0);
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
   exchange->synchronise(bodies);
   if (may_be_cut_anew()) cut_for_bodies();
@@ -112,9 +115,11 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
 
 void Scene::move_walls(std::int64_t step) {
   const std::size_t first = bodies.size() - setup.walls.size();
-  for (std::size_t k = 0; k < setup.walls.size(); ++k)
-    if (const MeshWall* mesh = setup.walls[k].mesh(); mesh && mesh->motion.moves())
-      rigid::move_mesh_wall(bodies, first + k, *mesh, static_cast<double>(step));
+  for (const MovingWall& wall : moving_walls_) {
+    const std::size_t row = first + wall.number;
+    rigid::move_mesh_wall(bodies, row, *setup.walls[wall.number].mesh(), static_cast<double>(step));
+    set_mapping_pose(bodies, row, wall.mapping.pose(step));
+  }
 }
 
 bool Scene::may_be_cut_anew() const {

@@ -12,6 +12,7 @@
 #include "coupler/exchange/send_home.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/load_balance.hpp"
+#include "coupler/mapping/mapping_poses.hpp"
 #include "rigid/rigid_step.hpp"
 
 namespace silt::coupler {
@@ -47,8 +48,8 @@ class Scene {
   std::unique_ptr<Flow> flow;  // null: no [fluid]
   Evenness evenness_at_start;  // of the work of ranks, under the equal cut and the one taken
 
-  /// Gives walls that move the pose and the velocities that they have after so many steps: a function of the
-  /// step alone. The fluid sees them there when it next maps them.
+  /// Gives walls that move the pose and the velocities that they have after so many steps, and the pose at
+  /// which the next step maps them: functions of the step alone.
   void move_walls(std::int64_t step);
 
   /// Whether the domain may be cut as the work is shared best.
@@ -70,6 +71,12 @@ class Scene {
   void take_placed_bodies(const std::vector<CentredShape>&);
   void count_bodies();
   void cut_for_bodies();
+
+  struct MovingWall {
+    std::size_t number;  // in the case
+    WallMapping mapping;
+  };
+  std::vector<MovingWall> moving_walls_;
 };
 
 }  // namespace silt::coupler

@@ -51,10 +51,7 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
       stops_beyond_sides_(stops_beyond_sides(setup())),
       energy_(setup()) {
   flush_denormals_to_zero();
-  if (saved && saved->step > 0) {
-    scene_.move_walls(saved->step - 1);  // where the last step mapped them
-    map_walls_where_they_are(scene_.bodies);
-  }
+  if (saved && saved->step > 0) scene_.move_walls(saved->step - 1);  // where the last step mapped them
   if (scene_.flow) {
     if (saved) {
       saved->set_populations(*scene_.flow);

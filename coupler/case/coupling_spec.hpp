@@ -27,7 +27,7 @@ struct CouplingSpec {
   bool mass_correction = true;
   /// Cells a surface may move before its cells and wall distances are renewed. At most 1/2: holders of a body
   /// that is further behind might not know of it (exchange/holders.hpp).
-  double remap_tolerance = 0.02;
+  double remap_tolerance = 0.015;
   bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
   double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };

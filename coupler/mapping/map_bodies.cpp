@@ -26,10 +26,6 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   return bits;
 }
 
-bool same(const rigid::Pose& a, const rigid::Pose& b) {
-  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
-}
-
 /// Gives the mask those of its cells that no one has yet.
 void take_cells(CellBits& solid, BodyMask& mask) {
   const BitFrame& f = mask.inside.frame();
@@ -60,25 +56,6 @@ MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
     map.walls = map.solid = map.before = wall_bits(domain, box);
     blocks_.push_back(std::move(map));
   }
-}
-
-void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, double tolerance) {
-  for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
-    const rigid::Pose now = bodies.pose(row);
-    const rigid::Pose then = mapping_pose(bodies, row);
-    if (same(now, then)) continue;
-    // |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'
-    const auto a = now.orientation.coeffs(), b = then.orientation.coeffs();
-    const double angle = 2 * std::min((a - b).norm(), (a + b).norm());
-    const double moved =
-        (now.position - then.position).norm() + angle * world.bounding_radii[bodies.shape[row]];
-    if (moved > tolerance) set_mapping_pose(bodies, row, now);
-  }
-}
-
-void map_walls_where_they_are(rigid::BodySet& bodies) {
-  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
-    set_mapping_pose(bodies, row, bodies.pose(row));
 }
 
 void MapBodies::operator()(const rigid::BodySet& bodies) {
@@ -185,7 +162,7 @@ bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bod
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const BodyMask& mask = block.masks[k];
     if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
-        !same(mapping_pose(bodies, found_[k].row), mask.pose))
+        mapping_pose(bodies, found_[k].row) != mask.pose)
       return false;
   }
   return true;
@@ -216,7 +193,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
       ++match;
     const bool known = match != block.masks_before.end() && match->id == mask.id;
     mask.before = known ? int(match - block.masks_before.begin()) : -1;
-    mask.kept = known && same(match->pose, mask.pose);
+    mask.kept = known && match->pose == mask.pose;
     if (mask.kept) {
       mask.inside = match->inside;
     } else {

@@ -13,13 +13,6 @@
 
 namespace silt::coupler {
 
-/// Bodies whose surface has moved further than this since they were last mapped (cells) are mapped anew;
-/// those at rest keep their cells and wall distances. Only the state decides: every holder of a body does the
-/// same.
-void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance);
-/// Walls are mapped where they are, however little they have moved: their poses are those of the step.
-void map_walls_where_they_are(rigid::BodySet&);
-
 class MapBodies {
  public:
   /// link_reach: of the wall scheme (lbm::link_reach); masks are kept if links would be.

@@ -37,6 +37,16 @@ Vec3 slope(const std::vector<MotionRow>& table, std::size_t k, Of of) {
   return (after * left + before * right) / (before + after);
 }
 
+/// What the derivative of the cubic between two rows never exceeds: the maximum of the parabola whose
+/// coefficients in Bernstein's form are the lengths of its own.
+template <class Of>
+double slope_bound(const std::vector<MotionRow>& table, std::size_t k, Of of) {
+  const Vec3 first = slope(table, k, of), last = slope(table, k + 1, of);
+  const Vec3 mean = (table[k + 1].*of - table[k].*of) / (table[k + 1].time - table[k].time);
+  const double a = first.norm(), b = (3 * mean - first - last).norm(), c = last.norm();
+  return b > std::max(a, c) ? (b * b - a * c) / (2 * b - a - c) : std::max(a, c);
+}
+
 /// The cubic between two rows that has their values and slopes (C. Hermite), and its derivative.
 template <class Of>
 std::pair<Vec3, Vec3> cubic(const std::vector<MotionRow>& table, std::size_t k, double time, Of of) {
@@ -91,6 +101,17 @@ WallMotion::Velocity WallMotion::velocity_at(double time) const {
   const double swing = full_turn * frequency;
   return {velocity + amplitude * (swing * elementary::cos(swing * time + phase)) + moved.velocity,
           angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
+}
+
+/// The angular velocity is at most the rate of the rotation vector: no direction is stretched by the
+/// Jacobian.
+double WallMotion::speed_bound(double radius) const {
+  double along_table = 0;
+  for (std::size_t k = 0; k + 1 < table.size(); ++k)
+    along_table = std::max(along_table, slope_bound(table, k, &MotionRow::displacement) +
+                                            radius * slope_bound(table, k, &MotionRow::rotation));
+  return velocity.norm() + full_turn * std::abs(frequency) * amplitude.norm() +
+         radius * angular_velocity.norm() + along_table;
 }
 
 }  // namespace silt::rigid

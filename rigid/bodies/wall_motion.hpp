@@ -30,6 +30,8 @@ struct WallMotion {
   };
   /// The derivative of the pose.
   Velocity velocity_at(double time) const;
+  /// No point of the wall within `radius` of the reference point is ever faster.
+  double speed_bound(double radius) const;
 };
 
 }  // namespace silt::rigid

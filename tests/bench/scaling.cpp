@@ -86,11 +86,14 @@ class Side {
   }
   void forget() { whole_ = {}; }
   /// The fluid would slow the bodies down: they are set going again before every step.
-  void step() {
+  void set_going() {
     const auto v = Layers{}.velocity();
     rigid::BodySet& bodies = simulation_.bodies();
     for (std::size_t row = 0; row < bodies.first_wall(); ++row)
       bodies.set_velocity(row, {v[0], v[1], v[2]}, rigid::Vec3::Zero());
+  }
+  void step() {
+    set_going();
     simulation_.step();
   }
   coupler::Simulation& simulation() { return simulation_; }
@@ -117,8 +120,7 @@ Expected expected_of(const coupler::Simulation& simulation) {
   Expected e;
   e.fluid = halo_sent(scene.domain, scene.rank, number);
   if (!scene.has_surfaces() || scene.ranks == 1) return e;
-  if (lbm::reads_beyond(scene.setup.coupling.wall_scheme))
-    e.fluid += pairs_sent(simulation, number);
+  if (lbm::reads_beyond(scene.setup.coupling.wall_scheme)) e.fluid += pairs_sent(simulation, number);
   e.forces = 2.0 * double(copied_from(simulation).size());  // sums to owners, changes of velocity from them
   const int around = ranks_within(scene.domain, scene.rank, scene.exchange->reach());
   for (int sub = 0; sub < scene.setup.contacts.substeps; ++sub) {
@@ -146,6 +148,7 @@ Compared compare(Side& side, MPI_Comm comm, int steps) {
   const auto at = [](Stage s) { return std::size_t(s); };
   const auto before = side.simulation().stage_traffic();
   for (int t = 0; t < steps; ++t) {
+    side.set_going();
     const Expected e = expected_of(side.simulation());
     const double now[4] = {e.fluid.messages, e.fluid.bytes, e.forces, e.bodies};
     for (int k = 0; k < 4; ++k) all.expected[k] += now[k];

@@ -43,7 +43,7 @@ Mapped mapped(const Mesh& mesh, const Pose& pose, bool periodic, Int3 blocks) {
   rigid::World world;
   rigid::BodySet bodies;
   rigid::add_mesh_wall(bodies, world, {mesh, pose, Vec3::UnitZ(), 0, {}});
-  map_walls_where_they_are(bodies);
+  set_mapping_pose(bodies, bodies.first_wall(), bodies.pose(bodies.first_wall()));
   std::vector<lbm::CellBox> boxes;
   for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);
   MapBodies map(domain, world, boxes, 1);

@@ -37,6 +37,19 @@ TEST(WallMotion, VelocityIsTheDerivativeOfThePose) {
     }
 }
 
+TEST(WallMotion, NoPointIsFasterThanItsBound) {
+  constexpr double radius = 2.5;
+  for (const WallMotion& m : motions()) {
+    double fastest = 0;
+    for (double t = 0; t < 20; t += 0.01) {
+      const WallMotion::Velocity v = m.velocity_at(t);
+      fastest = std::max(fastest, v.linear.norm() + radius * v.angular.norm());
+    }
+    EXPECT_LE(fastest, m.speed_bound(radius) * (1 + 1e-12));
+    EXPECT_GT(fastest, 0.5 * m.speed_bound(radius)) << "the bound is of use";
+  }
+}
+
 TEST(WallMotion, ATableIsMetAndHeldBeforeAndAfterIt) {
   const WallMotion m = table_motion();
   for (const MotionRow& row : m.table) {

@@ -1,0 +1,63 @@
+#include "coupler/mapping/mapping_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/exchange/coupling_state.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+using rigid::Pose;
+using rigid::Quat;
+using rigid::Vec3;
+
+namespace {
+
+constexpr double rounding = 1e-9;  // relative: of a way of so many whole steps
+
+/// Steps on whose way nothing as fast as that is further than the tolerance from the middle.
+double steps_within(double tolerance, double speed) {
+  constexpr double most = 1e6;
+  return speed * most <= 2 * tolerance ? most : std::floor((1 + rounding) * 2 * tolerance / speed);
+}
+
+/// A rotation by a vector, good to the third order of its length.
+Quat turned_by(const Vec3& rotation) {
+  return Quat(1, 0.5 * rotation[0], 0.5 * rotation[1], 0.5 * rotation[2]).normalized();
+}
+
+/// |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'.
+double angle_between(const Quat& a, const Quat& b) {
+  return 2 * std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm());
+}
+
+}  // namespace
+
+void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, double tolerance) {
+  for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
+    const Pose now = bodies.pose(row), mapped = mapping_pose(bodies, row);
+    if (now == mapped) continue;
+    // a ball looks the same however it has turned
+    const bool is_ball = std::holds_alternative<rigid::Sphere>(world.shapes[bodies.shape[row]]);
+    const double radius = is_ball ? 0 : world.bounding_radii[bodies.shape[row]];
+    const double moved =
+        (now.position - mapped.position).norm() + radius * angle_between(now.orientation, mapped.orientation);
+    if (moved <= (1 + 2 * rounding) * tolerance) continue;
+    const Vec3 v = bodies.velocity[row], w = is_ball ? Vec3(0, 0, 0) : bodies.angular_velocity[row];
+    const double ahead = 0.5 * steps_within(tolerance, v.norm() + radius * w.norm());
+    set_mapping_pose(bodies, row, {now.position + ahead * v, turned_by(ahead * w) * now.orientation});
+  }
+}
+
+WallMapping::WallMapping(const rigid::MeshWallSpec& wall, double tolerance) : wall_(wall) {
+  const double speed = wall.motion.speed_bound(wall.mesh.surface->radius());
+  steps_ = 1 + static_cast<std::int64_t>(steps_within(tolerance, speed));
+}
+
+Pose WallMapping::pose(std::int64_t step) const {
+  const auto first = static_cast<double>(step - step % steps_);
+  return wall_.motion.pose(wall_.start, first + 0.5 * static_cast<double>(steps_ - 1));
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,117 @@
+// Where the fluid sees bodies and walls that move: near where they are, and on the mean just there.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/mapping_poses.hpp"
+#include "rigid/integrate.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "tests/rigid/shapes/meshes.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+using rigid::Pose;
+using rigid::Quat;
+using rigid::Vec3;
+
+constexpr double tolerance = 0.02;
+const Vec3 half(3, 2, 1.5);  // of a box
+
+/// How far apart corners of the box are that has two poses: the furthest pair.
+double furthest(const Pose& a, const Pose& b) {
+  double most = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner(k & 1 ? half[0] : -half[0], k & 2 ? half[1] : -half[1], k & 4 ? half[2] : -half[2]);
+    most = std::max(most, (a.to_world(corner) - b.to_world(corner)).norm());
+  }
+  return most;
+}
+
+/// One body that goes on as it does, and what became of its mapping.
+struct Passage {
+  rigid::World world;
+  rigid::BodySet bodies;
+  int mappings = 0, steps = 0;
+  double furthest_off = 0;
+  Vec3 mean_off = Vec3::Zero();  // of its centre from where it is mapped
+
+  Passage(const rigid::Shape& shape, const Vec3& velocity, const Vec3& spin) {
+    world.shapes = {shape};
+    world.bounding_radii = {rigid::bounding_radius(shape)};
+    rigid::BodyRecord body;
+    body.id = 1;
+    body.motion = rigid::Motion::prescribed;
+    bodies.add(body);
+    bodies.reindex();
+    bodies.set_velocity(0, velocity, spin);
+    set_mapping_pose(bodies, 0, bodies.pose(0));
+  }
+  void run(int n, double within) {
+    for (; steps < n; ++steps) {
+      const Pose before = mapping_pose(bodies, 0);
+      renew_mapping_poses(bodies, world, within);
+      const Pose mapped = mapping_pose(bodies, 0);
+      mappings += mapped != before;
+      furthest_off = std::max(furthest_off, furthest(bodies.pose(0), mapped));
+      mean_off += (bodies.position[0] - mapped.position) / n;
+      rigid::drift(bodies, 1);
+    }
+  }
+};
+
+TEST(MappingPoses, ABodyIsMappedAheadOnItsWay) {
+  Passage p(rigid::Box{half}, {0.004, -0.002, 0.001}, {0.0003, 0.0005, -0.0002});
+  p.run(2000, tolerance);
+  EXPECT_LE(p.furthest_off, tolerance * (1 + 1e-6));
+  EXPECT_LT(p.mean_off.norm(), 0.02 * tolerance);
+  const double speed = std::hypot(0.004, 0.002, 0.001) + half.norm() * std::hypot(0.0003, 0.0005, 0.0002);
+  EXPECT_NEAR(p.mappings, 2000 / (1 + std::floor(2 * tolerance / speed)), 2);
+}
+
+TEST(MappingPoses, ABallIsNotMappedForTurning) {
+  Passage p(rigid::Sphere{3}, {0, 0, 0}, {0.01, 0.02, 0});
+  p.run(100, tolerance);
+  EXPECT_EQ(p.mappings, 0);
+  Passage moving(rigid::Sphere{3}, {0.01, 0, 0}, {0.01, 0.02, 0});
+  moving.run(1000, tolerance);
+  EXPECT_NEAR(moving.mappings, 1000 / 5, 2);
+}
+
+TEST(MappingPoses, WithoutATolerance) {
+  Passage p(rigid::Box{half}, {0.004, 0, 0}, {0.0003, 0, 0});
+  p.run(50, 0);
+  EXPECT_EQ(p.mappings, 49);
+  EXPECT_EQ(p.furthest_off, 0);
+}
+
+TEST(MappingPoses, WallsAreMappedByTheStepAlone) {
+  rigid::MeshWallSpec turns, swings, table;
+  for (rigid::MeshWallSpec* wall : {&turns, &swings, &table}) {
+    wall->mesh = rigid::testing::solid_of(rigid::testing::cuboid_mesh(-half, half));
+    wall->start = {{10, 11, 12}, Quat(0.5, 0.1, -0.7, 0.3).normalized()};
+  }
+  turns.motion.angular_velocity = {0.0004, -0.0006, 0.0005}, turns.motion.velocity = {0.002, 0, 0};
+  swings.motion.amplitude = {1, 0.5, 0}, swings.motion.frequency = 0.001;
+  table.motion.table = {
+      {0, {0, 0, 0}, {0, 0, 0}}, {300, {1, 0, 2}, {0.1, 0, 0}}, {800, {3, 0, 0}, {0.3, 0.1, 0}}};
+  for (const rigid::MeshWallSpec* wall : {&turns, &swings, &table}) {
+    const WallMapping mapping(*wall, tolerance);
+    int mappings = 0;
+    Vec3 mean_off = Vec3::Zero();
+    for (int step = 0; step < 1000; ++step) {
+      const Pose now = wall->motion.pose(wall->start, step), mapped = mapping.pose(step);
+      EXPECT_LE(furthest(now, mapped), tolerance * (1 + 1e-6)) << step;
+      mappings += step == 0 || mapped != mapping.pose(step - 1);
+      mean_off += (now.position - mapped.position) / 1000;
+    }
+    EXPECT_LT(mappings, 400);
+    EXPECT_GT(mappings, 20);
+    EXPECT_LT(mean_off.norm(), 0.05 * tolerance);
+    EXPECT_EQ(WallMapping(*wall, 0).pose(123), wall->motion.pose(wall->start, 123));
+  }
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
