@@ -114,20 +114,22 @@ class GroupSums {
     torque_[2].add(r[0] * g[1] - r[1] * g[0]);
     mass_.add(returned * mass_scale);
     mass_.subtract(in * mass_scale);
+    ++vectors_;
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
   void add_to(LinkSums& sums) const {
     for (int d = 0; d < 3; ++d) {
-      sums.force[d] += force_[d].total();
-      sums.torque[d] += torque_[d].total();
+      sums.force[d] += force_[d].total(vectors_);
+      sums.torque[d] += torque_[d].total(vectors_);
     }
-    sums.mass += mass_.total();
+    sums.mass += mass_.total(0);
     if (!L::all(good_)) sums.invalid = true;
   }
 
  private:
   T galilean_, limit_;
   FixedSum<T> force_[3], torque_[3], mass_;
+  std::uint64_t vectors_ = 0;
   typename L::Mask good_ = V{} == V{};
 };
 
@@ -197,7 +199,7 @@ void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSu
     mass.subtract(counted ? V(before * scale) : V{});
   }
   fetch.finish(l);
-  sums.mass += mass.total();
+  sums.mass += mass.total(0);
 }
 
 template <class T>

@@ -9,7 +9,7 @@
 #include "lbm/cut_links.hpp"
 #include "lbm/isa_vector.hpp"
 
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_ISA_avx512) || defined(SILT_ISA_avx2)
 #include <immintrin.h>
 #endif
 
@@ -50,6 +50,8 @@ struct Lanes {
       return _mm512_movepi32_mask(__m512i(m)) == 0xffff;
     else
       return _mm512_movepi64_mask(__m512i(m)) == 0xff;
+#elif defined(SILT_ISA_avx2)
+    return lane_bits(m) == (1u << count) - 1;
 #else
     bool yes = true;
     for (int l = 0; l < count; ++l) yes &= m[l] != 0;
@@ -81,6 +83,34 @@ struct Lanes {
     else
       _mm512_i32scatter_pd(to, __m256i(at), __m512d(values), 8);
   }
+#elif defined(SILT_ISA_avx2)
+  /// index: below 24.
+  static Whole look_up(const std::int32_t (&table)[32], const Whole& index) {
+    const __m256i at = wide(index);
+    const auto eight = [&](int k) {
+      const auto from = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(table + 8 * k));
+      return _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(from, at));
+    };
+    const auto bit = [&](int n) { return _mm256_castsi256_ps(_mm256_slli_epi32(at, 31 - n)); };
+    const __m256i found =
+        _mm256_castps_si256(_mm256_blendv_ps(_mm256_blendv_ps(eight(0), eight(1), bit(3)), eight(2), bit(4)));
+    if constexpr (count == 8)
+      return Whole(found);
+    else
+      return Whole(_mm256_castsi256_si128(found));
+  }
+  static Real gather(const T* from, const Whole& at) {
+    const Offsets offset(at);
+    if constexpr (count == 8)
+      return Real{from[offset[0]], from[offset[1]], from[offset[2]], from[offset[3]],
+                  from[offset[4]], from[offset[5]], from[offset[6]], from[offset[7]]};
+    else
+      return Real{from[offset[0]], from[offset[1]], from[offset[2]], from[offset[3]]};
+  }
+  static void scatter(T* to, const Whole& at, const Real& values) {
+    const Offsets offset(at);
+    for (int l = 0; l < count; ++l) to[offset[l]] = values[l];
+  }
 #else
   static Whole look_up(const std::int32_t (&table)[32], const Whole& index) {
     Whole found;
@@ -96,6 +126,27 @@ struct Lanes {
     for (int l = 0; l < count; ++l) to[at[l]] = values[l];
   }
 #endif
+
+#if defined(SILT_ISA_avx2)
+
+ private:
+  static __m256i wide(const Whole& w) {
+    if constexpr (count == 8)
+      return __m256i(w);
+    else
+      return _mm256_castsi128_si256(__m128i(w));
+  }
+  /// Offsets in memory, where loads take them from one by one: two instructions an offset fewer than out of a
+  /// register.
+  class Offsets {
+   public:
+    explicit Offsets(const Whole& at) : all_(at) { asm volatile("" : "+m"(all_)); }
+    std::ptrdiff_t operator[](int lane) const { return reinterpret_cast<const std::int32_t*>(&all_)[lane]; }
+
+   private:
+    Whole all_;
+  };
+#endif
 };
 
 /// Adds terms, each rounded to a whole number of quanta; a term is below 2^50 quanta.
@@ -104,23 +155,22 @@ class FixedSum {
  public:
   using Real = typename Lanes<T>::Real;
 
-#if defined(SILT_ISA_avx512)
   /// x is in quanta.
-  void add(const Real& x) {
-    sum_ += rounded(x);
-  }
-  void subtract(const Real& x) {
-    sum_ -= rounded(x);
-  }
-  std::int64_t total() const {
-    const auto four =
-        __builtin_shufflevector(sum_, sum_, 0, 1, 2, 3) + __builtin_shufflevector(sum_, sum_, 4, 5, 6, 7);
-    const auto two = __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
-    return two[0] + two[1];
+  void add(const Real& x) { sum_ += rounded(x); }
+  void subtract(const Real& x) { sum_ -= rounded(x); }
+  /// `terms`: how many more vectors were added than subtracted.
+  std::int64_t total(std::uint64_t terms) const {
+    std::uint64_t all = 0;
+    for (int l = 0; l < count; ++l) all += std::uint64_t(sum_[l]);
+    return std::int64_t(all - terms * Lanes<T>::count * offset);
   }
 
  private:
-  using Sum = VectorOf<std::int64_t, 8>::type;
+  // as wide as a register: compilers take wider ones apart
+  static constexpr int count = vector_bytes / 8;
+  using Sum = typename VectorOf<std::int64_t, count>::type;
+#if defined(SILT_ISA_avx512)
+  static constexpr std::uint64_t offset = 0;
   static Sum rounded(const Real& x) {
     constexpr __mmask8 all = 0xff;
     if constexpr (sizeof(T) == 8)
@@ -131,31 +181,25 @@ class FixedSum {
              Sum(_mm512_maskz_cvtps_epi64(
                  all, __m256(__builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15))));
   }
-  Sum sum_ = {};
 #else
-  void add(const Real& x) {
-    sum_ += rounded(x);
+  /// x + 3 * 2^51 has the rounded integer in its low mantissa bits; the bits of 3 * 2^51 are taken off the
+  /// total.
+  static constexpr double magic = 0x1.8p52;
+  static constexpr auto offset = std::bit_cast<std::uint64_t>(magic);
+  using Wide = typename VectorOf<double, count>::type;
+  static Sum rounded(const Wide& x) {
+    return std::bit_cast<Sum>(Wide(x + magic));
   }
-  void subtract(const Real& x) {
-    sum_ -= rounded(x);
-  }
-  std::int64_t total() const {
-    std::int64_t all = 0;
-    for (int l = 0; l < Lanes<T>::count; ++l) all += sum_[l];
-    return all;
-  }
-
- private:
-  using Quanta = typename Lanes<T>::Quanta;
-  using Wide = typename VectorOf<double, Lanes<T>::count>::type;
-  /// x + 3 * 2^51 has the rounded integer in its low mantissa bits.
-  static Quanta rounded(const Real& x) {
-    constexpr double magic = 0x1.8p52;
-    const Wide shifted = __builtin_convertvector(x, Wide) + magic;
-    return std::bit_cast<Quanta>(shifted) - std::bit_cast<std::int64_t>(magic);
-  }
-  Quanta sum_ = {};
+  static Sum rounded(const Real& x) requires(sizeof(T) == 4) {
+#if defined(SILT_ISA_avx2)
+    return rounded(Wide(_mm256_cvtps_pd(_mm256_castps256_ps128(__m256(x))))) +
+           rounded(Wide(_mm256_cvtps_pd(_mm256_extractf128_ps(__m256(x), 1))));
+#else
+    return rounded(Wide{x[0], x[1]}) + rounded(Wide{x[2], x[3]});
 #endif
+  }
+#endif
+  Sum sum_ = {};
 };
 
 }  // namespace silt::lbm::SILT_ISA

@@ -18,17 +18,18 @@ namespace {
 
 const lbm::Int3 box = Layers{}.cells();
 const double cells = double(box.x) * box.y * box.z;
+constexpr int kernel_steps = 2, steps = 8;  // bodies are mapped in every fourth
 
 template <class T>
 void count_kernel(const std::string& name, const std::array<double, 3>& force) {
   auto fluid = periodic_box<T>(box, {0.8, 1. / 6, lbm::Collision::trt, force});
-  count_piece(name, [&] { step(fluid, 2); });
+  count_piece(name, [&] { step(fluid, kernel_steps); });
 }
 
 void count_step(const std::string& name, coupler::Simulation& s) {
   for (int t = 0; t < 4; ++t) s.step();
   count_piece(name, [&] {
-    for (int t = 0; t < 2; ++t) s.step();
+    for (int t = 0; t < steps; ++t) s.step();
   });
 }
 
@@ -62,11 +63,12 @@ void run(const Options& o) {
     out.figures["instructions." + key] = value;
   };
   for (const std::string name : {"cell.single", "cell.single.force", "cell.double"})
-    add(name, counts.at(name) / (2 * cells));
+    add(name, counts.at(name) / (kernel_steps * cells));
   for (const auto& [scheme, time] : couplings) {
     coupler::Simulation s = scene(scheme, time);
     const std::string key = std::string(scheme) + "." + time;
-    add("link." + key, (counts.at("step." + key) - counts.at("cell.single.force")) / (2 * double(s.links())));
+    const double fluid = counts.at("cell.single.force") / kernel_steps;
+    add("link." + key, (counts.at("step." + key) / steps - fluid) / double(s.links()));
   }
   out.write(o.json);
 }
