@@ -32,13 +32,21 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/siltConfigVersion.cmake C
 install(FILES ${PROJECT_BINARY_DIR}/siltConfig.cmake ${PROJECT_BINARY_DIR}/siltConfigVersion.cmake DESTINATION ${package})
 install(EXPORT silt NAMESPACE silt:: FILE siltTargets.cmake DESTINATION ${package})
 
-# cpack -G DEB in the build folder makes a Debian package; what the program needs is read from its binary.
-set(CPACK_GENERATOR DEB)
+# cpack in the build folder makes a Debian package; what the program needs is read from its binary. Without dpkg-shlibdeps (package
+# dpkg-dev) CPack would make one that depends on nothing.
+find_program(DPKG_SHLIBDEPS dpkg-shlibdeps)
+if(DPKG_SHLIBDEPS)
+  set(CPACK_GENERATOR DEB)
+else()
+  message(STATUS "cpack makes an archive and no Debian package: dpkg-shlibdeps is missing (install dpkg-dev)")
+  set(CPACK_GENERATOR TGZ)
+endif()
 set(CPACK_PACKAGE_NAME silt)
 set(CPACK_PACKAGE_CONTACT "Silt")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "rigid bodies in a viscous fluid, both fully resolved")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "openmpi-bin, python3-h5py")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libhdf5-openmpi-dev, libeigen3-dev, libfmt-dev, libqhull-dev, libxxhash-dev, libfcl-dev")
 include(CPack)

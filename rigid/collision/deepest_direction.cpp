@@ -2,6 +2,7 @@
 
 #include "rigid/collision/depth_proof.hpp"
 #include "rigid/collision/gjk.hpp"
+#include "rigid/collision/polytope_depth.hpp"
 #include "rigid/collision/search_directions.hpp"
 
 namespace silt::rigid {
@@ -55,6 +56,13 @@ bool is_best(const ConvexCore& a, const ConvexCore& b, const Approach& found) {
   return gap >= 0 || is_least_depth(a, b, found.peak.normal, -gap, found.where);
 }
 
+/// From their least depth, which has no need of a proof.
+Approach overlap(const ConvexCore& a, const ConvexCore& b, const Peak& least) {
+  Approach found = meet(a, b, least);
+  if (found.where.miss > proven * length_scale(a, b)) improve(a, b, found);
+  return found;
+}
+
 /// Of two ellipsoids d apart: normal to the plane on which both have the same value of their quadratic forms
 /// if these were one, (A + B)^-1 d.
 Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
@@ -81,8 +89,10 @@ std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore&
     if (peak.core_gap > reach) return {};
     if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;
   }
-  const auto apart = gjk_direction(a, b, Vec3::Zero(), n);
-  return proven_direction(a, b, apart ? *apart : walk_uphill(a, b, n), reach);
+  if (const auto apart = gjk_direction(a, b, Vec3::Zero(), n)) return proven_direction(a, b, *apart, reach);
+  if (!has_few_edges(a, b)) return proven_direction(a, b, walk_uphill(a, b, n), reach);
+  const Peak least = least_depth(a, b);
+  return least.core_gap < 0 ? overlap(a, b, least) : proven_direction(a, b, least.normal, reach);
 }
 
 std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n,
@@ -92,6 +102,8 @@ std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& 
   if (found.peak.core_gap > reach) return {};
   if (found.where.miss > slack) improve(a, b, found);
   if (is_best(a, b, found)) return found;
+  if (found.peak.core_gap < 0 && has_few_edges(a, b))
+    if (const Peak least = least_depth(a, b); least.core_gap < 0) return overlap(a, b, least);
   const auto best = search_directions(a, b, found.peak, reach);
   if (!best) return {};
   if (best->normal != found.peak.normal) found = meet(a, b, *best);
