@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """install.py BUILD: installs what was built; a program of its own is built on that by find_package(silt) and runs, another tree takes
-the library by add_subdirectory, and a build without engines is configured and says so."""
+the library by add_subdirectory, a Debian package names what it needs, and a build without engines is configured and says so."""
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -41,6 +42,15 @@ class Install(unittest.TestCase):
         modules = prefix / "lib/python3/dist-packages"
         for module in ["silt_results"] + ["silt"] * any(modules.glob("silt.*.so")):
             done("/usr/bin/python3", "-c", f"import {module}; print({module})", env=dict(os.environ, PYTHONPATH=str(modules)))
+
+    def test_package(self):
+        if not shutil.which("dpkg-shlibdeps"):  # a package would depend on nothing
+            return self.assertIn('set(CPACK_GENERATOR "TGZ")', (BUILD / "CPackConfig.cmake").read_text())
+        done("cpack", "-B", self.folder, cwd=BUILD)
+        (package,) = self.folder.glob("silt_*.deb")
+        depends = done("dpkg-deb", "-f", package, "Depends")
+        for library in ("libopenmpi", "libhdf5-openmpi", "libqhull", "libbullet", "libfcl"):
+            self.assertIn(library, depends)
 
     def test_as_a_folder(self):
         build = self.folder / "build"
