@@ -161,14 +161,14 @@ class FixedSum {
   /// `terms`: how many more vectors were added than subtracted.
   std::int64_t total(std::uint64_t terms) const {
     std::uint64_t all = 0;
-    for (int l = 0; l < count; ++l) all += std::uint64_t(sum_[l]);
+    for (int l = 0; l < count; ++l) all += sum_[l];
     return std::int64_t(all - terms * Lanes<T>::count * offset);
   }
 
  private:
   // as wide as a register: compilers take wider ones apart
   static constexpr int count = vector_bytes / 8;
-  using Sum = typename VectorOf<std::int64_t, count>::type;
+  using Sum = typename VectorOf<std::uint64_t, count>::type;
 #if defined(SILT_ISA_avx512)
   static constexpr std::uint64_t offset = 0;
   static Sum rounded(const Real& x) {

@@ -83,6 +83,11 @@ struct Polytope {
   }
 };
 
+/// Unit n, made normal to a vector.
+Vec3 across(const Vec3& n, const Vec3& v) {
+  return (n - v * (n.dot(v) / v.squaredNorm())).normalized();
+}
+
 class FacesOfDifference {
  public:
   FacesOfDifference(const Polytope& a, const Polytope& b, double scale) : a_(a), b_(b), tie_(tie * scale) {}
@@ -110,8 +115,9 @@ class FacesOfDifference {
       Vec3 n = u.along.cross(v.along);
       if (n.dot(from + to) < 0) n = -n;
       if (!(n.dot(b_.faces[v.faces[0]].normal + b_.faces[v.faces[1]].normal) < 0)) continue;
-      n.normalize();
-      const double separation = n.dot(v.from - u.from);
+      n = across(n.normalized(), u.along);  // of edges nearly parallel little is left normal
+      if (n.dot(v.from - u.from) <= edges_must_exceed_) continue;
+      const double separation = b_.lowest(n) + a_.lowest(-n);
       if (separation > edges_must_exceed_) take(n, separation);
     }
   }

@@ -78,6 +78,25 @@ TEST(PolytopeDepth, NoEdgesBeatAFaceByRounding) {
   }
 }
 
+// The normal of edges nearly parallel is known badly: no depth that is not there must come of it.
+TEST(PolytopeDepth, EdgesNearlyParallel) {
+  std::mt19937_64 random(7);
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 12; ++k)
+    corners.emplace_back(std::cos(M_PI / 3 * k), std::sin(M_PI / 3 * k), k < 6 ? -0.5 : 0.5);
+  const ConvexShape prism = tests::hull_of(corners);
+  const ConvexCore a = convex_core(prism, {});
+  for (const double depth : {1e-3, 1e-6, 1e-9})
+    for (double tilt = 1e-4; tilt > 1e-16; tilt *= 0.97) {
+      const Vec3 turn = tilt * tests::random_direction(random);
+      const ConvexCore b =
+          convex_core(prism, {{0, 0, 1 - depth}, Quat(1, turn[0], turn[1], turn[2]).normalized()});
+      const Peak peak = least_depth(a, b);
+      EXPECT_GE(peak.core_gap, core_separation(a, b, a.axes.col(2)) - 1e-15) << depth << " " << tilt;
+      EXPECT_GE(peak.core_gap, core_separation(a, b, b.axes.col(2)) - 1e-15) << depth << " " << tilt;
+    }
+}
+
 TEST(PolytopeDepth, IsForSolidPolytopesAlone) {
   const ConvexShape box = Box{{1, 2, 3}}, ball = Sphere{1}, capsule = Capsule{1, 1}, can = Cylinder{1, 1};
   const ConvexCore solid = convex_core(box, {});
