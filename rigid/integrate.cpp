@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "rigid/math/elementary.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
 
@@ -17,11 +18,6 @@ Mat3 cross_matrix(const Vec3& a) {
 /// A quaternion that is off unit length by rounding, brought back without a root.
 Quat renormalised(const Quat& q) {
   return Quat((1.5 - 0.5 * q.squaredNorm()) * q.coeffs());
-}
-
-/// (1, a / 2) normalised: the Cayley map of the rotation vector a.
-Quat cayley(const Vec3& a) {
-  return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
 }
 
 /// The midpoint angular velocity in the body frame, by Newton's method to round-off.

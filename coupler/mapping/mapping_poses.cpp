@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "rigid/math/twist.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -20,11 +21,6 @@ constexpr double rounding = 1e-9;  // relative: of a way of so many whole steps
 double steps_within(double tolerance, double speed) {
   constexpr double most = 1e6;
   return speed * most <= 2 * tolerance ? most : std::floor((1 + rounding) * 2 * tolerance / speed);
-}
-
-/// A rotation by a vector, good to the third order of its length.
-Quat turned_by(const Vec3& rotation) {
-  return Quat(1, 0.5 * rotation[0], 0.5 * rotation[1], 0.5 * rotation[2]).normalized();
 }
 
 /// |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'.
@@ -46,7 +42,7 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, doub
     if (moved <= (1 + 2 * rounding) * tolerance) continue;
     const Vec3 v = bodies.velocity[row], w = is_ball ? Vec3(0, 0, 0) : bodies.angular_velocity[row];
     const double ahead = 0.5 * steps_within(tolerance, v.norm() + radius * w.norm());
-    set_mapping_pose(bodies, row, {now.position + ahead * v, turned_by(ahead * w) * now.orientation});
+    set_mapping_pose(bodies, row, {now.position + ahead * v, rigid::cayley(ahead * w) * now.orientation});
   }
 }
 

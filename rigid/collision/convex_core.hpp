@@ -23,6 +23,7 @@ struct ConvexCore : Placement {
   /// Without edges and faces.
   bool smooth() const { return is<Ellipsoid>() || is_point(); }
   bool curved() const { return !is_polytope; }
+  bool is_solid_polytope() const { return is_polytope && half.minCoeff() > 0; }
 
   /// The point of the core furthest along n.
   Vec3 support(const Vec3& n) const;

@@ -11,10 +11,6 @@ namespace {
 
 constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
 
-bool is_solid_polytope(const ConvexCore& core) {
-  return core.is_polytope && core.half.minCoeff() > 0;
-}
-
 /// From x on the edge to its nearer end.
 double room(const ContactOutline& edge, const Vec3& x) {
   return std::min((edge.corners[0].x - x).norm(), (edge.corners[1].x - x).norm());
@@ -39,7 +35,7 @@ double disc_of_edges(const ConvexCore& a, const ConvexCore& b, const Vec3& n, co
 bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                     const CommonPoint& where) {
   if (a.touching_ball(where.on_a, n) + b.touching_ball(where.on_b, -n) >= depth) return true;
-  if (!is_solid_polytope(a) || !is_solid_polytope(b)) return false;
+  if (!a.is_solid_polytope() || !b.is_solid_polytope()) return false;
   const double covered = 2 * elementary::atan2(disc_of_edges(a, b, n, where), depth);
   const Vec3 centre = b.centre - a.centre;
   const double ahead = centre.dot(n), aside = (centre - ahead * n).norm();

@@ -20,10 +20,6 @@ std::size_t edges_of(const ConvexCore& core) {
   return core.is_box ? 12 : mesh_of(core).edges.size();
 }
 
-bool is_solid(const ConvexCore& core) {
-  return core.half.minCoeff() > 0 && (core.is_box || core.is<Polyhedron>());
-}
-
 /// A polytope in the axes of the world, seen from a point near it.
 struct Polytope {
   struct Face {
@@ -132,7 +128,7 @@ class FacesOfDifference {
 }  // namespace
 
 bool has_few_edges(const ConvexCore& a, const ConvexCore& b) {
-  return is_solid(a) && is_solid(b) && edges_of(a) * edges_of(b) <= most_edge_pairs;
+  return a.is_solid_polytope() && b.is_solid_polytope() && edges_of(a) * edges_of(b) <= most_edge_pairs;
 }
 
 Peak least_depth(const ConvexCore& a, const ConvexCore& b) {

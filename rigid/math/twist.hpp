@@ -1,5 +1,5 @@
 #pragma once
-// Velocity and angular velocity of a body, and the directions of a contact.
+// Velocity and angular velocity of a body, a small rotation, and the directions of a contact.
 #include <array>
 
 #include "rigid/math/types.hpp"
@@ -10,6 +10,12 @@ struct Twist {
   Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // of the centre; W
   Vec3 at(const Vec3& r) const { return v + w.cross(r); }
 };
+
+/// (1, a / 2) normalised: the Cayley map of the rotation vector a (radian), good to the third order of its
+/// length.
+inline Quat cayley(const Vec3& a) {
+  return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
+}
 
 /// The normal and two tangents.
 inline std::array<Vec3, 3> contact_directions(const Vec3& n) {

@@ -18,7 +18,7 @@ namespace {
 
 const lbm::Int3 box = Layers{}.cells();
 const double cells = double(box.x) * box.y * box.z;
-constexpr int kernel_steps = 2, steps = 8;  // bodies are mapped in every fourth
+constexpr int kernel_steps = 2, steps = 8;  // bodies are mapped in about every fourth
 
 template <class T>
 void count_kernel(const std::string& name, const std::array<double, 3>& force) {

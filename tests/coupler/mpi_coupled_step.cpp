@@ -145,7 +145,8 @@ TEST(CoupledStep, SameBitsWithAnyWallScheme) {
   for (const auto name : lbm::wall_scheme_names)
     for (const char* time : {"coupling.time=implicit", "coupling.time=explicit"}) {
       SCOPED_TRACE(std::string(name) + " " + time);
-      // explicit coupling cannot carry light bodies: of ten such scenes with stars of density 3 nine blow up
+      // explicit coupling cannot carry light bodies: of ten such scenes with stars of density 3
+      // and `cli` nine blow up
       expect_same_bits({"coupling.wall_scheme=" + std::string(name), time, "fill[0].density=8",
                         "fill[1].density=8", "fill[2].density=8"});
     }
