@@ -64,6 +64,7 @@ void add_shared(Hash& h, const rigid::BodyRecord& r) {
   const CouplingState& more = r.holder_state.as<CouplingState>();
   h.add(more.mapping_position);
   h.add(more.mapping_orientation);
+  h.add(more.foreseen_change);
 }
 
 std::uint64_t shared_hash(const rigid::BodyRecord& r) {
@@ -197,6 +198,7 @@ std::uint64_t hash_of(const rigid::BodyRecord& r) {
   const CouplingState& more = r.holder_state.as<CouplingState>();
   for (const std::int64_t x : more.impulse_debt) h.add(static_cast<std::uint64_t>(x));
   h.add(more.pending_impact);
+  h.add(more.deferred_impulse);
   return h.value();
 }
 

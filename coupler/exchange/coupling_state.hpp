@@ -5,8 +5,8 @@
 
 namespace silt::coupler {
 
-/// Lattice units, world frame. Copies on other ranks have the mapping pose of their owner; the rest is the
-/// owner's alone.
+/// Lattice units, world frame. Copies on other ranks have the mapping pose and the foreseen change of their
+/// owner; the rest is the owner's alone.
 struct CouplingState {
   // the pose at which the fluid sees the body; orientation w, x, y, z
   double mapping_position[3], mapping_orientation[4];
@@ -21,6 +21,10 @@ struct CouplingState {
   // force and torque about the centre of mass of its contacts in the last step: what the coupling in time
   // expects of them in the next one
   double contact_load[6];
+  // impulse and angular impulse about the centre of mass that the coupling in time has left for the next step
+  double deferred_impulse[6];
+  // change of velocity and angular velocity in the next step with which links return already; copies have it
+  double foreseen_change[6];
 };
 static_assert(sizeof(CouplingState) == rigid::HolderState::size);
 
@@ -42,6 +46,15 @@ inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigi
   const rigid::Quat& q = pose.orientation;
   Eigen::Map<rigid::Vec3>{s.mapping_position} = pose.position;
   Eigen::Map<Eigen::Vector4d>{s.mapping_orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+}
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+inline Eigen::Map<Vec6> foreseen_change(rigid::BodySet& bodies, std::size_t row) {
+  return Eigen::Map<Vec6>{coupling_state(bodies, row).foreseen_change};
+}
+inline Eigen::Map<Vec6> deferred_impulse(rigid::BodySet& bodies, std::size_t row) {
+  return Eigen::Map<Vec6>{coupling_state(bodies, row).deferred_impulse};
 }
 
 inline rigid::Vec3 last_contact_force(const rigid::BodySet& bodies, std::size_t row) {

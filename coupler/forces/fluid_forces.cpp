@@ -45,7 +45,7 @@ FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange
       exchange_(exchange),
       sums_(spec.time == TimeCoupling::implicit_, spec.force == ForceForm::exact) {
   if (spec.time == TimeCoupling::implicit_)
-    implicit_.emplace(exchange.world(), substeps, relaxation_time, lbm::stiffness_quantum<T>);
+    implicit_.emplace(exchange.world(), spec, substeps, relaxation_time, lbm::stiffness_quantum<T>);
 }
 
 template <class T>
@@ -74,7 +74,9 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       SurfaceLinks<T>& surface = links[b].surfaces[k];
       surface.row = masks[k].row, surface.sums = {}, surface.finished = false;
       surface.left = std::uint32_t(surface.links.groups.size());
-      set_motion(surface.motion, bodies.velocity[surface.row], bodies.angular_velocity[surface.row]);
+      const Eigen::Map<Vec6> foreseen = foreseen_change(bodies, surface.row);
+      set_motion(surface.motion, bodies.velocity[surface.row] + foreseen.head<3>(),
+                 bodies.angular_velocity[surface.row] + foreseen.tail<3>());
     }
     links[b].gaps.set_velocities(links[b].surfaces);
   }
@@ -188,31 +190,47 @@ std::int64_t FluidForces<T>::move_implicitly(lbm::Fluid<T>& fluid, std::span<Blo
   for (const BlockLinks<T>& block : links)
     for (const SurfaceLinks<T>& surface : block.surfaces)
       if (surface.finished) finished[surface.row] = 1;
-  std::vector<double> delta(bodies.size() * 6, 0.0);
+  std::vector<double> corrections(bodies.size() * 6, 0.0);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
     settle(bodies, row);
     if (bodies.is_free(row))
-      Eigen::Map<Vec6>(delta.data() + row * 6) = implicit_->take_velocity_change(bodies, row, sums_);
+      Eigen::Map<Vec6>(corrections.data() + row * 6) = implicit_->take_velocity_change(bodies, row, sums_);
     else
       add_link_force(bodies, row, sums_);
   }
-  exchange_.share_with_copies(bodies, delta, 6);
+  share(bodies, corrections);
   std::int64_t mass = 0;
-  for (std::size_t b = 0; b < links.size(); ++b) mass += correct(fluid.blocks()[b], links[b], bodies, delta);
+  for (std::size_t b = 0; b < links.size(); ++b)
+    mass += correct(fluid.blocks()[b], links[b], bodies, corrections);
   return mass;
 }
 
-/// The links of bodies that were not finished during the pass return as if they had moved faster by delta (6
-/// a row).
+/// Copies get the corrections of their owners (6 a row), and the changes that these foresee.
+template <class T>
+void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections) const {
+  constexpr int width = 12;
+  std::vector<double> changes(bodies.size() * width, 0.0);
+  const auto change = [&](std::size_t row) { return Eigen::Map<Vec6>(changes.data() + row * width); };
+  const auto foreseen = [&](std::size_t row) { return Eigen::Map<Vec6>(changes.data() + row * width + 6); };
+  const auto correction = [&](std::size_t row) { return Eigen::Map<Vec6>(corrections.data() + row * 6); };
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    change(row) = correction(row), foreseen(row) = foreseen_change(bodies, row);
+  exchange_.share_with_copies(bodies, changes, width);
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
+    correction(row) = change(row), foreseen_change(bodies, row) = foreseen(row);
+}
+
+/// The links of bodies that were not finished during the pass return as if they had moved faster by these
+/// corrections (6 a row).
 template <class T>
 std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
-                                     std::span<const double> delta) {
+                                     std::span<const double> corrections) {
   std::vector<typename BlockLinks<T>::Group> open;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_free(surface.row)) continue;
-    const double* const d = delta.data() + surface.row * 6;
+    const double* const d = corrections.data() + surface.row * 6;
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (is_at_rest(surface.motion)) continue;
     for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});

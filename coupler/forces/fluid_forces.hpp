@@ -81,7 +81,9 @@ class FluidForces {
   void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void move_explicitly(rigid::BodySet&);
   std::int64_t move_implicitly(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
-  std::int64_t correct(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&, std::span<const double> delta);
+  std::int64_t correct(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&,
+                       std::span<const double> corrections);
+  void share(rigid::BodySet&, std::span<double> corrections) const;
 
   bool is_exact() const { return spec_.force == ForceForm::exact; }
   void settle(rigid::BodySet&, std::size_t row);

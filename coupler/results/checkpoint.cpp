@@ -115,7 +115,9 @@ constexpr HolderColumn coupling_columns[] = {
     {"mapping_orientation", offsetof(CouplingState, mapping_orientation), HolderColumn::float64, 4},
     {"impulse_debt", offsetof(CouplingState, impulse_debt), HolderColumn::int64, 6},
     {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3},
-    {"contact_load", offsetof(CouplingState, contact_load), HolderColumn::float64, 6}};
+    {"contact_load", offsetof(CouplingState, contact_load), HolderColumn::float64, 6},
+    {"deferred_impulse", offsetof(CouplingState, deferred_impulse), HolderColumn::float64, 6},
+    {"foreseen_change", offsetof(CouplingState, foreseen_change), HolderColumn::float64, 6}};
 
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
   using Impulses = std::vector<rigid::StoredImpulse>;

@@ -1,5 +1,5 @@
 #pragma once
-// Which free bodies the explicit step may move, under implicit coupling.
+// Whether the links of a body are soft beside its mass.
 #include <Eigen/Core>
 
 #include "rigid/math/types.hpp"
@@ -11,7 +11,7 @@ namespace silt::coupler {
 /// stiffness of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
 /// and with the least that a principal moment can be. So a body near the limit may be refused, but none
 /// beyond it is let through. `inertia_B` may be in any frame of the body.
-bool explicit_step_is_stable(const Eigen::Matrix<double, 6, 6>& stiffness, double mass,
-                             const rigid::Mat3& inertia_B, double limit);
+bool largest_eigenvalue_is_within(double limit, const Eigen::Matrix<double, 6, 6>& stiffness, double mass,
+                                  const rigid::Mat3& inertia_B);
 
 }  // namespace silt::coupler

@@ -1,4 +1,4 @@
-#include "coupler/forces/explicit_stability.hpp"
+#include "coupler/forces/eigenvalue_bound.hpp"
 
 #include <cmath>
 
@@ -17,9 +17,9 @@ double least_moment(const Mat3& inertia) {
 
 }  // namespace
 
-bool explicit_step_is_stable(const Eigen::Matrix<double, 6, 6>& stiffness, double mass, const Mat3& inertia_B,
-                             double limit) {
-  if (stiffness(0, 0) > limit * mass) return false;  // most bodies
+bool largest_eigenvalue_is_within(double limit, const Eigen::Matrix<double, 6, 6>& stiffness, double mass,
+                                  const Mat3& inertia_B) {
+  if (stiffness(0, 0) > limit * mass) return false;  // light bodies
   const double moment = least_moment(inertia_B);
   if (!(moment > 0)) return false;
   Eigen::Matrix<double, 6, 1> scale;
