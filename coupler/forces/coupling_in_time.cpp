@@ -179,11 +179,12 @@ Vec6 ImplicitCoupling::take_velocity_change(rigid::BodySet& bodies, std::size_t 
   const Vec6 f = force_of(sums.force(row));
   const bool one_pass =
       largest_eigenvalue_is_within(one_pass_limit_, h, bodies.mass[row], bodies.inertia_B[row]);
+  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row), deferred = deferred_impulse(bodies, row);
   if (one_pass && !defers_) {
+    foreseen.setZero();
     add_force(bodies, row, f);
     return Vec6::Zero();
   }
-  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row), deferred = deferred_impulse(bodies, row);
   const Vec6 load = load_on(bodies, row, f);
   const Vec6 left = one_pass ? Vec6(deferred - load / 2) : Vec6(h * foreseen);
   const Vec6 delta = solution_of(mass_matrix(bodies, row) + h, load + left);
