@@ -156,6 +156,15 @@ struct NextGroup {
   const LinkGroup* group = nullptr;
 };
 
+/// Where the populations lie of links that come next: what a call has listed of the next group, the call for
+/// that group finds (link_fetch.hpp).
+struct ListedLinks {
+  static constexpr int most = 128, most_rows = directions + 1;  // links of a window; slots of a link
+  const LinkGroup* group = nullptr;                             // to which the links belong
+  int count = 0, rows = 0, half = 0;                            // links; slots of one; where they are listed
+  alignas(64) std::int32_t slot[2][most * most_rows];
+};
+
 /// A group of links and the block that it lies in.
 template <class T>
 struct GroupInBlock {
@@ -165,6 +174,7 @@ struct GroupInBlock {
   const LinkGroup& group;  // of the links
   NextGroup<T> next = {};
   const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
+  ListedLinks* listed = nullptr;                // the same one for calls that name one another as the next
 };
 
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.

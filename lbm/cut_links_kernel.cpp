@@ -9,6 +9,9 @@
 namespace silt::lbm::SILT_ISA {
 namespace {
 
+template <class T>
+using LinkRows = typename LinkFetch<T>::Rows;
+
 /// The velocity of a rigid surface at an arm.
 template <class T>
 struct Motion {
@@ -34,12 +37,12 @@ double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
 
 /// c_i.u of the links' cells, from what left them.
 template <class T>
-typename Lanes<T>::Real velocity_along(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid,
+typename Lanes<T>::Real velocity_along(const T* data, const LinkRows<T>& rows, const WallFluid<T>& fluid,
                                        const Places<T>& at) {
   typename Lanes<T>::Real momentum[3];
   for (int d = 0; d < 3; ++d) momentum[d] = typename Lanes<T>::Real{} + T(-0.5) * fluid.force[d];
   for (int j = 1; j < directions; ++j) {
-    const auto out = Lanes<T>::gather(data, at.cell + slots.out[j]);
+    const auto out = Lanes<T>::gather(data, rows[out_row + j]);
     for (int d = 0; d < 3; ++d)
       if (lbm::c[j][d] != 0) momentum[d] += T(lbm::c[j][d]) * out;
   }
@@ -54,38 +57,38 @@ struct Exchange {
 
 /// What passes between the cells behind and beyond: in the block, or of its pairs across.
 template <class T>
-BeyondPair<typename Lanes<T>::Real> beyond_pair(const T* data, const LinkSlots& slots, const Places<T>& at,
+BeyondPair<typename Lanes<T>::Real> beyond_pair(const T* data, const LinkRows<T>& rows,
                                                 const std::uint32_t* across, const BeyondPair<T>* pairs) {
   using L = Lanes<T>;
-  if (!across) return {L::gather(data, at.slots(slots.away)), L::gather(data, at.slots(slots.toward))};
-  const auto first = L::template load<typename L::Whole>(across) * 2;
-  const T* const values = &pairs->away;
-  return {L::gather(values, first), L::gather(values, first + 1)};
+  if (!across) return {L::gather(data, rows[away_row]), L::gather(data, rows[toward_row])};
+  BeyondPair<typename L::Real> found;
+  for (int l = 0; l < L::count; ++l)
+    found.away[l] = pairs[across[l]].away, found.toward[l] = pairs[across[l]].toward;
+  return found;
 }
 
 template <WallScheme scheme, class T>
-Exchange<T> exchange(const T* data, const LinkSlots& slots, const WallFluid<T>& fluid, const Places<T>& at,
+Exchange<T> exchange(const T* data, const LinkRows<T>& rows, const WallFluid<T>& fluid, const Places<T>& at,
                      const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
                      const OppositeWall<typename Lanes<T>::Real>& opposite, const std::uint32_t* across,
                      const BeyondPair<T>* pairs) {
   using L = Lanes<T>;
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
-  const auto out = L::gather(data, at.slots(slots.out));
+  const auto out = L::gather(data, rows[out_row]);
   auto back = s.a * out - s.k * cu;
   if constexpr (reads_behind(scheme)) {
-    const auto against = L::gather(data, at.slots(slots.against)),
-               behind = L::gather(data, at.slots(slots.behind));
+    const auto against = L::gather(data, rows[against_row]), behind = L::gather(data, rows[behind_row]);
     const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
     auto others = s.b * behind + s.c * against;
     auto uneven = s.a - s.c;
     if constexpr (reads_beyond(scheme)) {
-      const auto pair = beyond_pair(data, slots, at, across, pairs);
+      const auto pair = beyond_pair(data, rows, across, pairs);
       others += s.d * pair.away + s.g * pair.toward;
       uneven -= T(2) * s.d + s.g;
     }
     back += others + T(0.5) * (s.k - at.weight6() * uneven) * cf;
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
-    const auto along = velocity_along(data, slots, fluid, at);
+    const auto along = velocity_along(data, rows, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
   }
   return {out, back};
@@ -137,7 +140,7 @@ template <WallScheme scheme, class T>
 void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
            LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs] = here;
+  const auto& [block, slots, links, group, next, pairs, listed] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -148,7 +151,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
   GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame, motion)));
   int l = 0;
   for (; l < count; l += L::count) {
-    fetch.before(l);
+    const LinkRows<T> rows = fetch.at(l);
     const Places<T> at(place + l, origin);
     const auto q = L::template load<typename L::Real>(distance + l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
@@ -161,8 +164,8 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
     }
     const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;
     const Exchange<T> e =
-        exchange<scheme>(data, slots, links.fluid, at, q, at.along(ux, uy, uz), opposite, across, pairs);
-    L::scatter(data, at.slots(slots.back), e.back);
+        exchange<scheme>(data, rows, links.fluid, at, q, at.along(ux, uy, uz), opposite, across, pairs);
+    L::scatter(data, rows[back_row], e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }
   fetch.finish(l);
@@ -173,7 +176,7 @@ template <WallScheme scheme, class T>
 void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums,
              LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs] = here;
+  const auto& [block, slots, links, group, next, pairs, listed] = here;
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);
@@ -185,11 +188,11 @@ void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSu
   FixedSum<T> mass;
   int l = 0;
   for (; l < count; l += L::count) {
-    fetch.before(l);
+    const LinkRows<T> rows = fetch.at(l);
     const Places<T> at(place + l, origin);
     const V q = L::template load<V>(distance + l);
     const V cu = at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
-    const auto slot = at.slots(slots.back);
+    const std::int32_t* const slot = rows[back_row];
     const V before = L::gather(data, slot);
     const V after = before - coefficients<scheme>(q, at.weight6(), links.fluid).k * cu;
     L::scatter(data, slot, after);
@@ -204,13 +207,15 @@ void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSu
 
 template <class T>
 void apply_group(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
-  LinkFetch<T> fetch(here, Wanted::all);
+  ListedLinks own;
+  LinkFetch<T> fetch(here, Wanted::all, here.listed ? *here.listed : own);
   with_scheme(here.group.scheme, [&](auto scheme) { apply<scheme()>(here, motion, form, sums, fetch); });
 }
 
 template <class T>
 void correct_group(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums) {
-  LinkFetch<T> fetch(here, Wanted::returned);
+  ListedLinks own;
+  LinkFetch<T> fetch(here, Wanted::returned, here.listed ? *here.listed : own);
   with_scheme(here.group.scheme, [&](auto scheme) { correct<scheme()>(here, increment, sums, fetch); });
 }
 

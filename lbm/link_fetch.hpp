@@ -1,7 +1,9 @@
 #pragma once
-// The populations of links fetched ahead of use: a window of vectors ahead in their group, and as that ends,
-// the first window of the next group. What memory takes for them passes while links are computed; else most
-// of the time of links is waiting.
+// Where the populations of links lie, listed a window of vectors ahead of use and fetched meanwhile: the next
+// window of a group, and as that ends, the first one of the next group. What memory takes for them passes
+// while links are computed; else most of the time of links is waiting.
+#include <algorithm>
+
 #include "lbm/link_places.hpp"
 #include "lbm/prefetch.hpp"
 
@@ -10,93 +12,115 @@ namespace silt::lbm::SILT_ISA {
 /// Of a link either all that a scheme reads and writes is wanted, or only what the surface returns.
 enum class Wanted { all, returned };
 
+/// What is listed of a link, in this order; the pair beyond only where it is read from the block, and under
+/// `single_cell_gap` all that leaves the cell instead of what follows `out`.
+enum LinkRow { back_row, out_row, behind_row, against_row, away_row, toward_row };
+
 template <class T>
 class LinkFetch {
  public:
   using L = Lanes<T>;
+  using Whole = typename L::Whole;
 
-  LinkFetch(const GroupInBlock<T>& here, Wanted wanted)
+  LinkFetch(const GroupInBlock<T>& here, Wanted wanted, ListedLinks& listed)
       : block_(here.block),
         slots_(here.slots),
         present_{&here.links, &here.group},
         next_(here.next),
-        wanted_(wanted) {}
+        wanted_(wanted),
+        listed_(listed) {
+    if (listed_.group != &here.group) list(present_, 0);
+  }
 
-  /// Call before a vector of links of the present group, those from l on, is computed.
-  void before(int l) {
-    if (l % window == 0) prepare(l + window);
-    fetch(l % window);
+  /// Of the vector of links from l on, which comes next: slots from that of the group's corner, row by row.
+  class Rows {
+   public:
+    explicit Rows(const std::int32_t* first) : first_(first) {}
+    const std::int32_t* operator[](int row) const { return first_ + row * L::count; }
+
+   private:
+    const std::int32_t* first_;
+  };
+  Rows at(int l) {
+    const int in_window = l % window;
+    if (in_window == 0) turn(l);
+    fetch(in_window);
+    return Rows(present_slots_ + in_window * present_rows_);
   }
   /// Call after the last; `l` is past it.
   void finish(int l) {
-    for (int k = l % window; k > 0 && k < prepared_; k += L::count) fetch(k);
+    for (int k = l % window; k > 0 && k < listed_.count; k += L::count) fetch(k);
   }
 
  private:
-  static constexpr int window = 8 * L::count, most_rows = directions;
+  static constexpr int window = 8 * L::count;
+  static_assert(window <= ListedLinks::most);
 
-  void prepare(int first) {
-    prepared_ = 0;
-    if (first < int(present_.group->count))
-      list(present_, first);
+  /// What was listed ahead is taken up, and what follows it listed.
+  void turn(int l) {
+    present_slots_ = listed_.slot[listed_.half], present_rows_ = listed_.rows;
+    listed_.half = 1 - listed_.half;
+    if (l + window < int(present_.group->count))
+      list(present_, l + window);
     else if (next_.group)
       list(next_, 0);
+    else
+      listed_.group = nullptr, listed_.count = 0;
   }
 
-  /// Lists where the populations of a window of links are. The last vector's rows are as short as it.
   void list(const NextGroup<T>& links, int first) {
     const LinkGroup& group = *links.group;
     const PlaceOrigin<T> origin(block_, group.corner, links.links->frame);
     const std::uint32_t* const place = links.links->place.data() + group.begin + first;
     corner_ = block_.data() + block_.middle() + block_.cell(group.corner);
-    prepared_ = std::min(window, int(group.count) - first);
-    std::int32_t* end = slot_;
-    for (int l = 0; l < prepared_; l += L::count) {
+    listed_.group = &group, listed_.count = std::min(window, int(group.count) - first);
+    std::int32_t* const start = listed_.slot[listed_.half];
+    std::int32_t* end = start;
+    for (int l = 0; l < listed_.count; l += L::count) {
       const Places<T> at(place + l, origin);
-      const int lanes = std::min(L::count, prepared_ - l);
-      const auto add = [&](const typename L::Whole& slots) {
+      const auto add = [&](const Whole& slots) {
         __builtin_memcpy(end, &slots, sizeof slots);
-        end += lanes;
+        end += L::count;
       };
-      if (wanted_ == Wanted::all) add_read(group, at, add);
       add(at.slots(slots_.back));
-      if (l == 0) a_vector_ = int(end - slot_);
+      if (wanted_ == Wanted::all) add_read(group, at, add);
+      if (l == 0) listed_.rows = int(end - start) / L::count;
     }
-    listed_ = int(end - slot_);
   }
 
   template <class Add>
   void add_read(const LinkGroup& group, const Places<T>& at, Add&& add) const {
     const WallScheme scheme = group.scheme;
+    add(at.slots(slots_.out));
     if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
-    } else {
-      add(at.slots(slots_.out));
-      if (reads_behind(scheme)) {
-        add(at.slots(slots_.behind));
-        add(at.slots(slots_.against));
-      }
-      if (reads_beyond(scheme) && !group.across) {
-        add(at.slots(slots_.away));
-        add(at.slots(slots_.toward));
-      }
+    } else if (reads_behind(scheme)) {
+      add(at.slots(slots_.behind));
+      add(at.slots(slots_.against));
+      if (!reads_beyond(scheme) || group.across) return;
+      add(at.slots(slots_.away));
+      add(at.slots(slots_.toward));
     }
   }
 
+  /// The vector at k of what is listed ahead.
   void fetch(int k) const {
-    if (k >= prepared_) return;
-    const int first = k / L::count * a_vector_, end = std::min(first + a_vector_, listed_);
+    if (k >= listed_.count) return;
+    const int lanes = std::min(L::count, listed_.count - k);
+    const std::int32_t* row = listed_.slot[listed_.half] + k * listed_.rows;
+    for (int n = 0; n < listed_.rows; ++n, row += L::count)
 #pragma GCC unroll 16
-    for (int n = first; n < end; ++n) prefetch_to_write(corner_ + slot_[n]);
+      for (int l = 0; l < lanes; ++l) prefetch_to_write(corner_ + row[l]);
   }
 
   const Block<T>& block_;
   const LinkSlots& slots_;
   NextGroup<T> present_, next_;
   Wanted wanted_;
-  const T* corner_ = nullptr;
-  int prepared_ = 0, a_vector_ = 0, listed_ = 0;  // links of the window; slots of a vector and of the window
-  std::int32_t slot_[window * most_rows + L::count];  // rows are written whole
+  ListedLinks& listed_;
+  const T* corner_ = nullptr;  // of what is listed ahead
+  const std::int32_t* present_slots_ = nullptr;
+  int present_rows_ = 0;
 };
 
 }  // namespace silt::lbm::SILT_ISA

@@ -71,13 +71,15 @@ struct Lanes {
       return __builtin_shufflevector(found, found, 0, 1, 2, 3, 4, 5, 6, 7);
     }
   }
-  static Real gather(const T* from, const Whole& at) {
+  static Real gather(const T* from, const std::int32_t* offsets) {
+    const auto at = load<Whole>(offsets);
     if constexpr (count == 16)
       return Real(_mm512_mask_i32gather_ps(__m512{}, __mmask16(-1), __m512i(at), from, 4));
     else
       return Real(_mm512_mask_i32gather_pd(__m512d{}, __mmask8(-1), __m256i(at), from, 8));
   }
-  static void scatter(T* to, const Whole& at, const Real& values) {
+  static void scatter(T* to, const std::int32_t* offsets, const Real& values) {
+    const auto at = load<Whole>(offsets);
     if constexpr (count == 16)
       _mm512_i32scatter_ps(to, __m512i(at), __m512(values), 4);
     else
@@ -99,16 +101,14 @@ struct Lanes {
     else
       return Whole(_mm256_castsi256_si128(found));
   }
-  static Real gather(const T* from, const Whole& at) {
-    const Offsets offset(at);
+  static Real gather(const T* from, const std::int32_t* offset) {
     if constexpr (count == 8)
       return Real{from[offset[0]], from[offset[1]], from[offset[2]], from[offset[3]],
                   from[offset[4]], from[offset[5]], from[offset[6]], from[offset[7]]};
     else
       return Real{from[offset[0]], from[offset[1]], from[offset[2]], from[offset[3]]};
   }
-  static void scatter(T* to, const Whole& at, const Real& values) {
-    const Offsets offset(at);
+  static void scatter(T* to, const std::int32_t* offset, const Real& values) {
     for (int l = 0; l < count; ++l) to[offset[l]] = values[l];
   }
 #else
@@ -117,13 +117,13 @@ struct Lanes {
     for (int l = 0; l < count; ++l) found[l] = table[index[l]];
     return found;
   }
-  static Real gather(const T* from, const Whole& at) {
+  static Real gather(const T* from, const std::int32_t* offset) {
     Real values;
-    for (int l = 0; l < count; ++l) values[l] = from[at[l]];
+    for (int l = 0; l < count; ++l) values[l] = from[offset[l]];
     return values;
   }
-  static void scatter(T* to, const Whole& at, const Real& values) {
-    for (int l = 0; l < count; ++l) to[at[l]] = values[l];
+  static void scatter(T* to, const std::int32_t* offset, const Real& values) {
+    for (int l = 0; l < count; ++l) to[offset[l]] = values[l];
   }
 #endif
 
@@ -136,16 +136,6 @@ struct Lanes {
     else
       return _mm256_castsi128_si256(__m128i(w));
   }
-  /// Offsets in memory, where loads take them from one by one: two instructions an offset fewer than out of a
-  /// register.
-  class Offsets {
-   public:
-    explicit Offsets(const Whole& at) : all_(at) { asm volatile("" : "+m"(all_)); }
-    std::ptrdiff_t operator[](int lane) const { return reinterpret_cast<const std::int32_t*>(&all_)[lane]; }
-
-   private:
-    Whole all_;
-  };
 #endif
 };
 

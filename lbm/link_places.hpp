@@ -4,15 +4,19 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Components of the directions.
+/// Components of the directions, two bits each: one look-up for the three.
 struct Components {
-  std::int32_t of[3][32] = {};
+  std::int32_t packed[32] = {};
   constexpr Components() {
     for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < directions; ++i) of[d][i] = c[i][d];
+      for (int i = 0; i < directions; ++i) packed[i] |= (c[i][d] & 3) << (2 * d);
   }
 };
 inline constexpr Components components;
+template <class Whole>
+Whole component(const Whole& packed, int d) {
+  return packed << (30 - 2 * d) >> 30;
+}
 
 /// The origin that a group's places count from.
 template <class T>
@@ -44,7 +48,8 @@ struct Places {
     r[0] = L::real(x + origin.corner.x) + origin.offset[0];
     r[1] = L::real(y + origin.corner.y) + origin.offset[1];
     r[2] = L::real(z + origin.corner.z) + origin.offset[2];
-    for (int d = 0; d < 3; ++d) c[d] = L::real(L::look_up(components.of[d], direction));
+    const auto packed = L::look_up(components.packed, direction);
+    for (int d = 0; d < 3; ++d) c[d] = L::real(component(packed, d));
   }
   /// The slots at the links' cells where a population of each lies.
   typename L::Whole slots(const std::int32_t (&table)[32]) const {

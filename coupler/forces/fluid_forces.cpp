@@ -93,8 +93,8 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
 
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface,
-                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) const {
-  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across},
+                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) {
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_},
                           surface.motion, spec_.force, surface.sums);
 }
 
@@ -236,14 +236,15 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
     for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
   std::int64_t mass = 0;
+  lbm::ListedLinks listed;
   for (std::size_t n = 0; n < open.size(); ++n) {
     links.prefetch(open, n);
     SurfaceLinks<T>& surface = links.surfaces[open[n].surface];
     lbm::LinkSums sums;
     const lbm::LinkGroup& group = surface.links.groups[open[n].number];
     lbm::correct_cut_links<T>(
-        {block, links.slots, surface.links, group, links.next_group(open, n, open.size())}, surface.motion,
-        sums);
+        {block, links.slots, surface.links, group, links.next_group(open, n, open.size()), nullptr, &listed},
+        surface.motion, sums);
     mass += sums.mass;
   }
   return mass;

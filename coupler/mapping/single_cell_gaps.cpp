@@ -36,6 +36,7 @@ double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& 
 /// What fills up the groups copies their last link.
 template <class T>
 void pad(const lbm::CutLinks<T>& links, std::vector<T>& values) {
+  if (values.empty()) return;
   for (const lbm::LinkGroup& g : links.groups)
     if (g.scheme == lbm::WallScheme::single_cell_gap)
       std::fill(values.begin() + g.opposite + g.count, values.begin() + g.opposite + lbm::padded(g.count),

@@ -80,13 +80,15 @@ class Links {
 
   void apply(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::apply_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0)}, {},
-                                  lbm::ForceForm::galilean, sums_);
+      lbm::apply_cut_links<float>(
+          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_}, {},
+          lbm::ForceForm::galilean, sums_);
     });
   }
   void correct(const std::vector<Group>& order, bool next) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::correct_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after}, {}, sums_);
+      lbm::correct_cut_links<float>(
+          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_}, {}, sums_);
     });
   }
   void sum_stiffness() {
@@ -112,6 +114,7 @@ class Links {
   coupler::BlockLinks<float> links_;
   std::vector<Group> one_;
   lbm::LinkSums sums_;
+  lbm::ListedLinks listed_;
   std::int64_t stiffness_ = 0;
 };
 
