@@ -17,13 +17,9 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
   const auto from_middle = [&](std::ptrdiff_t slot) { return std::int32_t(slot - block.middle()); };
   LinkSlots s;
   for (int i = 1; i < directions; ++i) {
-    const int j = opposite(i);
     s.out[i] = from_middle(block.leaving(i, parity));
-    s.behind[i] = from_middle(block.arriving(i, parity));
-    s.against[i] = from_middle(block.leaving(j, parity));
-    s.back[i] = from_middle(block.arriving(j, parity));
-    s.away[i] = from_middle(block.leaving(j, parity) - block.step(i));
-    s.toward[i] = from_middle(block.arriving(i, parity) - block.step(i));
+    s.back[i] = from_middle(block.arriving(opposite(i), parity));
+    s.step[i] = std::int32_t(block.step(i));
   }
   return s;
 }

@@ -101,14 +101,13 @@ struct BeyondPair {
   T away, toward;
 };
 
-/// The populations of a link along i lie at these slots, by direction, from its cell at Block::middle().
+/// The populations of a link along i lie at these slots, by direction, from its cell at Block::middle(). What
+/// passes further away from the surface lies as many steps behind, at either parity: f*_i(x - c_i) at out -
+/// step, f*_i(x - 2 c_i) at out - 2 step, f*_opp(x) at back - step, f*_opp(x - c_i) at back - 2 step.
 struct LinkSlots {
-  std::int32_t out[32] = {};      // f*_i(x)
-  std::int32_t behind[32] = {};   // f*_i(x - c_i)
-  std::int32_t against[32] = {};  // f*_opp(x)
-  std::int32_t back[32] = {};     // f_opp(x, t + 1): what the surface returns
-  std::int32_t away[32] = {};     // f*_opp(x - c_i)
-  std::int32_t toward[32] = {};   // f*_i(x - 2 c_i)
+  std::int32_t out[32] = {};   // f*_i(x)
+  std::int32_t back[32] = {};  // f_opp(x, t + 1): what the surface returns
+  std::int32_t step[32] = {};  // from a cell to the next along c_i
 };
 /// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
 /// large for offsets of 32 bits.

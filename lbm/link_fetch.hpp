@@ -82,35 +82,38 @@ class LinkFetch {
         __builtin_memcpy(end, &slots, sizeof slots);
         end += L::count;
       };
-      add(at.slots(slots_.back));
-      if (wanted_ == Wanted::all) add_read(group, at, add);
+      const Whole back = at.slots(slots_.back);
+      add(back);
+      if (wanted_ == Wanted::all) add_read(group, at, back, add);
       if (l == 0) listed_.rows = int(end - start) / L::count;
     }
   }
 
   template <class Add>
-  void add_read(const LinkGroup& group, const Places<T>& at, Add&& add) const {
+  void add_read(const LinkGroup& group, const Places<T>& at, const Whole& back, Add&& add) const {
     const WallScheme scheme = group.scheme;
-    add(at.slots(slots_.out));
+    const Whole out = at.slots(slots_.out);
+    add(out);
     if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
     } else if (reads_behind(scheme)) {
-      add(at.slots(slots_.behind));
-      add(at.slots(slots_.against));
+      const Whole step = L::look_up(slots_.step, at.direction);
+      add(out - step);
+      add(back - step);
       if (!reads_beyond(scheme) || group.across) return;
-      add(at.slots(slots_.away));
-      add(at.slots(slots_.toward));
+      add(back - 2 * step);
+      add(out - 2 * step);
     }
   }
 
-  /// The vector at k of what is listed ahead.
+  /// The vector at k of what is listed ahead: all of its lanes, for to ask how many are links takes longer.
   void fetch(int k) const {
     if (k >= listed_.count) return;
-    const int lanes = std::min(L::count, listed_.count - k);
-    const std::int32_t* row = listed_.slot[listed_.half] + k * listed_.rows;
-    for (int n = 0; n < listed_.rows; ++n, row += L::count)
+    const std::int32_t* slot = listed_.slot[listed_.half] + k * listed_.rows;
+    const std::int32_t* const end = slot + listed_.rows * L::count;
+    for (; slot < end; slot += L::count)
 #pragma GCC unroll 16
-      for (int l = 0; l < lanes; ++l) prefetch_to_write(corner_ + row[l]);
+      for (int l = 0; l < L::count; ++l) prefetch_to_write(corner_ + slot[l]);
   }
 
   const Block<T>& block_;

@@ -27,14 +27,16 @@ struct PlaneWords {
   PlaneWords(const BitFrame& frame, int first, const FrameRows& wanted) {
     const int count = std::min(most, wanted.planes * frame.plane - first);
     const int words_a_row = std::max(1, frame.pitch / 64), rows_a_word = std::max(1, 64 / frame.pitch);
+    const int bits = 64 / rows_a_word;
+    int z = first / frame.plane, in_plane = first - z * frame.plane;
+    int y = in_plane / words_a_row * rows_a_word, x = in_plane % words_a_row;  // x: word of the row
     for (int w = 0; w < count; ++w) {
-      const int z = (first + w) / frame.plane, in_plane = (first + w) % frame.plane;
-      const int x = in_plane % words_a_row * 64, y = in_plane / words_a_row * rows_a_word;
-      place[w] = lbm::link_place({x, y, z}, 0);
+      place[w] = lbm::link_place({x * 64, y, z}, 0);
       const int from = std::clamp(wanted.y0 - y, 0, rows_a_word),
                 to = std::clamp(wanted.y1 - y, 0, rows_a_word);
-      const int bits = 64 / rows_a_word;
       rows[w] = from < to ? ~std::uint64_t{0} >> (64 - (to - from) * bits) << (from * bits) : 0;
+      if (++x == words_a_row) x = 0, y += rows_a_word;
+      if (++in_plane == frame.plane) in_plane = x = y = 0, ++z;
     }
   }
 };
@@ -51,8 +53,14 @@ unsigned filled(const Words& w) {
 #if defined(SILT_ISA_avx512)
   return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
 #else
+  using Part = lbm::SILT_ISA::VectorOf<std::uint64_t>::type;
+  constexpr int words = int(sizeof(Part) / sizeof(std::uint64_t));
   unsigned f = 0;
-  for (int k = 0; k < PlaneWords::most; ++k) f |= unsigned(w[k] != 0) << k;
+  for (int k = 0; k < PlaneWords::most; k += words) {
+    Part part;
+    __builtin_memcpy(&part, reinterpret_cast<const char*>(&w) + k * sizeof(std::uint64_t), sizeof part);
+    f |= lbm::SILT_ISA::lane_bits(part != 0) << k;
+  }
   return f;
 #endif
 }
