@@ -67,8 +67,8 @@ ParallelBodyExchange::Distribution::Distribution(MPI_Comm comm, int rank, const 
                                                  const rigid::World& world, double rim)
     : rank(rank),
       world(world),
-      holders(domain, rim),
-      owners(domain, furthest_in_a_step),
+      holders(domain, rim, rank),
+      owners(domain, furthest_in_a_step, rank),
       messages(comm),
       largest_radius(largest_radius_of(world)),
       reach(reach_of(domain, world, rim)),

@@ -67,12 +67,13 @@ void ParallelBodyExchange::Distribution::exchange_contacts(BodySet& bodies, std:
   for (const Tie& t : ties)
     if (!t.taken.empty()) messages.to(t.rank);  // expects one, if only an empty one
   crossing_.clear();
-  std::size_t kept = 0, row_a = 0;
+  std::size_t kept = 0, row_a = 0, row_b = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
     const bool new_pair = k == 0 || c.pair() != contacts[k - 1].pair();
-    if (new_pair) row_a = bodies.row_of(c.a);
-    const bool owns_a = row_a < bodies.owned, owns_b = bodies.row_of(c.b) < bodies.owned;
+    if (new_pair) row_b = bodies.row_of(c.b);
+    if (k == 0 || c.a != contacts[k - 1].a) row_a = bodies.row_of(c.a);
+    const bool owns_a = row_a < bodies.owned, owns_b = row_b < bodies.owned;
     if (!owns_a || !(owns_b || rigid::is_wall(c.b))) send_contact(bodies, c, new_pair);
     if (!owns_a && !owns_b) continue;
     if (owns_a != owns_b && !rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});

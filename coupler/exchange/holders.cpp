@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace silt::coupler {
 
@@ -21,6 +22,21 @@ int clamped(double x, int cells) {
 }
 
 }  // namespace
+
+Holders::Holders(const lbm::Domain& domain, double rim, int here) : domain_(domain), rim_(rim), here_(here) {
+  if (here < 0) return;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const lbm::BlockPlace& place : domain.blocks_of(here)) {
+    const lbm::CellBox& box = place.box;
+    rigid::BoundingBox& bounds = blocks_here_.emplace_back();
+    for (int d = 0; d < 3; ++d) {
+      const int lower = box.lower[d], upper = lower + box.size[d];
+      const bool ends = !domain.periodic(d);
+      bounds.lower[d] = ends && lower == 0 ? -infinity : lower;
+      bounds.upper[d] = ends && upper == domain.cells()[d] ? infinity : upper;
+    }
+  }
+}
 
 lbm::Int3 Holders::cell_at(const rigid::Vec3& x) const {
   lbm::Int3 cell;
@@ -47,6 +63,8 @@ lbm::CellRun Holders::met_by(int axis, double lower, double upper) const {
 
 void Holders::ranks_of(const rigid::BoundingBox& box, std::vector<int>& ranks) const {
   ranks.clear();
+  const rigid::Vec3 rim = rigid::Vec3::Constant(rim_);
+  if (is_here(box.lower - rim, box.upper + rim)) return ranks.push_back(here_);
   std::array<lbm::CellRun, 3> runs;
   for (int d = 0; d < 3; ++d) runs[d] = met_by(d, box.lower[d], box.upper[d]);
   domain_.for_blocks_meeting(runs, [&](const lbm::BlockPlace& block) {

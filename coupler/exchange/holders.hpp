@@ -11,13 +11,16 @@ namespace silt::coupler {
 
 class Holders {
  public:
-  /// rim: cells by which blocks are grown on all sides.
-  Holders(const lbm::Domain& domain, double rim) : domain_(domain), rim_(rim) {}
+  /// rim: cells by which blocks are grown on all sides. here: the rank whose blocks are looked at first, for
+  /// most of what it asks is inside them; -1: none.
+  Holders(const lbm::Domain& domain, double rim, int here = -1);
 
   /// The block that contains x, and its rank: half-open boxes, x wrapped along periodic axes and clamped
   /// along others.
   int block_at(const rigid::Vec3& x_W) const { return domain_.tree().leaf_at(cell_at(x_W)).index; }
-  int rank_at(const rigid::Vec3& x_W) const { return domain_.rank_of(block_at(x_W)); }
+  int rank_at(const rigid::Vec3& x_W) const {
+    return is_here(x_W, x_W) ? here_ : domain_.rank_of(block_at(x_W));
+  }
   /// Fills ranks, sorted, with those one of whose grown blocks meets the box, whatever its size.
   void ranks_of(const rigid::BoundingBox& box_W, std::vector<int>& ranks) const;
 
@@ -26,8 +29,18 @@ class Holders {
   /// The cells that an interval meets; beyond a wall the last ones before it.
   lbm::CellRun met_by(int axis, double lower, double upper) const;
 
+  /// Whether the box between two corners lies inside one block of the rank `here`.
+  bool is_here(const rigid::Vec3& lower, const rigid::Vec3& upper) const {
+    for (const rigid::BoundingBox& block : blocks_here_)
+      if ((lower.array() >= block.lower.array()).all() && (upper.array() < block.upper.array()).all())
+        return true;
+    return false;
+  }
+
   const lbm::Domain& domain_;
   double rim_;
+  int here_;
+  std::vector<rigid::BoundingBox> blocks_here_;  // to infinity beyond the sides of the domain that are walls
 };
 
 }  // namespace silt::coupler

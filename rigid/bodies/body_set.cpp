@@ -135,16 +135,13 @@ void BodySet::resize(std::size_t rows) {
 void BodySet::reindex() {
   sort_section(*this, 0, owned);
   sort_section(*this, owned, owned + copies);
-  row_of_.clear();
-  row_of_.reserve(size());
-  for (std::size_t row = 0; row < size(); ++row) row_of_.emplace(id[row], row);
+  row_of_.assign(id);
 }
 
 std::size_t BodySet::row_of(BodyId wanted) const {
   // consecutive ids, as those of a whole scene on one rank
   if (owned > 0 && wanted - id[0] < owned && id[wanted - id[0]] == wanted) return wanted - id[0];
-  const auto found = row_of_.find(wanted);
-  return found == row_of_.end() ? size() : found->second;
+  return row_of_.find(wanted, size());
 }
 
 bool BodySet::is_isotropic(std::size_t row) const {

@@ -6,11 +6,11 @@
 //   only last                   walls (global: on every rank, never sent)
 // A copy equals its owner's state to the bit. On one rank there are only owned bodies and walls.
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
 #include "rigid/bodies/holder_state.hpp"
+#include "rigid/bodies/row_table.hpp"
 #include "rigid/math/fixed_point.hpp"
 
 namespace silt::rigid {
@@ -142,7 +142,7 @@ struct BodySet {
   void wake(std::size_t row);
 
  private:
-  std::unordered_map<BodyId, std::size_t> row_of_;
+  RowTable row_of_;
 };
 
 }  // namespace silt::rigid

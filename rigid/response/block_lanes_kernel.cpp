@@ -151,7 +151,7 @@ SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* a
     g.relative_change = Lanes{} - 1;
     if (!any(lanes.on)) continue;
     const CarryOn carry_on(g, contacts);
-    Rounds rounds{PairMotion(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state)), lanes.on};
+    Rounds rounds{PairMotion(g, twists(g.bodies.a, state), twists(g.bodies.b, state)), lanes.on};
     rounds.lubrication = g.first_lubrication != no_lubrication && !sweep.push
                              ? all_lubrication + g.first_lubrication
                              : nullptr;

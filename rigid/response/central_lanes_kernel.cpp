@@ -6,7 +6,7 @@ namespace {
 
 struct CentralChange {
   Vector impulse, torque;  // torque per unit of arm: normal x impulse
-  Lanes relative;
+  Lanes relative;          // squared
 };
 
 /// (C4) and (C5) of rigid/README.md for eight contacts, carried on along their last change. `rubs` false:
@@ -50,42 +50,23 @@ CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const Lanes
   }
   const Lanes most = larger(moved, stepped);
   const Lanes scale = larger(larger(before, after), g.least_scale * g.least_scale);
-  change.relative = choose(most > 0, square_root(most / scale), Lanes{});
+  change.relative = choose(most > 0, most / scale, Lanes{});
   return change;
-}
-
-template <bool rubs>
-void add_to_bodies(const CentralGroup& g, const CentralChange& change, Mask on, double tolerance,
-                   BodySum* sums) {
-  const Vector& p = change.impulse;
-  Vector t_a, t_b;
-  if constexpr (rubs) t_a = change.torque * g.arm_a, t_b = change.torque * g.arm_b;
-  for (int l = 0; l < lane_count; ++l) {
-    if (!on[l]) continue;
-    BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
-    a.impulse[0] -= p.x[l];
-    a.impulse[1] -= p.y[l];
-    a.impulse[2] -= p.z[l];
-    b.impulse[0] += p.x[l];
-    b.impulse[1] += p.y[l];
-    b.impulse[2] += p.z[l];
-    if constexpr (rubs) {
-      a.angular[0] -= t_a.x[l];
-      a.angular[1] -= t_a.y[l];
-      a.angular[2] -= t_a.z[l];
-      b.angular[0] += t_b.x[l];
-      b.angular[1] += t_b.y[l];
-      b.angular[2] += t_b.z[l];
-    }
-    if (change.relative[l] > tolerance) a.changed = b.changed = 1;
-  }
 }
 
 template <bool rubs>
 Lanes sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
                   const ContactSweep& sweep) {
-  const CentralChange change = solve<rubs>(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), lanes);
-  add_to_bodies<rubs>(g, change, lanes.on, sweep.tolerance, sums);
+  const auto moving = [&](const std::int32_t* rows) {
+    if constexpr (rubs) return twists(rows, state);
+    return Twist{velocities(rows, state), {}};
+  };
+  const CentralChange change = solve<rubs>(g, moving(g.bodies.a), moving(g.bodies.b), lanes);
+  const Vector& torque = change.torque;
+  Vector on_a, on_b;
+  if constexpr (rubs) on_a = torque * (Lanes{} - g.arm_a), on_b = torque * g.arm_b;
+  add_to_bodies<rubs>(g.bodies, change.impulse, on_a, on_b, lanes.on,
+                      change.relative > sweep.tolerance * sweep.tolerance, sums);
   return change.relative;
 }
 
@@ -101,7 +82,7 @@ SweepOutcome sweep_central(CentralGroup* groups, std::size_t count, const BodySt
     outcome.add(g, any(g.friction > 0) ? sweep_group<true>(g, lanes, state, sums, sweep)
                                        : sweep_group<false>(g, lanes, state, sums, sweep));
   }
-  return outcome.all();
+  return outcome.of_squares();
 }
 
 }  // namespace silt::rigid::SILT_ISA

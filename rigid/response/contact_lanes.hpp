@@ -35,7 +35,7 @@ struct alignas(64) BodyState {
 /// This is what the pairs of one sweep do to a body.
 struct alignas(64) BodySum {
   double impulse[3], angular[3];
-  double changed;
+  double changed;  // above 0 if a pair did more than rounding
   double unused;
 };
 

@@ -43,33 +43,115 @@ struct LanesToSolve {
   Mask on;  // all in the first sweep, then those of which a body changed or whose impulses were carried on
   Mask to_carry;  // of them, whose impulses are then carried on: not those at rest but for being carried
 };
+inline Mask goes_on(const LaneBodies& bodies) {
+  return whole_numbers(bodies.again) != 0;
+}
 inline LanesToSolve to_solve(const LaneBodies& bodies, const Real8& carried, const BodyState* state,
                              const ContactSweep& sweep) {
-  LanesToSolve lanes;
-  const bool first = sweep.number == 1;
-  const Mask all = mask_of([&](int) { return first; });
-  const Mask goes_on = mask_of([&](int l) { return bodies.again[l]; });
-  const Mask woken = goes_on & mask_of([&](int l) {
-                       return state[bodies.a[l]].number != 0 || state[bodies.b[l]].number != 0;
-                     });
-  const Mask carries = mask_of([&](int) { return !sweep.plain; });
-  lanes.on = all | woken | (Lanes(carried) != 0);
-  lanes.to_carry = goes_on & (all | woken) & carries;
-  return lanes;
+  const Mask none{}, all = ~none, again = goes_on(bodies);
+  const auto changed = [&](const std::int32_t* rows) {
+    return gathered([&](int l) { return state[rows[l]].number; }) != 0;
+  };
+  const Mask moved = sweep.number == 1 ? all : again & (changed(bodies.a) | changed(bodies.b));
+  return {moved | (Lanes(carried) != 0), sweep.plain ? none : again & moved};
 }
 
-/// Velocity and angular velocity of eight bodies.
+/// Four numbers of a body, half of its cache line: one read or write for four.
+using HalfLine = double __attribute__((vector_size(4 * sizeof(double))));
+inline HalfLine half_line(const double* from) {
+  HalfLine h;
+  std::memcpy(&h, from, sizeof h);
+  return h;
+}
+
+/// The halves of eight bodies' lines on their side: number k of each.
+struct Turned {
+  Lanes of[4];
+};
+inline Turned turned(const HalfLine (&h)[lane_count]) {
+  HalfLine to[4][2];
+  for (int k = 0; k < 2; ++k) {
+    const HalfLine *from = h + 4 * k, low = __builtin_shufflevector(from[0], from[1], 0, 4, 2, 6),
+                   high = __builtin_shufflevector(from[0], from[1], 1, 5, 3, 7),
+                   low_2 = __builtin_shufflevector(from[2], from[3], 0, 4, 2, 6),
+                   high_2 = __builtin_shufflevector(from[2], from[3], 1, 5, 3, 7);
+    to[0][k] = __builtin_shufflevector(low, low_2, 0, 1, 4, 5);
+    to[1][k] = __builtin_shufflevector(high, high_2, 0, 1, 4, 5);
+    to[2][k] = __builtin_shufflevector(low, low_2, 2, 3, 6, 7);
+    to[3][k] = __builtin_shufflevector(high, high_2, 2, 3, 6, 7);
+  }
+  Turned t;
+  std::memcpy(&t, to, sizeof t);
+  return t;
+}
+/// The reverse.
+inline void turn(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w, HalfLine (&to)[lane_count]) {
+  HalfLine from[4][2];
+  std::memcpy(from[0], &x, sizeof x), std::memcpy(from[1], &y, sizeof y);
+  std::memcpy(from[2], &z, sizeof z), std::memcpy(from[3], &w, sizeof w);
+  for (int k = 0; k < 2; ++k) {
+    const HalfLine low = __builtin_shufflevector(from[0][k], from[1][k], 0, 4, 2, 6),
+                   high = __builtin_shufflevector(from[0][k], from[1][k], 1, 5, 3, 7),
+                   low_2 = __builtin_shufflevector(from[2][k], from[3][k], 0, 4, 2, 6),
+                   high_2 = __builtin_shufflevector(from[2][k], from[3][k], 1, 5, 3, 7);
+    to[4 * k] = __builtin_shufflevector(low, low_2, 0, 1, 4, 5);
+    to[4 * k + 1] = __builtin_shufflevector(high, high_2, 0, 1, 4, 5);
+    to[4 * k + 2] = __builtin_shufflevector(low, low_2, 2, 3, 6, 7);
+    to[4 * k + 3] = __builtin_shufflevector(high, high_2, 2, 3, 6, 7);
+  }
+}
+
+/// Velocities of eight bodies, and angular ones.
 struct Twist {
   Vector v, w;
-
-  Twist(const std::int32_t* rows, const BodyState* state) {
-    const auto one = [&](auto of) { return gathered([&](int l) { return of(state[rows[l]]); }); };
-    v = {one([](const BodyState& s) { return s.v[0]; }), one([](const BodyState& s) { return s.v[1]; }),
-         one([](const BodyState& s) { return s.v[2]; })};
-    w = {one([](const BodyState& s) { return s.w[0]; }), one([](const BodyState& s) { return s.w[1]; }),
-         one([](const BodyState& s) { return s.w[2]; })};
-  }
 };
+inline Turned first_half(const std::int32_t* rows, const BodyState* state) {
+  HalfLine h[lane_count];
+  for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].v);
+  return turned(h);
+}
+inline Vector velocities(const std::int32_t* rows, const BodyState* state) {
+  const Turned t = first_half(rows, state);
+  return {t.of[0], t.of[1], t.of[2]};
+}
+inline Twist twists(const std::int32_t* rows, const BodyState* state) {
+  HalfLine h[lane_count];
+  for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].w + 1);
+  const Turned first = first_half(rows, state), second = turned(h);
+  return {{first.of[0], first.of[1], first.of[2]}, {first.of[3], second.of[0], second.of[1]}};
+}
+
+/// What eight pairs do to their bodies: an impulse on b, its reverse on a, and the moments on either (none of
+/// them: `turning` false), of those in `on`, one lane after the other; those in `marked` are noted as
+/// changes. (A sum is never -0, so zeros change no bit.)
+template <bool turning>
+void add_to_bodies(const LaneBodies& bodies, const Vector& impulse, const Vector& moment_a,
+                   const Vector& moment_b, const Mask& on, const Mask& marked, BodySum* sums) {
+  HalfLine first_a[lane_count], first_b[lane_count], second_a[lane_count], second_b[lane_count];
+  const unsigned those = lane_bits(on), changes = lane_bits(marked);
+  const Lanes none{};
+  const Vector reverse = Vector{none, none, none} - impulse;
+  turn(reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none, first_a);
+  turn(impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none, first_b);
+  if constexpr (turning) {
+    const Lanes changed = choose(marked, 1, none);
+    turn(moment_a.y, moment_a.z, changed, none, second_a);
+    turn(moment_b.y, moment_b.z, changed, none, second_b);
+  }
+  const auto add = [](double* to, const HalfLine& h) {
+    const HalfLine sum = half_line(to) + h;
+    std::memcpy(to, &sum, sizeof sum);
+  };
+  for (int l = 0; l < lane_count; ++l) {
+    if (!(those >> l & 1)) continue;
+    BodySum &a = sums[bodies.a[l]], &b = sums[bodies.b[l]];
+    add(a.impulse, first_a[l]), add(b.impulse, first_b[l]);
+    if constexpr (turning)
+      add(a.angular + 1, second_a[l]), add(b.angular + 1, second_b[l]);
+    else if (changes >> l & 1)
+      a.changed = b.changed = 1;
+  }
+}
 
 /// How far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since the
 /// last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts anew (O'Donoghue, Candes, Found.
@@ -78,9 +160,6 @@ inline Lanes momentum(Real8& age, const Lanes& led_wrong, const Mask& on) {
   const Lanes before = age, k = choose(led_wrong > 0, 1, before);
   age = choose(on, k + 1, before);
   return choose(on, (k - 1) / (k + 2), 0);
-}
-inline Mask goes_on(const LaneBodies& bodies) {
-  return mask_of([&](int l) { return bodies.again[l]; });
 }
 
 /// What the groups of a sweep have found.
@@ -93,6 +172,8 @@ class Outcome {
     solved_ = true;
   }
   SweepOutcome all() const { return {largest(residual_), solved_, any(carried_)}; }
+  /// Where the squares of the changes were added.
+  SweepOutcome of_squares() const { return {std::sqrt(largest(residual_)), solved_, any(carried_)}; }
 
  private:
   Lanes residual_{};

@@ -63,7 +63,7 @@ LubricatedImpulse find(const LubricatedGroup& g, const LubricatedImpulse& old, c
 
 struct LubricatedChange {
   LubricatedImpulse impulse;
-  Lanes relative;
+  Lanes relative;  // squared
 };
 
 /// The pair, carried on along its last change (rigid/README.md, a sweep).
@@ -84,31 +84,16 @@ LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, const
   store(g.last_rolling, then.rolling);
   const Lanes change = larger(dot(d, d), dot(step, step));
   const Lanes scale = larger(larger(dot(old, old), dot(p, p)), g.least_scale * g.least_scale);
-  return {d, choose(change > 0, square_root(change / scale), Lanes{})};
+  return {d, choose(change > 0, change / scale, Lanes{})};
 }
 
-void take(BodySum& body, const Vector& p, const Vector& torque, int l, double sign) {
-  body.impulse[0] += sign * p.x[l];
-  body.impulse[1] += sign * p.y[l];
-  body.impulse[2] += sign * p.z[l];
-  body.angular[0] += sign * torque.x[l];
-  body.angular[1] += sign * torque.y[l];
-  body.angular[2] += sign * torque.z[l];
-}
-
-void add_to_bodies(const LubricatedGroup& g, const LubricatedChange& change, Mask on, double tolerance,
-                   BodySum* sums) {
+void add_change(const LubricatedGroup& g, const LubricatedChange& change, Mask on, double tolerance,
+                BodySum* sums) {
   const LubricatedImpulse& d = change.impulse;
   const Vector n = load(g.normal), p = n * d.normal + d.tangential - d.rolling * g.skew;
   const Vector slip = cross(n, d.tangential), roll = cross(n, d.rolling);
-  const Vector t_a = slip * g.arm_a - roll * g.reach_a, t_b = slip * g.arm_b - roll * g.reach_b;
-  for (int l = 0; l < lane_count; ++l) {
-    if (!on[l]) continue;
-    BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
-    take(a, p, t_a, l, -1);
-    take(b, p, t_b, l, 1);
-    if (change.relative[l] > tolerance) a.changed = b.changed = 1;
-  }
+  const Vector on_a = roll * g.reach_a - slip * g.arm_a, on_b = slip * g.arm_b - roll * g.reach_b;
+  add_to_bodies<true>(g.bodies, p, on_a, on_b, on, change.relative > tolerance * tolerance, sums);
 }
 
 }  // namespace
@@ -120,11 +105,11 @@ SweepOutcome sweep_lubricated(LubricatedGroup* groups, std::size_t count, const 
     LubricatedGroup& g = groups[k];
     const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
     if (!any(lanes.on)) continue;
-    const LubricatedChange change = solve(g, Twist(g.bodies.a, state), Twist(g.bodies.b, state), lanes);
-    add_to_bodies(g, change, lanes.on, sweep.tolerance, sums);
+    const LubricatedChange change = solve(g, twists(g.bodies.a, state), twists(g.bodies.b, state), lanes);
+    add_change(g, change, lanes.on, sweep.tolerance, sums);
     outcome.add(g, change.relative);
   }
-  return outcome.all();
+  return outcome.of_squares();
 }
 
 }  // namespace silt::rigid::SILT_ISA

@@ -7,6 +7,10 @@
 #include <type_traits>
 #include <utility>
 
+#if defined SILT_ISA_avx512 || defined SILT_ISA_avx2
+#include <immintrin.h>
+#endif
+
 #include "rigid/response/contact_lanes.hpp"
 
 namespace silt::rigid::SILT_ISA {
@@ -54,7 +58,10 @@ struct Lanes {
           std::memcpy(&p, of.lane + k * part_lanes, sizeof p);
           return p;
         })) {}
-  void store(double* lane) const { std::memcpy(lane, part, sizeof part); }
+  /// Part by part: of all at once compilers make a copy in pieces of eight bytes.
+  [[gnu::always_inline]] void store(double* lane) const {
+    for (int k = 0; k < part_count; ++k) std::memcpy(lane + k * part_lanes, &part[k], sizeof part[k]);
+  }
   double operator[](int l) const { return part[l / part_lanes][l % part_lanes]; }
 };
 
@@ -109,6 +116,13 @@ template <class Of>
   return each<Lanes, part_count>(
       [&](auto k) { return each<Part, part_lanes>([&](auto l) { return double(of(k * part_lanes + l)); }); });
 }
+[[gnu::always_inline]] inline Lanes whole_numbers(const std::int32_t (&of)[lane_count]) {
+  return each<Lanes, part_count>([&](auto k) {
+    std::int32_t __attribute__((vector_size(part_lanes * sizeof(std::int32_t)))) part;
+    std::memcpy(&part, of + k * part_lanes, sizeof part);
+    return __builtin_convertvector(part, Part);
+  });
+}
 template <class Of>
 [[gnu::always_inline]] inline Mask mask_of(Of of) {
   return each<Mask, part_count>([&](auto k) {
@@ -122,12 +136,22 @@ template <class Of>
     return root;
   });
 }
+/// Bit l: lane l.
+[[gnu::always_inline]] inline unsigned lane_bits(const Mask& m) {
+  unsigned bits = 0;
+  for (int k = 0; k < part_count; ++k) {
+#if defined SILT_ISA_avx512
+    bits |= unsigned(_mm512_movepi64_mask(__m512i(m.part[k]))) << (k * part_lanes);
+#elif defined SILT_ISA_avx2
+    bits |= unsigned(_mm256_movemask_pd(__m256d(m.part[k]))) << (k * part_lanes);
+#else
+    for (int l = 0; l < part_lanes; ++l) bits |= unsigned(m.part[k][l] & 1) << (k * part_lanes + l);
+#endif
+  }
+  return bits;
+}
 inline bool any(const Mask& m) {
-  PartMask all = m.part[0];
-  for (int k = 1; k < part_count; ++k) all |= m.part[k];
-  long long bits = 0;
-  for (int l = 0; l < part_lanes; ++l) bits |= all[l];
-  return bits != 0;
+  return lane_bits(m) != 0;
 }
 /// The largest of the lanes.
 inline double largest(const Lanes& x) {
