@@ -29,6 +29,7 @@ void UniformGrid::build_levels(const Surroundings& around) {
 /// Cells that two bodies of the level cannot reach across. Their keys leave room for two cells on each side,
 /// so that a neighbour's key is never that of another cell.
 void UniformGrid::set_cells(Level& level, const Surroundings& around, double largest_reach) {
+  level.largest_reach = largest_reach;
   const double wanted = largest_reach > 0 ? 2 * largest_reach * (1 + 1e-12) : 1.0;
   for (int d = 0; d < 3; ++d) {
     const double size = around.extent.size[d];
@@ -156,6 +157,53 @@ void UniformGrid::search(const Surroundings& around, const Level& level, const s
   }
 }
 
+/// The cells that bodies of this level are in whose spheres come as near: along a periodic axis in the image
+/// before, this one and the next, from -cells on.
+UniformGrid::Run UniformGrid::Level::cells_within(int axis, double x, double distance) const {
+  const std::int32_t n = cells[axis], least = n ? -n : lowest[axis], most = n ? 2 * n - 1 : highest[axis];
+  constexpr double rounding = 1e-9;  // cells
+  const auto cell = [&](double at) {
+    return static_cast<std::int32_t>(std::clamp<double>(std::floor(at), least, most));
+  };
+  return {cell((x - distance) / width[axis] - rounding), cell((x + distance) / width[axis] + rounding), 0};
+}
+
+/// About how many rows of cells a body that reaches so far has to look through.
+double UniformGrid::Level::rows_around(double reach) const {
+  double rows = 1;
+  for (int d = 1; d < 3; ++d) {
+    const double most = cells[d] ? 3.0 * cells[d] : highest[d] - lowest[d] + 1.0;
+    rows *= std::min(most, 2 * (reach + largest_reach) / width[d] + 1);
+  }
+  return rows;
+}
+
+/// Pairs of a large body and one of `in`, sorted by the cells of `grid`.
+void UniformGrid::search_around(const Surroundings& around, const Level& large, const Level& grid,
+                                const std::vector<Entry>& in, std::vector<CandidatePair>& found) {
+  for (const std::uint32_t row : large.rows) {
+    const Entry own{0,   around.bodies.id[row],        around.bodies.position[row], around.reach[row].sum(),
+                    row, around.bodies.is_dynamic(row)};
+    std::array<Run, 3> within;
+    for (int d = 0; d < 3; ++d)
+      within[d] = grid.cells_within(d, own.position[d], own.reach + grid.largest_reach);
+    Image image;
+    for (std::int32_t z = within[2].first; z <= within[2].last; ++z)
+      for (std::int32_t y = within[1].first; y <= within[1].last; ++y)
+        for (std::int32_t x = within[0].first, last; x <= within[0].last; x = last + 1) {
+          const Cell cell{grid.stepped(0, x, image.x), grid.stepped(1, y, image.y),
+                          grid.stepped(2, z, image.z)};
+          const std::int32_t n = grid.cells[0];
+          last = n ? std::min(within[0].last, x + n - 1 - cell[0]) : within[0].last;  // of the same image
+          const std::int64_t first_key = grid.key_of(cell), last_key = first_key + (last - x);
+          for (auto e = std::lower_bound(in.begin(), in.end(), first_key,
+                                         [](const Entry&entry, std::int64_t key) { return entry.key < key; });
+               e != in.end() && e->key <= last_key; ++e)
+            add_if_near(around, own, *e, image, found);
+        }
+  }
+}
+
 void UniformGrid::add_if_near(const Surroundings& around, const Entry& own, const Entry& other, Image image,
                               std::vector<CandidatePair>& found) {
   if (other.id == own.id || (!own.dynamic && !other.dynamic)) return;
@@ -168,12 +216,21 @@ void UniformGrid::add_if_near(const Surroundings& around, const Entry& own, cons
 
 void UniformGrid::find_pairs(const Surroundings& around, std::vector<CandidatePair>& found) {
   build_levels(around);
-  for (const Level& large : levels_) {
-    sort_by_cell(around, large, large, entries_);
-    search(around, large, entries_, entries_, true, found);
-    for (const Level* small = levels_.data(); small != &large; ++small) {
-      sort_by_cell(around, *small, large, others_);
-      search(around, large, others_, entries_, false, found);
+  entries_.resize(levels_.size());
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const Level& large = levels_[k];
+    sort_by_cell(around, large, large, entries_[k]);
+    search(around, large, entries_[k], entries_[k], true, found);
+    for (std::size_t j = 0; j < k; ++j) {
+      const Level& small = levels_[j];
+      constexpr double rows_of_a_small_one = 5;  // take as long as all that it looks through
+      if (small.rows_around(large.largest_reach) * double(large.rows.size()) <
+          rows_of_a_small_one * double(small.rows.size())) {
+        search_around(around, large, small, entries_[j], found);
+        continue;
+      }
+      sort_by_cell(around, small, large, others_);
+      search(around, large, others_, entries_[k], false, found);
     }
   }
 }

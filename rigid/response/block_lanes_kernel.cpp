@@ -102,6 +102,7 @@ class CarryOn {
     const Mask on = lanes.on;
     const Lanes beta = momentum(g.age, led_wrong, lanes.to_carry);
     g.carried = choose(on, beta, g.carried);
+    Vector impulse{}, moment{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse), last_t = load(c.last_tangential);
@@ -111,8 +112,11 @@ class CarryOn {
       store(c.last_tangential, choose(on, found_t, last_t));
       c.normal_impulse = found_n + on_n;
       store(c.tangential_impulse, found_t + on_t);
-      motion.push(g, load(c.r), load(c.normal) * on_n + on_t);
+      const Vector p = load(c.normal) * on_n + on_t;
+      impulse += p;
+      moment += cross(load(c.r), p);
     }
+    motion.push_about_a(g, impulse, moment);
   }
 
  private:

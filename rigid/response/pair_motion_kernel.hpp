@@ -17,8 +17,10 @@ struct PairMotion {
   Vector at(const Vector& r) const { return u + cross(omega, r); }
 
   /// An impulse at r.
-  void push(const BlockGroup& g, const Vector& r, const Vector& p) {
-    const Vector d = load(g.offset), about_a = cross(r, p);
+  void push(const BlockGroup& g, const Vector& r, const Vector& p) { push_about_a(g, p, cross(r, p)); }
+  /// An impulse, and its moment about a's centre: that of one contact, or the sums of some.
+  void push_about_a(const BlockGroup& g, const Vector& p, const Vector& about_a) {
+    const Vector d = load(g.offset);
     const Vector turn_b = times(g.inverse_inertia_b, about_a + cross(d, p));
     omega += turn_b + times(g.inverse_inertia_a, about_a);
     u += p * g.inverse_mass + cross(turn_b, d);

@@ -104,22 +104,21 @@ struct StickTrial {
   Mask on[most_stick_contacts];
   Lanes normal[most_stick_contacts];
   Vector tangential[most_stick_contacts];
+  Vector excess[most_stick_contacts];
   Lanes factor[21];
 
   StickTrial(const BlockGroup& group, BlockContact* of_group, const PairMotion& now)
       : g(group), contacts(of_group), motion(now) {}
 
-  /// e_k: what the velocity at a contact is to lose; zero where it does not press.
-  Vector excess(std::uint32_t k, const PairMotion& m) const {
-    const BlockContact& c = contacts[k];
-    const Vector n = load(c.normal), w = m.at(load(c.r));
-    return choose(on[k], frictionless ? n * (dot(w, n) - c.target) : w - n * c.target, Vector{});
-  }
-  Lanes largest_excess() const {
+  /// Sets e_k, what the velocity at a contact is to lose: zero where it does not press. Returns the largest
+  /// square.
+  Lanes find_excess() {
     Lanes most{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
-      const Vector e = excess(k, motion);
-      most = larger(most, dot(e, e));
+      const BlockContact& c = contacts[k];
+      const Vector n = load(c.normal), w = motion.at(load(c.r));
+      excess[k] = choose(on[k], frictionless ? n * (dot(w, n) - c.target) : w - n * c.target, Vector{});
+      most = larger(most, dot(excess[k], excess[k]));
     }
     return most;
   }
@@ -137,10 +136,11 @@ struct StickTrial {
     cholesky(factor);
   }
 
+  /// From the excess there is.
   void pass() {
     Lanes x[6] = {};
     for (std::uint32_t k = 0; k < g.count; ++k) {
-      const Vector e = excess(k, motion), turn = cross(load(contacts[k].r), e);
+      const Vector &e = excess[k], turn = cross(load(contacts[k].r), e);
       x[0] -= e.x;
       x[1] -= e.y;
       x[2] -= e.z;
@@ -149,17 +149,20 @@ struct StickTrial {
       x[5] -= turn.z;
     }
     solve_cholesky(factor, x);
-    const PairMotion before = motion;
     const Vector shift{x[0], x[1], x[2]}, turn{x[3], x[4], x[5]};
+    const Lanes scale = -1 / g.softness;
+    Vector impulse{}, moment{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const Vector r = load(contacts[k].r), n = load(contacts[k].normal);
-      const Vector taken = choose(on[k], excess(k, before) + shift + cross(turn, r), Vector{});
-      const Lanes scale = -1 / g.softness, along = scale * dot(taken, n);
-      const Vector across = frictionless ? Vector{} : taken * scale - n * along;
+      const Vector taken = choose(on[k], excess[k] + shift + cross(turn, r), Vector{});
+      const Lanes along = scale * dot(taken, n);
+      const Vector across = frictionless ? Vector{} : taken * scale - n * along, p = n * along + across;
       normal[k] += along;
       tangential[k] += across;
-      motion.push(g, r, n * along + across);
+      impulse += p;
+      moment += cross(r, p);
     }
+    motion.push_about_a(g, impulse, moment);
   }
 
   /// Lanes where no contact pulls, slides, or is passed through. scale: largest squared impulse.
@@ -185,9 +188,9 @@ void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motio
   if (g.count > most_stick_contacts) return;
   StickTrial<frictionless> trial(g, contacts, motion);
   trial.start();
-  const Lanes before = trial.largest_excess();
-  for (int i = 0; i < stick_passes; ++i) trial.pass();
-  const Lanes after = trial.largest_excess();
+  const Lanes before = trial.find_excess();
+  Lanes after = before;
+  for (int i = 0; i < stick_passes; ++i) trial.pass(), after = trial.find_excess();
   Lanes largest{};
   const Mask right = active & trial.is_right(largest) & goes_on(g.bodies) &
                      (after <= stick_residual * stick_residual * before);
