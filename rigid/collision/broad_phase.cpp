@@ -36,14 +36,16 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
 
 /// For pairs that meet or might soon do, also of bodies that sleep: they may wake.
 void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
-  const double slack = kept_.slack_of(around);
-  wider_.assign(around.reach.begin(), around.reach.end());
-  for (Reach& r : wider_) r.margin += slack * r.sum();
-  const Surroundings wider{around.bodies, around.extent, wider_, true};
+  const std::span slack = kept_.plan(around);
+  const auto wider = [&](double KeptPairs::Slack::*of) {
+    wider_.assign(around.reach.begin(), around.reach.end());
+    for (std::size_t row = 0; row < around.size(); ++row) wider_[row].margin += slack[row].*of;
+    return Surroundings{around.bodies, around.extent, wider_, true};
+  };
   found_.clear();
-  find_pairs(wider, found_);
-  find_walls(wider, walls);
-  sort_into(around.bodies, kept_.renew(around, walls, slack));
+  find_pairs(wider(&KeptPairs::Slack::to_bodies), found_);
+  find_walls(wider(&KeptPairs::Slack::to_walls), walls);
+  sort_into(around.bodies, kept_.renew(around, walls));
 }
 
 void BroadPhase::operator()(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach,

@@ -7,12 +7,10 @@ namespace silt::rigid {
 
 namespace {
 
-// in shares of a body's reach
-constexpr double least_slack = 0.05;     // a sixth more pairs
-constexpr double most_slack = 0.2;       // three quarters more
+constexpr double least_slack = 0.05;     // of a body's reach: a sixth more pairs
+constexpr double ahead = 1.2;            // bodies that gather speed move further than they did
 constexpr double slack_rounding = 1e-3;  // of the slack
-
-constexpr double calls_wanted = 6;  // that a list should serve
+constexpr double search = 14;            // looks at a pair cost as much as finding it
 
 bool same(const WallSurface& a, const WallSurface& b) {
   return a.point == b.point && a.direction == b.direction && a.radius == b.radius && a.moves == b.moves;
@@ -45,13 +43,26 @@ Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t row) con
   return displacement;
 }
 
+void KeptPairs::find_motion(const Surroundings& around) {
+  motion_.resize(seen_.size());
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t row = 0; row < seen_.size(); ++row) {
+    motion_[row].displacement = displacement_of(around, row);
+    motion_[row].grown = around.reach[row].sum() - seen_[row].reach;
+    mean += motion_[row].displacement;
+  }
+  mean /= double(std::max<std::size_t>(seen_.size(), 1));
+  for (Motion& m : motion_) m.apart = (m.displacement - mean).norm();
+}
+
 /// Two bodies have at most one image of each other in reach. Else another one may come to meet, where one of
 /// them passes a periodic side, that was none when the pairs were found.
 bool KeptPairs::images_are_few() const {
   double largest = 0;
-  for (const Seen& body : seen_) largest = std::max(largest, body.reach);
+  for (std::size_t row = 0; row < seen_.size(); ++row)
+    largest = std::max(largest, seen_[row].reach + slack_[row].to_bodies);
   for (int d = 0; d < 3; ++d)
-    if (extent_.periodic[d] && extent_.size[d] <= 2 * (1 + slack_) * largest) return false;
+    if (extent_.periodic[d] && extent_.size[d] <= 2 * largest) return false;
   return true;
 }
 
@@ -60,36 +71,61 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   wrapped_ = false;
   known_ = same_surroundings(around, walls);
   if (!known_) return false;
+  find_motion(around);
+  constexpr double sure = 1 - slack_rounding;
   for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const double before = seen_[row].reach;
-    const double spare = (1 - slack_rounding) * slack_ * before + (before - around.reach[row].sum());
-    if (spare < 0 || displacement_of(around, row).squaredNorm() > spare * spare) return false;
+    const Motion& m = motion_[row];
+    if (m.apart + m.grown > sure * slack_[row].to_bodies) return false;
+    if (!walls_.empty() && m.displacement.norm() + m.grown > sure * slack_[row].to_walls) return false;
     wrapped_ |= differ(around.bodies.image[row], seen_[row].image);
   }
   return !wrapped_ || few_images_;
 }
 
-double KeptPairs::slack_of(const Surroundings& around) const {
-  if (!known_) return 0;
-  double most = 0;
+/// What they are expected to move in so many calls, as they did since the pairs were found.
+void KeptPairs::set_slack(double calls) {
+  slack_.assign(seen_.size(), {0, 0});
+  if (calls == 0) return;
   for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const double before = seen_[row].reach, grown = std::max(0.0, around.reach[row].sum() - before);
-    if (before > 0) most = std::max(most, (displacement_of(around, row).norm() + grown) / before);
+    const Motion& m = motion_[row];
+    const double least = least_slack * seen_[row].reach, share = ahead * calls / calls_,
+                 grown = std::max(0.0, m.grown);
+    slack_[row] = {std::max(least, share * (m.apart + grown)),
+                   std::max(least, share * (m.displacement.norm() + grown))};
   }
-  const double wanted = calls_wanted / calls_ * most;
-  return wanted <= most_slack ? std::max(wanted, least_slack) : 0;
 }
 
-std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::span<const WallSurface> walls,
-                                             double slack) {
-  const BodySet& bodies = around.bodies;
+/// How many times as many pairs the list has with the slack.
+double KeptPairs::growth_of_list() const {
+  double sum = 0;
+  for (std::size_t row = 0; row < seen_.size(); ++row) {
+    const double wider = seen_[row].reach > 0 ? 1 + slack_[row].to_bodies / seen_[row].reach : 1;
+    sum += wider * wider * wider;
+  }
+  return sum / double(std::max<std::size_t>(seen_.size(), 1));
+}
+
+/// For as many calls as make them cheapest: each looks at all of the list, the first finds it.
+std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
+  double best = 0, least = search + 1;
+  if (known_)
+    for (const double calls : {1, 2, 4, 6, 9, 12}) {
+      set_slack(calls);
+      const double cost = growth_of_list() * (search / (calls + 1) + 1);
+      if (cost < least) best = calls, least = cost;
+    }
   seen_.resize(around.size());
+  set_slack(best);
+  return slack_;
+}
+
+std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::span<const WallSurface> walls) {
+  const BodySet& bodies = around.bodies;
   for (std::size_t row = 0; row < around.size(); ++row)
     seen_[row] = {bodies.id[row], bodies.position[row], bodies.image[row], bodies.is_dynamic(row),
                   around.reach[row].sum()};
   walls_.assign(walls.begin(), walls.end());
   extent_ = around.extent;
-  slack_ = slack;
   calls_ = 0;
   wrapped_ = false;
   few_images_ = images_are_few();

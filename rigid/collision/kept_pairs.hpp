@@ -3,6 +3,10 @@
 // finds (the list of L. Verlet, Phys. Rev. 159 (1967) 98): while no body has used up its slack, every pair
 // that meets is among those kept, and is told from the others by the same test as ever. What comes out does
 // not depend on what is kept.
+//
+// The slack of a body is what it is expected to move in the calls that the list is to serve: fast bodies have
+// more than slow ones. Only motion apart from that which all have in common counts, so that a bed that falls
+// keeps its list; towards walls all of it does.
 #include <vector>
 
 #include "rigid/collision/surroundings.hpp"
@@ -13,12 +17,15 @@ class KeptPairs {
  public:
   /// No pair can meet that is not kept.
   bool hold(const Surroundings&, std::span<const WallSurface>);
-  /// After hold(): how much further it is worth to look, in shares of each body's reach; 0: not at all, as
-  /// bodies come and go or move too fast.
-  double slack_of(const Surroundings&) const;
-  /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack, sorted
-  /// as BroadPhase says.
-  std::vector<CandidatePair>& renew(const Surroundings&, std::span<const WallSurface>, double slack);
+  /// After hold(): how much further it is worth to look for partners of each body; nothing where bodies come
+  /// and go or move too fast.
+  struct Slack {
+    double to_bodies, to_walls;
+  };
+  std::span<const Slack> plan(const Surroundings&);
+  /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack that was
+  /// planned, sorted as BroadPhase says.
+  std::vector<CandidatePair>& renew(const Surroundings&, std::span<const WallSurface>);
   /// Appends those that meet, in order. Call after hold() or renew() with the same.
   void select(const Surroundings&, std::span<const WallSurface>, std::vector<CandidatePair>& pairs) const;
 
@@ -33,17 +40,26 @@ class KeptPairs {
   bool same_surroundings(const Surroundings&, std::span<const WallSurface>) const;
   bool images_are_few() const;
   Vec3 displacement_of(const Surroundings&, std::size_t row) const;
+  void find_motion(const Surroundings&);
+  void set_slack(double calls);
+  double growth_of_list() const;
   bool image_now(const BodySet&, CandidatePair&) const;
 
   std::vector<Seen> seen_;
   std::vector<WallSurface> walls_;
   Extent extent_;
-  double slack_ = 0;
+  std::vector<Slack> slack_;  // one a body
   bool few_images_ = false;
   // since then
   int calls_ = 0;
   bool known_ = false;    // the same bodies and walls
   bool wrapped_ = false;  // some body passed a periodic side
+  struct Motion {
+    Vec3 displacement;
+    double apart;  // from what all have moved on the mean
+    double grown;  // its reach
+  };
+  std::vector<Motion> motion_;  // one a body, where the same are known
   std::vector<CandidatePair> pairs_;
 };
 

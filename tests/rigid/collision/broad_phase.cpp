@@ -143,7 +143,7 @@ TEST_P(BroadPhases,
     double best = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 9; ++i) {
       for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {  // too far for what is kept
-        cloud.bodies.position[row] += Vec3::Constant(0.4 * edge);
+        cloud.bodies.position[row] += Vec3::Constant((row % 2 ? 0.4 : 0.1) * edge);
         cloud.extent.wrap(cloud.bodies.position[row], cloud.bodies.image[row]);
       }
       const std::clock_t start = std::clock();
@@ -241,6 +241,85 @@ TEST_P(BroadPhases, FollowsBodiesThatCreep) {
       if (HasFailure()) FAIL() << "in step " << step;
     }
   }
+}
+
+/// Bodies that fall together, past some that are fixed and on to a floor.
+struct FallingCloud {
+  Cloud cloud{200, {6, 6, 40}, {true, true, false}, 0.3, 1.5, 3, 23};
+  const WallSurface floor{{0, 0, 12}, {0, 0, 1}};
+  const Vec3 velocity;
+  std::vector<Vec3> own_velocity;
+
+  explicit FallingCloud(const Vec3& common) : velocity(common) {
+    std::mt19937 g(9);
+    std::normal_distribution<> normal;
+    for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
+      own_velocity.push_back(2e-4 * Vec3(normal(g), normal(g), normal(g)));
+      if (row % 20) cloud.bodies.motion[row] = Motion::free;
+    }
+  }
+  void step() {
+    for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
+      if (!cloud.bodies.is_free(row)) continue;
+      cloud.bodies.position[row] += velocity + own_velocity[row];
+      cloud.extent.wrap(cloud.bodies.position[row], cloud.bodies.image[row]);
+    }
+  }
+  /// Pairs of bodies; bodies near the floor.
+  std::pair<std::set<Key>, std::set<BodyId>> found_by(BroadPhase& broad_phase) const {
+    std::vector<CandidatePair> pairs;
+    broad_phase(cloud.bodies, cloud.extent, cloud.reach, std::span(&floor, 1), pairs);
+    std::pair<std::set<Key>, std::set<BodyId>> found;
+    for (const CandidatePair& p : pairs) {
+      const BodyId a = cloud.bodies.id[p.row_a];
+      if (p.row_b < cloud.bodies.size())
+        found.first.emplace(a, cloud.bodies.id[p.row_b], p.image);
+      else
+        found.second.insert(a);
+    }
+    return found;
+  }
+  std::pair<std::set<Key>, std::set<BodyId>> brute() const {
+    std::set<BodyId> near_floor;
+    for (std::size_t row = 0; row < cloud.bodies.size(); ++row)
+      if (cloud.bodies.is_free(row) && floor.distance(cloud.bodies.position[row]) <= cloud.reach[row].sum())
+        near_floor.insert(cloud.bodies.id[row]);
+    return {cloud.brute(), near_floor};
+  }
+};
+
+TEST_P(BroadPhases, FollowsBodiesThatFallTogether) {
+  FallingCloud falling({0.01, 0, -0.06});
+  const std::size_t near_floor = falling.brute().second.size();
+  for (int step = 0; step < 150; ++step) {
+    ASSERT_EQ(falling.found_by(*broad_phase), falling.brute()) << "in step " << step;
+    falling.step();
+  }
+  EXPECT_GT(falling.brute().second.size(), near_floor + 20) << "have come to the floor";
+}
+
+/// It counts how often it has to look.
+struct CountSearches : BroadPhase {
+  int searches = 0;
+  std::string_view name() const override { return "counting"; }
+  void find_pairs(const Surroundings& around, std::vector<CandidatePair>& found) override {
+    ++searches;
+    for (std::size_t a = 0; a < around.size(); ++a)
+      for (std::size_t b = a + 1; b < around.size(); ++b)
+        if (const CandidatePair p = around.in_order(a, b, {}); around.meet(p)) found.push_back(p);
+  }
+};
+
+TEST(KeptPairs, AFallThatAllShareCostsNoMoreSearchesThanRest) {
+  constexpr int steps = 60;
+  const auto searches = [&](const Vec3& common) {
+    FallingCloud falling(common);
+    CountSearches counting;
+    for (int step = 0; step < steps; ++step) falling.found_by(counting), falling.step();
+    return counting.searches;
+  };
+  EXPECT_LE(searches({0, 0, 0}), 4);
+  EXPECT_LE(searches({0, 0, -0.06}), steps / 3);  // a fifth of a radius a step
 }
 
 /// What was there before must not show.
