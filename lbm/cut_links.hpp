@@ -147,8 +147,8 @@ inline int stiffness_exponent(double radius) {
   return e;
 }
 
-/// The group that the next call is for, of the same block: its populations are fetched in the meantime.
-/// Waiting for them would take longer than what is computed.
+/// The group that the next call is for, of the same block: where its populations are is found in the
+/// meantime, and they are fetched if they are far.
 template <class T>
 struct NextGroup {
   const CutLinks<T>* links = nullptr;
@@ -174,6 +174,8 @@ struct GroupInBlock {
   NextGroup<T> next = {};
   const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
   ListedLinks* listed = nullptr;                // the same one for calls that name one another as the next
+  bool far =
+      false;  // from the dense pass: populations are fetched ahead, which else takes longer than waiting
 };
 
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.

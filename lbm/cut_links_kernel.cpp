@@ -140,7 +140,7 @@ template <WallScheme scheme, class T>
 void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
            LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs, listed] = here;
+  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -176,7 +176,7 @@ template <WallScheme scheme, class T>
 void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums,
              LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs, listed] = here;
+  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
   using V = typename L::Real;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(increment);

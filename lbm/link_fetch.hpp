@@ -1,7 +1,7 @@
 #pragma once
-// Where the populations of links lie, listed a window of vectors ahead of use and fetched meanwhile: the next
-// window of a group, and as that ends, the first one of the next group. What memory takes for them passes
-// while links are computed; else most of the time of links is waiting.
+// Where the populations of links lie, listed a window of vectors ahead of use: the next window of a group,
+// and as that ends, the first one of the next group. What the dense pass has not just read is fetched
+// meanwhile: else most of the time of such links is waiting.
 #include <algorithm>
 
 #include "lbm/link_places.hpp"
@@ -28,6 +28,7 @@ class LinkFetch {
         present_{&here.links, &here.group},
         next_(here.next),
         wanted_(wanted),
+        far_(here.far),
         listed_(listed) {
     if (listed_.group != &here.group) list(present_, 0);
   }
@@ -44,12 +45,12 @@ class LinkFetch {
   Rows at(int l) {
     const int in_window = l % window;
     if (in_window == 0) turn(l);
-    fetch(in_window);
+    if (far_) fetch(in_window);
     return Rows(present_slots_ + in_window * present_rows_);
   }
   /// Call after the last; `l` is past it.
   void finish(int l) {
-    for (int k = l % window; k > 0 && k < listed_.count; k += L::count) fetch(k);
+    for (int k = l % window; far_ && k > 0 && k < listed_.count; k += L::count) fetch(k);
   }
 
  private:
@@ -120,6 +121,7 @@ class LinkFetch {
   const LinkSlots& slots_;
   NextGroup<T> present_, next_;
   Wanted wanted_;
+  bool far_;
   ListedLinks& listed_;
   const T* corner_ = nullptr;  // of what is listed ahead
   const std::int32_t* present_slots_ = nullptr;

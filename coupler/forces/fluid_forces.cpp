@@ -93,8 +93,8 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
 
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface,
-                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) {
-  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_},
+                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool far) {
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
                           surface.motion, spec_.force, surface.sums);
 }
 
@@ -105,7 +105,8 @@ void FluidForces<T>::after_part(lbm::Block<T>& block, BlockLinks<T>& links, int 
   for (std::uint32_t k = links.first_inner[part]; k < end; ++k) {
     links.prefetch(inner, k);
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
-    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end));
+    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end),
+          false);
     if (!implicit_) continue;
     if (k + 2 < end) prefetch_row(links.surfaces[inner[k + 2].surface]);
     if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface);
@@ -150,7 +151,7 @@ LinkOutcome FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLink
       links[b].prefetch(rim, k);
       SurfaceLinks<T>& surface = links[b].surfaces[rim[k].surface];
       apply(fluid.blocks()[b], links[b], surface, surface.links.groups[rim[k].number],
-            links[b].next_group(rim, k, rim.size()));
+            links[b].next_group(rim, k, rim.size()), true);
     }
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       outcome.mass_gain += surface.sums.mass;
@@ -242,9 +243,9 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
     SurfaceLinks<T>& surface = links.surfaces[open[n].surface];
     lbm::LinkSums sums;
     const lbm::LinkGroup& group = surface.links.groups[open[n].number];
-    lbm::correct_cut_links<T>(
-        {block, links.slots, surface.links, group, links.next_group(open, n, open.size()), nullptr, &listed},
-        surface.motion, sums);
+    lbm::correct_cut_links<T>({block, links.slots, surface.links, group,
+                               links.next_group(open, n, open.size()), nullptr, &listed, true},
+                              surface.motion, sums);
     mass += sums.mass;
   }
   return mass;

@@ -74,7 +74,7 @@ class FluidForces {
 
  private:
   void apply(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&, const lbm::LinkGroup&,
-             const lbm::NextGroup<T>&);
+             const lbm::NextGroup<T>&, bool far);
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);
   LinkOutcome apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);

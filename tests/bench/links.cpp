@@ -2,8 +2,8 @@
 // the links of the paper's layers of spheres (layers.hpp), nanoseconds a link.
 //
 //   at hand      one sphere's links over and over: all its cache lines are in the first levels
-//   fetched      all links in the order of a step, each call given the group that comes next
-//   waited for   the same without
+//   fetched      all links in the order of a step, as ones far from the dense pass
+//   waited for   the same as ones near it, though none goes before them
 //
 // The last two read what the cores' caches do not hold (no dense pass goes before them). Medians of turns.
 //   scripts/bench links [--quick] [--json FILE]
@@ -78,17 +78,17 @@ class Links {
     return n;
   }
 
-  void apply(const std::vector<Group>& order, bool next) {
+  void apply(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
       lbm::apply_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_}, {},
+          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_, fetch}, {},
           lbm::ForceForm::galilean, sums_);
     });
   }
-  void correct(const std::vector<Group>& order, bool next) {
+  void correct(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
       lbm::correct_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_}, {}, sums_);
+          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_, fetch}, {}, sums_);
     });
   }
   void sum_stiffness() {
@@ -130,11 +130,11 @@ std::array<Spread, costs> measured(Links& links, int turns) {
   };
   for (int t = 0; t < turns; ++t) {
     cost[applied_at_hand].add(again([&] { links.apply(links.one(), false); }) / hot);
-    cost[applied_fetched].add(seconds([&] { links.apply(links.all(), true); }) / cold);
-    cost[applied_waited].add(seconds([&] { links.apply(links.all(), false); }) / cold);
+    cost[applied_fetched].add(seconds([&] { links.apply(links.all(), true, true); }) / cold);
+    cost[applied_waited].add(seconds([&] { links.apply(links.all(), true, false); }) / cold);
     cost[corrected_at_hand].add(again([&] { links.correct(links.one(), false); }) / hot);
-    cost[corrected_fetched].add(seconds([&] { links.correct(links.all(), true); }) / cold);
-    cost[corrected_waited].add(seconds([&] { links.correct(links.all(), false); }) / cold);
+    cost[corrected_fetched].add(seconds([&] { links.correct(links.all(), true, true); }) / cold);
+    cost[corrected_waited].add(seconds([&] { links.correct(links.all(), true, false); }) / cold);
     cost[stiffness].add(seconds([&] { links.sum_stiffness(); }) / double(links.count()) * 1e9);
   }
   return cost;
