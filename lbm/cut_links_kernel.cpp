@@ -78,7 +78,6 @@ Exchange<T> exchange(const T* data, const LinkRows<T>& rows, const WallFluid<T>&
   auto back = s.a * out - s.k * cu;
   if constexpr (reads_behind(scheme)) {
     const auto against = L::gather(data, rows[against_row]), behind = L::gather(data, rows[behind_row]);
-    const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
     auto others = s.b * behind + s.c * against;
     auto uneven = s.a - s.c;
     if constexpr (reads_beyond(scheme)) {
@@ -86,7 +85,11 @@ Exchange<T> exchange(const T* data, const LinkRows<T>& rows, const WallFluid<T>&
       others += s.d * pair.away + s.g * pair.toward;
       uneven -= T(2) * s.d + s.g;
     }
-    back += others + T(0.5) * (s.k - at.weight6() * uneven) * cf;
+    back += others;
+    if (fluid.has_force()) {
+      const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
+      back += T(0.5) * (s.k - at.weight6() * uneven) * cf;
+    }
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, rows, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);

@@ -46,6 +46,7 @@ struct WallFluid {
         share(T(stable_share(s))),
         curved(T(curved_share(s))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
+  bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
 };
 
 /// e follows from the others (equation 11); d and g are of the schemes that read beyond.
@@ -75,15 +76,15 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
 template <class V, class T>
 constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const WallFluid<T>& fluid) {
   const T share = fluid.share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
-  const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;
-  return {share + rest * linear.a,
-          rest * linear.b + first + further,
-          rest * linear.c - first + further,
-          rest * linear.k + T(2) * m * weight6,
-          -second - further,
-          second - further};
+  LinkCoefficients<V> s{V{} + share,        first + further,  further - first,
+                        T(2) * m * weight6, -second - further, second - further};
+  if (!(rest > T(0))) return s;
+  const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
+  s.a = s.a + rest * linear.a, s.b = s.b + rest * linear.b;
+  s.c = s.c + rest * linear.c, s.k = s.k + rest * linear.k;
+  return s;
 }
 
 /// The surface that a link's opposite hits, when that is cut too: its distance (0: not known) and c_i.u
