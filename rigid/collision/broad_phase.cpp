@@ -37,7 +37,7 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
 /// For pairs that meet or might soon do, also of bodies that sleep: they may wake.
 void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
   const std::span slack = kept_.plan(around);
-  const auto wider = [&](double KeptPairs::Slack::*of) {
+  const auto wider = [&](float KeptPairs::Slack::*of) {
     wider_.assign(around.reach.begin(), around.reach.end());
     for (std::size_t row = 0; row < around.size(); ++row) wider_[row].margin += slack[row].*of;
     return Surroundings{around.bodies, around.extent, wider_, true};

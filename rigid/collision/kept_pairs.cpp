@@ -1,16 +1,19 @@
 #include "rigid/collision/kept_pairs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace silt::rigid {
 
 namespace {
 
-constexpr double least_slack = 0.05;     // of a body's reach: a sixth more pairs
-constexpr double ahead = 1.2;            // bodies that gather speed move further than they did
-constexpr double slack_rounding = 1e-3;  // of the slack
-constexpr double search = 14;            // looks at a pair cost as much as finding it
+constexpr double least_slack = 0.05;                    // of a body's reach: a sixth more pairs
+constexpr double ahead = 1.2;                           // bodies that gather speed move further than they did
+constexpr double slack_rounding = 1e-3;                 // of the slack
+constexpr double search = 14;                           // looks at a pair cost as much as finding it
+constexpr std::size_t sample = 256;                     // bodies that tell what all have in common
+constexpr double call_numbers[] = {1, 2, 4, 6, 9, 12};  // that a list may be to serve
 
 bool same(const WallSurface& a, const WallSurface& b) {
   return a.point == b.point && a.direction == b.direction && a.radius == b.radius && a.moves == b.moves;
@@ -43,16 +46,13 @@ Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t row) con
   return displacement;
 }
 
-void KeptPairs::find_motion(const Surroundings& around) {
-  motion_.resize(seen_.size());
-  Vec3 mean = Vec3::Zero();
-  for (std::size_t row = 0; row < seen_.size(); ++row) {
-    motion_[row].displacement = displacement_of(around, row);
-    motion_[row].grown = around.reach[row].sum() - seen_[row].reach;
-    mean += motion_[row].displacement;
-  }
-  mean /= double(std::max<std::size_t>(seen_.size(), 1));
-  for (Motion& m : motion_) m.apart = (m.displacement - mean).norm();
+/// What bodies have moved on the mean. Whatever it is, what they have moved apart from it counts.
+Vec3 KeptPairs::common_displacement(const Surroundings& around) const {
+  Vec3 sum = Vec3::Zero();
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < seen_.size(); row += seen_.size() / sample | 1, ++count)
+    sum += displacement_of(around, row);
+  return count ? Vec3(sum / double(count)) : sum;
 }
 
 /// Two bodies have at most one image of each other in reach. Else another one may come to meet, where one of
@@ -71,56 +71,63 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   wrapped_ = false;
   known_ = same_surroundings(around, walls);
   if (!known_) return false;
-  find_motion(around);
-  constexpr double sure = 1 - slack_rounding;
+  const Vec3 common = common_displacement(around);
+  const auto used_up = [](double moved, double left) { return left < 0 || moved > left * left; };
   for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const Motion& m = motion_[row];
-    if (m.apart + m.grown > sure * slack_[row].to_bodies) return false;
-    if (!walls_.empty() && m.displacement.norm() + m.grown > sure * slack_[row].to_walls) return false;
+    const Vec3 moved = displacement_of(around, row);
+    const double grown = around.reach[row].sum() - seen_[row].reach, sure = 1 - slack_rounding;
+    if (used_up((moved - common).squaredNorm(), sure * slack_[row].to_bodies - grown)) return false;
+    if (!walls_.empty() && used_up(moved.squaredNorm(), sure * slack_[row].to_walls - grown)) return false;
     wrapped_ |= differ(around.bodies.image[row], seen_[row].image);
   }
   return !wrapped_ || few_images_;
 }
 
-/// What they are expected to move in so many calls, as they did since the pairs were found.
-void KeptPairs::set_slack(double calls) {
-  slack_.assign(seen_.size(), {0, 0});
-  if (calls == 0) return;
-  for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const Motion& m = motion_[row];
-    const double least = least_slack * seen_[row].reach, share = ahead * calls / calls_,
-                 grown = std::max(0.0, m.grown);
-    slack_[row] = {std::max(least, share * (m.apart + grown)),
-                   std::max(least, share * (m.displacement.norm() + grown))};
-  }
+/// What a body moves in a call, apart from the others and in all, as it did since the pairs were found.
+KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t row, const Vec3& common) const {
+  const Vec3 moved = displacement_of(around, row);
+  const double grown = std::max(0.0, around.reach[row].sum() - seen_[row].reach), share = ahead / calls_;
+  return {float(share * ((moved - common).norm() + grown)), float(share * (moved.norm() + grown))};
 }
 
-/// How many times as many pairs the list has with the slack.
-double KeptPairs::growth_of_list() const {
-  double sum = 0;
+/// So many calls as make them cheapest: each looks at all of the list, which has the more pairs the more it
+/// is to last, and the first one finds it.
+double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) const {
+  std::array<double, std::size(call_numbers)> pairs{};
   for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const double wider = seen_[row].reach > 0 ? 1 + slack_[row].to_bodies / seen_[row].reach : 1;
-    sum += wider * wider * wider;
-  }
-  return sum / double(std::max<std::size_t>(seen_.size(), 1));
-}
-
-/// For as many calls as make them cheapest: each looks at all of the list, the first finds it.
-std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
-  double best = 0, least = search + 1;
-  if (known_)
-    for (const double calls : {1, 2, 4, 6, 9, 12}) {
-      set_slack(calls);
-      const double cost = growth_of_list() * (search / (calls + 1) + 1);
-      if (cost < least) best = calls, least = cost;
+    const double reach = seen_[row].reach, motion = motion_of(around, row, common).to_bodies;
+    const double shares = reach > 0 ? motion / reach : 0;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const double wider = 1 + std::max(least_slack, call_numbers[k] * shares);
+      pairs[k] += wider * wider * wider;
     }
-  seen_.resize(around.size());
-  set_slack(best);
+  }
+  double best = 0, least = (search + 1) * double(seen_.size());
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const double cost = pairs[k] * (search / (call_numbers[k] + 1) + 1);
+    if (cost < least) best = call_numbers[k], least = cost;
+  }
+  return best;
+}
+
+std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
+  slack_.assign(around.size(), {0, 0});
+  if (!known_) return slack_;
+  const Vec3 common = common_displacement(around);
+  const double calls = best_calls(around, common);
+  if (calls == 0) return slack_;
+  for (std::size_t row = 0; row < seen_.size(); ++row) {
+    const Slack motion = motion_of(around, row, common);
+    const float least = float(least_slack * seen_[row].reach);
+    slack_[row] = {std::max(least, float(calls) * motion.to_bodies),
+                   std::max(least, float(calls) * motion.to_walls)};
+  }
   return slack_;
 }
 
 std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::span<const WallSurface> walls) {
   const BodySet& bodies = around.bodies;
+  seen_.resize(around.size());
   for (std::size_t row = 0; row < around.size(); ++row)
     seen_[row] = {bodies.id[row], bodies.position[row], bodies.image[row], bodies.is_dynamic(row),
                   around.reach[row].sum()};

@@ -20,7 +20,7 @@ class KeptPairs {
   /// After hold(): how much further it is worth to look for partners of each body; nothing where bodies come
   /// and go or move too fast.
   struct Slack {
-    double to_bodies, to_walls;
+    float to_bodies, to_walls;
   };
   std::span<const Slack> plan(const Surroundings&);
   /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack that was
@@ -40,9 +40,9 @@ class KeptPairs {
   bool same_surroundings(const Surroundings&, std::span<const WallSurface>) const;
   bool images_are_few() const;
   Vec3 displacement_of(const Surroundings&, std::size_t row) const;
-  void find_motion(const Surroundings&);
-  void set_slack(double calls);
-  double growth_of_list() const;
+  Vec3 common_displacement(const Surroundings&) const;
+  double best_calls(const Surroundings&, const Vec3& common) const;
+  Slack motion_of(const Surroundings&, std::size_t row, const Vec3& common) const;
   bool image_now(const BodySet&, CandidatePair&) const;
 
   std::vector<Seen> seen_;
@@ -54,12 +54,6 @@ class KeptPairs {
   int calls_ = 0;
   bool known_ = false;    // the same bodies and walls
   bool wrapped_ = false;  // some body passed a periodic side
-  struct Motion {
-    Vec3 displacement;
-    double apart;  // from what all have moved on the mean
-    double grown;  // its reach
-  };
-  std::vector<Motion> motion_;  // one a body, where the same are known
   std::vector<CandidatePair> pairs_;
 };
 
