@@ -85,11 +85,11 @@ Exchange<T> exchange(const T* data, const LinkRows<T>& rows, const WallFluid<T>&
       others += s.d * pair.away + s.g * pair.toward;
       uneven -= T(2) * s.d + s.g;
     }
-    back += others;
     if (fluid.has_force()) {
       const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
-      back += T(0.5) * (s.k - at.weight6() * uneven) * cf;
+      others += T(0.5) * (s.k - at.weight6() * uneven) * cf;
     }
+    back += others;
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     const auto along = velocity_along(data, rows, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);

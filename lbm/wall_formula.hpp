@@ -78,13 +78,15 @@ constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const Wal
   const T share = fluid.share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;
-  LinkCoefficients<V> s{V{} + share,        first + further,  further - first,
-                        T(2) * m * weight6, -second - further, second - further};
-  if (!(rest > T(0))) return s;
+  const V k = T(2) * m * weight6, away = -second - further, toward = second - further;
+  if (!(rest > T(0))) return {V{} + share, first + further, further - first, k, away, toward};
   const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
-  s.a = s.a + rest * linear.a, s.b = s.b + rest * linear.b;
-  s.c = s.c + rest * linear.c, s.k = s.k + rest * linear.k;
-  return s;
+  return {share + rest * linear.a,
+          rest * linear.b + first + further,
+          rest * linear.c - first + further,
+          rest * linear.k + k,
+          away,
+          toward};
 }
 
 /// The surface that a link's opposite hits, when that is cut too: its distance (0: not known) and c_i.u
