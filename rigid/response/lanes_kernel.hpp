@@ -64,44 +64,41 @@ inline HalfLine half_line(const double* from) {
   return h;
 }
 
-/// Number k of half line j becomes number j of half line k.
-[[gnu::always_inline]] inline void transpose(HalfLine (&h)[4]) {
-  const HalfLine even_01 = __builtin_shufflevector(h[0], h[1], 0, 4, 2, 6),
-                 odd_01 = __builtin_shufflevector(h[0], h[1], 1, 5, 3, 7),
-                 even_23 = __builtin_shufflevector(h[2], h[3], 0, 4, 2, 6),
-                 odd_23 = __builtin_shufflevector(h[2], h[3], 1, 5, 3, 7);
-  h[0] = __builtin_shufflevector(even_01, even_23, 0, 1, 4, 5);
-  h[1] = __builtin_shufflevector(odd_01, odd_23, 0, 1, 4, 5);
-  h[2] = __builtin_shufflevector(even_01, even_23, 2, 3, 6, 7);
-  h[3] = __builtin_shufflevector(odd_01, odd_23, 2, 3, 6, 7);
-}
-
-/// The numbers of half a line, of eight bodies each.
-struct Numbers {
+/// The halves of eight bodies' lines on their side: number k of each.
+struct Turned {
   Lanes of[4];
 };
-template <class HalfOf>  // of body l
-Numbers numbers(HalfOf half_of) {
-  HalfLine by_number[4][2];
+inline Turned turned(const HalfLine (&h)[lane_count]) {
+  HalfLine to[4][2];
   for (int k = 0; k < 2; ++k) {
-    HalfLine h[4];
-    for (int l = 0; l < 4; ++l) h[l] = half_of(4 * k + l);
-    transpose(h);
-    for (int n = 0; n < 4; ++n) by_number[n][k] = h[n];
+    const HalfLine *from = h + 4 * k, low = __builtin_shufflevector(from[0], from[1], 0, 4, 2, 6),
+                   high = __builtin_shufflevector(from[0], from[1], 1, 5, 3, 7),
+                   low_2 = __builtin_shufflevector(from[2], from[3], 0, 4, 2, 6),
+                   high_2 = __builtin_shufflevector(from[2], from[3], 1, 5, 3, 7);
+    to[0][k] = __builtin_shufflevector(low, low_2, 0, 1, 4, 5);
+    to[1][k] = __builtin_shufflevector(high, high_2, 0, 1, 4, 5);
+    to[2][k] = __builtin_shufflevector(low, low_2, 2, 3, 6, 7);
+    to[3][k] = __builtin_shufflevector(high, high_2, 2, 3, 6, 7);
   }
-  Numbers all;
-  std::memcpy(&all, by_number, sizeof all);
-  return all;
+  Turned t;
+  std::memcpy(&t, to, sizeof t);
+  return t;
 }
-/// The reverse: a half line a body.
-inline void half_lines(const Numbers& all, HalfLine (&of_body)[lane_count]) {
-  HalfLine by_number[4][2];
-  std::memcpy(by_number, &all, sizeof all);
+/// The reverse. (Written out once more: by way of one function for both, compilers keep halves in memory, and
+/// a sweep takes a sixth longer.)
+inline void turn(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w, HalfLine (&to)[lane_count]) {
+  HalfLine from[4][2];
+  std::memcpy(from[0], &x, sizeof x), std::memcpy(from[1], &y, sizeof y);
+  std::memcpy(from[2], &z, sizeof z), std::memcpy(from[3], &w, sizeof w);
   for (int k = 0; k < 2; ++k) {
-    HalfLine h[4];
-    for (int n = 0; n < 4; ++n) h[n] = by_number[n][k];
-    transpose(h);
-    for (int l = 0; l < 4; ++l) of_body[4 * k + l] = h[l];
+    const HalfLine low = __builtin_shufflevector(from[0][k], from[1][k], 0, 4, 2, 6),
+                   high = __builtin_shufflevector(from[0][k], from[1][k], 1, 5, 3, 7),
+                   low_2 = __builtin_shufflevector(from[2][k], from[3][k], 0, 4, 2, 6),
+                   high_2 = __builtin_shufflevector(from[2][k], from[3][k], 1, 5, 3, 7);
+    to[4 * k] = __builtin_shufflevector(low, low_2, 0, 1, 4, 5);
+    to[4 * k + 1] = __builtin_shufflevector(high, high_2, 0, 1, 4, 5);
+    to[4 * k + 2] = __builtin_shufflevector(low, low_2, 2, 3, 6, 7);
+    to[4 * k + 3] = __builtin_shufflevector(high, high_2, 2, 3, 6, 7);
   }
 }
 
@@ -109,16 +106,19 @@ inline void half_lines(const Numbers& all, HalfLine (&of_body)[lane_count]) {
 struct Twist {
   Vector v, w;
 };
-inline Numbers first_half(const std::int32_t* rows, const BodyState* state) {
-  return numbers([&](int l) { return half_line(state[rows[l]].v); });
+inline Turned first_half(const std::int32_t* rows, const BodyState* state) {
+  HalfLine h[lane_count];
+  for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].v);
+  return turned(h);
 }
 inline Vector velocities(const std::int32_t* rows, const BodyState* state) {
-  const Numbers first = first_half(rows, state);
-  return {first.of[0], first.of[1], first.of[2]};
+  const Turned t = first_half(rows, state);
+  return {t.of[0], t.of[1], t.of[2]};
 }
 inline Twist twists(const std::int32_t* rows, const BodyState* state) {
-  const Numbers first = first_half(rows, state),
-                second = numbers([&](int l) { return half_line(state[rows[l]].w + 1); });
+  HalfLine h[lane_count];
+  for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].w + 1);
+  const Turned first = first_half(rows, state), second = turned(h);
   return {{first.of[0], first.of[1], first.of[2]}, {first.of[3], second.of[0], second.of[1]}};
 }
 
@@ -132,12 +132,12 @@ void add_to_bodies(const LaneBodies& bodies, const Vector& impulse, const Vector
   const unsigned those = lane_bits(on), changes = lane_bits(marked);
   const Lanes none{};
   const Vector reverse = Vector{none, none, none} - impulse;
-  half_lines({reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none}, first_a);
-  half_lines({impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none}, first_b);
+  turn(reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none, first_a);
+  turn(impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none, first_b);
   if constexpr (turning) {
     const Lanes changed = choose(marked, 1, none);
-    half_lines({moment_a.y, moment_a.z, changed, none}, second_a);
-    half_lines({moment_b.y, moment_b.z, changed, none}, second_b);
+    turn(moment_a.y, moment_a.z, changed, none, second_a);
+    turn(moment_b.y, moment_b.z, changed, none, second_b);
   }
   const auto add = [](double* to, const HalfLine& h) {
     const HalfLine sum = half_line(to) + h;
