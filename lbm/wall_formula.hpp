@@ -79,7 +79,8 @@ constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const Wal
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;
   const V k = T(2) * m * weight6, away = -second - further, toward = second - further;
-  if (!(rest > T(0))) return {V{} + share, first + further, further - first, k, away, toward};
+  if (!(rest > T(0)))  // for all links or for none
+    return {V{} + share, first + further, further - first, k, away, toward};
   const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
   return {share + rest * linear.a,
           rest * linear.b + first + further,

@@ -93,7 +93,8 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
 
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface,
-                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool far) {
+                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) {
+  const bool far = group.ready < 0;  // applied after the whole pass
   lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
                           surface.motion, spec_.force, surface.sums);
 }
@@ -105,8 +106,7 @@ void FluidForces<T>::after_part(lbm::Block<T>& block, BlockLinks<T>& links, int 
   for (std::uint32_t k = links.first_inner[part]; k < end; ++k) {
     links.prefetch(inner, k);
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
-    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end),
-          false);
+    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end));
     if (!implicit_) continue;
     if (k + 2 < end) prefetch_row(links.surfaces[inner[k + 2].surface]);
     if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface);
@@ -151,7 +151,7 @@ LinkOutcome FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLink
       links[b].prefetch(rim, k);
       SurfaceLinks<T>& surface = links[b].surfaces[rim[k].surface];
       apply(fluid.blocks()[b], links[b], surface, surface.links.groups[rim[k].number],
-            links[b].next_group(rim, k, rim.size()), true);
+            links[b].next_group(rim, k, rim.size()));
     }
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       outcome.mass_gain += surface.sums.mass;

@@ -74,7 +74,7 @@ class FluidForces {
 
  private:
   void apply(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&, const lbm::LinkGroup&,
-             const lbm::NextGroup<T>&, bool far);
+             const lbm::NextGroup<T>&);
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);
   LinkOutcome apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
@@ -96,7 +96,7 @@ class FluidForces {
   const BodyChanges* changes_ = nullptr;
   rigid::FixedVec3 debts_begun_;
   RowSums sums_;
-  lbm::ListedLinks listed_;
+  lbm::ListedLinks listed_;  // from one call of apply to the next
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
 };
 

@@ -76,8 +76,8 @@ Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
 /// be written.
 std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const Words& words,
                               unsigned filled, std::uint32_t direction, std::uint32_t* out) {
-  constexpr int at_once =
-      4;  // without asking how many there are: a wrong guess takes longer than four places
+  // so many without asking how many there are: a wrong guess takes longer than four places
+  constexpr int at_once = 4;
   const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   const std::uint32_t in_row = (1u << log_pitch) - 1;
   std::uint32_t n = 0;

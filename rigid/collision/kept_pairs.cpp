@@ -8,12 +8,12 @@ namespace silt::rigid {
 
 namespace {
 
-constexpr double least_slack = 0.05;                    // of a body's reach: a sixth more pairs
-constexpr double ahead = 1.2;                           // bodies that gather speed move further than they did
-constexpr double slack_rounding = 1e-3;                 // of the slack
-constexpr double search = 14;                           // looks at a pair cost as much as finding it
-constexpr std::size_t sample = 256;                     // bodies that tell what all have in common
-constexpr double call_numbers[] = {1, 2, 4, 6, 9, 12};  // that a list may be to serve
+constexpr double least_slack = 0.05;                   // of a body's reach: a sixth more pairs
+constexpr double ahead = 1.2;                          // bodies that gather speed move further than they did
+constexpr double slack_rounding = 1e-3;                // of the slack
+constexpr double search = 14;                          // looks at a pair cost as much as finding it
+constexpr std::size_t sample = 256;                    // bodies that tell what all have in common
+constexpr double tried_calls[] = {1, 2, 4, 6, 9, 12};  // that a list is to serve after the first
 
 bool same(const WallSurface& a, const WallSurface& b) {
   return a.point == b.point && a.direction == b.direction && a.radius == b.radius && a.moves == b.moves;
@@ -71,7 +71,8 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   wrapped_ = false;
   known_ = same_surroundings(around, walls);
   if (!known_) return false;
-  const Vec3 common = common_displacement(around);
+  // without slack only what has not moved at all is sure: not even rounding may differ
+  const Vec3 common = has_slack_ ? common_displacement(around) : Vec3(Vec3::Zero());
   const auto used_up = [](double moved, double left) { return left < 0 || moved > left * left; };
   for (std::size_t row = 0; row < seen_.size(); ++row) {
     const Vec3 moved = displacement_of(around, row);
@@ -93,29 +94,31 @@ KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t ro
 /// So many calls as make them cheapest: each looks at all of the list, which has the more pairs the more it
 /// is to last, and the first one finds it.
 double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) const {
-  std::array<double, std::size(call_numbers)> pairs{};
+  std::array<double, std::size(tried_calls)> pairs{};
   for (std::size_t row = 0; row < seen_.size(); ++row) {
     const double reach = seen_[row].reach, motion = motion_of(around, row, common).to_bodies;
     const double shares = reach > 0 ? motion / reach : 0;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const double wider = 1 + std::max(least_slack, call_numbers[k] * shares);
+      const double wider = 1 + std::max(least_slack, tried_calls[k] * shares);
       pairs[k] += wider * wider * wider;
     }
   }
   double best = 0, least = (search + 1) * double(seen_.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const double cost = pairs[k] * (search / (call_numbers[k] + 1) + 1);
-    if (cost < least) best = call_numbers[k], least = cost;
+    const double cost = pairs[k] * (search / (tried_calls[k] + 1) + 1);
+    if (cost < least) best = tried_calls[k], least = cost;
   }
   return best;
 }
 
 std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
   slack_.assign(around.size(), {0, 0});
+  has_slack_ = false;
   if (!known_) return slack_;
   const Vec3 common = common_displacement(around);
   const double calls = best_calls(around, common);
   if (calls == 0) return slack_;
+  has_slack_ = true;
   for (std::size_t row = 0; row < seen_.size(); ++row) {
     const Slack motion = motion_of(around, row, common);
     const float least = float(least_slack * seen_[row].reach);

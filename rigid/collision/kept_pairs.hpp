@@ -17,11 +17,11 @@ class KeptPairs {
  public:
   /// No pair can meet that is not kept.
   bool hold(const Surroundings&, std::span<const WallSurface>);
-  /// After hold(): how much further it is worth to look for partners of each body; nothing where bodies come
-  /// and go or move too fast.
+  /// How much further (cells) to look for what a body may come to meet.
   struct Slack {
     float to_bodies, to_walls;
   };
+  /// After hold(): what is worth while, one a body; nothing where bodies come and go or move too fast.
   std::span<const Slack> plan(const Surroundings&);
   /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack that was
   /// planned, sorted as BroadPhase says.
@@ -49,6 +49,7 @@ class KeptPairs {
   std::vector<WallSurface> walls_;
   Extent extent_;
   std::vector<Slack> slack_;  // one a body
+  bool has_slack_ = false;
   bool few_images_ = false;
   // since then
   int calls_ = 0;
