@@ -68,7 +68,31 @@ inline HalfLine half_line(const double* from) {
 struct Turned {
   Lanes of[4];
 };
+
+/// Two half lines, for registers that hold so many. (Put together from halves in memory they would be waited
+/// for.)
+using FullLine = double __attribute__((vector_size(8 * sizeof(double))));
+/// Four rows of two squares, each of them turned.
+inline void turn_squares(FullLine (&row)[4]) {
+  const FullLine low = __builtin_shufflevector(row[0], row[1], 0, 8, 2, 10, 4, 12, 6, 14),
+                 high = __builtin_shufflevector(row[0], row[1], 1, 9, 3, 11, 5, 13, 7, 15),
+                 low_2 = __builtin_shufflevector(row[2], row[3], 0, 8, 2, 10, 4, 12, 6, 14),
+                 high_2 = __builtin_shufflevector(row[2], row[3], 1, 9, 3, 11, 5, 13, 7, 15);
+  row[0] = __builtin_shufflevector(low, low_2, 0, 1, 8, 9, 4, 5, 12, 13);
+  row[1] = __builtin_shufflevector(high, high_2, 0, 1, 8, 9, 4, 5, 12, 13);
+  row[2] = __builtin_shufflevector(low, low_2, 2, 3, 10, 11, 6, 7, 14, 15);
+  row[3] = __builtin_shufflevector(high, high_2, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
 inline Turned turned(const HalfLine (&h)[lane_count]) {
+  Turned t;
+  if constexpr (part_lanes == 8) {
+    FullLine row[4];
+    for (int k = 0; k < 4; ++k) row[k] = __builtin_shufflevector(h[k], h[k + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    turn_squares(row);
+    for (int k = 0; k < 4; ++k) std::memcpy(&t.of[k], &row[k], sizeof row[k]);
+    return t;
+  }
   HalfLine to[4][2];
   for (int k = 0; k < 2; ++k) {
     const HalfLine *from = h + 4 * k, low = __builtin_shufflevector(from[0], from[1], 0, 4, 2, 6),
@@ -80,13 +104,23 @@ inline Turned turned(const HalfLine (&h)[lane_count]) {
     to[2][k] = __builtin_shufflevector(low, low_2, 2, 3, 6, 7);
     to[3][k] = __builtin_shufflevector(high, high_2, 2, 3, 6, 7);
   }
-  Turned t;
   std::memcpy(&t, to, sizeof t);
   return t;
 }
 /// The reverse. (Written out once more: by way of one function for both, compilers keep halves in memory, and
 /// a sweep takes a sixth longer.)
 inline void turn(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w, HalfLine (&to)[lane_count]) {
+  if constexpr (part_lanes == 8) {
+    FullLine row[4];
+    std::memcpy(&row[0], &x, sizeof x), std::memcpy(&row[1], &y, sizeof y);
+    std::memcpy(&row[2], &z, sizeof z), std::memcpy(&row[3], &w, sizeof w);
+    turn_squares(row);
+    for (int k = 0; k < 4; ++k) {
+      to[k] = __builtin_shufflevector(row[k], row[k], 0, 1, 2, 3);
+      to[k + 4] = __builtin_shufflevector(row[k], row[k], 4, 5, 6, 7);
+    }
+    return;
+  }
   HalfLine from[4][2];
   std::memcpy(from[0], &x, sizeof x), std::memcpy(from[1], &y, sizeof y);
   std::memcpy(from[2], &z, sizeof z), std::memcpy(from[3], &w, sizeof w);
