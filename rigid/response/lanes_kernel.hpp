@@ -64,10 +64,18 @@ inline HalfLine half_line(const double* from) {
   return h;
 }
 
-/// The halves of eight bodies' lines on their side: number k of each.
+/// The halves of eight bodies' lines on their side: the first number of each, the second...
 struct Turned {
-  Lanes of[4];
+  Lanes first, second, third, fourth;  // an array of them compilers copy by way of memory
 };
+/// As it lies in memory.
+template <class Numbers>
+Lanes lanes_of(const Numbers& numbers) {
+  static_assert(sizeof numbers == sizeof(Lanes));
+  Lanes lanes;
+  std::memcpy(&lanes, &numbers, sizeof lanes);
+  return lanes;
+}
 
 /// Two half lines, for registers that hold so many. (Put together from halves in memory they would be waited
 /// for.)
@@ -84,14 +92,12 @@ inline void turn_squares(FullLine (&row)[4]) {
   row[3] = __builtin_shufflevector(high, high_2, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-inline Turned turned(const HalfLine (&h)[lane_count]) {
-  Turned t;
+[[gnu::always_inline]] inline Turned turned(const HalfLine (&h)[lane_count]) {
   if constexpr (part_lanes == 8) {
     FullLine row[4];
     for (int k = 0; k < 4; ++k) row[k] = __builtin_shufflevector(h[k], h[k + 4], 0, 1, 2, 3, 4, 5, 6, 7);
     turn_squares(row);
-    for (int k = 0; k < 4; ++k) std::memcpy(&t.of[k], &row[k], sizeof row[k]);
-    return t;
+    return {lanes_of(row[0]), lanes_of(row[1]), lanes_of(row[2]), lanes_of(row[3])};
   }
   HalfLine to[4][2];
   for (int k = 0; k < 2; ++k) {
@@ -104,8 +110,7 @@ inline Turned turned(const HalfLine (&h)[lane_count]) {
     to[2][k] = __builtin_shufflevector(low, low_2, 2, 3, 6, 7);
     to[3][k] = __builtin_shufflevector(high, high_2, 2, 3, 6, 7);
   }
-  std::memcpy(&t, to, sizeof t);
-  return t;
+  return {lanes_of(to[0]), lanes_of(to[1]), lanes_of(to[2]), lanes_of(to[3])};
 }
 /// The reverse. (Written out once more: by way of one function for both, compilers keep halves in memory, and
 /// a sweep takes a sixth longer.)
@@ -147,13 +152,13 @@ inline Turned first_half(const std::int32_t* rows, const BodyState* state) {
 }
 inline Vector velocities(const std::int32_t* rows, const BodyState* state) {
   const Turned t = first_half(rows, state);
-  return {t.of[0], t.of[1], t.of[2]};
+  return {t.first, t.second, t.third};
 }
 inline Twist twists(const std::int32_t* rows, const BodyState* state) {
   HalfLine h[lane_count];
   for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].w + 1);
-  const Turned first = first_half(rows, state), second = turned(h);
-  return {{first.of[0], first.of[1], first.of[2]}, {first.of[3], second.of[0], second.of[1]}};
+  const Turned low = first_half(rows, state), high = turned(h);
+  return {{low.first, low.second, low.third}, {low.fourth, high.first, high.second}};
 }
 
 /// What eight pairs do to their bodies: an impulse on b, its reverse on a, and the moments on either (none of
