@@ -168,13 +168,13 @@ template <bool turning>
 void add_to_bodies(const LaneBodies& bodies, const Vector& impulse, const Vector& moment_a,
                    const Vector& moment_b, const Mask& on, const Mask& marked, BodySum* sums) {
   HalfLine first_a[lane_count], first_b[lane_count], second_a[lane_count], second_b[lane_count];
-  const unsigned those = lane_bits(on), changes = lane_bits(marked);
+  const unsigned those = lane_bits(on);
   const Lanes none{};
   const Vector reverse = Vector{none, none, none} - impulse;
   turn(reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none, first_a);
   turn(impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none, first_b);
+  const Lanes changed = choose(marked, 1, none);
   if constexpr (turning) {
-    const Lanes changed = choose(marked, 1, none);
     turn(moment_a.y, moment_a.z, changed, none, second_a);
     turn(moment_b.y, moment_b.z, changed, none, second_b);
   }
@@ -188,8 +188,8 @@ void add_to_bodies(const LaneBodies& bodies, const Vector& impulse, const Vector
     add(a.impulse, first_a[l]), add(b.impulse, first_b[l]);
     if constexpr (turning)
       add(a.angular + 1, second_a[l]), add(b.angular + 1, second_b[l]);
-    else if (changes >> l & 1)
-      a.changed = b.changed = 1;
+    else
+      a.changed += changed[l], b.changed += changed[l];
   }
 }
 
