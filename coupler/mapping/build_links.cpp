@@ -73,7 +73,7 @@ class LinkWriter {
     fill_rows(solid_, n, 1, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
     const bool at_rim = touches_rim(frame, n, reach_);
     find_open(at_rim);
-    constexpr int words_a_group = 8;  // of small bodies: enough links to be worth a group
+    constexpr int words_a_group = 16;  // of small bodies: enough links to be worth a group
     const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
     for (int z = 1; z < frame.size.z - 1; z += step) {
       const Planes planes{z, std::min(step, frame.size.z - 1 - z)};
