@@ -9,8 +9,8 @@ WorkCosts::WorkCosts(const Case& scene) {
   impulse = 1000 * scene.contacts.substeps;
   if (!scene.fluid) return;
   cell = scene.fluid->precision == Precision::single_ ? 10 : 20;  // by the bandwidth it takes
-  link = scene.coupling.time == TimeCoupling::explicit_ ? 30 : 44;
-  mapped_cell = 25;
+  link = scene.coupling.time == TimeCoupling::explicit_ ? 26 : 30;
+  mapped_cell = 40;
 }
 
 }  // namespace silt::coupler

@@ -56,6 +56,12 @@ class BitWindow {
         frame_.pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << frame_.pitch) - 1;
     return words()[bit >> 6] >> (bit & 63) & width;
   }
+  /// 64 cells of a row from a cell on, which may lie a few before the row; beyond the row: anything.
+  std::uint64_t from(lbm::Int3 c) const {
+    const std::ptrdiff_t bit = std::ptrdiff_t(frame_.row(c.y, c.z)) + (c.x - frame_.low.x);
+    const std::uint64_t* const w = words() + (bit >> 6);
+    return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
+  }
   bool test(lbm::Int3 c) const {
     if (!frame_.contains(c)) return false;
     const std::size_t bit = frame_.row(c.y, c.z) + std::size_t(c.x - frame_.low.x);

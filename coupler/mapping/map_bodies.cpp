@@ -7,6 +7,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/mesh_cells.hpp"
+#include "coupler/mapping/window_rows.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -110,7 +111,7 @@ void MapBodies::add_around_hollow(const BlockMap& block, const rigid::BodySet& b
       for (const Stretch& x : along[0]) {
         const Int3 low{x.first, y.first, z.first}, high{x.end, y.end, z.end}, m{beyond, beyond, beyond};
         found_.push_back(
-            {bodies.id[row], row, {x.shift, y.shift, z.shift}, BitFrame(low - m, high - low + m + m)});
+            {bodies.id[row], row, {x.shift, y.shift, z.shift}, BitFrame(low - m, high - low + m + m), true});
       }
 }
 
@@ -185,7 +186,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const Image& image = found_[k];
     BodyMask& mask = block.masks[k];
-    mask.id = image.id, mask.row = image.row, mask.shift = image.shift;
+    mask.id = image.id, mask.row = image.row, mask.shift = image.shift, mask.hollow = image.hollow;
     mask.pose = mapping_pose(bodies, image.row);
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
@@ -195,13 +196,18 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     mask.before = known ? int(match - block.masks_before.begin()) : -1;
     mask.kept = known && match->pose == mask.pose;
     if (mask.kept) {
-      mask.inside = match->inside;
+      mask.inside.swap(match->inside);
     } else {
       mask.inside.reset(image.frame);
       mark(block, world_.shapes[bodies.shape[mask.row]], mask);
     }
     take_cells(block.solid, mask);
     mask.kept = mask.kept && mask.bits == match->bits;
+    if (!mask.hollow) continue;
+    if (mask.kept)
+      mask.near.swap(match->near);
+    else
+      mask.near.reset({});
   }
   find_kept(block);
 }
@@ -210,23 +216,53 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
 /// link's reach behind the cells next to them, and the windows reach two cells beyond them.
 void MapBodies::find_kept(BlockMap& block) {
   const Int3 low{-ghosts, -ghosts, -ghosts}, high = block.box.size + Int3{ghosts, ghosts, ghosts};
-  const int rows = high.y - low.y, words = block.solid.words(), beyond = link_reach_ - 1;
+  const int rows = high.y - low.y, words = block.solid.words();
   const auto row = [&](int y, int z) { return std::size_t(z - low.z) * rows + (y - low.y); };
   changed_rows_.assign(row(low.y, high.z), 0);
   for (int z = low.z; z < high.z; ++z)
     for (int y = low.y; y < high.y; ++y)
       changed_rows_[row(y, z)] =
           !std::equal(block.solid.at(y, z), block.solid.at(y, z) + words, block.before.at(y, z));
-  for (BodyMask& mask : block.masks) {
-    const BitFrame& f = mask.frame();
-    const Int3 first = f.low - Int3{beyond, beyond, beyond};
-    const Int3 end = f.low + f.size + Int3{beyond, beyond, beyond};
-    for (int z = std::max(first.z, low.z); mask.kept && z < std::min(end.z, high.z); ++z)
-      for (int y = std::max(first.y, low.y); mask.kept && y < std::min(end.y, high.y); ++y)
-        if (changed_rows_[row(y, z)])
-          for (int x = first.x; x < end.x; x += 64)
-            mask.kept &= first_cells(block.solid.from(x, y, z) ^ block.before.from(x, y, z), end.x - x) == 0;
+  for (BodyMask& mask : block.masks) mask.kept = mask.kept && !changed_around(block, mask);
+}
+
+bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
+  const Int3 low{-ghosts, -ghosts, -ghosts}, high = block.box.size + Int3{ghosts, ghosts, ghosts};
+  const int rows = high.y - low.y, beyond = link_reach_ - 1;
+  const BitFrame& f = mask.frame();
+  const Int3 first = f.low - Int3{beyond, beyond, beyond};
+  const Int3 end = f.low + f.size + Int3{beyond, beyond, beyond};
+  for (int z = std::max(first.z, low.z); z < std::min(end.z, high.z); ++z)
+    for (int y = std::max(first.y, low.y); y < std::min(end.y, high.y); ++y) {
+      if (!changed_rows_[std::size_t(z - low.z) * rows + (y - low.y)]) continue;
+      for (int k = 0; k < block.solid.words(); ++k) {
+        const int x = 64 * k - ghosts;
+        const std::uint64_t changed =
+            (block.solid.at(y, z)[k] ^ block.before.at(y, z)[k]) & cells_between(x, first.x, end.x);
+        if (changed && (!mask.hollow || changed_near(mask, {x, y, z}, changed))) return true;
+      }
+    }
+  return false;
+}
+
+/// The frame of a hollow holds all of the block, and most of that is far from its surface: whether some of
+/// these cells, 64 of a row from `row` on, are where a link of it may read.
+bool MapBodies::changed_near(BodyMask& mask, Int3 row, std::uint64_t changed) const {
+  const BitFrame& f = mask.frame();
+  const Int3 end = f.low + f.size;
+  if (row.y < f.low.y || row.z < f.low.z || row.y >= end.y || row.z >= end.z ||
+      (changed & ~cells_between(row.x, f.low.x, end.x)))
+    return true;
+  if (mask.near.frame().words() == 0) {
+    mask.near = mask.bits;
+    BitWindow wider;
+    for (int step = 0; step <= link_reach_; ++step) {
+      wider.reset(f);
+      bit_kernels().widen(f, mask.near.words(), wider.words());
+      for (std::size_t k = 0; k < f.words(); ++k) mask.near.words()[k] |= wider.words()[k];
+    }
   }
+  return changed & mask.near.from(row);
 }
 
 }  // namespace silt::coupler

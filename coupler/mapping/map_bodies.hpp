@@ -32,6 +32,7 @@ class MapBodies {
     std::size_t row;
     lbm::Int3 shift;
     BitFrame frame;
+    bool hollow = false;
   };
   void map_block(BlockMap&, const rigid::BodySet&);
   void find_images(const BlockMap&, const rigid::BodySet&);
@@ -39,6 +40,8 @@ class MapBodies {
   void add_around_hollow(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
+  bool changed_around(const BlockMap&, BodyMask&) const;
+  bool changed_near(BodyMask&, lbm::Int3 row, std::uint64_t changed) const;
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&);
 
   const lbm::Domain& domain_;

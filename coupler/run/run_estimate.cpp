@@ -14,16 +14,15 @@
 #include "coupler/case/derived_table.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/placement/body_records.hpp"
-#include "coupler/run/memory_speed.hpp"
+#include "coupler/run/cell_speed.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {
 
 // Measured on one core (coupler/README.md, "What a run will take").
-constexpr double bytes_of_a_cell = 2 * 19 * 4, share_of_bandwidth = 0.7;
 constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        // s; the latter on several
-constexpr double seconds_of_a_body = 0.5e-6, seconds_of_an_impulse = 0.4e-6;  // a sub-step
+constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
                  checkpoint_of_a_body = 600;                    // bytes
@@ -37,7 +36,7 @@ double contact_factor(const rigid::Shape& shape) {
   const auto parts = rigid::convex_parts(shape);
   for (const rigid::Part& part : parts) {
     const bool searched = std::holds_alternative<rigid::Ellipsoid>(part.shape);
-    dearest = std::max(dearest, searched ? 5. : rigid::is_smooth(part.shape) ? 1. : 6.);
+    dearest = std::max(dearest, searched ? 6.5 : rigid::is_smooth(part.shape) ? 1. : 8.);
   }
   return dearest * std::min<double>(static_cast<double>(parts.size()), 4);
 }
@@ -133,7 +132,7 @@ std::string seconds_text(double seconds) {
 }  // namespace
 
 RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int ranks) {
-  const double cell = bytes_of_a_cell / (share_of_bandwidth * memory_speed());
+  const double cell = seconds_of_a_cell();
   WorkCosts costs(scene);
   // Cells wait for memory, bodies for the processor: what they take is not in proportion on every machine.
   const auto in_tenths_of_a_cell = [&](double seconds) { return std::llround(10 * seconds / cell); };
