@@ -40,6 +40,17 @@ Isa chosen_isa() {
   return chosen;
 }
 
+bool last_cache_is_far() {
+  const char* const told = std::getenv("SILT_LAST_CACHE");
+  for (const std::string_view known : {"near", "far"})
+    if (told && told == known) return known == "far";
+#if defined(__x86_64__)
+  return !__builtin_cpu_is("amd") || widest_isa() == Isa::avx512;  // those of 512 bits: not measured
+#else
+  return true;
+#endif
+}
+
 void flush_denormals_to_zero() {
 #if defined(__x86_64__)
   _mm_setcsr(_mm_getcsr() | 0x8040);  // FTZ and DAZ

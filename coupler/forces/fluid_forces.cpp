@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/prefetch.hpp"
 
@@ -94,7 +95,8 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface,
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) {
-  const bool far = group.ready < 0;  // applied after the whole pass
+  static const bool last_cache_is_far = silt::last_cache_is_far();
+  const bool far = group.ready < 0 || last_cache_is_far;  // at the rim: applied after the whole pass
   lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
                           surface.motion, spec_.force, surface.sums);
 }

@@ -1,8 +1,8 @@
 #pragma once
 // Instructions of pieces of a program, counted by valgrind's callgrind: the same on every run, and blind to
-// caches. A program marks its pieces with count_piece and runs itself again below callgrind by
-// count_instructions. valgrind knows no 512-bit vectors: what it counts is the 256-bit build of the kernels
-// (cpu/isa.hpp sees to that).
+// caches (of which it is told that they are near). A program marks its pieces with count_piece and runs
+// itself again below callgrind by count_instructions. valgrind knows no 512-bit vectors: what it counts is
+// the 256-bit build of the kernels (cpu/isa.hpp sees to that).
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -54,8 +54,9 @@ inline std::map<std::string, double> count_instructions(const std::string& argum
   if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make a folder like " + pattern);
   const fs::path folder = pattern;
   const std::string command =
-      "valgrind -q --tool=callgrind --instr-atstart=no --callgrind-out-file=" + (folder / "counts").string() +
-      " " + fs::read_symlink("/proc/self/exe").string() + " " + argument + " >/dev/null";
+      "SILT_LAST_CACHE=near valgrind -q --tool=callgrind --instr-atstart=no --callgrind-out-file=" +
+      (folder / "counts").string() + " " + fs::read_symlink("/proc/self/exe").string() + " " + argument +
+      " >/dev/null";
   const int code = std::system(command.c_str());
   const auto counts = read_counts(folder);
   fs::remove_all(folder);

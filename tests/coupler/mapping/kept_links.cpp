@@ -14,8 +14,8 @@ using rigid::Vec3;
 /// Wide enough for a ball to be out of reach of the tube's links; the row of cells is longer than a word.
 CaseText ball_in_a_tube() {
   CaseText c;
-  c.domain =
-      domain_of({70, 22, 22}, R"({ x = "periodic", y = ["no-slip", "no-slip"], z = ["no-slip", "no-slip"] })");
+  c.domain = domain_of({70, 22, 22},
+                       R"({ x = "periodic", y = ["no-slip", "no-slip"], z = ["no-slip", "no-slip"] })");
   c.rest = "[[walls]]\ntype = \"tube\"\nradius = 10.2\naxis = \"x\"\npoint = [0, 11, 11]\n";
   c.shapes = sphere_of("ball", 3.3);
   c.bodies = body_of("ball", 1, "position = [2.5, 11, 11]");
