@@ -21,25 +21,34 @@ constexpr int packed(int i, int j) {
   return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i;
 }
 
-/// In place: the lower factor, with the inverse of its diagonal on the diagonal.
-inline void cholesky(Lanes* m) {
+/// In place: M = L D L^T, with 1 / D on the diagonal (that of L is 1). Without roots, for which a column
+/// would wait as long again as for its quotient.
+inline void factorise(Lanes* m) {
+#pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
-    for (int k = 0; k < j; ++k)
-      for (int i = j; i < 6; ++i) m[packed(i, j)] -= m[packed(i, k)] * m[packed(j, k)];
-    m[packed(j, j)] = 1 / square_root(m[packed(j, j)]);
-    for (int i = j + 1; i < 6; ++i) m[packed(i, j)] *= m[packed(j, j)];
+    const Lanes inverse = 1 / m[packed(j, j)];
+#pragma GCC unroll 6
+    for (int i = 5; i > j; --i) {
+      const Lanes l = m[packed(i, j)] * inverse;
+#pragma GCC unroll 6
+      for (int k = j + 1; k <= i; ++k) m[packed(i, k)] -= l * m[packed(k, j)];
+      m[packed(i, j)] = l;
+    }
+    m[packed(j, j)] = inverse;
   }
 }
 
 /// x becomes the solution.
-inline void solve_cholesky(const Lanes* m, Lanes* x) {
-  for (int i = 0; i < 6; ++i) {
+inline void solve_factorised(const Lanes* m, Lanes* x) {
+#pragma GCC unroll 6
+  for (int i = 1; i < 6; ++i)
+#pragma GCC unroll 6
     for (int k = 0; k < i; ++k) x[i] -= m[packed(i, k)] * x[k];
-    x[i] *= m[packed(i, i)];
-  }
+#pragma GCC unroll 6
   for (int i = 5; i >= 0; --i) {
-    for (int k = i + 1; k < 6; ++k) x[i] -= m[packed(k, i)] * x[k];
     x[i] *= m[packed(i, i)];
+#pragma GCC unroll 6
+    for (int k = i + 1; k < 6; ++k) x[i] -= m[packed(k, i)] * x[k];
   }
 }
 
@@ -59,11 +68,11 @@ inline void set_inverse_mobility(BlockGroup& g) {
     for (int i = j; i < 3; ++i) m[packed(3 + i, 3 + j)] = by_moment[i];
     // i >= 3 of by_force covers all nine of the lower left block
   }
-  cholesky(m);
+  factorise(m);
   for (int column = 0; column < 6; ++column) {
     Lanes x[6] = {};
     x[column] = g.softness;
-    solve_cholesky(m, x);
+    solve_factorised(m, x);
     for (int i = column; i < 6; ++i) g.inverse_mobility[packed(i, column)] = x[i];
   }
 }
@@ -133,7 +142,7 @@ struct StickTrial {
       on[k] = (normal[k] > 0) | (dot(motion.at(load(c.r)), load(c.normal)) < c.target);
       add_stiffness<frictionless>(c, on[k], factor);
     }
-    cholesky(factor);
+    factorise(factor);
   }
 
   /// From the excess there is.
@@ -148,7 +157,7 @@ struct StickTrial {
       x[4] -= turn.y;
       x[5] -= turn.z;
     }
-    solve_cholesky(factor, x);
+    solve_factorised(factor, x);
     const Vector shift{x[0], x[1], x[2]}, turn{x[3], x[4], x[5]};
     const Lanes scale = -1 / g.softness;
     Vector impulse{}, moment{};
