@@ -174,8 +174,7 @@ struct GroupInBlock {
   NextGroup<T> next = {};
   const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
   ListedLinks* listed = nullptr;                // the same one for calls that name one another as the next
-  bool far =
-      false;  // its populations are not at hand: they are fetched ahead, or most of the time is waiting
+  bool far = false;  // its populations are not at hand: they are fetched ahead of use
 };
 
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.
