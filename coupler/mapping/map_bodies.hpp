@@ -40,6 +40,7 @@ class MapBodies {
   void add_around_hollow(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
+  /// Whether a cell changed sides that the links of the mask may read.
   bool changed_around(const BlockMap&, BodyMask&) const;
   bool changed_near(BodyMask&, lbm::Int3 row, std::uint64_t changed) const;
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&);

@@ -3,7 +3,6 @@
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
-#include "rigid/shapes/shape.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 
 namespace silt::coupler::testing {
