@@ -10,7 +10,9 @@ namespace {
 
 constexpr double height_rounding = 2e-15;  // part of the pair's size: differences of height below it are none
 constexpr double parallel_sine = 1e-8;
-constexpr int most_rounds = 12, most_steps = 30, most_halvings = 6;
+/// Radian, squared: after a step of Newton's method this small the next one is rounding.
+constexpr double last_step = 1e-16;
+constexpr int most_steps = 30, most_halvings = 3;
 
 /// Where the search is bound to: all directions, or those on a circle.
 struct Track {
@@ -50,9 +52,10 @@ std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, con
   return (t * (uu * rt - tu * ru) + u * (tt * ru - tu * rt)) / det;
 }
 
-/// Up to where the slope vanishes, both cores changing their support as they do; nothing where that fails.
+/// Up to where the slope vanishes, or where it turns at a kink, both cores changing their support as they do;
+/// nothing where that fails. Heights that differ by `rounding` are equal.
 std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const Vec3& from,
-                                 const Track& track) {
+                                 const Track& track, double rounding) {
   Vec3 n = track.across(from);
   const double length = n.norm();
   if (!(length > 0.1)) return {};
@@ -69,17 +72,15 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     const auto step = newton_step(n, d, a.support_derivative(n) + b.support_derivative(-n), track);
     if (!step) return {};
     const double height = n.dot(d);
-    double share = 1;
-    Vec3 next, d_next;
-    for (int k = 0; k <= most_halvings; ++k, share /= 2) {
-      next = track.direction(track.across(n + share * *step).normalized());
-      d_next = b.support(-next) - a.support(next);
-      if (next.dot(d_next) >= height - height_rounding * d.norm()) break;
+    Vec3 next = n;
+    for (int k = 0; k <= most_halvings; ++k) {
+      next = track.direction(track.across(n + std::ldexp(1.0, -k) * *step).normalized());
+      if (step->squaredNorm() < last_step) return next;
+      d = b.support(-next) - a.support(next);
+      if (next.dot(d) >= height - rounding) break;
+      if (k == most_halvings) return n;
     }
-    const double moved = (next - n).squaredNorm();
     n = next;
-    d = d_next;
-    if (moved < 1e-29) break;
   }
   return n;
 }
@@ -128,14 +129,14 @@ Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double ang
       if (const auto crossing = on_both(u, v, n)) best.take(*crossing);
   for (const Kinks* kinks : {&of_a, &of_b})
     for (const Kinks::Circle& circle : kinks->circles)
-      if (const auto on_circle = climb_smooth(a, b, n, {&circle})) best.take(*on_circle);
-  if (const auto smooth = climb_smooth(a, b, n, {})) best.take(*smooth);
+      if (const auto on_circle = climb_smooth(a, b, n, {&circle}, handicap)) best.take(*on_circle);
+  if (const auto smooth = climb_smooth(a, b, n, {}, handicap)) best.take(*smooth);
   return best.peak;
 }
 
 }  // namespace
 
-Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle) {
+Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle, int most_rounds) {
   const double handicap = height_rounding * length_scale(a, b);
   Peak peak{n, core_separation(a, b, n)};
   for (int round = 0; round < most_rounds; ++round) {

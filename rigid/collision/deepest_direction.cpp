@@ -83,11 +83,13 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
   const Vec3 n = between_centres(a, b);
   if (core_separation(a, b, n) > reach) return {};
-  const bool with_ellipsoid = a.is<Ellipsoid>() || b.is<Ellipsoid>();
-  if (with_ellipsoid && !a.is<Polyhedron>() && !b.is<Polyhedron>()) {
-    const Peak peak = climb(a, b, between_ellipsoids(a, b), widest_angle);
-    if (peak.core_gap > reach) return {};
-    if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;
+  if ((a.curved() || b.curved()) && !a.is<Polyhedron>() && !b.is<Polyhedron>()) {
+    Peak peak{a.is<Ellipsoid>() || b.is<Ellipsoid>() ? between_ellipsoids(a, b) : n, 0};
+    for (const int rounds : {1, 12}) {
+      peak = climb(a, b, peak.normal, widest_angle, rounds);
+      if (peak.core_gap > reach) return {};
+      if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;
+    }
   }
   if (const auto apart = gjk_direction(a, b, Vec3::Zero(), n)) return proven_direction(a, b, *apart, reach);
   if (!has_few_edges(a, b)) return proven_direction(a, b, walk_uphill(a, b, n), reach);
