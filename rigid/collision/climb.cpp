@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace silt::rigid {
 
@@ -10,8 +11,9 @@ namespace {
 
 constexpr double height_rounding = 2e-15;  // part of the pair's size: differences of height below it are none
 constexpr double parallel_sine = 1e-8;
-/// Radian, squared: after a step of Newton's method this small the next one is rounding.
-constexpr double last_step = 1e-16;
+/// Radian, squared: after a step of Newton's method this small the next one is rounding; and so it is after
+/// one of the second size that is not much smaller than the one before.
+constexpr double last_step = 1e-22, small_step = 1e-12;
 constexpr int most_steps = 30, most_halvings = 3;
 
 /// Where the search is bound to: all directions, or those on a circle.
@@ -68,14 +70,16 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     return track.direction(
         track.across(within / distance).normalized());  // again: of a small remainder little is left normal
   }
+  double moved = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_steps; ++i) {
     const auto step = newton_step(n, d, a.support_derivative(n) + b.support_derivative(-n), track);
     if (!step) return {};
-    const double height = n.dot(d);
+    const double height = n.dot(d), before = std::exchange(moved, step->squaredNorm());
+    const bool is_last = moved < last_step || (moved < small_step && moved > before / 4);
     Vec3 next = n;
     for (int k = 0; k <= most_halvings; ++k) {
       next = track.direction(track.across(n + std::ldexp(1.0, -k) * *step).normalized());
-      if (step->squaredNorm() < last_step) return next;
+      if (is_last) return next;
       d = b.support(-next) - a.support(next);
       if (next.dot(d) >= height - rounding) break;
       if (k == most_halvings) return n;

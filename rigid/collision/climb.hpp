@@ -14,8 +14,8 @@ struct Peak {
 /// Newton's method on the sphere: with the supports' difference D(n) and K = -dD/dn the step in the tangent
 /// plane T solves (T'KT + n.D) x = T'D. Where n stays where the supporting feature changes (an edge of either
 /// core stays normal to n) the same on that circle; two circles, or a face, leave one direction. All of these
-/// within `angle` (radian) of n are tried and the highest kept, until nothing rises, at most so many times: the
-/// first finds it where no other features come up on the way.
+/// within `angle` (radian) of n are tried and the highest kept, until nothing rises, at most so many times:
+/// the first finds it where no other features come up on the way.
 Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle, int most_rounds = 12);
 
 }  // namespace silt::rigid

@@ -37,8 +37,15 @@ double ConvexCore::touching_ball(const Vec3& x, const Vec3& n) const {
   return visit_core(*shape, [&](const auto& core) { return solid::touching_ball(core, x_B, d); });
 }
 
-double ConvexCore::central_ball() const {
-  return visit_core(*shape, [](const auto& core) { return solid::central_ball(core); });
+bool ConvexCore::is_revolved() const {
+  return visit_core(*shape,
+                    [](const auto& core) { return solid::is_revolved<std::remove_cvref_t<decltype(core)>>; });
+}
+
+InnerBall ConvexCore::inner_ball(const Vec3& x) const {
+  const Vec3 x_B = direction_B(x - centre);
+  const InnerBall ball = visit_core(*shape, [&](const auto& core) { return solid::inner_ball(core, x_B); });
+  return {to_world(ball.centre), ball.radius};
 }
 
 void ConvexCore::touching_outline(const Vec3& n, double slack, ContactOutline& out) const {

@@ -4,6 +4,7 @@
 // of radius 0.
 #include "rigid/collision/rounded_box.hpp"
 #include "rigid/shapes/contact_outline.hpp"
+#include "rigid/shapes/solid.hpp"
 
 namespace silt::rigid {
 
@@ -36,8 +37,10 @@ struct ConvexCore : Placement {
   /// Radius of a ball inside the core that touches its boundary at x, where unit n is an outward normal; 0 at
   /// edges and corners.
   double touching_ball(const Vec3& x, const Vec3& n) const;
-  /// Radius of the ball about a polytope's centre that is inside it.
-  double central_ball() const;
+  /// Whether it looks the same however it is turned about its third axis.
+  bool is_revolved() const;
+  /// A ball inside the core, near x; of radius 0 where none is known.
+  InnerBall inner_ball(const Vec3& x) const;
   /// The points of the core that are furthest along unit n, up to `slack` (lattice units).
   void touching_outline(const Vec3& n, double slack, ContactOutline& out) const;
   /// The face or the line of the core that looks along unit n, at whatever angle: the face of a polytope most

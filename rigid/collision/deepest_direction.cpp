@@ -44,6 +44,9 @@ void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
   const auto take = [&](const Peak& other) {
     if (other.core_gap > found.peak.core_gap) found = meet(a, b, other);
   };
+  // of cores that hardly touch, the points that were to meet tell the direction
+  if (const Vec3 between = found.where.on_b - found.where.on_a; between.dot(found.peak.normal) > 0)
+    take(climb(a, b, between.normalized(), search_resolution));
   take(climb(a, b, found.peak.normal, widest_angle));
   if (const auto apart = gjk_direction(a, b, Vec3::Zero(), found.peak.normal))
     take(climb(a, b, *apart, widest_angle));
@@ -83,7 +86,7 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
   const Vec3 n = between_centres(a, b);
   if (core_separation(a, b, n) > reach) return {};
-  if ((a.curved() || b.curved()) && !a.is<Polyhedron>() && !b.is<Polyhedron>()) {
+  if (a.curved() || b.curved()) {
     Peak peak{a.is<Ellipsoid>() || b.is<Ellipsoid>() ? between_ellipsoids(a, b) : n, 0};
     for (const int rounds : {1, 12}) {
       peak = climb(a, b, peak.normal, widest_angle, rounds);

@@ -7,12 +7,14 @@ namespace silt::rigid {
 
 /// Whether no direction has a larger separation than unit n, along which it is -depth (lattice units, > 0),
 /// the cores meeting at `where`. Sufficient, not necessary: that the difference b - a contains the ball of
-/// radius `depth` about the origin, which follows where it contains
-/// - the ball that touches its boundary at the foot of the normal, of a radius at least as large: the sum of
-///   the cores' own (touching_ball); or
-/// - for edges that cross, the disc of radius f about the foot within the face they span, which covers the
-///   directions up to 2 atan(f / depth) from the normal, and a ball about the difference of the centres that
-///   covers the others.
+/// radius `depth` about the origin, which it does where it reaches as far in every direction m. With p the
+/// foot of the normal and t the part of m across n:
+/// - m within 90 degrees of n: a ball of radius r within a core that touches its boundary at p reaches
+///   r (1 - m.n) further along m than p; a disc of radius r with p on its rim, whose tangent is f, at least
+///   r (t.f)^2 / 2; a line through p along u that goes on for l to both sides l |t.u| >= l (t.u)^2. Those of
+///   the two cores add up, and t^2 >= 1 - m.n. So it is enough that the sum of what they are of the squares
+///   of a unit t is nowhere below the depth.
+/// - m beyond: balls inside of the cores, near where they meet, reach as far.
 bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                     const CommonPoint& where);
 

@@ -54,6 +54,12 @@ void Box::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) 
   }
 }
 
+InnerBall Box::inner_ball(const Vec3& x) const {
+  const double radius = half_edges.minCoeff();
+  const Vec3 free = half_edges - Vec3::Constant(radius);
+  return {x.cwiseMax(-free).cwiseMin(free), radius};
+}
+
 double Box::touching_ball(const Vec3& x, const Vec3& n) const {
   if (half_edges.minCoeff() <= 0) return 0;
   BallUnderPlanes ball(n);

@@ -42,7 +42,7 @@ struct Box {
 
   static constexpr bool is_polytope = true;
   Vec3 half_widths() const { return half_edges; }
-  double central_ball() const { return half_edges.minCoeff(); }
+  InnerBall inner_ball(const Vec3& x) const;
   void kinks(const Placement&, const Vec3& n_B, double angle, Kinks& out) const;
   double touching_ball(const Vec3& x, const Vec3& n) const;
   void touching_outline(const Placement&, const Vec3& n, double slack, ContactOutline& out) const;

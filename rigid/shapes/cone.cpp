@@ -98,6 +98,12 @@ void Cone::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out)
   if (-n_B[2] >= elementary::cos(angle)) out.faces.push_back(-at.axes.col(2));
 }
 
+/// The largest, wherever.
+InnerBall Cone::inner_ball(const Vec3&) const {
+  const double largest = radius * height / (radius + slant());
+  return {{0, 0, base().z + largest}, largest};
+}
+
 /// On the base, up to the side; on the side, up to the axis or the base.
 double Cone::touching_ball(const Vec3& x, const Vec3& n) const {
   constexpr double same = 1e-9;  // radian, of two normals

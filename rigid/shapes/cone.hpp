@@ -26,6 +26,8 @@ struct Cone {
 
   Mat3 support_derivative(const Vec3& n) const;
   void kinks(const Placement&, const Vec3& n_B, double angle, Kinks& out) const;
+  static constexpr bool is_revolved = true;
+  InnerBall inner_ball(const Vec3& x) const;
   double touching_ball(const Vec3& x, const Vec3& n) const;
   void touching_outline(const Placement&, const Vec3& n, double slack, ContactOutline& out) const;
   void facing_outline(const Placement&, const Vec3& n, ContactOutline& out) const;

@@ -62,6 +62,12 @@ void Cylinder::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& 
     out.faces.push_back(std::copysign(1.0, n_B.z()) * at.axes.col(2));
 }
 
+InnerBall Cylinder::inner_ball(const Vec3& x) const {
+  const double ball = std::min(radius, half_length), along = half_length - ball, aside = radius - ball;
+  const double from_axis = elementary::hypot(x[0], x[1]), share = from_axis > aside ? aside / from_axis : 1;
+  return {{share * x[0], share * x[1], std::clamp(x[2], -along, along)}, ball};
+}
+
 namespace {
 
 /// Radius of the ball that touches the plane normal to n at x from below and stays inside an infinite

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "rigid/shapes/box.hpp"
+#include "rigid/shapes/solid.hpp"
 
 namespace silt::rigid::solid {
 
@@ -107,13 +108,20 @@ double touching_ball(const S& s, const Vec3& x, const Vec3& n) {
     return 0;
 }
 
-/// Radius of the ball about the origin of a polytope that is inside it.
+/// Whether it looks the same however it is turned about its third axis.
 template <class S>
-double central_ball(const S& s) {
-  if constexpr (requires { s.central_ball(); })
-    return s.central_ball();
+constexpr bool is_revolved = requires {
+  S::is_revolved;
+};
+
+/// A ball inside, near x, as large as it goes: radius 0 is always right, and costs the proof of a depth of
+/// overlap.
+template <class S>
+InnerBall inner_ball(const S& s, const Vec3& x) {
+  if constexpr (requires { s.inner_ball(x); })
+    return s.inner_ball(x);
   else
-    return 0;
+    return {Vec3::Zero(), 0};
 }
 
 /// How many codes its outlines use.

@@ -33,6 +33,7 @@ struct Ellipsoid {
   std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
   Vec3 half_widths() const { return half_axes; }
   Mat3 support_derivative(const Vec3& n) const;
+  InnerBall inner_ball(const Vec3&) const { return {Vec3::Zero(), half_axes.minCoeff()}; }
   /// (Least half axis)^2 / (width along n), less than the largest there is: with |m| the norm sqrt(m.Am) and
   /// a the least half axis, |m||n| - m.An is half the square of a vector's norm, which is at least a^2 (1 -
   /// m.n).

@@ -123,10 +123,11 @@ Vec3 Polyhedron::half_widths() const {
   return half;
 }
 
-double Polyhedron::central_ball() const {
+/// About the centre, wherever.
+InnerBall Polyhedron::inner_ball(const Vec3&) const {
   double radius = half_widths().maxCoeff();
   for (const auto& face : mesh->faces) radius = std::min(radius, face.offset);
-  return radius;
+  return {Vec3::Zero(), radius};
 }
 
 void Polyhedron::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {

@@ -23,7 +23,7 @@ struct Polyhedron {
 
   static constexpr bool is_polytope = true;
   Vec3 half_widths() const;
-  double central_ball() const;
+  InnerBall inner_ball(const Vec3&) const;
   Polyhedron recentred(const Vec3& centre) const { return {shifted(*mesh, -centre)}; }
   /// Codes are those of the vertices, then the edges, then the faces; from 1.
   std::size_t codes() const { return 1 + mesh->vertices.size() + mesh->edges.size() + mesh->faces.size(); }

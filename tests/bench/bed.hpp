@@ -56,11 +56,11 @@ inline Bed loose_spheres(int count, int across, double spare, double spread) {
   return bed;
 }
 
-/// `count` boxes of 1 x 0.9 x 0.8 m, tilted by up to 0.15 radian.
-inline Bed loose_boxes(int count, int across) {
-  constexpr double spacing = 1.2, largest_tilt = 0.15;
+/// `count` bodies of one shape some 1 m across, tilted by up to `largest_tilt` (radian).
+inline Bed loose_bodies(const rigid::Shape& shape, int count, int across, double largest_tilt) {
+  constexpr double spacing = 1.2;
   Bed bed;
-  bed.shapes.push_back(rigid::Box{{0.5, 0.45, 0.4}});
+  bed.shapes.push_back(shape);
   std::mt19937_64 random(2);
   for (int n = 0; n < count; ++n) {
     const int layer = n / (across * across);
@@ -71,6 +71,16 @@ inline Bed loose_boxes(int count, int across) {
   const double edge = (across + 1) * spacing;
   bed.size = {edge, edge, 100};
   return bed;
+}
+
+/// `count` boxes of 1 x 0.9 x 0.8 m.
+inline Bed loose_boxes(int count, int across) {
+  return loose_bodies(rigid::Box{{0.5, 0.45, 0.4}}, count, across, 0.15);
+}
+
+/// `count` cylinders of 0.8 m, as long as wide, lying any way.
+inline Bed loose_cylinders(int count, int across) {
+  return loose_bodies(rigid::Cylinder{0.4, 0.4}, count, across, 3);
 }
 
 }  // namespace silt::bench

@@ -18,6 +18,9 @@ btVector3 to_bullet(const rigid::Vec3& v) {
 std::unique_ptr<btCollisionShape> bullet_shape(const rigid::Shape& shape) {
   if (const auto* sphere = std::get_if<rigid::Sphere>(&shape))
     return std::make_unique<btSphereShape>(sphere->radius);
+  if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape))
+    return std::make_unique<btCylinderShapeZ>(
+        btVector3(cylinder->radius, cylinder->radius, cylinder->half_length));
   return std::make_unique<btBoxShape>(to_bullet(std::get<rigid::Box>(shape).half_edges));
 }
 
