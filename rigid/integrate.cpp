@@ -15,6 +15,12 @@ Mat3 cross_matrix(const Vec3& a) {
   return m;
 }
 
+/// Of matrix x = right, by Cramer's rule.
+Vec3 solution(const Mat3& matrix, const Vec3& right) {
+  const Vec3 a = matrix.col(0), b = matrix.col(1), c = matrix.col(2), b_c = b.cross(c);
+  return Vec3(right.dot(b_c), a.dot(right.cross(c)), a.dot(b.cross(right))) / a.dot(b_c);
+}
+
 /// A quaternion that is off unit length by rounding, brought back without a root.
 Quat renormalised(const Quat& q) {
   return Quat((1.5 - 0.5 * q.squaredNorm()) * q.coeffs());
@@ -30,11 +36,15 @@ Vec3 midpoint_angular_velocity(const Mat3& inverse, const Vec3& start, double h)
     const Vec3 residual = end - start - h * mean.cross(omega);
     if (residual.norm() <= round_off * length && i > 0) break;
     const Mat3 slope = Mat3::Identity() - 0.5 * h * (cross_matrix(mean) * inverse - cross_matrix(omega));
-    end -= slope.inverse() * residual;
+    end -= solution(slope, residual);
     mean = 0.5 * (start + end);
     omega = inverse * mean;
   }
   return omega;
+}
+
+Quat rotated_freely(const Quat& q, const Mat3& inverse_inertia_B, const Vec3& momentum_B, double h) {
+  return renormalised(q * cayley(h * midpoint_angular_velocity(inverse_inertia_B, momentum_B, h)));
 }
 
 void drift_free(BodySet& b, std::size_t row, double h) {
@@ -49,16 +59,16 @@ void drift_free(BodySet& b, std::size_t row, double h) {
     b.orientation[row] = renormalised(cayley(h * b.angular_velocity[row]) * b.orientation[row]);
     return;
   }
-  b.orientation[row] = free_rotation(b.orientation[row], b.inertia_B[row], momentum, h);
-  b.angular_velocity[row] = b.inverse_inertia_W(row) * momentum;
+  const Mat3 inverse = b.inertia_B[row].inverse();
+  Quat& q = b.orientation[row];
+  q = rotated_freely(q, inverse, q.conjugate() * momentum, h);
+  b.angular_velocity[row] = q * Vec3(inverse * (q.conjugate() * momentum));
 }
 
 }  // namespace
 
 Quat free_rotation(const Quat& q, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h) {
-  const Vec3 momentum_B = q.conjugate() * angular_momentum_W;
-  const Vec3 omega_B = midpoint_angular_velocity(inertia_B.inverse(), momentum_B, h);
-  return renormalised(q * cayley(h * omega_B));
+  return rotated_freely(q, inertia_B.inverse(), q.conjugate() * angular_momentum_W, h);
 }
 
 Quat rotation_by(const Vec3& angle) {
