@@ -191,6 +191,31 @@ void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius,
   }
 }
 
+/// The rows of a frame, but for the outer two at either end, that may meet a part of a body: those of the box
+/// about it.
+struct RowsOf {
+  static constexpr double rounding = 1e-6;  // cells
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  int y0 = 2, y1, z0 = 2, z1;
+
+  RowsOf(const BitFrame& frame, const PointInFrame& body, const SurfacePart<double>& part)
+      : y1(frame.size.y - 2), z1(frame.size.z - 2) {
+    if (part.kind == PartKind::hollow || !(part.extent[0] < infinity)) return;
+    const auto bound = [&](int d, double from, double low, int& first, int& end) {
+      double middle = from - (low + 0.5), half = rounding;
+      for (int k = 0; k < 3; ++k) {  // the axes of an ellipsoid are no unit vectors
+        const double* const axis = part.axes[k];
+        const double along = axis[d] / (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+        middle += along * part.centre[k], half += std::abs(along) * part.extent[k];
+      }
+      first = std::max(first, int(std::ceil(std::max(middle - half, 0.0))));
+      end = std::min(end, int(std::floor(std::min(middle + half, double(end)))) + 1);
+    };
+    bound(1, body.y, body.low.y, y0, y1);
+    bound(2, body.z, body.low.z, z0, z1);
+  }
+};
+
 /// The same for a part of any kind, a row a lane; round about a hollow, the cells outside of it.
 template <PartKind kind>
 void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
@@ -202,12 +227,13 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfaceP
   const double x = centre.x - 0.5;
   V lane;
   for (int l = 0; l < lanes; ++l) lane[l] = l;
-  for (int z = 2; z < frame.size.z - 2; ++z) {
+  const RowsOf rows(frame, centre, part);
+  for (int z = rows.z0; z < rows.z1; ++z) {
     const V rz = V{} + ((centre.low.z + z + 0.5) - centre.z);
-    for (int y = 2; y < frame.size.y - 2; y += lanes) {
+    for (int y = rows.y0; y < rows.y1; y += lanes) {
       const V ry = ((centre.low.y + y + 0.5) + lane) - centre.y;
       const auto in = Lines(part, {V{}, ry, rz}, {V{} + 1.0, V{}, V{}}).inside(part, planes);
-      for (int l = 0; l < std::min(lanes, frame.size.y - 2 - y); ++l) {
+      for (int l = 0; l < std::min(lanes, rows.y1 - y); ++l) {
         const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
         const double enter = x + in.enter[l], leave = x + in.leave[l];
         if constexpr (kind == PartKind::hollow) {

@@ -215,26 +215,25 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
 /// Of the masks that are what they were, those around which others changed cells are not kept: within a
 /// link's reach behind the cells next to them, and the windows reach two cells beyond them.
 void MapBodies::find_kept(BlockMap& block) {
-  const Int3 low{-ghosts, -ghosts, -ghosts}, high = block.box.size + Int3{ghosts, ghosts, ghosts};
-  const int rows = high.y - low.y, words = block.solid.words();
-  const auto row = [&](int y, int z) { return std::size_t(z - low.z) * rows + (y - low.y); };
-  changed_rows_.assign(row(low.y, high.z), 0);
-  for (int z = low.z; z < high.z; ++z)
-    for (int y = low.y; y < high.y; ++y)
-      changed_rows_[row(y, z)] =
-          !std::equal(block.solid.at(y, z), block.solid.at(y, z) + words, block.before.at(y, z));
+  const Int3 size = block.box.size;
+  const int words = block.solid.words();
+  block.changed_rows.clear();
+  for (int z = -ghosts; z < size.z + ghosts; ++z)
+    for (int y = -ghosts; y < size.y + ghosts; ++y)
+      block.changed_rows.push_back(
+          !std::equal(block.solid.at(y, z), block.solid.at(y, z) + words, block.before.at(y, z)));
   for (BodyMask& mask : block.masks) mask.kept = mask.kept && !changed_around(block, mask);
 }
 
 bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
   const Int3 low{-ghosts, -ghosts, -ghosts}, high = block.box.size + Int3{ghosts, ghosts, ghosts};
-  const int rows = high.y - low.y, beyond = link_reach_ - 1;
+  const int beyond = link_reach_ - 1;
   const BitFrame& f = mask.frame();
   const Int3 first = f.low - Int3{beyond, beyond, beyond};
   const Int3 end = f.low + f.size + Int3{beyond, beyond, beyond};
   for (int z = std::max(first.z, low.z); z < std::min(end.z, high.z); ++z)
     for (int y = std::max(first.y, low.y); y < std::min(end.y, high.y); ++y) {
-      if (!changed_rows_[std::size_t(z - low.z) * rows + (y - low.y)]) continue;
+      if (!block.row_changed(y, z)) continue;
       for (int k = 0; k < block.solid.words(); ++k) {
         const int x = 64 * k - ghosts;
         const std::uint64_t changed =

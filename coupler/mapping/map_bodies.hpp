@@ -52,7 +52,6 @@ class MapBodies {
   std::vector<Image> found_;      // in the block at work
   SurfaceParts<double> surface_;  // of the body at work
   PlacedMeshes meshes_;
-  std::vector<std::uint8_t> changed_rows_;
 };
 
 }  // namespace silt::coupler

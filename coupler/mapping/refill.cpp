@@ -25,13 +25,15 @@ void for_new_bits(const CellBits& before, const CellBits& after, F&& f) {
       }
 }
 
-/// Calls f(cell, mask) for every cell inside the block that a mask has and `other` has not.
+/// Calls f(cell) for every cell inside the block that a mask has and `other`, the block's solid cells or
+/// those before, has not.
 template <class F>
-void for_cells_lost(const BodyMask& mask, const CellBits& other, F&& f) {
+void for_cells_lost(const BlockMap& map, const BodyMask& mask, const CellBits& other, F&& f) {
   const Int3 size = other.size();
   const BitFrame& w = mask.frame();
   for (int z = std::max(w.low.z + 2, 0); z < std::min(w.low.z + w.size.z - 2, size.z); ++z)
-    for (int y = std::max(w.low.y + 2, 0); y < std::min(w.low.y + w.size.y - 2, size.y); ++y)
+    for (int y = std::max(w.low.y + 2, 0); y < std::min(w.low.y + w.size.y - 2, size.y); ++y) {
+      if (!map.row_changed(y, z)) continue;
       for (int x = 0; x < w.pitch; x += 64) {
         std::uint64_t lost = mask.bits.row(x, y, z);
         if (lost) lost &= ~other.from(w.low.x + x, y, z);
@@ -40,6 +42,7 @@ void for_cells_lost(const BodyMask& mask, const CellBits& other, F&& f) {
           if (at >= 0 && at < size.x) f(Int3{at, y, z});
         }
       }
+    }
 }
 
 using MomentsKey = std::tuple<std::int64_t, int>;  // uncovered global cell, direction to the neighbour
@@ -182,13 +185,13 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
       if (mask.kept)
         kept[mask.before] = 1;
       else
-        for_cells_lost(mask, map.before, [&](Int3 x) { cells.covered.push_back({b, x, &mask}); });
+        for_cells_lost(map, mask, map.before, [&](Int3 x) { cells.covered.push_back({b, x, &mask}); });
     }
     for (std::size_t k = 0; k < kept.size(); ++k) {
       const BodyMask& mask = map.masks_before[k];
       prefetch_bits(map.masks_before, k);
       if (!kept[k])
-        for_cells_lost(mask, map.solid, [&](Int3 x) { cells.uncovered.push_back({b, x, &mask}); });
+        for_cells_lost(map, mask, map.solid, [&](Int3 x) { cells.uncovered.push_back({b, x, &mask}); });
     }
   }
   return cells;

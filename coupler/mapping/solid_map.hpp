@@ -49,7 +49,13 @@ struct BlockMap {
   CellBits walls, solid, before;              // ghosts beyond walls; walls and bodies; the same a step ago
   std::vector<BodyMask> masks, masks_before;  // by (id, shift)
   bool changed = false;                       // in the last mapping
+  std::vector<std::uint8_t> changed_rows;     // in the last mapping that changed the block; see row_changed
 
+  /// Whether a cell of the row, which may be one of ghost cells, has changed sides.
+  bool row_changed(int y, int z) const {
+    constexpr int ghosts = CellBits::ghosts;
+    return changed_rows[std::size_t(z + ghosts) * (box.size.y + 2 * ghosts) + (y + ghosts)];
+  }
   bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
   /// Of the cells inside the block.
   bool has_fluid() const {
