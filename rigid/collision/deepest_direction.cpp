@@ -75,6 +75,14 @@ Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
   return ((form(a) + form(b)).inverse() * between_centres(a, b)).normalized();
 }
 
+/// Of polyhedra with more corners GJK finds the direction sooner than climb(), which tries many of their
+/// faces.
+bool has_few_corners(const ConvexCore& core) {
+  constexpr std::size_t most = 48;
+  const auto* const polyhedron = std::get_if<Polyhedron>(core.shape);
+  return !polyhedron || polyhedron->mesh->vertices.size() <= most;
+}
+
 }  // namespace
 
 Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
@@ -86,7 +94,7 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {
   const Vec3 n = between_centres(a, b);
   if (core_separation(a, b, n) > reach) return {};
-  if (a.curved() || b.curved()) {
+  if ((a.curved() || b.curved()) && has_few_corners(a) && has_few_corners(b)) {
     Peak peak{a.is<Ellipsoid>() || b.is<Ellipsoid>() ? between_ellipsoids(a, b) : n, 0};
     for (const int rounds : {1, 12}) {
       peak = climb(a, b, peak.normal, widest_angle, rounds);

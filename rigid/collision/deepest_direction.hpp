@@ -13,12 +13,12 @@ struct Approach {
   CommonPoint where;
 };
 
-/// Nothing where the cores are found to be more than `reach` (lattice units) apart. With a curved core climb()
-/// is tried at once, from the direction between the centres or, with an ellipsoid, from the normal to the
-/// plane that would part two ellipsoids of these widths; else, and where that has no proof, GJK for cores that
-/// are apart, and walk_uphill() for those that overlap, both from the direction between the centres, lead to
-/// where proven_direction() starts. Polytopes that overlap have their least depth by least_depth(), if they
-/// have few edges.
+/// Nothing where the cores are found to be more than `reach` (lattice units) apart. With a curved core, and
+/// no polyhedron of many corners, climb() is tried at once, from the direction between the centres or, with
+/// an ellipsoid, from the normal to the plane that would part two ellipsoids of these widths; else, and where
+/// that has no proof, GJK for cores that are apart, and walk_uphill() for those that overlap, both from the
+/// direction between the centres, lead to where proven_direction() starts. Polytopes that overlap have their
+/// least depth by least_depth(), if they have few edges.
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach);
 
 /// The same from unit n. climb() from there; where both cores have a point on the normal that it found, the
