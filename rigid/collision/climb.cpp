@@ -14,7 +14,8 @@ constexpr double parallel_sine = 1e-8;
 /// Radian, squared: after a step of Newton's method this small the next one is rounding; and so it is after
 /// one of the second size that is not much smaller than the one before.
 constexpr double last_step = 1e-22, small_step = 1e-12;
-constexpr int most_steps = 30, most_halvings = 3;
+constexpr int most_steps = 30;
+constexpr double least_share = 0.125;  // of a step that would lead downhill
 
 /// Where the search is bound to: all directions, or those on a circle.
 struct Track {
@@ -76,13 +77,16 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     if (!step) return {};
     const double height = n.dot(d), before = std::exchange(moved, step->squaredNorm());
     const bool is_last = moved < last_step || (moved < small_step && moved > before / 4);
-    Vec3 next = n;
-    for (int k = 0; k <= most_halvings; ++k) {
-      next = track.direction(track.across(n + std::ldexp(1.0, -k) * *step).normalized());
-      if (is_last) return next;
+    const auto after = [&](double share) -> Vec3 {
+      return track.direction(track.across(n + share * *step).normalized());
+    };
+    if (is_last) return after(1);
+    Vec3 next;
+    for (double share = 1;; share /= 2) {
+      if (share < least_share) return n;
+      next = after(share);
       d = b.support(-next) - a.support(next);
       if (next.dot(d) >= height - rounding) break;
-      if (k == most_halvings) return n;
     }
     n = next;
   }

@@ -96,7 +96,7 @@ std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore&
   if (core_separation(a, b, n) > reach) return {};
   if ((a.curved() || b.curved()) && has_few_corners(a) && has_few_corners(b)) {
     Peak peak{a.is<Ellipsoid>() || b.is<Ellipsoid>() ? between_ellipsoids(a, b) : n, 0};
-    for (const int rounds : {1, 12}) {
+    for (const int rounds : {1, climb_rounds}) {
       peak = climb(a, b, peak.normal, widest_angle, rounds);
       if (peak.core_gap > reach) return {};
       if (const Approach found = meet(a, b, peak); is_best(a, b, found)) return found;

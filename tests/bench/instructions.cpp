@@ -1,11 +1,16 @@
-// Instructions a cell of the dense kernel and a link of a coupled step take (256-bit build): what a change
-// costs, without a clock. tests/bench/instructions.py compares them with those on record.
+// Instructions a cell of the dense kernel, a link of a coupled step and a pair of cylinders take (256-bit
+// build): what a change costs, without a clock. tests/bench/instructions.py compares them with those on
+// record.
 //   scripts/bench instructions [--json FILE]
+#include <algorithm>
 #include <cstdio>
+#include <random>
 #include <string>
 
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
+#include "rigid/collision/analytic_backend.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
 #include "tests/bench/layers.hpp"
@@ -43,7 +48,47 @@ constexpr std::pair<const char*, const char*> couplings[] = {{"bounce-back", "ex
                                                              {"parabolic", "implicit"},
                                                              {"multireflection", "implicit"}};
 
+/// Cylinders turned anyhow, 1e-3 of a cell apart.
+struct NearPair {
+  rigid::Pose a, b;
+};
+constexpr int near_pairs = 64;
+const rigid::ConvexShape cylinder = rigid::Cylinder{3, 4};
+
+std::vector<NearPair> make_near_pairs() {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  const auto turn = [&] {
+    return rigid::Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+  };
+  rigid::AnalyticBackend backend;
+  std::vector<NearPair> pairs;
+  while (pairs.size() < near_pairs) {
+    NearPair p{{rigid::Vec3::Zero(), turn()}, {12 * (turn() * rigid::Vec3::UnitZ()), turn()}};
+    std::vector<rigid::ContactPoint> points;
+    backend.collide(cylinder, p.a, cylinder, p.b, 12, points);
+    const auto nearest = std::min_element(points.begin(), points.end(),
+                                          [](const auto& x, const auto& y) { return x.gap < y.gap; });
+    p.b.position -= (nearest->gap - 1e-3) * nearest->normal;
+    pairs.push_back(p);
+  }
+  return pairs;
+}
+
+void count_pairs() {
+  const std::vector<NearPair> pairs = make_near_pairs();
+  rigid::AnalyticBackend backend;
+  std::vector<rigid::ContactPoint> points;
+  count_piece("pairs.cylinders", [&] {
+    for (const NearPair& p : pairs) {
+      points.clear();
+      backend.collide(cylinder, p.a, cylinder, p.b, 0.1, points);
+    }
+  });
+}
+
 void pieces() {
+  count_pairs();
   count_kernel<float>("cell.single", {});
   count_kernel<float>("cell.single.force", {1e-6, 0, 0});
   count_kernel<double>("cell.double", {});
@@ -64,6 +109,7 @@ void run(const Options& o) {
   };
   for (const std::string name : {"cell.single", "cell.single.force", "cell.double"})
     add(name, counts.at(name) / (kernel_steps * cells));
+  add("pair.cylinders", counts.at("pairs.cylinders") / near_pairs);
   for (const auto& [scheme, time] : couplings) {
     coupler::Simulation s = scene(scheme, time);
     const std::string key = std::string(scheme) + "." + time;
