@@ -74,7 +74,7 @@ class FlowOf final : public Flow {
   }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
-    renew_mapping_poses(bodies, world_, coupling_.remap_tolerance, fluid_.passes());
+    renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);

@@ -73,14 +73,17 @@ struct SurfaceFrame {
   bool whole;    // all links of the surface are inner groups of this block
 };
 
-/// The links of one surface in one block. A structure of arrays: 4 + sizeof(T) bytes a link.
+/// The links of one surface in one block. A structure of arrays: 4 + sizeof(T) bytes a link, of a surface
+/// that moves 4 + 2 sizeof(T).
 template <class T>
 struct CutLinks {
   WallFluid<T> fluid;  // that the links stand in
   SurfaceFrame frame;
   std::vector<LinkGroup> groups;
-  std::vector<std::uint32_t> place;  // of whole groups, padded
-  std::vector<T> q;
+  std::vector<std::uint32_t> place;       // of whole groups, padded
+  std::vector<T> q;                       // at a time that `age` counts from
+  std::vector<T> rate;                    // of q, a step; empty: of none
+  T age = 0;                              // steps since then; may be negative
   std::vector<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
   /// Of the links of groups `across`, padded as they are: which of the block's PairsAcross has their pair.
   std::vector<std::uint32_t> across;
@@ -91,6 +94,8 @@ struct CutLinks {
     for (std::uint32_t l = 0; l < g.count; l += line) {
       prefetch_to_read(place.data() + g.begin + l);
       prefetch_to_read(reinterpret_cast<const char*>(q.data() + g.begin) + l * sizeof(T));
+      if (!rate.empty())
+        prefetch_to_read(reinterpret_cast<const char*>(rate.data() + g.begin) + l * sizeof(T));
     }
   }
 };

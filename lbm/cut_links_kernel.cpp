@@ -148,7 +148,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
-  const T* const distance = links.q.data() + group.begin;
+  const WallDistances<T> distance(links, group);
   const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
   GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame, motion)));
@@ -156,7 +156,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
   for (; l < count; l += L::count) {
     const LinkRows<T> rows = fetch.at(l);
     const Places<T> at(place + l, origin);
-    const auto q = L::template load<typename L::Real>(distance + l);
+    const auto q = distance.at(l);
     const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
     OppositeWall<typename L::Real> opposite;
     if constexpr (scheme == WallScheme::single_cell_gap) {
@@ -185,7 +185,7 @@ void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSu
   const Motion<T> u(increment);
   const PlaceOrigin<T> origin(block, group.corner, frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
-  const T* const distance = links.q.data() + group.begin;
+  const WallDistances<T> distance(links, group);
   const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
   FixedSum<T> mass;
@@ -193,7 +193,7 @@ void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSu
   for (; l < count; l += L::count) {
     const LinkRows<T> rows = fetch.at(l);
     const Places<T> at(place + l, origin);
-    const V q = L::template load<V>(distance + l);
+    const V q = distance.at(l);
     const V cu = at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
     const std::int32_t* const slot = rows[back_row];
     const V before = L::gather(data, slot);

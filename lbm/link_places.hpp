@@ -32,6 +32,26 @@ struct PlaceOrigin {
   }
 };
 
+/// The wall distances of a group in the step under way.
+template <class T>
+class WallDistances {
+ public:
+  using V = typename Lanes<T>::Real;
+  WallDistances(const CutLinks<T>& links, const LinkGroup& group)
+      : q_(links.q.data() + group.begin),
+        rate_(links.rate.empty() ? nullptr : links.rate.data() + group.begin),
+        age_(links.age) {}
+  /// Of the vector of links from l on.
+  V at(int l) const {
+    const V q = Lanes<T>::template load<V>(q_ + l);
+    return rate_ ? q + age_ * Lanes<T>::template load<V>(rate_ + l) : q;
+  }
+
+ private:
+  const T *q_, *rate_;
+  T age_;
+};
+
 template <class T>
 struct Places {
   using L = Lanes<T>;

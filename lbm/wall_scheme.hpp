@@ -59,6 +59,11 @@ constexpr bool reads_behind(WallScheme scheme) {
 constexpr bool reads_behind(WallScheme scheme, double q) {
   return scheme == WallScheme::bouzidi ? q < 0.5 : reads_behind(scheme);
 }
+/// Whether links of the scheme may be given other distances than those they were built with: the others take
+/// none, or read by it.
+constexpr bool follows_distance(WallScheme scheme) {
+  return scheme != WallScheme::bounce_back && scheme != WallScheme::bouzidi;
+}
 /// Whether links of a single-cell gap are told of the surface on its other side (README.md, equation 16).
 constexpr bool knows_opposite_wall(WallScheme scheme) {
   return scheme == WallScheme::parabolic || scheme == WallScheme::multireflection;

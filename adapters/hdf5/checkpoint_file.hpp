@@ -26,7 +26,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 12;
+inline constexpr std::int64_t checkpoint_format_version = 13;
 
 /// A member of what the caller keeps in rigid::HolderState: the name of its dataset in /bodies, its offset in
 /// bytes, and how many numbers of which type it is.

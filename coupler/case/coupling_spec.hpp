@@ -25,9 +25,9 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool mass_correction = true;
-  /// Cells a surface may move before its cells and wall distances are renewed. At most 1/2: holders of a body
-  /// that is further behind might not know of it (exchange/holders.hpp).
-  double remap_tolerance = 0.015;
+  /// How far, in cells, a surface may be from where its cells were found; mapping/mapping_poses.hpp. At most
+  /// 0.4: holders of a body that is more than 1/2 from there might not know of it (exchange/holders.hpp).
+  double remap_tolerance = 0.1;
   bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
   double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };

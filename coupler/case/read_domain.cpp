@@ -231,7 +231,7 @@ void read_coupling(TableReader& root, Case& scene) {
   c.refill = table.choice("refill", refill_names).value_or(c.refill);
   c.force = table.choice("force", force_form_names).value_or(c.force);
   c.mass_correction = table.boolean("mass_correction").value_or(c.mass_correction);
-  c.remap_tolerance = table.number("remap_tolerance", range::between(0, 0.5)).value_or(c.remap_tolerance);
+  c.remap_tolerance = table.number("remap_tolerance", range::between(0, 0.4)).value_or(c.remap_tolerance);
   c.lubrication = table.boolean("lubrication").value_or(c.lubrication);
   c.lubrication_min_gap =
       table.quantity("lubrication_min_gap", dimension::length, range::above(0)).value_or(0);

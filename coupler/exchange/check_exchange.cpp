@@ -64,6 +64,8 @@ void add_shared(Hash& h, const rigid::BodyRecord& r) {
   const CouplingState& more = r.holder_state.as<CouplingState>();
   h.add(more.mapping_position);
   h.add(more.mapping_orientation);
+  h.add(more.mapping_velocity);
+  for (const std::int64_t step : more.mapping_steps) h.add(static_cast<std::uint64_t>(step));
   h.add(more.foreseen_change);
 }
 

@@ -2,14 +2,16 @@
 // What the coupler keeps with every body, in the bytes that rigid::BodySet carries along: it travels from
 // rank to rank and into checkpoints with the body.
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::coupler {
 
-/// Lattice units, world frame. Copies on other ranks have the mapping pose and the foreseen change of their
+/// Lattice units, world frame. Copies on other ranks have the mapped motion and the foreseen change of their
 /// owner; the rest is the owner's alone.
 struct CouplingState {
-  // the pose at which the fluid sees the body; orientation w, x, y, z
-  double mapping_position[3], mapping_orientation[4];
+  // MappedMotion: pose, orientation w, x, y, z; velocity and angular velocity; steps
+  double mapping_position[3], mapping_orientation[4], mapping_velocity[6];
+  std::int64_t mapping_steps[2];
   // impulse and angular impulse about the centre of mass that the fluid has still to give the body, in quanta
   // of lbm::link_quantum
   std::int64_t impulse_debt[6];
@@ -35,17 +37,51 @@ inline const CouplingState& coupling_state(const rigid::BodySet& bodies, std::si
   return bodies.holder_state[row].as<CouplingState>();
 }
 
+/// How the fluid sees a body in the steps [first, end) for which it was mapped: its cells at the pose in the
+/// middle of them, its wall distances as if it moved past that pose with these velocities.
+struct MappedMotion {
+  rigid::Pose pose;
+  rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+  std::int64_t first = 0, end = 0;
+
+  double middle() const { return 0.5 * static_cast<double>(first + end - 1); }
+  bool is_at_rest() const { return velocity.isZero(0) && angular_velocity.isZero(0); }
+  /// So many steps from the middle.
+  rigid::Pose pose_after(double steps) const {
+    if (is_at_rest()) return pose;
+    return {pose.position + steps * velocity, rigid::cayley(steps * angular_velocity) * pose.orientation};
+  }
+};
+
 inline rigid::Pose mapping_pose(const rigid::BodySet& bodies, std::size_t row) {
   const CouplingState& s = coupling_state(bodies, row);
   const double *x = s.mapping_position, *q = s.mapping_orientation;
   return {{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}};
 }
 
-inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigid::Pose& pose) {
+inline MappedMotion mapped_motion(const rigid::BodySet& bodies, std::size_t row) {
+  const CouplingState& s = coupling_state(bodies, row);
+  const double* v = s.mapping_velocity;
+  return {mapping_pose(bodies, row),
+          {v[0], v[1], v[2]},
+          {v[3], v[4], v[5]},
+          s.mapping_steps[0],
+          s.mapping_steps[1]};
+}
+
+inline void set_mapped_motion(rigid::BodySet& bodies, std::size_t row, const MappedMotion& mapped) {
   CouplingState& s = coupling_state(bodies, row);
-  const rigid::Quat& q = pose.orientation;
-  Eigen::Map<rigid::Vec3>{s.mapping_position} = pose.position;
+  const rigid::Quat& q = mapped.pose.orientation;
+  Eigen::Map<rigid::Vec3>{s.mapping_position} = mapped.pose.position;
   Eigen::Map<Eigen::Vector4d>{s.mapping_orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  Eigen::Map<rigid::Vec3>{s.mapping_velocity} = mapped.velocity;
+  Eigen::Map<rigid::Vec3>{s.mapping_velocity + 3} = mapped.angular_velocity;
+  s.mapping_steps[0] = mapped.first, s.mapping_steps[1] = mapped.end;
+}
+
+/// The fluid sees the body there, at rest, until that is said anew.
+inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigid::Pose& pose) {
+  set_mapped_motion(bodies, row, {pose});
 }
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;

@@ -75,6 +75,8 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       SurfaceLinks<T>& surface = links[b].surfaces[k];
       surface.row = masks[k].row, surface.sums = {}, surface.finished = false;
       surface.left = std::uint32_t(surface.links.groups.size());
+      if (!surface.links.rate.empty())
+        surface.links.age = T(double(fluid.passes()) - mapped_motion(bodies, surface.row).middle());
       const Vec6 foreseen = implicit_ ? Vec6(foreseen_change(bodies, surface.row)) : Vec6(Vec6::Zero());
       set_motion(surface.motion, bodies.velocity[surface.row] + foreseen.head<3>(),
                  bodies.angular_velocity[surface.row] + foreseen.tail<3>());

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/crossing_links.hpp"
+#include "coupler/mapping/distance_rates.hpp"
 #include "coupler/mapping/surface_parts.hpp"
 #include "coupler/mapping/window_rows.hpp"
 #include "lbm/pass_order.hpp"
@@ -53,12 +55,14 @@ class LinkWriter {
   }
 
   /// The links' frame is set already.
-  void body(const BodyMask& mask, const rigid::Shape& shape, lbm::CutLinks<T>& links) {
+  void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped,
+            lbm::CutLinks<T>& links) {
     mask_ = &mask, links_ = &links;
     links.groups.clear(), links.across.clear(), used_ = 0;
     if (mask.any) write(shape);
     links.place.assign(place_.begin(), place_.begin() + used_);
     links.q.assign(q_.begin(), q_.begin() + used_);
+    set_distance_rates(links, shape, mapped, surface_);
   }
 
  private:
@@ -282,9 +286,9 @@ class LinkWriter {
     else if (is_mesh_)
       mesh_.set(corner, place, n, q);
     else if (is_tube_)
-      distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), q);
+      distance_kernel<double, T>()(place, padded, links_->frame, corner, tube_.view(), 0.0, q);
     else
-      distance_kernel<T, T>()(place, padded, links_->frame, corner, surface_.view(), q);
+      distance_kernel<T, T>()(place, padded, links_->frame, corner, surface_.view(), T(0), q);
   }
 
   const BlockMap& map_;
@@ -343,7 +347,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
-    writer.body(mask, world.shapes[shape], links);
+    writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row), links);
     if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row))
       surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
   }

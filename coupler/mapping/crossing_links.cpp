@@ -49,7 +49,7 @@ void CrossingLinks<T>::measure(Ends& ends, Int3 corner, const lbm::SurfaceFrame&
   const std::size_t n = ends.place.size(), filled = lbm::padded(std::uint32_t(n));
   if (n == 0) return ends.q.clear();
   ends.place.resize(filled, ends.place.back()), ends.q.resize(filled);
-  distance_kernel<T, T>()(ends.place.data(), int(filled), frame, corner, surface, ends.q.data());
+  distance_kernel<T, T>()(ends.place.data(), int(filled), frame, corner, surface, T(0), ends.q.data());
   ends.place.resize(n), ends.q.resize(n);
 }
 

@@ -27,6 +27,12 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   return bits;
 }
 
+/// Whether the fluid still sees the body as when the mask was made.
+bool is_as_mapped(const rigid::BodySet& bodies, std::size_t row, const BodyMask& mask) {
+  const MappedMotion now = mapped_motion(bodies, row);
+  return now.pose == mask.pose && now.first == mask.mapped;
+}
+
 /// Gives the mask those of its cells that no one has yet.
 void take_cells(CellBits& solid, BodyMask& mask) {
   const BitFrame& f = mask.inside.frame();
@@ -163,7 +169,7 @@ bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bod
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const BodyMask& mask = block.masks[k];
     if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
-        mapping_pose(bodies, found_[k].row) != mask.pose)
+        !is_as_mapped(bodies, found_[k].row, mask))
       return false;
   }
   return true;
@@ -188,13 +194,14 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     BodyMask& mask = block.masks[k];
     mask.id = image.id, mask.row = image.row, mask.shift = image.shift, mask.hollow = image.hollow;
     mask.pose = mapping_pose(bodies, image.row);
+    mask.mapped = mapped_motion(bodies, image.row).first;
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))
       ++match;
     const bool known = match != block.masks_before.end() && match->id == mask.id;
     mask.before = known ? int(match - block.masks_before.begin()) : -1;
-    mask.kept = known && match->pose == mask.pose;
+    mask.kept = known && is_as_mapped(bodies, image.row, *match);
     if (mask.kept) {
       mask.inside.swap(match->inside);
     } else {

@@ -1,7 +1,6 @@
 #include "coupler/mapping/mapping_poses.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
@@ -16,8 +15,20 @@ using rigid::Vec3;
 
 namespace {
 
-constexpr double rounding = 1e-9;   // relative: of a way of so many whole steps
-constexpr double unforeseen = 1.1;  // times the tolerance: as far as what speeds up on its way may get
+constexpr double rounding = 1e-9;    // relative: of a way of so many whole steps
+constexpr double held_share = 0.15;  // of the tolerance, where distances are held until the next mapping
+constexpr double unforeseen = 1.1;   // times that: as far as what speeds up may get from where it is foreseen
+
+/// Steps for which a body is mapped at most if distances follow it: what is so slow that it stays for longer
+/// within where they are held will soon be at rest, and is mapped where it is.
+constexpr double most_following = 81;
+
+/// The largest one that is not above.
+std::int64_t power_of_three(double most) {
+  std::int64_t power = 1;
+  while (3 * static_cast<double>(power) <= most) power *= 3;
+  return power;
+}
 
 /// Steps on whose way nothing as fast as that is further than the tolerance from the middle.
 double steps_within(double tolerance, double speed) {
@@ -25,37 +36,58 @@ double steps_within(double tolerance, double speed) {
   return speed * most <= 2 * tolerance ? most : std::floor((1 + rounding) * 2 * tolerance / speed);
 }
 
+/// Under `exact` they do not: the stiffness, found when links are built, has to be that of the links, or the
+/// sum of all momenta would not be kept.
+bool distances_follow(const CouplingSpec& coupling) {
+  return lbm::follows_distance(coupling.wall_scheme) && coupling.force != ForceForm::exact;
+}
+
 /// |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'.
 double angle_between(const Quat& a, const Quat& b) {
   return 2 * std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm());
 }
 
+/// From the pose in the first of its steps to that in their middle.
+MappedMotion mapped_ahead(MappedMotion m) {
+  m.pose = m.pose_after(m.middle() - static_cast<double>(m.first));
+  return m;
+}
+
 }  // namespace
 
-void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, double tolerance,
+void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, const CouplingSpec& coupling,
                          std::int64_t step) {
+  const double held = held_share * coupling.remap_tolerance;
+  const bool links_follow = distances_follow(coupling);
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
-    const Pose now = bodies.pose(row), mapped = mapping_pose(bodies, row);
-    if (now == mapped) continue;
+    const rigid::Shape& shape = world.shapes[bodies.shape[row]];
     // a ball looks the same however it has turned
-    const bool is_ball = std::holds_alternative<rigid::Sphere>(world.shapes[bodies.shape[row]]);
+    const bool is_ball = std::holds_alternative<rigid::Sphere>(shape);
     const double radius = is_ball ? 0 : world.bounding_radii[bodies.shape[row]];
-    const double moved =
-        (now.position - mapped.position).norm() + radius * angle_between(now.orientation, mapped.orientation);
-    if (2 * moved <= tolerance) continue;
     const Vec3 v = bodies.velocity[row], w = is_ball ? Vec3(0, 0, 0) : bodies.angular_velocity[row];
-    const double steps = 1 + steps_within(tolerance, v.norm() + radius * w.norm());
-    const auto interval = static_cast<std::int64_t>(std::bit_floor(static_cast<std::uint64_t>(steps)));
-    const std::int64_t left = interval - step % interval;  // whole at the step that is the interval's first
-    if (left < interval && moved <= unforeseen * tolerance) continue;
-    const double ahead = 0.5 * static_cast<double>(left - 1);
-    set_mapping_pose(bodies, row, {now.position + ahead * v, rigid::cayley(ahead * w) * now.orientation});
+    const MappedMotion mapped = mapped_motion(bodies, row);
+    const Pose now{bodies.position[row], is_ball ? mapped.pose.orientation : bodies.orientation[row]};
+    const Pose foreseen = mapped.pose_after(static_cast<double>(step) - mapped.middle());
+    const double off = (now.position - foreseen.position).norm() +
+                       radius * angle_between(now.orientation, foreseen.orientation);
+    if (2 * off <= held && mapped.is_at_rest()) continue;
+    if (step < mapped.end && off <= unforeseen * held) continue;
+    const double speed = v.norm() + radius * w.norm();
+    double steps = 1 + steps_within(held, speed);
+    const bool follows =
+        links_follow && steps < most_following && !std::holds_alternative<rigid::Mesh>(shape);
+    if (follows) steps = std::min(1 + steps_within(coupling.remap_tolerance, speed), most_following);
+    const std::int64_t interval = power_of_three(steps);
+    MappedMotion next = mapped_ahead({now, v, w, step, step + interval - step % interval});
+    if (!follows) next.velocity.setZero(), next.angular_velocity.setZero();
+    set_mapped_motion(bodies, row, next);
   }
 }
 
 WallMapping::WallMapping(const rigid::MeshWallSpec& wall, double tolerance) : wall_(wall) {
   const double speed = wall.motion.speed_bound(wall.mesh.surface->radius());
-  steps_ = 1 + static_cast<std::int64_t>(steps_within(tolerance, speed));
+  const auto most = static_cast<std::int64_t>(steps_within(held_share * tolerance, speed));
+  steps_ = 1 + most - most % 2;  // odd
 }
 
 Pose WallMapping::pose(std::int64_t step) const {

@@ -1,26 +1,29 @@
 #pragma once
 // The poses at which the fluid sees bodies and walls. Mapping a surface costs as much however little it has
 // moved, so one that goes on as it does is mapped ahead, at the middle of the way on which it stays within a
-// tolerance: on the mean the fluid sees it where it is. Where cells change sides, links of the bodies around
-// are built anew as well: so bodies are mapped in common steps, every 1, 2, 4, ... of them.
+// tolerance: on the mean the fluid sees it where it is. Its cells stay for that time; the distances of its
+// links follow it (MappedMotion), where they can. Where cells change sides, links of the bodies around are
+// built anew as well: so bodies are mapped in common steps, every 1, 3, 9, ... of them. Odd numbers: what
+// comes in every second step feeds a mode of that period, which collision hardly damps.
 #include <cstdint>
 
+#include "coupler/case/coupling_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/bodies/world.hpp"
 
 namespace silt::coupler {
 
-/// Gives bodies a new mapping pose at the first steps of intervals of 2^k steps, the longest on which they
-/// stay within `tolerance` (cells, of any point of the surface); in between, if they are a tenth further than
-/// that from where they are mapped. `step`: how many were done. Only the state decides: every holder of a
-/// body does the same.
-void renew_mapping_poses(rigid::BodySet&, const rigid::World&, double tolerance, std::int64_t step);
+/// Gives bodies a new mapped motion at the first steps of intervals of 3^k steps, the longest on which they
+/// stay within the tolerance (cells, of any point of the surface); in between, if they are further than a
+/// sixth of it from where they were foreseen. Where distances do not follow, 0.15 of it is the tolerance.
+/// `step`: how many were done. Only the state decides: every holder of a body does the same.
+void renew_mapping_poses(rigid::BodySet&, const rigid::World&, const CouplingSpec&, std::int64_t step);
 
 /// When and where a wall that moves is mapped: a function of the step alone, as its pose is.
 class WallMapping {
  public:
-  /// Keeps a reference to the wall. tolerance: in cells, of any point of the surface.
+  /// Keeps a reference to the wall. tolerance: CouplingSpec::remap_tolerance; distances do not follow.
   WallMapping(const rigid::MeshWallSpec&, double tolerance);
   /// Where the fluid sees the wall in a step.
   rigid::Pose pose(std::int64_t step) const;

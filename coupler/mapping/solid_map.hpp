@@ -17,16 +17,17 @@ namespace silt::coupler {
 /// cells beyond what the body can cover in the block and its ghost layers.
 struct BodyMask {
   rigid::BodyId id = 0;
-  std::size_t row = 0;  // in the BodySet, this step
-  lbm::Int3 shift;      // the image: cells added to the canonical position (multiples of the domain)
-  rigid::Pose pose;     // canonical
-  BitWindow inside;     // centre inside the body
-  BitWindow bits;       // the same less what walls and lower ids have
-  bool any = false;     // in bits
-  bool hollow = false;  // all around a tube or the like, wherever the block has cells
-  BitWindow near;       // of a hollow: the cells that its links may ask for; empty until that is needed
-  int before = -1;      // index in masks_before of the same image; -1: it is new
-  bool kept = false;    // neither its cells nor others around it have changed sides, nor has it moved
+  std::size_t row = 0;      // in the BodySet, this step
+  lbm::Int3 shift;          // the image: cells added to the canonical position (multiples of the domain)
+  rigid::Pose pose;         // canonical
+  std::int64_t mapped = 0;  // MappedMotion::first
+  BitWindow inside;         // centre inside the body
+  BitWindow bits;           // the same less what walls and lower ids have
+  bool any = false;         // in bits
+  bool hollow = false;      // all around a tube or the like, wherever the block has cells
+  BitWindow near;           // of a hollow: the cells that its links may ask for; empty until that is needed
+  int before = -1;          // index in masks_before of the same image; -1: it is new
+  bool kept = false;        // neither its cells nor others around it have changed sides, nor has it moved
 
   const BitFrame& frame() const { return bits.frame(); }
   /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner +

@@ -7,13 +7,13 @@ namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Where lines whose points at 0 are outside enter, within [0, 1]; 1 where they do not. A line that has a
-/// convex part behind it, or leaves it just now, has the middle of its way through it behind.
+/// Where lines enter, within [-past, 1 + past]; 1 + past where they do not. A line that has a convex part
+/// behind it, or leaves it just now, has the middle of its way through it behind.
 template <class T>
-auto first_inside(const IntervalLanes<T>& i) {
+auto first_inside(const IntervalLanes<T>& i, T past) {
   using V = typename IntervalLanes<T>::V;
-  const V t = (i.enter <= i.leave) & (i.enter + i.leave > T(0)) ? i.enter : V{} + T(1);
-  return V(t < T(0) ? V{} : t > T(1) ? V{} + T(1) : t);
+  const V end = V{} + (T(1) + past), t = (i.enter <= i.leave) & (i.enter + i.leave > T(0)) ? i.enter : end;
+  return V(t < -past ? V{} - past : t > end ? end : t);
 }
 
 /// Where lines from the hollow of a tube leave it, within [0, 1].
@@ -25,24 +25,25 @@ auto last_inside(const IntervalLanes<T>& i) {
 
 /// Of a vector of links, to one part.
 template <PartKind kind, class T>
-auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part, const Plane<T>* planes) {
+auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part, const Plane<T>* planes,
+                 T past) {
   const auto inside = lines.inside(part, planes);
   if constexpr (kind == PartKind::hollow)
     return last_inside(inside);
   else
-    return first_inside(inside);
+    return first_inside(inside, past);
 }
 
 /// To the nearest part. Each lane by itself leaves out what is beyond it: what the others do cannot matter.
 template <class T>
-auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface) {
-  auto nearest = typename IntervalLanes<T>::V{} + T(1);
+auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
+  auto nearest = typename IntervalLanes<T>::V{} + (T(1) + past);
   for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
     with_kind(part->kind, [&](auto kind) {
       const LineLanes<T, kind()> lines(*part, at.r, at.c);
-      const auto beyond = lines.beyond(*part);
+      const auto beyond = lines.beyond(*part, past);
       if (lbm::SILT_ISA::Lanes<T>::all(beyond)) return;
-      const auto found = distance_to(lines, *part, surface.planes);
+      const auto found = distance_to(lines, *part, surface.planes, past);
       nearest = beyond | (nearest < found) ? nearest : found;
     });
   return nearest;
@@ -51,7 +52,7 @@ auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& s
 /// Sets the distance of each link, in units of it, to the first part of the surface that it enters.
 template <class Real, class T>
 void set_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, lbm::Int3 corner,
-                   const SurfaceView<Real>& surface, T* q) {
+                   const SurfaceView<Real>& surface, Real past, T* q) {
   using L = lbm::SILT_ISA::Lanes<Real>;
   using Places = lbm::SILT_ISA::Places<Real>;
   using Stored = typename lbm::SILT_ISA::VectorOf<T, L::count>::type;
@@ -67,11 +68,11 @@ void set_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFra
     with_kind(part.kind, [&](auto kind) {
       set([&](const Places& at) {
         const LineLanes<Real, kind()> lines(part, at.r, at.c);
-        return under_lip(distance_to(lines, part, surface.planes), lines, part, surface.planes);
+        return under_lip(distance_to(lines, part, surface.planes, past), lines, part, surface.planes);
       });
     });
   else
-    set([&](const Places& at) { return distance_to_any(at, surface); });
+    set([&](const Places& at) { return distance_to_any(at, surface, past); });
 }
 
 }  // namespace

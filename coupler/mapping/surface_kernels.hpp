@@ -7,10 +7,11 @@
 namespace silt::coupler {
 
 /// Sets the wall distances of links, whole vectors of them, with the lip of bodies of one part
-/// (edge_lip.hpp); 1 for a line that does not meet the surface.
+/// (edge_lip.hpp). They are found up to `past` before and after the link, in units of it, of a surface that
+/// has moved past one of the link's ends; 1 + past for a line that does not meet it there.
 template <class Real, class T>
 using SurfaceDistances = void (*)(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&,
-                                  lbm::Int3 corner, const SurfaceView<Real>&, T* q);
+                                  lbm::Int3 corner, const SurfaceView<Real>&, Real past, T* q);
 namespace portable {
 template <class Real, class T>
 SurfaceDistances<Real, T> surface_distances();

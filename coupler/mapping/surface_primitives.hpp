@@ -92,10 +92,12 @@ class LineLanes {
   V at(int k, const V& t) const { return o_[k] + t * d_[k]; }
   const V (&direction() const)[3] { return d_; }
 
-  /// Lines none of whose points 0 <= t <= 1 is in the box around the part, as one of its axes shows.
-  typename L::Mask beyond(const Part& part) const {
+  /// Lines none of whose points -past <= t <= 1 + past is in the box around the part, as one of its axes
+  /// shows.
+  typename L::Mask beyond(const Part& part, T past) const {
+    const T half = T(0.5) + past;
     const auto along = [&](int k) {
-      return L::magnitude(o_[k] + T(0.5) * d_[k]) > part.extent[k] + T(0.5) * L::magnitude(d_[k]);
+      return L::magnitude(o_[k] + T(0.5) * d_[k]) > part.extent[k] + half * L::magnitude(d_[k]);
     };
     return along(0) | along(1) | along(2);
   }

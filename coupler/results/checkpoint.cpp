@@ -113,6 +113,8 @@ using adapters::HolderColumn;
 constexpr HolderColumn coupling_columns[] = {
     {"mapping_position", offsetof(CouplingState, mapping_position), HolderColumn::float64, 3},
     {"mapping_orientation", offsetof(CouplingState, mapping_orientation), HolderColumn::float64, 4},
+    {"mapping_velocity", offsetof(CouplingState, mapping_velocity), HolderColumn::float64, 6},
+    {"mapping_steps", offsetof(CouplingState, mapping_steps), HolderColumn::int64, 2},
     {"impulse_debt", offsetof(CouplingState, impulse_debt), HolderColumn::int64, 6},
     {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3},
     {"contact_load", offsetof(CouplingState, contact_load), HolderColumn::float64, 6},

@@ -9,7 +9,7 @@
 namespace silt::rigid {
 
 struct HolderState {
-  static constexpr std::size_t size = 320;  // bytes
+  static constexpr std::size_t size = 384;  // bytes
   alignas(8) std::array<std::byte, size> bytes{};
 
   /// Returns the bytes as the holder's own type, a plain struct of at most `size` bytes. All of them are zero

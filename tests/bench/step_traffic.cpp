@@ -68,7 +68,7 @@ std::set<std::array<int, 3>> cells_in_spheres(const coupler::Simulation& simulat
   const coupler::Scene& scene = simulation.scene();
   const rigid::World& world = scene.exchange->world();
   rigid::BodySet bodies = simulation.bodies();
-  coupler::renew_mapping_poses(bodies, world, scene.setup.coupling.remap_tolerance, simulation.steps_done());
+  coupler::renew_mapping_poses(bodies, world, scene.setup.coupling, simulation.steps_done());
   std::set<std::array<int, 3>> cells;
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     const rigid::Vec3 centre = coupler::mapping_pose(bodies, row).position;

@@ -84,7 +84,7 @@ const std::vector<Mistake> mistakes_of_fluid = {
      "[contacts]",
      "[coupling]\nremap_tolerance = 2\n[contacts]",
      "remap",
-     {"between 0 and 0.5"}},
+     {"between 0 and 0.4"}},
     {"FilmsAsWideAsBodies",
      "[contacts]",
      "[coupling]\nlubrication_min_gap = 1e-3\n[contacts]",

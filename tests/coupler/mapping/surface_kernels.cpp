@@ -45,12 +45,12 @@ std::vector<std::uint32_t> random_links() {
 const lbm::SurfaceFrame frame{{8, 8, 4}, {0.137, -0.411, 0.279}, 16, true};
 
 template <class T, class Kernel>
-std::vector<T> distances(const rigid::Shape& shape, const Kernel& kernel) {
+std::vector<T> distances(const rigid::Shape& shape, const Kernel& kernel, T past = 0) {
   SurfaceParts<T> parts;
   parts.reset(shape, oblique);
   const auto places = random_links();
   std::vector<T> q(places.size());
-  kernel(places.data(), int(places.size()), frame, Int3{}, parts.view(), q.data());
+  kernel(places.data(), int(places.size()), frame, Int3{}, parts.view(), past, q.data());
   return q;
 }
 
@@ -88,15 +88,45 @@ TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
   }
 }
 
+TEST(SurfaceKernels, FindSurfacesPastTheEndsOfLinks) {
+  constexpr double past = 0.25;
+  for (const rigid::Shape& shape : one_of_each_kind()) {
+    if (std::holds_alternative<rigid::Tube>(shape)) continue;  // rests
+    const bool is_compound = std::holds_alternative<rigid::Compound>(shape);
+    SCOPED_TRACE(std::string(rigid::shape_name(shape)));
+    const auto places = random_links();
+    const auto within = distances<double>(shape, portable::surface_distances<double, double>());
+    const auto q = distances<double>(shape, portable::surface_distances<double, double>(), past);
+    int before = 0, after = 0;
+    for (std::size_t l = 0; l < places.size(); ++l) {
+      const Int3 cell = lbm::place_cell(places[l]) - frame.cell, i = lbm::c[lbm::place_direction(places[l])];
+      const Vec3 c = oblique.conjugate() * Vec3(i.x, i.y, i.z),
+                 r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)) - past * c;
+      if (rigid::contains(shape, r)) continue;
+      const double hit = rigid::ray_distance(shape, r, c, 1 + 2 * past) - past;
+      if (hit > 0 && hit < 1) {
+        EXPECT_EQ(q[l], within[l]);
+        continue;
+      }
+      // some have the surface, or that of a part, behind them
+      if (hit <= 0 && (is_compound || !rigid::contains(shape, r + (past + 1) * c))) continue;
+      ++(hit <= 0 ? before : after);
+      EXPECT_NEAR(q[l], hit, 1e-8);
+    }
+    EXPECT_GT(before, is_compound ? -1 : 10);
+    EXPECT_GT(after, 10);
+  }
+}
+
 template <class T>
-void expect_same_distances(const rigid::Shape& shape) {
-  const auto plain = distances<T>(shape, portable::surface_distances<T, T>());
+void expect_same_distances(const rigid::Shape& shape, T past) {
+  const auto plain = distances<T>(shape, portable::surface_distances<T, T>(), past);
   EXPECT_GT(std::count_if(plain.begin(), plain.end(), [](T q) { return q > 0 && q < 1; }), 50);
   if (chosen_isa() != Isa::portable) {
-    EXPECT_EQ(plain, distances<T>(shape, avx2::surface_distances<T, T>()));
+    EXPECT_EQ(plain, distances<T>(shape, avx2::surface_distances<T, T>(), past));
   }
   if (chosen_isa() == Isa::avx512) {
-    EXPECT_EQ(plain, distances<T>(shape, avx512::surface_distances<T, T>()));
+    EXPECT_EQ(plain, distances<T>(shape, avx512::surface_distances<T, T>(), past));
   }
 }
 
@@ -121,8 +151,8 @@ CellsBeside cells_beside(const BitWindow& body, const BitKernels& kernels) {
 TEST(SurfaceKernels, SameBitsOnEveryInstructionSet) {
   for (const rigid::Shape& shape : one_of_each_kind()) {
     SCOPED_TRACE(std::string(rigid::shape_name(shape)));
-    expect_same_distances<float>(shape);
-    expect_same_distances<double>(shape);
+    expect_same_distances<float>(shape, 0), expect_same_distances<float>(shape, 0.25f);
+    expect_same_distances<double>(shape, 0), expect_same_distances<double>(shape, 0.25);
     const BitWindow plain = cells(shape, portable::bit_kernels().mark_parts);
     EXPECT_EQ(plain.test({0, 0, 0}), !std::holds_alternative<rigid::Tube>(shape));
     const CellsBeside beside = cells_beside(plain, portable::bit_kernels());
