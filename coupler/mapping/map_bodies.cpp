@@ -193,8 +193,8 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     const Image& image = found_[k];
     BodyMask& mask = block.masks[k];
     mask.id = image.id, mask.row = image.row, mask.shift = image.shift, mask.hollow = image.hollow;
-    mask.pose = mapping_pose(bodies, image.row);
-    mask.mapped = mapped_motion(bodies, image.row).first;
+    const MappedMotion mapped = mapped_motion(bodies, image.row);
+    mask.pose = mapped.pose, mask.mapped = mapped.first;
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))
