@@ -153,7 +153,7 @@ class FlowOf final : public Flow {
     fluid_.set_passes(static_cast<const FlowOf&>(other).fluid_.passes());
   }
   void add_work(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) const override {
-    for (const BlockMap& map : map_.blocks()) add_mapped(map, bodies, costs, work);
+    for (const BlockMap& map : map_.blocks()) add_mapped(map, bodies, world_, costs, work);
   }
 
   FlowTotals totals() const override {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -64,6 +65,21 @@ bool is_mapped(const rigid::BodySet& bodies, std::size_t row) {
   return bodies.motion[row] != Motion::fixed && !bodies.is_at_rest(row);
 }
 
+/// Steps from one mapping to the next of a body that moves at 0.01 cells a step, and of one that has not
+/// moved yet.
+constexpr std::int64_t usual_steps = 9;
+
+std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
+  const MappedMotion mapped = mapped_motion(bodies, row);
+  return mapped.end > mapped.first ? mapped.end - mapped.first : usual_steps;
+}
+
+/// Cut links over cells of a shape whose surface is 6 times its volume over its least width, as of spheres and
+/// cubes.
+double links_a_cell(const rigid::Shape& shape) {
+  return links_of_a_surface * 6 / rigid::least_width(shape);
+}
+
 }  // namespace
 
 void add_bodies(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) {
@@ -75,33 +91,32 @@ void add_bodies(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& w
 void add_surfaces(const rigid::BodySet& bodies, const rigid::World& world, const WorkCosts& costs,
                   WorkMap& work) {
   if (costs.cell == 0) return;
-  struct Counts {
-    double cells = -1, links = 0;
-  };
-  std::vector<Counts> of_shape(world.shapes.size());
+  std::vector<double> links_of(world.shapes.size(), -1);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const rigid::Shape& shape = world.shapes[bodies.shape[row]];
-    Counts& counts = of_shape[bodies.shape[row]];
-    if (counts.cells < 0) {
-      counts.cells = rigid::mass_properties(shape).volume;
-      const double surface = 6 * counts.cells / rigid::least_width(shape);  // of spheres and cubes
-      counts.links = links_of_a_surface * surface;
-    }
-    const double mapped = is_mapped(bodies, row) ? counts.cells : 0;
+    double& links = links_of[bodies.shape[row]];
+    if (links < 0) links = links_a_cell(shape) * rigid::mass_properties(shape).volume;
+    const std::int64_t mapping = is_mapped(bodies, row) ? costs.mapping / usual_steps : 0;
     work.add(rigid::bounding_box(shape, bodies.pose(row)),
-             std::llround(double(costs.link) * counts.links + double(costs.mapped_cell) * mapped));
+             std::llround(links * static_cast<double>(costs.link + mapping)));
   }
 }
 
-void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) {
+void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const rigid::World& world,
+                const WorkCosts& costs, WorkMap& work) {
   const Int3 size = map.box.size;
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
       if (any_solid(map, y, z))
         for_pieces(map.box, {0, y, z}, size.x,
                    [&](Int3 x, int n) { work.add(map.box.lower + x, costs.link * links_from(map, x, n)); });
+  std::vector<double> links_of(world.shapes.size(), -1);  // over cells
   for (const BodyMask& mask : map.masks) {
     if (mask.row >= bodies.first_wall() || !is_mapped(bodies, mask.row)) continue;
+    double& links = links_of[bodies.shape[mask.row]];
+    if (links < 0) links = links_a_cell(world.shapes[bodies.shape[mask.row]]);
+    const std::int64_t of_a_cell = std::llround(links * static_cast<double>(costs.mapping) /
+                                                static_cast<double>(steps_mapped(bodies, mask.row)));
     const BitFrame& f = mask.frame();
     for (int z = std::max(f.low.z, 0); z < std::min(f.low.z + f.size.z, size.z); ++z)
       for (int y = std::max(f.low.y, 0); y < std::min(f.low.y + f.size.y, size.y); ++y)
@@ -111,7 +126,7 @@ void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const WorkCos
           if (cells)
             for_pieces(map.box, {first, y, z}, end, [&](Int3 x, int n) {
               work.add(map.box.lower + x,
-                       costs.mapped_cell * std::popcount(first_cells(cells >> (x.x - first), n)));
+                       of_a_cell * std::popcount(first_cells(cells >> (x.x - first), n)));
             });
         }
   }

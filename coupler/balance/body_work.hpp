@@ -17,10 +17,11 @@ inline constexpr double links_of_a_surface = 5.743;
 void add_bodies(const rigid::BodySet&, const WorkCosts&, WorkMap&);
 
 /// Adds an estimate of what mapping and the cut links of bodies owned here will take, from volumes and
-/// surfaces alone.
+/// surfaces alone, as if those that move were mapped every ninth step.
 void add_surfaces(const rigid::BodySet&, const rigid::World&, const WorkCosts&, WorkMap&);
 
-/// Adds that work as it is in a block that has been mapped.
-void add_mapped(const BlockMap&, const rigid::BodySet&, const WorkCosts&, WorkMap&);
+/// Adds that work as it is in a block that has been mapped: its links, and their mapping from one to the next
+/// of each body, a body's estimated as above and spread over its cells.
+void add_mapped(const BlockMap&, const rigid::BodySet&, const rigid::World&, const WorkCosts&, WorkMap&);
 
 }  // namespace silt::coupler

@@ -10,7 +10,7 @@ WorkCosts::WorkCosts(const Case& scene) {
   if (!scene.fluid) return;
   cell = scene.fluid->precision == Precision::single_ ? 10 : 20;  // by the bandwidth it takes
   link = scene.coupling.time == TimeCoupling::explicit_ ? 26 : 30;
-  mapped_cell = 40;
+  mapping = 90;
 }
 
 }  // namespace silt::coupler

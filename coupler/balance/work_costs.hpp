@@ -12,10 +12,10 @@ struct Case;
 struct WorkCosts {
   explicit WorkCosts(const Case&);
 
-  std::int64_t cell = 0;         // 0 without a fluid
-  std::int64_t link = 0;         // cut link
-  std::int64_t mapped_cell = 0;  // of a body that moves
-  std::int64_t body = 0;         // that moves, all sub-steps
+  std::int64_t cell = 0;     // 0 without a fluid
+  std::int64_t link = 0;     // cut link
+  std::int64_t mapping = 0;  // of a cut link, each time its body is mapped
+  std::int64_t body = 0;     // that moves, all sub-steps
   std::int64_t impulse = 0;  // remembered by a body, all sub-steps; a contact is remembered by both bodies
 };
 

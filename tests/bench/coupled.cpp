@@ -65,9 +65,12 @@ double count_of(lbm::Int3 n) {
   return double(n.x) * n.y * n.z;
 }
 
-/// Even and odd steps alike, and whole rounds of mapping, which comes every fourth step; long enough for a clock.
+/// Steps from one mapping of all bodies to the next, as fast as they are (mapping_poses.cpp).
+constexpr int round_of_mapping = 9;
+
+/// Whole rounds of mapping, an even number of steps; long enough for a clock.
 int steps_a_turn(double cells) {
-  return 4 * std::max(2, int(2e6 / cells));
+  return 2 * round_of_mapping * std::max(1, int(1e6 / cells));
 }
 
 /// A scene, and the seconds a step of it took: all, and stage by stage.
@@ -75,7 +78,7 @@ class Scene {
  public:
   explicit Scene(const Layers& layers)
       : layers_(layers), simulation_(coupler::testing::simulation_of(layers.text())) {
-    for (int t = 0; t < 4; ++t) step();
+    for (int t = 0; t < round_of_mapping; ++t) step();
   }
   void take_turn(int steps) {
     const StageSeconds before = simulation_.stage_seconds();

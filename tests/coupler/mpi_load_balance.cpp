@@ -134,7 +134,7 @@ TEST(LoadBalance, EvenScenesKeepTheEqualCut) {
 /// Costs by which work counts one thing.
 WorkCosts only(std::int64_t WorkCosts::*part) {
   WorkCosts costs(bottom().read());
-  costs.cell = costs.link = costs.mapped_cell = costs.body = costs.impulse = 0;
+  costs.cell = costs.link = costs.mapping = costs.body = costs.impulse = 0;
   costs.*part = 1;
   return costs;
 }
@@ -145,21 +145,40 @@ std::uint64_t sum(const WorkMap& work) {
   return std::uint64_t(tests::sum_over_ranks(mine));
 }
 
-TEST(LoadBalance, LinksAndCellsOfBodiesAreCounted) {
+TEST(LoadBalance, LinksAndBodiesAreCounted) {
   Simulation s = bottom().start(MPI_COMM_WORLD);
   s.step();
   const Scene& scene = s.scene();
-  WorkMap links(scene.domain), cells(scene.domain), bodies(scene.domain), estimate(scene.domain);
+  WorkMap links(scene.domain), bodies(scene.domain), estimate(scene.domain);
   scene.flow->add_work(scene.bodies, only(&WorkCosts::link), links);
-  scene.flow->add_work(scene.bodies, only(&WorkCosts::mapped_cell), cells);
   add_bodies(scene.bodies, only(&WorkCosts::body), bodies);
   EXPECT_EQ(sum(links), s.links());
-  EXPECT_EQ(sum(cells), 48u * 48 * 64 - s.look_at_flow().fluid_cells);
   EXPECT_EQ(sum(bodies), 60u);
   WorkCosts costs = only(&WorkCosts::link);
   costs.cell = 1;  // there is a fluid
   add_surfaces(scene.bodies, scene.world, costs, estimate);
   EXPECT_NEAR(double(sum(estimate)), double(s.links()), 0.05 * double(s.links()));
+}
+
+/// What mapping costs in a step if a link costs 1000 each time, over the number of links.
+double mapping_of_a_link(double speed) {
+  Simulation s = bottom().start(MPI_COMM_WORLD);
+  for (int t = 0; t < 10; ++t) {  // past the first common one of nine
+    for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
+      s.set_velocity(id, {0, 0, speed}, {0, 0, 0});
+    s.step();
+  }
+  WorkCosts costs = only(&WorkCosts::mapping);
+  costs.mapping = 1000;
+  WorkMap work(s.scene().domain);
+  s.scene().flow->add_work(s.scene().bodies, costs, work);
+  return double(sum(work)) / double(s.links());
+}
+
+TEST(LoadBalance, MappingIsCountedAsOftenAsItComes) {
+  EXPECT_NEAR(mapping_of_a_link(0.15), 1000, 50);
+  EXPECT_NEAR(mapping_of_a_link(0.05), 1000. / 3, 50. / 3);
+  EXPECT_NEAR(mapping_of_a_link(0.01), 1000. / 9, 50. / 9);
 }
 
 }  // namespace
