@@ -33,22 +33,12 @@ double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& 
   return sum;
 }
 
-/// What fills up the groups copies their last link.
-template <class T>
-void pad(const lbm::CutLinks<T>& links, std::vector<T>& values) {
-  if (values.empty()) return;
-  for (const lbm::LinkGroup& g : links.groups)
-    if (g.scheme == lbm::WallScheme::single_cell_gap)
-      std::fill(values.begin() + g.opposite + g.count, values.begin() + g.opposite + lbm::padded(g.count),
-                values[g.opposite + g.count - 1]);
-}
-
 }  // namespace
 
 template <class T>
 void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
                              const lbm::CellBox& box) {
-  links_.clear();
+  links_.clear(), groups_.clear();
   opposites_.clear();
   for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
     lbm::CutLinks<T>& links = surfaces[k].links;
@@ -56,6 +46,7 @@ void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::
     for (lbm::LinkGroup& g : links.groups) {
       if (g.scheme != lbm::WallScheme::single_cell_gap) continue;
       g.opposite = room, room += lbm::padded(g.count);
+      groups_.push_back({k, g.opposite, g.count});
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const std::uint32_t p = links.place[g.begin + l];
         const Int3 cell = g.corner + lbm::place_cell(p);
@@ -77,8 +68,16 @@ void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::
     links.opposite_q[link.place] = T(0.5);
     links.opposite_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
   }
-  for (auto& surface : surfaces) {
-    pad(surface.links, surface.links.opposite_q), pad(surface.links, surface.links.opposite_u);
+  pad(surfaces, &lbm::CutLinks<T>::opposite_q), pad(surfaces, &lbm::CutLinks<T>::opposite_u);
+}
+
+/// What fills up the groups copies their last link.
+template <class T>
+void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
+                            std::vector<T> lbm::CutLinks<T>::*values) const {
+  for (const Group& g : groups_) {
+    T* const first = (surfaces[g.surface].links.*values).data() + g.first;
+    std::fill(first + g.count, first + lbm::padded(g.count), first[g.count - 1]);
   }
 }
 
@@ -106,8 +105,7 @@ void SingleCellGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) c
   for (const Opposite& o : opposites_)
     surfaces[o.surface].links.opposite_u[o.place] =
         T(velocity_along(surfaces[o.of].links.frame, surfaces[o.of].motion, o.cell, lbm::c[o.direction]));
-  if (opposites_.empty()) return;
-  for (auto& surface : surfaces) pad(surface.links, surface.links.opposite_u);
+  if (!opposites_.empty()) pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 
 template class SingleCellGaps<float>;

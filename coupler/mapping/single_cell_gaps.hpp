@@ -35,10 +35,15 @@ class SingleCellGaps {
     std::int32_t direction;
     lbm::Int3 cell;
   };
+  struct Group {
+    std::uint32_t surface, first, count;  // of opposite_q and opposite_u
+  };
   template <class F>
   void for_pairs(F&&);  // calls f with the two links of each pair
+  void pad(std::vector<SurfaceLinks<T>>&, std::vector<T> lbm::CutLinks<T>::*values) const;
 
   std::vector<Link> links_;
+  std::vector<Group> groups_;
   std::vector<std::uint32_t> table_;  // of links_, by key; 0: empty, else from 1 on
   std::vector<Opposite> opposites_;
 };
