@@ -104,15 +104,15 @@ class GroupSums {
   using L = Lanes<T>;
   using V = typename L::Real;
   /// `galilean`: 1 or 0; `limit`: of |f* + f_opp|.
-  GroupSums(T galilean, T limit) : galilean_(galilean), limit_(limit) {}
+  GroupSums(T galilean, T limit) : galilean_(galilean * T(1 / link_quantum)), limit_(limit) {}
 
   void add(const Exchange<T>& e, const typename L::Mask& counted, const Places<T>& at, const V& ux,
            const V& uy, const V& uz) {
     const V in = counted ? e.out : V{}, returned = counted ? e.back : V{};
-    const V sum = in + returned, difference = (in - returned) * galilean_;
     constexpr T scale = T(1 / link_quantum), mass_scale = T(1 / mass_quantum);
-    const V g[3] = {(at.c[0] * sum - ux * difference) * scale, (at.c[1] * sum - uy * difference) * scale,
-                    (at.c[2] * sum - uz * difference) * scale};
+    const V sum = (in + returned) * scale, difference = (in - returned) * galilean_;
+    const V g[3] = {at.c[0] * sum - ux * difference, at.c[1] * sum - uy * difference,
+                    at.c[2] * sum - uz * difference};
     const auto& r = at.r;
     for (int d = 0; d < 3; ++d) force_[d].add(g[d]);
     torque_[0].add(r[1] * g[2] - r[2] * g[1]);

@@ -38,7 +38,9 @@ struct Lanes {
     for (int l = 0; l < count; ++l) lane[l] = l;
     return mask(lane < n);
   }
-  static Real magnitude(const Real& x) { return x < T(0) ? -x : x; }
+  static Real magnitude(const Real& x) {
+    return Real(Mask(x) & ~Mask(-Real{}));  // all but the sign
+  }
   static Real root(const Real& x) {
     Real r;
     for (int l = 0; l < count; ++l) r[l] = std::sqrt(x[l]);
