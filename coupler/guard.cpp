@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/explicit_limit.hpp"
 #include "coupler/case/time_step_cure.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/flow_totals.hpp"
@@ -44,10 +45,13 @@ std::string slower_remedy(const Case& scene) {
                      driven.empty() ? "" : fmt::format(" ({})", driven));
 }
 
-/// What to change when a flow runs away: the collision or the relaxation time if that is close to 1/2, where
-/// trt and bgk do not last, else the time step or the drive.
+const char* const light_bodies_remedy = "use coupling.time = \"implicit\" (light bodies need it), or ";
+
+/// What to change when a flow runs away: explicit coupling of light bodies; the collision or the relaxation
+/// time if that is close to 1/2, where trt and bgk do not last; else the time step or the drive.
 std::string flow_remedy(const Case& scene) {
   constexpr double delicate_relaxation_time = 0.55;
+  if (has_bodies_too_light(scene)) return light_bodies_remedy + slower_remedy(scene);
   const double tau = scene.fluid->relaxation_time;
   if (tau >= delicate_relaxation_time || lbm::model_of(scene.fluid->collision).has_eddies())
     return slower_remedy(scene);
@@ -63,10 +67,7 @@ std::string flow_remedy(const Case& scene) {
 
 std::string speed_remedy(const Case& scene, double too_far, std::int64_t step) {
   if (scene.fluid)
-    return (scene.coupling.time == TimeCoupling::explicit_
-                ? "use coupling.time = \"implicit\" (light bodies need it), or "
-                : "") +
-           slower_remedy(scene);
+    return (scene.coupling.time == TimeCoupling::explicit_ ? light_bodies_remedy : "") + slower_remedy(scene);
   if (step > 0 && rigid::resolver_model(scene.contacts.resolver).makes_energy) return contact_remedy(scene);
   const std::string shorter = shorter_step(scene);
   return fmt::format("beyond that it may pass through others: use contacts.substeps = {:.0f}{}",

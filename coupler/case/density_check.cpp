@@ -6,6 +6,8 @@
 
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/explicit_limit.hpp"
+#include "coupler/case/time_step_cure.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -48,7 +50,17 @@ void check_matter(const Case& scene, Findings& findings, const std::string& key,
                                     lightest_solid, heaviest_solid, meant(key, found, 0)));
 }
 
-void check_density(const Case& scene, Findings& findings, const std::string& entry, double density,
+/// The lightest density that explicit coupling bears depends on the shape.
+void check_coupling(const Case& scene, Findings& findings, const std::string& key, double density,
+                    int shape) {
+  const double least = least_explicit_density(scene, scene.shapes[shape]);
+  if (density >= least) return;
+  findings.warning(key, fmt::format("{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is "
+                                    "stable from about {} on: use coupling.time = \"implicit\"",
+                                    key, shown(density), scene.shape_names[shape], shown(rounded_up(least))));
+}
+
+void check_density(const Case& scene, Findings& findings, const std::string& entry, double density, int shape,
                    bool free) {
   const std::string key = entry + ".density";
   if (density > most_density)
@@ -58,7 +70,7 @@ void check_density(const Case& scene, Findings& findings, const std::string& ent
                          key, shown(density), shown(most_density)));
   if (!free || !(density > 0)) return;
   if (scene.fluid)
-    check_ratio(scene, findings, key, density);
+    check_ratio(scene, findings, key, density), check_coupling(scene, findings, key, density, shape);
   else
     check_matter(scene, findings, key, density);
 }
@@ -80,11 +92,12 @@ void find_density_faults(const Case& scene, Findings& findings) {
   scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
     if (std::count(seen.begin(), seen.end(), body.entry)) return;  // one message an entry
     seen.push_back(body.entry);
-    check_density(scene, findings, entry_key(std::max(0, body.entry)), body.density,
+    check_density(scene, findings, entry_key(std::max(0, body.entry)), body.density, body.shape,
                   body.motion == rigid::Motion::free);
   });
   for (std::size_t i = 0; i < scene.fills.size(); ++i)
-    check_density(scene, findings, fmt::format("fill[{}]", i), scene.fills[i].density, true);
+    check_density(scene, findings, fmt::format("fill[{}]", i), scene.fills[i].density, scene.fills[i].shape,
+                  true);
 }
 
 }  // namespace silt::coupler

@@ -231,6 +231,11 @@ void Run::checkpoint() {
 /// Collective: leaves the state that a guard stopped at, for a look at it.
 std::string Run::stopped_state_text() {
   try {
+    if (simulation_.scene().flow) simulation_.look_at_flow();
+  } catch (const CommonGuardStop&) {
+    // what else is wrong with that step is not told any more
+  }
+  try {
     log_departures();
     const auto path = write_stopped_state(simulation_, quantities_, folder_, provenance_, prepared_.steady);
     if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);

@@ -205,6 +205,19 @@ class Faults(SiltTest):
             self.assertNotIn(str(state), self.silt("resume", self.case, "--set", "run.steps=400", ranks=ranks, code=None).stdout)
             self.silt("resume", self.case, "--checkpoint", state, "--set", f"run.steps={step + 1}", code=None)
 
+    def test_a_guard_leaves_a_state_whose_forces_are_no_numbers(self):
+        light = UNSTABLE.replace('type = "sphere"\nradius = 2.5', 'type = "box"\nedges = [7, 5, 6]').replace("density = 0.05", "density = 0.5")
+        self.write(light.replace("[0.05, 0, 0]", "[0.02, 0, 0]").replace("relaxation_time = 0.8", "relaxation_time = 0.6"))
+        self.assertIn('bodies[0].density is 0.5 times the fluid\'s; with coupling.time = "explicit" shape \'ball\' is stable from about 8.2 on: '
+                      'use coupling.time = "implicit"', self.silt("check", self.case).stdout)
+        self.assertNotIn("explicit", self.silt("check", self.case, "--set", "bodies[0].density=9").stdout)
+        for ranks in (1, 3):
+            errors = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
+            self.assertIn("the fluid at cell", errors)
+            self.assertIn('use coupling.time = "implicit" (light bodies need it)', errors)
+            state, = self.out.glob("stopped_*.h5")
+            self.assertIn(f"the state it stopped in: {state}", errors)
+
     def test_long_paths(self):
         out = pathlib.Path(self.scratch.name, *3 * ["a" * 100])
         self.silt("run", self.case, "--steps", 25, "--out", out)
