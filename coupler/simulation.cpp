@@ -79,7 +79,8 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     scene_.rigid_step->before_drift = [this, torques = asks_for_torques(setup())](rigid::BodySet& bodies) {
       if (torques)
         contact_torques_ =
-            coupler::contact_torques(bodies, scene_.rigid_step->contacts(), scene_.exchange->extent());
+            coupler::contact_torques(bodies, scene_.rigid_step->contacts(),
+                                     scene_.rigid_step->films_on_walls(), scene_.exchange->extent());
       const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
       counters_.body_speed = std::max(counters_.body_speed, speed);
       faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);

@@ -31,13 +31,22 @@ def references(case, short=False):
     return listed, settings
 
 
-def compared(quantity, found):
-    """Returns [found, reference, tolerance, deviation] as text, and whether the quantity is within its tolerance."""
-    value, tolerance = quantity["value"], quantity["tolerance"]
+def is_known(value):
+    return isinstance(value, (int, float)) and math.isfinite(value)
+
+
+def compared(quantity, quantities):
+    """Returns [found, reference, tolerance, deviation] as text, and whether the quantity is within its tolerance.
+
+    quantities: those of the report."""
+    found, value, tolerance = quantities.get(quantity["name"]), quantity["value"], quantity["tolerance"]
+    if isinstance(value, str):
+        name, value = value, quantities.get(value)
+        if not is_known(value):
+            return [f"{found:.6g}" if is_known(found) else "missing", f"{name} is missing", f"{tolerance:.2g}", "-"], False
     allowed = tolerance * abs(value) if quantity.get("relative", False) else tolerance
-    known = isinstance(found, (int, float)) and math.isfinite(found)
-    good = known and abs(found - value) <= allowed
-    if not known:
+    good = is_known(found) and abs(found - value) <= allowed
+    if not is_known(found):
         return ["missing", f"{value:g}", f"{allowed:.2g}", "-"], False
     deviation = f"{100 * (found - value) / abs(value):+.2f} %" if value else f"{found - value:+.2g}"
     return [f"{found:.6g}", f"{value:g}", f"{allowed:.2g}", deviation], good

@@ -397,20 +397,6 @@ double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const
   return start[0] == not_yet || duration == 0 ? no_value : (now - start[0]) / duration;
 }
 
-bool add_moment(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                std::span<ExactSum> moment) {
-  if (static_cast<double>(simulation.steps_done()) < q.time) return false;
-  const BodySet& bodies = simulation.bodies();
-  add_terms(
-      bodies, q,
-      [&](std::size_t row) {
-        const Vec3 m = bodies.mass[row] * (bodies.position[row] - q.centre);
-        return std::array{m[0], m[1], m[2]};
-      },
-      moment);
-  return true;
-}
-
 void observe_outflow(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
   const double now = static_cast<double>(simulation.steps_done());
   if (start[0] == not_yet && now >= q.time) start = {static_cast<double>(simulation.counters().left), now};
@@ -420,14 +406,6 @@ double outflow_rate(const Simulation& simulation, const QuantitySpec&, const Qua
   const double duration = static_cast<double>(simulation.steps_done()) - start[1];
   if (start[0] == not_yet || duration == 0) return no_value;
   return (static_cast<double>(simulation.counters().left) - start[0]) / duration;
-}
-
-/// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
-/// axis: that of the surface, where it is flat and the container round.
-double bed_angle(const Case& scene, const QuantitySpec& q, std::span<const double> sums) {
-  const Vec3 g = scene.gravity, moment(sums[0], sums[1], sums[2]);
-  const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
-  return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
 }
 
 }  // namespace silt::coupler

@@ -110,10 +110,4 @@ double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHisto
 template <>
 inline constexpr Computation computation<"rebound-ratio"> = {observe_rebound, rebound_ratio};
 
-/// Mass times the place of the bodies' centres from `centre`.
-bool add_moment(const Simulation&, const QuantitySpec&, const QuantityHistory&, std::span<rigid::ExactSum>);
-double bed_angle(const Case&, const QuantitySpec&, std::span<const double> moment);
-template <>
-inline constexpr Computation computation<"bed-angle"> = mean_of<3, add_moment, bed_angle>;
-
 }  // namespace silt::coupler

@@ -7,6 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/exchange/reduce.hpp"
+#include "coupler/results/bed_quantities.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/flow_quantities.hpp"
 #include "coupler/results/wall_quantities.hpp"

@@ -25,6 +25,9 @@ void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visi
   for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row])
       if (s.partner == wall) visit(Vec3(steps * s.impulse));
+  if (!simulation.scene().rigid_step) return;
+  for (const rigid::FilmOnWall& film : simulation.scene().rigid_step->films_on_walls())
+    if (film.wall == wall) visit(Vec3(steps * film.impulse));
 }
 
 /// About which a wall turns; of a mesh where it is at the start.

@@ -50,6 +50,15 @@ struct ResolverStatistics {
   }
 };
 
+/// What a film did to a wall besides the impulse that is remembered: against rolling there is one too, and that
+/// of an impact is forgotten.
+struct FilmOnWall {
+  BodyId wall;
+  Image image;           // of the wall, as in Contact
+  std::size_t row;       // of the body
+  Vec3 impulse, moment;  // on the wall, W; the latter about the body's centre
+};
+
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
 struct StepVelocities {
   bool start = false;                     // in: nothing happened before, so no impulse is stored
@@ -59,6 +68,7 @@ struct StepVelocities {
   std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
   std::vector<Vec3> load, angular_load;   // out: impulses that bodies at rest take from moving ones; or empty
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
+  std::vector<FilmOnWall> films_on_walls;  // out: of owned bodies
 };
 
 class ContactResolver {

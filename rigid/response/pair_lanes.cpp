@@ -310,6 +310,17 @@ void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) co
   for (std::size_t k = 0; k < out.size(); ++k) read(block_contacts_[blocks_[at.group].first + k], out[k]);
 }
 
+/// The moments on a and b about a's centre are opposite.
+PairLanes::Rolling PairLanes::read_rolling(const Place& at) const {
+  if (!at.lubricated) return {};
+  const LubricatedGroup& g = lubricated_[at.group];
+  const auto read = [&](const Real8* lanes) {
+    return Vec3(lanes[0][at.lane], lanes[1][at.lane], lanes[2][at.lane]);
+  };
+  const Vec3 impulse = read(g.rolling_impulse);
+  return {-g.skew[at.lane] * impulse, -g.reach_a[at.lane] * read(g.normal).cross(impulse)};
+}
+
 void PairLanes::aim(const Place& at, std::span<const double> targets, double least_scale) {
   const auto set_target = [&](auto& lanes, double target) {
     lanes.target[at.lane] = target;

@@ -51,6 +51,11 @@ class PairLanes {
   SweepOutcome sweep(std::span<const BodyState>, std::span<BodySum>, const ContactSweep&);
 
   void read_impulses(const Place&, std::span<ContactImpulse>) const;
+  /// What a film does against rolling, on b: an impulse, and its moment about a's centre.
+  struct Rolling {
+    Vec3 impulse = Vec3::Zero(), moment = Vec3::Zero();
+  };
+  Rolling read_rolling(const Place&) const;
   /// Starts over for the position correction: zero impulses, no friction, the target of each contact of the
   /// pair.
   void aim(const Place&, std::span<const double> targets, double least_scale);

@@ -323,6 +323,24 @@ void SffdResolver::report_impact(BodySet& bodies, const Pair& p, std::size_t con
   (*settings_.impacts)(bodies, {p.row_a, p.row_b, normal, impulse});
 }
 
+/// What does not last is not remembered.
+bool SffdResolver::is_mostly_impact(const Pair& p, std::size_t contact) const {
+  return targets_[contact] * p.reduced_mass > 0.5 * impulses_[contact].normal;
+}
+
+void SffdResolver::note_film_on_wall(const Pair& p, std::span<const Contact> of_pair,
+                                     StepVelocities& velocities) {
+  const PairLanes::Rolling rolling = lanes_.read_rolling(p.place);
+  FilmOnWall film{of_pair[0].b, of_pair[0].image, p.row_a, rolling.impulse, rolling.moment};
+  for (std::size_t k = 0; k < of_pair.size(); ++k) {
+    if (!of_pair[k].lubrication || !is_mostly_impact(p, p.first + k)) continue;
+    const Vec3 impulse = impulses_[p.first + k].along(of_pair[k].normal);
+    film.impulse += impulse;
+    film.moment += of_pair[k].r_a.cross(impulse);
+  }
+  velocities.films_on_walls.push_back(film);
+}
+
 /// An overlap that a correction is worth.
 bool SffdResolver::is_correctable(const Contact& c) const {
   return settings_.correction > 0 && -c.gap > settings_.slop &&
@@ -333,6 +351,7 @@ bool SffdResolver::is_correctable(const Contact& c) const {
 void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts, StepVelocities& velocities,
                           ResolverStatistics& statistics) {
   forget_last_impulses(bodies, involved_);
+  velocities.films_on_walls.clear();
   for (std::size_t n = 0; n < pairs_.size(); ++n) {  // in key order, so each body's list comes out sorted
     const Pair& p = pairs_[n];
     if (const Pair* soon = pair_ahead(n)) {
@@ -352,9 +371,10 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
             std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
       if (settings_.impacts && impact_changes_[p.first + k] > 0)
         report_impact(bodies, p, p.first + k, c.normal);
-      if (c.lubrication && targets_[p.first + k] * p.reduced_mass > 0.5 * i.normal)
-        impulses[k] = {};  // mostly an impact, which does not last
     }
+    if (of_pair[0].lubrication && is_wall(of_pair[0].b)) note_film_on_wall(p, of_pair, velocities);
+    for (std::size_t k = 0; k < impulses.size(); ++k)
+      if (of_pair[k].lubrication && is_mostly_impact(p, p.first + k)) impulses[k] = {};
     if (!settings_.warm_start) continue;
     if (bodies_[p.row_a].asks_for_impulses)
       remember_impulses(of_pair, impulses, of_pair[0].b, bodies.stored_impulses[p.row_a]);

@@ -56,6 +56,8 @@ class SffdResolver : public ContactResolver {
   std::span<ContactImpulse> impulses_of(const Pair&);
   int settle_links(BodySet&, const std::vector<Contact>&, double dt, BodyExchange&);
   void report_impact(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
+  bool is_mostly_impact(const Pair&, std::size_t contact) const;
+  void note_film_on_wall(const Pair&, std::span<const Contact> of_pair, StepVelocities&);
   double least_scale(const Pair&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, const Sweeps&, double& residual);
   void aim_push(const std::vector<Contact>&, double dt);

@@ -120,6 +120,16 @@ TEST(Quantities, BedAngle) {
   EXPECT_NEAR(value_of(c), 30, 1e-8);
 }
 
+/// A weight 3 to the one side of the axis, and one of another kind, which is not asked for.
+TEST(Quantities, WeightTorque) {
+  CaseText c = dry("position = [13, 5, 9]\nname = \"asked\"",
+                   "type = \"weight-torque\"\nbody = \"asked\"\naxis = \"y\"\ncentre = [16, 0, 16]\ntime = 0", 1);
+  c.bodies += "[[bodies]]\nshape = \"ball\"\ndensity = 1\nposition = [25, 25, 25]\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-12]\n";
+  const double volume = 4. / 3 * std::numbers::pi * 64;
+  EXPECT_NEAR(value_of(c) / (-3 * volume * 2 * 1e-12), 1, 1e-9);
+}
+
 /// A scene of fluid alone with one quantity "q".
 CaseText wet(const std::string& domain, const std::string& fluid, const std::string& quantity, int steps) {
   CaseText c = dry("", quantity, steps);

@@ -81,6 +81,14 @@ class Page(SiltTest):
         self.assertIn(": deviates", said)
         self.assertIn("class=bad>deviates", text)
 
+    def test_a_reference_may_be_another_quantity(self):
+        two = CASE + '[[quantities]]\nname = "other"\ntype = "mean-height"\n'
+        said = self.page(two, value='"other"')[0]
+        height = self.report()["quantities"]["height"]
+        self.assertIn(f"height: {height:.6g}, theory {height:g}", said)
+        self.assertIn(": ok", said)
+        self.assertIn(": deviates", self.page(CASE, value='"nobody"')[0])
+
     def test_a_length_in_seconds_is_judged(self):
         case = CASE.replace("steps = 60", "time = 60.0")
         self.assertNotEqual(case, CASE)
