@@ -79,8 +79,9 @@ Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     scene_.rigid_step->before_drift = [this, torques = asks_for_torques(setup())](rigid::BodySet& bodies) {
       if (torques)
         contact_torques_ =
-            coupler::contact_torques(bodies, scene_.rigid_step->contacts(),
-                                     scene_.rigid_step->films_on_walls(), scene_.exchange->extent());
+            coupler::contact_torques(bodies, scene_.rigid_step->contacts(), scene_.exchange->extent());
+      add_wall_impulses(bodies, scene_.rigid_step->other_wall_impulses(), scene_.exchange->extent(),
+                        wall_impulses_);
       const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
       counters_.body_speed = std::max(counters_.body_speed, speed);
       faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);
@@ -174,6 +175,7 @@ void Simulation::step() {
   const Traffic before = traffic();
   begin_step_of_traffic();
   scene_.move_walls(step_);
+  wall_impulses_.clear();
   if (!scene_.flow && setup().output.body_contacts) forget_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them

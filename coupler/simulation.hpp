@@ -112,6 +112,9 @@ class Simulation {
   /// Returns the torques of owned bodies' contacts with [[walls]] in the last sub-step; empty where no
   /// quantity of the case asks for a wall's torque or power. Local.
   std::span<const ContactTorque> contact_torques() const { return contact_torques_; }
+  /// Returns what owned bodies' contacts did to walls in the last step, all sub-steps, besides the impulses
+  /// that bodies remember. Local.
+  std::span<const WallImpulse> wall_impulses() const { return wall_impulses_; }
   std::uint64_t body_count() const;     // that have an owner on any rank, counted
   std::uint64_t bodies_asleep() const;  // of all ranks, held at rest now
   std::uint64_t contacts_now() const;   // of all ranks, in the last step
@@ -144,6 +147,7 @@ class Simulation {
   Traffic traffic_;
   BalanceRecord balance_;
   std::vector<ContactTorque> contact_torques_;
+  std::vector<WallImpulse> wall_impulses_;
 };
 
 }  // namespace silt::coupler

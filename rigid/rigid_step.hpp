@@ -55,9 +55,9 @@ class RigidStep {
       contact_impulse;
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }
-  /// Returns what films did to walls in the last sub-step besides the impulses that are remembered; after the
-  /// first step of a run not what they did against rolling.
-  std::span<const FilmOnWall> films_on_walls() const { return velocities_.films_on_walls; }
+  /// Returns what the last sub-step did to walls besides the impulses that are remembered; of the first step of
+  /// a run not what films did against rolling.
+  std::span<const OtherWallImpulse> other_wall_impulses() const { return velocities_.other_wall_impulses; }
   /// Returns what tells the seconds of all steps so far, on this rank.
   const RigidClock& clock() const { return clock_; }
 

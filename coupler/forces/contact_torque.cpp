@@ -8,13 +8,16 @@ using rigid::Contact;
 using rigid::StoredImpulse;
 using rigid::Vec3;
 
+namespace {
+Vec3 point_of(const rigid::BodySet& bodies, rigid::BodyId wall, rigid::Image image,
+              const rigid::Extent& extent) {
+  return bodies.position[bodies.row_of(wall)] + extent.shift(image);
+}
+}  // namespace
+
 std::vector<ContactTorque> contact_torques(const rigid::BodySet& bodies, std::span<const Contact> contacts,
-                                           std::span<const rigid::FilmOnWall> films,
                                            const rigid::Extent& extent) {
   std::vector<ContactTorque> found;
-  const auto point_of = [&](rigid::BodyId wall, rigid::Image image) -> Vec3 {
-    return bodies.position[bodies.row_of(wall)] + extent.shift(image);
-  };
   for (const Contact& c : contacts) {
     if (c.b < rigid::first_tube_id) continue;
     const std::size_t row = bodies.row_of(c.a);
@@ -24,16 +27,18 @@ std::vector<ContactTorque> contact_torques(const rigid::BodySet& bodies, std::sp
       return s.partner == c.b && s.image == c.image && s.feature == c.feature;
     });
     if (pressed == stored.end()) continue;
-    const Vec3 arm = bodies.position[row] + c.r_a - point_of(c.b, c.image);
+    const Vec3 arm = bodies.position[row] + c.r_a - point_of(bodies, c.b, c.image, extent);
     found.push_back({static_cast<int>(c.b - rigid::first_tube_id), arm.cross(pressed->impulse)});
   }
-  for (const rigid::FilmOnWall& film : films) {
-    if (film.wall < rigid::first_tube_id) continue;
-    const Vec3 arm = bodies.position[film.row] - point_of(film.wall, film.image);
-    found.push_back(
-        {static_cast<int>(film.wall - rigid::first_tube_id), arm.cross(film.impulse) + film.moment});
-  }
   return found;
+}
+
+void add_wall_impulses(const rigid::BodySet& bodies, std::span<const rigid::OtherWallImpulse> others,
+                       const rigid::Extent& extent, std::vector<WallImpulse>& found) {
+  for (const rigid::OtherWallImpulse& other : others) {
+    const Vec3 arm = bodies.position[other.row] - point_of(bodies, other.wall, other.image, extent);
+    found.push_back({other.wall, other.impulse, arm.cross(other.impulse) + other.moment});
+  }
 }
 
 }  // namespace silt::coupler

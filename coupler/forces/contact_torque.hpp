@@ -13,12 +13,22 @@ namespace silt::coupler {
 
 struct ContactTorque {
   int wall;            // of [[walls]]
-  rigid::Vec3 torque;  // of one contact's or film's impulse, lattice units, about the point of the wall
+  rigid::Vec3 torque;  // of one contact's impulse, lattice units, about the point of the wall
 };
 
-/// What contacts and films of owned bodies did to [[walls]] in a sub-step whose velocities are final, and
-/// whose second half of the drift is still to come.
+/// What a contact did to a wall in a sub-step besides the impulse that its body remembers.
+struct WallImpulse {
+  rigid::BodyId wall;
+  rigid::Vec3 impulse, torque;  // the latter about the point of the wall
+};
+
+/// What the contacts of owned bodies did to [[walls]] in a sub-step whose velocities are final, and whose
+/// second half of the drift is still to come.
 std::vector<ContactTorque> contact_torques(const rigid::BodySet&, std::span<const rigid::Contact>,
-                                           std::span<const rigid::FilmOnWall>, const rigid::Extent&);
+                                           const rigid::Extent&);
+
+/// Appends what they did besides, at the same time.
+void add_wall_impulses(const rigid::BodySet&, std::span<const rigid::OtherWallImpulse>, const rigid::Extent&,
+                       std::vector<WallImpulse>&);
 
 }  // namespace silt::coupler

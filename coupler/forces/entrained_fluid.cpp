@@ -20,7 +20,7 @@ double share_of_step(double displaced) {
 
 }  // namespace
 
-void EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impact& impact) const {
+rigid::Vec3 EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impact& impact) const {
   const auto compliance = [&](std::size_t row) {  // with the entrained fluid
     return bodies.inverse_mass(row) / (1 + entrained_ * (1 - bodies.weight_in_fluid[row]));
   };
@@ -30,6 +30,7 @@ void EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impact& imp
   const rigid::Vec3 impulse = share * impact.impulse * impact.normal;
   if (a < bodies.owned && bodies.is_free(a)) pending_impact(bodies, a) -= impulse;
   if (b < bodies.owned && bodies.is_free(b)) pending_impact(bodies, b) += impulse;
+  return impulse;
 }
 
 void give_pending_impacts(rigid::BodySet& bodies) {

@@ -22,7 +22,7 @@ class EntrainedFluid final : public rigid::ImpactSink {
  public:
   /// `entrained`: mass of the fluid that moves with a body, over the mass it displaces.
   explicit EntrainedFluid(double entrained = entrained_at_contact) : entrained_(entrained) {}
-  void operator()(rigid::BodySet&, const rigid::Impact&) const override;
+  rigid::Vec3 operator()(rigid::BodySet&, const rigid::Impact&) const override;
 
  private:
   double entrained_;

@@ -25,9 +25,8 @@ void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visi
   for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row])
       if (s.partner == wall) visit(Vec3(steps * s.impulse));
-  if (!simulation.scene().rigid_step) return;
-  for (const rigid::FilmOnWall& film : simulation.scene().rigid_step->films_on_walls())
-    if (film.wall == wall) visit(Vec3(steps * film.impulse));
+  for (const WallImpulse& other : simulation.wall_impulses())
+    if (other.wall == wall) visit(other.impulse);
 }
 
 /// About which a wall turns; of a mesh where it is at the start.
@@ -45,6 +44,9 @@ void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactS
   for (const ContactTorque& contact : simulation.contact_torques())
     if (contact.wall == wall)
       for (int d = 0; d < 3; ++d) torque[d].add(steps * contact.torque[d]);
+  for (const WallImpulse& other : simulation.wall_impulses())
+    if (other.wall == rigid::first_tube_id + wall)
+      for (int d = 0; d < 3; ++d) torque[d].add(other.torque[d]);
 }
 
 double area_of(const Case& scene, int axis) {

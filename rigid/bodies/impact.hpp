@@ -18,7 +18,8 @@ struct Impact {
 class ImpactSink {
  public:
   virtual ~ImpactSink() = default;
-  virtual void operator()(BodySet&, const Impact&) const = 0;
+  /// Returns what b gets besides the impulse reported, and a the reverse of, in time; W.
+  virtual Vec3 operator()(BodySet&, const Impact&) const = 0;
 };
 
 }  // namespace silt::rigid

@@ -8,7 +8,8 @@
 // its width's change, the slip of one surface past the other, and their rolling, the sum of both surfaces'
 // velocities seen from the point where they are closest. For spheres of radii a, b at the gap (A, B their
 // arms to its middle, n from a to b) the last is
-//   r = alpha (v_a - v_b)_t + (A omega_a - B omega_b) x n,   alpha = (a - b) / (a + b), at a wall -1.
+//   r = alpha (v_a - v_b)_t + (A omega_a - B omega_b) x n,   alpha = (a - b) / (a + b), at a wall -1,
+// velocities there as seen from a wall that turns.
 #include "rigid/math/types.hpp"
 
 namespace silt::rigid {

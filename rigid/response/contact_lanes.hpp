@@ -69,7 +69,7 @@ struct alignas(64) LubricatedGroup : CentralGroup {
   Real8 normal_stiffness;  // 1 + z k
   Real8 normal_damped, tangential_damped;
   Real8 skew;                   // alpha of lubrication.hpp
-  Real8 reach_a, reach_b;       // A and B there
+  Real8 reach_a, reach_b;       // A and B there; at a wall, of arm R, 2 A - R: as seen from it where it turns
   Real8 roll_gain, roll_keeps;  // z / (1 + z k), z k / (1 + z k)
   Real8 roll_to_slip;           // slip by a unit impulse against rolling, and the reverse
   Real8 rolling_impulse[3], last_rolling[3];

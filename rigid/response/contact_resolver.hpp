@@ -50,9 +50,9 @@ struct ResolverStatistics {
   }
 };
 
-/// What a film did to a wall besides the impulse that is remembered: against rolling there is one too, and that
-/// of an impact is forgotten.
-struct FilmOnWall {
+/// What a contact did to a wall besides the impulse that a body remembers: what its film did against rolling,
+/// what it did in an impact, which is forgotten, and what the ImpactSink says.
+struct OtherWallImpulse {
   BodyId wall;
   Image image;           // of the wall, as in Contact
   std::size_t row;       // of the body
@@ -68,7 +68,7 @@ struct StepVelocities {
   std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
   std::vector<Vec3> load, angular_load;   // out: impulses that bodies at rest take from moving ones; or empty
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
-  std::vector<FilmOnWall> films_on_walls;  // out: of owned bodies
+  std::vector<OtherWallImpulse> other_wall_impulses;  // out: of owned bodies
 };
 
 class ContactResolver {

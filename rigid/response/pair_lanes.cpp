@@ -187,7 +187,7 @@ PairLanes::Place PairLanes::add_lubricated(const PairToSolve& p) {
   g.tangential_damped[l] = damped(z_t, k_slip);
   g.skew[l] = skew;
   g.reach_a[l] = a;
-  g.reach_b[l] = is_wall(c.b) ? 0 : b;
+  g.reach_b[l] = is_wall(c.b) ? 2 * a + b : b;
   g.roll_gain[l] = gain;
   g.roll_keeps[l] = gain * k_r;
   g.roll_to_slip[l] = across;

@@ -317,10 +317,10 @@ void SffdResolver::aim_push(const std::vector<Contact>& contacts, double dt) {
 }
 
 /// The part of a contact's impulse that reverses the approach of its bodies; what it holds besides is load.
-void SffdResolver::report_impact(BodySet& bodies, const Pair& p, std::size_t contact,
+Vec3 SffdResolver::report_impact(BodySet& bodies, const Pair& p, std::size_t contact,
                                  const Vec3& normal) const {
   const double impulse = std::min(impulses_[contact].normal, p.reduced_mass * impact_changes_[contact]);
-  (*settings_.impacts)(bodies, {p.row_a, p.row_b, normal, impulse});
+  return (*settings_.impacts)(bodies, {p.row_a, p.row_b, normal, impulse});
 }
 
 /// What does not last is not remembered.
@@ -328,17 +328,18 @@ bool SffdResolver::is_mostly_impact(const Pair& p, std::size_t contact) const {
   return targets_[contact] * p.reduced_mass > 0.5 * impulses_[contact].normal;
 }
 
-void SffdResolver::note_film_on_wall(const Pair& p, std::span<const Contact> of_pair,
-                                     StepVelocities& velocities) {
+/// `by_sink`: sum over the pair's impacts, on the wall; they act about the body's centre.
+void SffdResolver::note_other_wall_impulse(const Pair& p, std::span<const Contact> of_pair,
+                                           const Vec3& by_sink, StepVelocities& velocities) const {
   const PairLanes::Rolling rolling = lanes_.read_rolling(p.place);
-  FilmOnWall film{of_pair[0].b, of_pair[0].image, p.row_a, rolling.impulse, rolling.moment};
+  OtherWallImpulse other{of_pair[0].b, of_pair[0].image, p.row_a, rolling.impulse + by_sink, rolling.moment};
   for (std::size_t k = 0; k < of_pair.size(); ++k) {
     if (!of_pair[k].lubrication || !is_mostly_impact(p, p.first + k)) continue;
     const Vec3 impulse = impulses_[p.first + k].along(of_pair[k].normal);
-    film.impulse += impulse;
-    film.moment += of_pair[k].r_a.cross(impulse);
+    other.impulse += impulse;
+    other.moment += of_pair[k].r_a.cross(impulse);
   }
-  velocities.films_on_walls.push_back(film);
+  if (!other.impulse.isZero(0) || !other.moment.isZero(0)) velocities.other_wall_impulses.push_back(other);
 }
 
 /// An overlap that a correction is worth.
@@ -351,7 +352,7 @@ bool SffdResolver::is_correctable(const Contact& c) const {
 void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts, StepVelocities& velocities,
                           ResolverStatistics& statistics) {
   forget_last_impulses(bodies, involved_);
-  velocities.films_on_walls.clear();
+  velocities.other_wall_impulses.clear();
   for (std::size_t n = 0; n < pairs_.size(); ++n) {  // in key order, so each body's list comes out sorted
     const Pair& p = pairs_[n];
     if (const Pair* soon = pair_ahead(n)) {
@@ -362,6 +363,7 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
     const std::span impulses = impulses_of(p);
     lanes_.read_impulses(p.place, impulses);
     if (!velocities.load.empty()) add_load(bodies, p.row_a, p.row_b, of_pair, impulses, velocities);
+    Vec3 by_sink = Vec3::Zero();
     for (std::size_t k = 0; k < impulses.size(); ++k) {
       const Contact& c = of_pair[k];
       const ContactImpulse& i = impulses[k];
@@ -370,9 +372,9 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
         statistics.cone_excess =
             std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
       if (settings_.impacts && impact_changes_[p.first + k] > 0)
-        report_impact(bodies, p, p.first + k, c.normal);
+        by_sink += report_impact(bodies, p, p.first + k, c.normal);
     }
-    if (of_pair[0].lubrication && is_wall(of_pair[0].b)) note_film_on_wall(p, of_pair, velocities);
+    if (is_wall(of_pair[0].b)) note_other_wall_impulse(p, of_pair, by_sink, velocities);
     for (std::size_t k = 0; k < impulses.size(); ++k)
       if (of_pair[k].lubrication && is_mostly_impact(p, p.first + k)) impulses[k] = {};
     if (!settings_.warm_start) continue;

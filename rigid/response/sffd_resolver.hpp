@@ -55,9 +55,10 @@ class SffdResolver : public ContactResolver {
   bool is_link(const Pair&, std::span<const Contact> of_pair) const;
   std::span<ContactImpulse> impulses_of(const Pair&);
   int settle_links(BodySet&, const std::vector<Contact>&, double dt, BodyExchange&);
-  void report_impact(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
+  Vec3 report_impact(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
   bool is_mostly_impact(const Pair&, std::size_t contact) const;
-  void note_film_on_wall(const Pair&, std::span<const Contact> of_pair, StepVelocities&);
+  void note_other_wall_impulse(const Pair&, std::span<const Contact> of_pair, const Vec3& by_sink,
+                               StepVelocities&) const;
   double least_scale(const Pair&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, const Sweeps&, double& residual);
   void aim_push(const std::vector<Contact>&, double dt);

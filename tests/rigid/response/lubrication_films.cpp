@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/scene.hpp"
 
@@ -107,6 +108,38 @@ TEST(Films, SlipAndRollingAtAWallAreTheImplicitSolution) {
   EXPECT_NEAR(s.w(ball)[1], exact[1], 1e-12);
 }
 
+/// What turns with the drum as one body, nothing resists.
+TEST(Films, ABallCarriedByATurningDrumFeelsNone) {
+  const double radius = 8, gap = 0.1, spin = 1e-3, dt = 1e-2, middle = radius - 1 - gap;
+  Scene s = with_films(1, 0, 300, 200);
+  const BodyId ball =
+      s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle, 0}, {0, 0, spin});
+  add_tube(s.bodies, s.world, {radius, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
+  s.start();
+  s.run(5, dt);
+  ASSERT_EQ(s.report.lubrication.with, 1u);
+  EXPECT_NEAR(s.v(ball)[1] / (spin * middle), 1, 1e-3);
+  EXPECT_NEAR(s.w(ball)[2] / spin, 1, 1e-3);
+}
+
+/// A ball that moves along the drum or on another way is slowed in the drum's frame as it is in one at rest.
+TEST(Films, ADrumThatTurnsResistsInItsFrame) {
+  const double radius = 8, gap = 0.1, dt = 1e-2, middle = radius - 1 - gap;
+  const auto slowed = [&](double spin) {
+    Scene s = with_films(1, 0, 3, 2);
+    const BodyId ball = s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle + 1e-3, 2e-3},
+                              {4e-3, -3e-3, spin + 2e-3});
+    add_tube(s.bodies, s.world, {radius, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
+    s.start();
+    s.run(1, dt);
+    return std::array<double, 4>{s.v(ball)[1] - spin * middle, s.v(ball)[2], s.w(ball)[1],
+                                 s.w(ball)[2] - spin};
+  };
+  const auto still = slowed(0), turning = slowed(1e-2);
+  EXPECT_LT(still[0], 0.99e-3);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(turning[k], still[k], 1e-6) << k;
+}
+
 /// By what the ball remembers and by the rest.
 TEST(Films, AWallGetsWhatTheBallLoses) {
   for (const double fall : {0.0, -0.2, -12.0}) {
@@ -125,8 +158,8 @@ TEST(Films, AWallGetsWhatTheBallLoses) {
       for (const Contact& c : s.step->contacts())
         if (c.feature == stored.feature) moment += c.r_a.cross(stored.impulse);
     }
-    ASSERT_EQ(s.step->films_on_walls().size(), 1u);
-    const FilmOnWall& film = s.step->films_on_walls()[0];
+    ASSERT_EQ(s.step->other_wall_impulses().size(), 1u);
+    const OtherWallImpulse& film = s.step->other_wall_impulses()[0];
     EXPECT_GT(film.impulse.head<2>().norm(), 1e-4);
     EXPECT_LT((p - s.momentum() - impulse - film.impulse).norm(), 1e-14) << fall;
     EXPECT_LT((inertia * (spin - s.w(ball)) - moment - film.moment).norm(), 1e-14) << fall;
