@@ -55,8 +55,8 @@ class RigidStep {
       contact_impulse;
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }
-  /// Returns what the last sub-step did to walls besides the impulses that are remembered; of the first step of
-  /// a run not what films did against rolling.
+  /// Returns what the last sub-step did to walls besides the impulses that are remembered; of the first step
+  /// of a run not what films did against rolling.
   std::span<const OtherWallImpulse> other_wall_impulses() const { return velocities_.other_wall_impulses; }
   /// Returns what tells the seconds of all steps so far, on this rank.
   const RigidClock& clock() const { return clock_; }

@@ -74,8 +74,8 @@ std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
   return mapped.end > mapped.first ? mapped.end - mapped.first : usual_steps;
 }
 
-/// Cut links over cells of a shape whose surface is 6 times its volume over its least width, as of spheres and
-/// cubes.
+/// Cut links over cells of a shape whose surface is 6 times its volume over its least width, as of spheres
+/// and cubes.
 double links_a_cell(const rigid::Shape& shape) {
   return links_of_a_surface * 6 / rigid::least_width(shape);
 }
@@ -125,8 +125,7 @@ void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const rigid::
           const int first = f.low.x + k, end = f.low.x + std::min(k + 64, f.size.x);
           if (cells)
             for_pieces(map.box, {first, y, z}, end, [&](Int3 x, int n) {
-              work.add(map.box.lower + x,
-                       of_a_cell * std::popcount(first_cells(cells >> (x.x - first), n)));
+              work.add(map.box.lower + x, of_a_cell * std::popcount(first_cells(cells >> (x.x - first), n)));
             });
         }
   }

@@ -55,9 +55,10 @@ void check_coupling(const Case& scene, Findings& findings, const std::string& ke
                     int shape) {
   const double least = least_explicit_density(scene, scene.shapes[shape]);
   if (density >= least) return;
-  findings.warning(key, fmt::format("{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is "
-                                    "stable from about {} on: use coupling.time = \"implicit\"",
-                                    key, shown(density), scene.shape_names[shape], shown(rounded_up(least))));
+  findings.warning(key,
+                   fmt::format("{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is "
+                               "stable from about {} on: use coupling.time = \"implicit\"",
+                               key, shown(density), scene.shape_names[shape], shown(rounded_up(least))));
 }
 
 void check_density(const Case& scene, Findings& findings, const std::string& entry, double density, int shape,

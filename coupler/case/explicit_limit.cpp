@@ -11,8 +11,7 @@ double least_explicit_density(const Case& scene, const rigid::Shape& shape) {
   if (!scene.fluid || scene.coupling.time != TimeCoupling::explicit_) return 0;
   const bool steps = scene.coupling.wall_scheme == WallScheme::bounce_back;
   const double stiffness = steps ? 4.7 : 5.13, bearable = steps ? 0.80 : 0.40;
-  return stiffness /
-         (rigid::least_width(shape) * bearable * std::sqrt(scene.fluid->relaxation_time - 0.5));
+  return stiffness / (rigid::least_width(shape) * bearable * std::sqrt(scene.fluid->relaxation_time - 0.5));
 }
 
 bool has_bodies_too_light(const Case& scene) {

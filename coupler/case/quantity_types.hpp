@@ -97,7 +97,8 @@ inline constexpr QuantityType types[] = {
      "from a "
      "time on: the slope of the bed in a round container"},
     {"weight-torque", dimension::torque, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity,
-     "torque about the axis through `centre` of the free bodies' weight less their buoyancy, mean from a time "
+     "torque about the axis through `centre` of the free bodies' weight less their buoyancy, mean from a "
+     "time "
      "on"},
     {"rebound-ratio", dimension::none, Q::body | Q::axis | Q::height, Q::bodies,
      "largest velocity along the axis over the largest against it, of bodies with their centres above the "

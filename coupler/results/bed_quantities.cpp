@@ -53,7 +53,7 @@ bool add_weighing_moment(const Simulation& simulation, const QuantitySpec& q, co
       moment);
 }
 
-/// What has no part along the axis and across gravity has no torque about it.
+/// The sum of r x (m g) along the axis.
 double weight_torque(const Case& scene, const QuantitySpec& q, std::span<const double> moment) {
   return Vec3(moment[0], moment[1], moment[2]).cross(scene.gravity)[q.axis];
 }

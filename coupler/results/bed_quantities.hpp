@@ -16,7 +16,6 @@ bool add_weighing_moment(const Simulation&, const QuantitySpec&, const QuantityH
                          std::span<rigid::ExactSum>);
 double weight_torque(const Case&, const QuantitySpec&, std::span<const double> moment);
 template <>
-inline constexpr Computation computation<"weight-torque"> =
-    mean_of<3, add_weighing_moment, weight_torque>;
+inline constexpr Computation computation<"weight-torque"> = mean_of<3, add_weighing_moment, weight_torque>;
 
 }  // namespace silt::coupler

@@ -164,8 +164,7 @@ TEST(LoadBalance, LinksAndBodiesAreCounted) {
 double mapping_of_a_link(double speed) {
   Simulation s = bottom().start(MPI_COMM_WORLD);
   for (int t = 0; t < 10; ++t) {  // past the first common one of nine
-    for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
-      s.set_velocity(id, {0, 0, speed}, {0, 0, 0});
+    for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id) s.set_velocity(id, {0, 0, speed}, {0, 0, 0});
     s.step();
   }
   WorkCosts costs = only(&WorkCosts::mapping);

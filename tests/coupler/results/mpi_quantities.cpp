@@ -122,8 +122,9 @@ TEST(Quantities, BedAngle) {
 
 /// A weight 3 to the one side of the axis, and one of another kind, which is not asked for.
 TEST(Quantities, WeightTorque) {
-  CaseText c = dry("position = [13, 5, 9]\nname = \"asked\"",
-                   "type = \"weight-torque\"\nbody = \"asked\"\naxis = \"y\"\ncentre = [16, 0, 16]\ntime = 0", 1);
+  CaseText c =
+      dry("position = [13, 5, 9]\nname = \"asked\"",
+          "type = \"weight-torque\"\nbody = \"asked\"\naxis = \"y\"\ncentre = [16, 0, 16]\ntime = 0", 1);
   c.bodies += "[[bodies]]\nshape = \"ball\"\ndensity = 1\nposition = [25, 25, 25]\n";
   c.rest = "[gravity]\nacceleration = [0, 0, -1e-12]\n";
   const double volume = 4. / 3 * std::numbers::pi * 64;

@@ -112,8 +112,7 @@ TEST(Films, SlipAndRollingAtAWallAreTheImplicitSolution) {
 TEST(Films, ABallCarriedByATurningDrumFeelsNone) {
   const double radius = 8, gap = 0.1, spin = 1e-3, dt = 1e-2, middle = radius - 1 - gap;
   Scene s = with_films(1, 0, 300, 200);
-  const BodyId ball =
-      s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle, 0}, {0, 0, spin});
+  const BodyId ball = s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle, 0}, {0, 0, spin});
   add_tube(s.bodies, s.world, {radius, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
   s.start();
   s.run(5, dt);
