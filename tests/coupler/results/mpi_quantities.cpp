@@ -1,5 +1,6 @@
 // The figures of [[quantities]]: what each is worth in scenes whose answer is known, and that every one is
 // the same to the bit on any number of ranks and across a checkpoint.
+#include <fmt/format.h>
 #include <mpi.h>
 
 #include <bit>
@@ -18,6 +19,7 @@
 namespace silt::coupler::testing {
 namespace {
 
+using rigid::Vec3;
 using tests::rank;
 
 constexpr const char* finely_cut = "domain.blocks=[8, 16, 8]";  // 32 blocks
@@ -297,6 +299,48 @@ CaseText watched_shear() {
       "[[quantities]]\nname = \"viscosity\"\ntype = \"relative-viscosity\"\naxis = \"z\"\ntime = 0\n"
       "[[quantities]]\nname = \"energy\"\ntype = \"energy-growth\"\n";
   return c;
+}
+
+/// All momentum that fluid and ball lose goes to the walls.
+void expect_walls_get_what_is_lost(const std::string& lubrication) {
+  CaseText c;
+  c.domain = domain_of({12, 12, 16}, R"({ x = "periodic", y = "periodic", z = "no-slip" })");
+  c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n";
+  c.shapes = sphere_of("ball", 6);
+  c.bodies = body_of("ball", 3,
+                     "position = [6, 6, 3.3]\nvelocity = [0.02, 0, -0.03]\nangular_velocity = [0, 0.01, 0]");
+  c.rest =
+      "[coupling]\nforce = \"exact\"\nlubrication = " + lubrication + "\n[contacts]\nrestitution = 0.9\n";
+  c.run = "[run]\nsteps = 60\n";
+  for (const char* side : {"z-low", "z-high"})
+    for (const char* axis : {"x", "z"})
+      c.run += fmt::format("[[quantities]]\nname = \"{0}{1}\"\ntype = \"wall-stress\"\nside = \"{0}\"\n",
+                           side, axis) +
+               fmt::format("axis = \"{}\"\ntime = 2\n", axis);
+  Simulation s = c.start(MPI_COMM_WORLD);
+  Quantities quantities(s.setup());
+  quantities.observe(s);
+  Vec3 start = Vec3::Zero();
+  for (int t = 1; t <= 60; ++t) {
+    s.step();
+    quantities.observe(s);
+    if (t == 1) start = s.balance().momentum;
+  }
+  const std::vector<double> stress = numbers(quantities.evaluate(s));
+  const Vec3 lost = start - s.balance().momentum;
+  const double impulse = 12 * 12 * 59;
+  EXPECT_GT(std::abs(lost[0]), 0.1);
+  EXPECT_NEAR(impulse * (stress[0] + stress[2]), lost[0], 1e-9 * std::abs(lost[0]));
+  EXPECT_NEAR(impulse * (stress[1] + stress[3]), lost[2], 1e-9 * std::abs(lost[2]));
+}
+
+/// By the fluid, by contacts, and by the film, against rolling too.
+TEST(Quantities, WallsGetTheMomentumThatIsLostInAFilm) {
+  expect_walls_get_what_is_lost("true");
+}
+/// By what it does to the fluid around the ball, too.
+TEST(Quantities, WallsGetTheMomentumThatIsLostInAnImpact) {
+  expect_walls_get_what_is_lost("false");
 }
 
 TEST(Quantities, OfWallsTheSameBitsOnAnyRanks) {
