@@ -6,11 +6,8 @@ namespace silt::rigid::SILT_ISA {
 namespace {
 
 constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
-constexpr int few_rounds = 1;            // ... that later sweeps go on with: of more, beds overlap no less
-constexpr int few_sweeps = 16;           // with so few rounds: who asks for more sweeps wants the law
 constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
 constexpr double converged_push = 1e-6;  // the same where only positions are corrected
-constexpr double worth_another = 0;      // ... relative to what the pair changes in this sweep
 
 /// The rounds of eight pairs.
 struct Rounds {
@@ -58,8 +55,9 @@ struct Rounds {
            g.inverse_arm * g.inverse_arm * dot(motion.angular, motion.angular);
   }
 
-  /// A lane that has settled ends, and keeps its result whatever the others do.
-  void run(const BlockGroup& g, BlockContact* contacts, double tolerance, int rounds) {
+  /// A lane that has settled ends, and keeps its result whatever the others do. With pairs that later sweeps
+  /// go on with, one round is as good as many: beds overlap no less by more.
+  void run(const BlockGroup& g, BlockContact* contacts, double tolerance) {
     const Mask final = ~goes_on(g.bodies);
     for (int round = 0; round < most_rounds && any(active); ++round) {
       change = Lanes{};
@@ -67,16 +65,11 @@ struct Rounds {
       for (std::uint32_t c = 0; c < g.count; ++c)
         solve(g, contacts[c], lubrication ? lubrication + c : nullptr);
       moved += square_root(change);
-      const Lanes enough = larger(tolerance * tolerance * scale, worth_another * worth_another * total(g));
-      active = active & (change > enough);
-      if (round + 1 < rounds) continue;
-      if (round + 1 < most_rounds) {
-        cut_short = cut_short | (active & ~final);
-        active = active & final;
-      } else {
-        cut_short = cut_short | active;
-      }
+      active = active & (change > tolerance * tolerance * scale);
+      cut_short = cut_short | (active & ~final);
+      active = active & final;
     }
+    cut_short = cut_short | active;
   }
 };
 
@@ -165,8 +158,7 @@ SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* a
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
-    rounds.run(g, contacts, sweep.push ? converged_push : converged,
-               sweep.number <= few_sweeps ? few_rounds : most_rounds);
+    rounds.run(g, contacts, sweep.push ? converged_push : converged);
     g.carried = choose(lanes.on, Lanes{}, g.carried);
     if (!sweep.plain) carry_on(g, contacts, rounds.motion, lanes);
     finish(g, rounds, lanes.on, sweep.tolerance);
