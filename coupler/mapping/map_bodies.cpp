@@ -210,7 +210,6 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     }
     take_cells(block.solid, mask);
     mask.kept = mask.kept && mask.bits == match->bits;
-    if (!mask.hollow) continue;
     if (mask.kept)
       mask.near.swap(match->near);
     else
@@ -219,8 +218,8 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   find_kept(block);
 }
 
-/// Of the masks that are what they were, those around which others changed cells are not kept: within a
-/// link's reach behind the cells next to them, and the windows reach two cells beyond them.
+/// Of the masks that are what they were, those around which others changed cells are not kept: where a link
+/// of theirs may read.
 void MapBodies::find_kept(BlockMap& block) {
   const Int3 size = block.box.size;
   const int words = block.solid.words();
@@ -234,10 +233,8 @@ void MapBodies::find_kept(BlockMap& block) {
 
 bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
   const Int3 low{-ghosts, -ghosts, -ghosts}, high = block.box.size + Int3{ghosts, ghosts, ghosts};
-  const int beyond = link_reach_ - 1;
-  const BitFrame& f = mask.frame();
-  const Int3 first = f.low - Int3{beyond, beyond, beyond};
-  const Int3 end = f.low + f.size + Int3{beyond, beyond, beyond};
+  const BitFrame near = near_frame(mask);
+  const Int3 first = near.low, end = near.low + near.size;
   for (int z = std::max(first.z, low.z); z < std::min(end.z, high.z); ++z)
     for (int y = std::max(first.y, low.y); y < std::min(end.y, high.y); ++y) {
       if (!block.row_changed(y, z)) continue;
@@ -245,30 +242,37 @@ bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
         const int x = 64 * k - ghosts;
         const std::uint64_t changed =
             (block.solid.at(y, z)[k] ^ block.before.at(y, z)[k]) & cells_between(x, first.x, end.x);
-        if (changed && (!mask.hollow || changed_near(mask, {x, y, z}, changed))) return true;
+        if (changed && (changed & near_cells(block, mask).from({x, y, z}))) return true;
       }
     }
   return false;
 }
 
-/// The frame of a hollow holds all of the block, and most of that is far from its surface: whether some of
-/// these cells, 64 of a row from `row` on, are where a link of it may read.
-bool MapBodies::changed_near(BodyMask& mask, Int3 row, std::uint64_t changed) const {
-  const BitFrame& f = mask.frame();
-  const Int3 end = f.low + f.size;
-  if (row.y < f.low.y || row.z < f.low.z || row.y >= end.y || row.z >= end.z ||
-      (changed & ~cells_between(row.x, f.low.x, end.x)))
-    return true;
-  if (mask.near.frame().words() == 0) {
-    mask.near = mask.bits;
-    BitWindow wider;
-    for (int step = 0; step <= link_reach_; ++step) {
-      wider.reset(f);
-      bit_kernels().widen(f, mask.near.words(), wider.words());
-      for (std::size_t k = 0; k < f.words(); ++k) mask.near.words()[k] |= wider.words()[k];
-    }
+/// What links of the mask may read: within their reach behind the cells next to it, and its frame reaches two
+/// cells beyond it.
+BitFrame MapBodies::near_frame(const BodyMask& mask) const {
+  const int beyond = link_reach_ - 1;
+  const Int3 b{beyond, beyond, beyond};
+  return BitFrame(mask.frame().low - b, mask.frame().size + b + b);
+}
+
+/// Found when first asked for.
+const BitWindow& MapBodies::near_cells(const BlockMap& block, BodyMask& mask) const {
+  if (mask.near.frame().words() > 0) return mask.near;
+  const BitFrame f = near_frame(mask);
+  const Int3 low = mask.frame().low, end = low + mask.frame().size;
+  mask.near.reset(f);
+  fill_rows(mask.near, block.box.size, ghosts, [&](int x, int y, int z) {
+    if (y < low.y || z < low.z || y >= end.y || z >= end.z) return std::uint64_t{0};
+    return mask.bits.from({x, y, z}) & cells_between(x, low.x, end.x);
+  });
+  BitWindow wider;
+  for (int step = 0; step <= link_reach_; ++step) {
+    wider.reset(f);
+    bit_kernels().widen(f, mask.near.words(), wider.words());
+    for (std::size_t k = 0; k < f.words(); ++k) mask.near.words()[k] |= wider.words()[k];
   }
-  return changed & mask.near.from(row);
+  return mask.near;
 }
 
 }  // namespace silt::coupler

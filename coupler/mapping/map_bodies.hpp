@@ -42,7 +42,8 @@ class MapBodies {
   void find_kept(BlockMap&);
   /// Whether a cell changed sides that the links of the mask may read.
   bool changed_around(const BlockMap&, BodyMask&) const;
-  bool changed_near(BodyMask&, lbm::Int3 row, std::uint64_t changed) const;
+  BitFrame near_frame(const BodyMask&) const;
+  const BitWindow& near_cells(const BlockMap&, BodyMask&) const;
   void mark(const BlockMap&, const rigid::Shape&, BodyMask&);
 
   const lbm::Domain& domain_;

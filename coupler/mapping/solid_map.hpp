@@ -25,7 +25,7 @@ struct BodyMask {
   BitWindow bits;           // the same less what walls and lower ids have
   bool any = false;         // in bits
   bool hollow = false;      // all around a tube or the like, wherever the block has cells
-  BitWindow near;           // of a hollow: the cells that its links may ask for; empty until that is needed
+  BitWindow near;           // the cells that its links may ask for; empty until that is needed
   int before = -1;          // index in masks_before of the same image; -1: it is new
   bool kept = false;        // neither its cells nor others around it have changed sides, nor has it moved
 
