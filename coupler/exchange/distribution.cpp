@@ -132,9 +132,11 @@ void ParallelBodyExchange::Distribution::tie(const BodySet& bodies) {
         std::lower_bound(ties.begin(), ties.end(), other, [](const Tie& t, int r) { return t.rank < r; });
     return at != ties.end() && at->rank == other ? *at : *ties.insert(at, {other, {}, {}});
   };
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (const auto found = held_by.find(bodies.id[row]); found != held_by.end())
-      for (const int holder : found->second) with(holder).given.push_back(bodies.id[row]);
+  held_.clear();
+  for (const auto& held : held_by) held_.push_back(held.first);
+  std::sort(held_.begin(), held_.end());
+  for (const BodyId id : held_)
+    for (const int holder : held_by.find(id)->second.ranks) with(holder).given.push_back(id);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
     with(owner(bodies.id[row])).taken.push_back(bodies.id[row]);
 }

@@ -76,11 +76,14 @@ struct ParallelBodyExchange::Distribution {
   const std::vector<int>
       around;  // other ranks that have a block within reach of one here, sorted: they agree
   ExchangeCounters counters;
-  // look-ups only, nothing runs through them in their order
-  std::unordered_map<rigid::BodyId, std::vector<int>>
-      held_by;                                      // owned bodies that others hold: those, sorted
-  std::unordered_map<rigid::BodyId, int> owner_of;  // copies and visitors
-  std::vector<Tie> ties;                            // by rank
+  // nothing depends on the order in which these are run through
+  struct Holding {
+    std::vector<int> ranks;  // sorted
+    std::uint64_t round;     // the last in which it was so
+  };
+  std::unordered_map<rigid::BodyId, Holding> held_by;  // owned bodies that others hold
+  std::unordered_map<rigid::BodyId, int> owner_of;     // copies and visitors
+  std::vector<Tie> ties;                               // by rank
 
   /// Ranks of ties that give (or take) anything.
   const std::vector<int>& those_that(std::vector<rigid::BodyId> Tie::*have);
@@ -108,6 +111,8 @@ struct ParallelBodyExchange::Distribution {
   void plan_velocity_messages(const rigid::BodySet&);
 
   std::vector<int> ranks_, near_;                    // scratch
+  std::vector<rigid::BodyId> held_;                  // scratch
+  std::uint64_t round_ = 0;                          // of announcements
   std::vector<std::size_t> departures_;              // owned rows that are handed over
   std::vector<VelocityMessages> velocity_messages_;  // by rank
   std::vector<std::pair<rigid::BodyId, rigid::BodyId>>

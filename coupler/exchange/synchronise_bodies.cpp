@@ -82,6 +82,10 @@ void include(std::vector<int>& sorted, int rank) {
   if (at == sorted.end() || *at != rank) sorted.insert(at, rank);
 }
 
+bool is_among(const std::vector<int>& sorted, int rank) {
+  return std::binary_search(sorted.begin(), sorted.end(), rank);
+}
+
 /// Inserts where the order of ids in a section of rows asks for it.
 std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count, const BodyRecord& record) {
   const auto begin = bodies.id.begin() + first;
@@ -173,8 +177,10 @@ bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
 
 void ParallelBodyExchange::Distribution::announce(BodySet& bodies, Owners owners) {
   departures_.clear();
+  ++round_;
   if (owners != Owners::anywhere) expect_all_around();
   for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row, owners);
+  std::erase_if(held_by, [&](const auto& held) { return held.second.round != round_; });
   send_forces_of_copies(bodies);
 }
 
@@ -188,12 +194,9 @@ void ParallelBodyExchange::Distribution::require_around(BodyId id, int to) const
 void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row,
                                                        Owners owners) {
   const BodyId id = bodies.id[row];
-  const auto known = held_by.find(id);
   find_holders(bodies, row, ranks_);
-  if (ranks_.size() == 1 && ranks_[0] == rank) {
-    if (known != held_by.end()) held_by.erase(known);
-    return;
-  }
+  if (ranks_.size() == 1 && ranks_[0] == rank) return;  // as most
+  const auto known = held_by.find(id);
   const int owner = owners == Owners::stay ? rank : holders.rank_at(bodies.position[row]);
   include(ranks_, rank);
   const BodyRecord record = bodies.record(row);
@@ -201,8 +204,7 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
     if (to == rank) continue;
     if (owners != Owners::anywhere) require_around(id, to);
     Bytes& message = messages.to(to);
-    const bool has_copy =
-        known != held_by.end() && std::binary_search(known->second.begin(), known->second.end(), to);
+    const bool has_copy = known != held_by.end() && is_among(known->second.ranks, to);
     if (to != owner && has_copy) {
       put(message, BodyItem::update);
       put(message, state_of(record, owner));
@@ -218,7 +220,8 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
     if (known != held_by.end()) held_by.erase(known);
     return;
   }
-  std::vector<int>& others = held_by[id];
+  auto& [others, round] = held_by[id];
+  round = round_;
   others.clear();
   std::copy_if(ranks_.begin(), ranks_.end(), std::back_inserter(others), [&](int r) { return r != rank; });
 }
@@ -289,7 +292,7 @@ bool ParallelBodyExchange::Distribution::settle(BodySet& bodies, Arrivals& arriv
     bodies.force[row] = t.force;
     bodies.torque[row] = t.torque;
     bodies.stored_impulses[row] = std::move(t.impulses);
-    held_by[t.record.id] = std::move(t.holders);
+    held_by[t.record.id] = {std::move(t.holders), round_};
   }
   for (const Traveller& t : arrivals.copies) {
     insert_sorted(bodies, bodies.owned, bodies.copies, t.record);

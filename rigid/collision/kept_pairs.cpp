@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace silt::rigid {
 
@@ -25,20 +26,39 @@ bool differ(const std::array<std::int32_t, 3>& a, const std::array<std::int32_t,
 
 }  // namespace
 
-bool KeptPairs::same_surroundings(const Surroundings& around, std::span<const WallSurface> walls) const {
-  if (around.size() != seen_.size() || around.extent.size != extent_.size ||
-      around.extent.periodic != extent_.periodic ||
-      !std::equal(walls.begin(), walls.end(), walls_.begin(), walls_.end(), same))
-    return false;
-  for (std::size_t row = 0; row < seen_.size(); ++row)
-    if (around.bodies.id[row] != seen_[row].id || around.bodies.is_dynamic(row) != seen_[row].dynamic)
-      return false;
+bool KeptPairs::same_room(const Surroundings& around, std::span<const WallSurface> walls) const {
+  return !seen_.empty() && around.extent.size == extent_.size && around.extent.periodic == extent_.periodic &&
+         std::equal(walls.begin(), walls.end(), walls_.begin(), walls_.end(), same);
+}
+
+bool KeptPairs::same_rows(const Surroundings& around) const {
+  if (around.size() != numbers_.size()) return false;
+  for (std::size_t row = 0; row < numbers_.size(); ++row)
+    if (seen_[numbers_[row]].id != around.bodies.id[row]) return false;
   return true;
 }
 
+/// In which rows the bodies are now, and which rows have bodies that were not there before.
+void KeptPairs::find_rows(const Surroundings& around) {
+  const BodySet& bodies = around.bodies;
+  numbers_.assign(around.size(), none);
+  std::size_t wall = around.size();
+  for (std::uint32_t n = 0; n < seen_.size(); ++n) {
+    if (seen_[n].wall) rows_[n] = static_cast<std::uint32_t>(wall++);
+    if (seen_[n].wall || rows_[n] == none) continue;
+    const std::size_t row = bodies.row_of(seen_[n].id);
+    const bool here = row < around.size() && bodies.id[row] == seen_[n].id;
+    rows_[n] = here ? static_cast<std::uint32_t>(row) : none;
+    if (here) numbers_[row] = n;
+  }
+  for (std::uint32_t row = 0; row < around.size(); ++row)
+    if (numbers_[row] == none) newcomers_.push_back(row);
+}
+
 /// Through periodic sides, too.
-Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t row) const {
-  const Seen& then = seen_[row];
+Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t n) const {
+  const Seen& then = seen_[n];
+  const std::size_t row = rows_[n];
   const auto& image = around.bodies.image[row];
   Vec3 displacement = around.bodies.position[row] - then.position;
   if (differ(image, then.image))
@@ -46,64 +66,83 @@ Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t row) con
   return displacement;
 }
 
+/// From all: displacements since the same time.
+Vec3 KeptPairs::apart(const Surroundings& around, std::size_t n, const Vec3& common) const {
+  return displacement_of(around, n) - (common - seen_[n].common);
+}
+
 /// What bodies have moved on the mean. Whatever it is, what they have moved apart from it counts.
 Vec3 KeptPairs::common_displacement(const Surroundings& around) const {
   Vec3 sum = Vec3::Zero();
   std::size_t count = 0;
-  for (std::size_t row = 0; row < seen_.size(); row += seen_.size() / sample | 1, ++count)
-    sum += displacement_of(around, row);
+  for (std::size_t n = 0; n < seen_.size(); n += seen_.size() / sample | 1) {
+    if (seen_[n].wall || rows_[n] == none) continue;
+    sum += displacement_of(around, n) + seen_[n].common;
+    ++count;
+  }
   return count ? Vec3(sum / double(count)) : sum;
 }
 
 /// Two bodies have at most one image of each other in reach. Else another one may come to meet, where one of
 /// them passes a periodic side, that was none when the pairs were found.
 bool KeptPairs::images_are_few() const {
-  double largest = 0;
-  for (std::size_t row = 0; row < seen_.size(); ++row)
-    largest = std::max(largest, seen_[row].reach + slack_[row].to_bodies);
   for (int d = 0; d < 3; ++d)
-    if (extent_.periodic[d] && extent_.size[d] <= 2 * largest) return false;
+    if (extent_.periodic[d] && extent_.size[d] <= 2 * largest_) return false;
   return true;
 }
 
 bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> walls) {
   ++calls_;
   wrapped_ = false;
-  known_ = same_surroundings(around, walls);
+  newcomers_.clear();
+  known_ = same_room(around, walls);
   if (!known_) return false;
+  if (!same_rows(around)) find_rows(around);
   // without slack only what has not moved at all is sure: not even rounding may differ
   const Vec3 common = has_slack_ ? common_displacement(around) : Vec3(Vec3::Zero());
   const auto used_up = [](double moved, double left) { return left < 0 || moved > left * left; };
-  for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const Vec3 moved = displacement_of(around, row);
-    const double grown = around.reach[row].sum() - seen_[row].reach, sure = 1 - slack_rounding;
-    if (used_up((moved - common).squaredNorm(), sure * slack_[row].to_bodies - grown)) return false;
-    if (!walls_.empty() && used_up(moved.squaredNorm(), sure * slack_[row].to_walls - grown)) return false;
-    wrapped_ |= differ(around.bodies.image[row], seen_[row].image);
+  for (std::size_t n = 0; n < seen_.size(); ++n) {
+    const Seen& seen = seen_[n];
+    if (seen.wall || rows_[n] == none) continue;
+    const std::size_t row = rows_[n];
+    if (around.bodies.is_dynamic(row) != seen.dynamic) return known_ = false;
+    const double grown = around.reach[row].sum() - seen.reach, sure = 1 - slack_rounding;
+    const Vec3 moved = displacement_of(around, n);
+    if (used_up((moved - (common - seen.common)).squaredNorm(), sure * seen.slack.to_bodies - grown))
+      return false;
+    if (!walls_.empty() && used_up(moved.squaredNorm(), sure * seen.slack.to_walls - grown)) return false;
+    wrapped_ |= differ(around.bodies.image[row], seen.image);
   }
-  return !wrapped_ || few_images_;
+  return (!wrapped_ || images_are_few()) && (newcomers_.empty() || take_in(around, walls, common));
 }
 
-/// What a body moves in a call, apart from the others and in all, as it did since the pairs were found.
-KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t row, const Vec3& common) const {
-  const Vec3 moved = displacement_of(around, row);
-  const double grown = std::max(0.0, around.reach[row].sum() - seen_[row].reach), share = ahead / calls_;
-  return {float(share * ((moved - common).norm() + grown)), float(share * (moved.norm() + grown))};
+/// What a body moves in a call, apart from the others and in all, as it did since it was seen.
+KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t n, const Vec3& common) const {
+  const Seen& seen = seen_[n];
+  if (seen.calls == calls_) return {};
+  const Vec3 moved = displacement_of(around, n);
+  const double grown = std::max(0.0, around.reach[rows_[n]].sum() - seen.reach),
+               share = ahead / (calls_ - seen.calls);
+  return {float(share * ((moved - (common - seen.common)).norm() + grown)),
+          float(share * (moved.norm() + grown))};
 }
 
 /// So many calls as make them cheapest: each looks at all of the list, which has the more pairs the more it
 /// is to last, and the first one finds it.
 double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) const {
   std::array<double, std::size(tried_calls)> pairs{};
-  for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const double reach = seen_[row].reach, motion = motion_of(around, row, common).to_bodies;
+  std::size_t bodies = 0;
+  for (std::size_t n = 0; n < seen_.size(); ++n) {
+    if (seen_[n].wall || rows_[n] == none) continue;
+    ++bodies;
+    const double reach = seen_[n].reach, motion = motion_of(around, n, common).to_bodies;
     const double shares = reach > 0 ? motion / reach : 0;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const double wider = 1 + std::max(least_slack, tried_calls[k] * shares);
       pairs[k] += wider * wider * wider;
     }
   }
-  double best = 0, least = (search + 1) * double(seen_.size());
+  double best = 0, least = (search + 1) * double(bodies);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const double cost = pairs[k] * (search / (tried_calls[k] + 1) + 1);
     if (cost < least) best = tried_calls[k], least = cost;
@@ -112,44 +151,63 @@ double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) con
 }
 
 std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
-  slack_.assign(around.size(), {0, 0});
+  planned_.assign(around.size(), {0, 0});
+  typical_ = {0, 0};
   has_slack_ = false;
-  if (!known_) return slack_;
+  if (!known_) return planned_;
   const Vec3 common = common_displacement(around);
   const double calls = best_calls(around, common);
-  if (calls == 0) return slack_;
+  if (calls == 0) return planned_;
   has_slack_ = true;
-  for (std::size_t row = 0; row < seen_.size(); ++row) {
-    const Slack motion = motion_of(around, row, common);
-    const float least = float(least_slack * seen_[row].reach);
-    slack_[row] = {std::max(least, float(calls) * motion.to_bodies),
-                   std::max(least, float(calls) * motion.to_walls)};
+  double to_bodies = 0, to_walls = 0;
+  const auto wider = [&](std::size_t row, const Slack& slack) -> Slack {
+    const float least = float(least_slack * around.reach[row].sum());
+    return {std::max(least, slack.to_bodies), std::max(least, slack.to_walls)};
+  };
+  std::size_t known = 0;
+  for (std::size_t row = 0; row < around.size(); ++row) {
+    if (numbers_[row] == none) continue;
+    const Slack motion = motion_of(around, numbers_[row], common);
+    planned_[row] = wider(row, {float(calls) * motion.to_bodies, float(calls) * motion.to_walls});
+    to_bodies += planned_[row].to_bodies, to_walls += planned_[row].to_walls, ++known;
   }
-  return slack_;
+  if (known > 0) typical_ = {float(to_bodies / double(known)), float(to_walls / double(known))};
+  for (const std::uint32_t row : newcomers_) planned_[row] = wider(row, typical_);
+  return planned_;
 }
 
 std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::span<const WallSurface> walls) {
   const BodySet& bodies = around.bodies;
-  seen_.resize(around.size());
-  for (std::size_t row = 0; row < around.size(); ++row)
-    seen_[row] = {bodies.id[row], bodies.position[row], bodies.image[row], bodies.is_dynamic(row),
-                  around.reach[row].sum()};
+  seen_.clear();
+  for (std::size_t row = 0; row < bodies.size(); ++row) {
+    const bool wall = row >= around.size();
+    seen_.push_back({bodies.id[row], bodies.position[row], Vec3::Zero(), bodies.image[row], wall,
+                     bodies.is_dynamic(row), 0, wall ? 0 : around.reach[row].sum(),
+                     wall ? Slack{} : planned_[row]});
+  }
+  rows_.resize(seen_.size());
+  std::iota(rows_.begin(), rows_.end(), 0u);
+  numbers_.resize(around.size());
+  std::iota(numbers_.begin(), numbers_.end(), 0u);
+  newcomers_.clear();
   walls_.assign(walls.begin(), walls.end());
   extent_ = around.extent;
   calls_ = 0;
   wrapped_ = false;
-  few_images_ = images_are_few();
+  first_wall_ = around.size();
+  largest_ = 0;
+  for (const Seen& seen : seen_) largest_ = std::max(largest_, seen.reach + seen.slack.to_bodies);
   return pairs_;
 }
 
 /// The image of b relative to a follows both through periodic sides. Returns whether it is one that bodies
 /// meet through.
-bool KeptPairs::image_now(const BodySet& bodies, CandidatePair& p) const {
+bool KeptPairs::image_now(const BodySet& bodies, CandidatePair& p, const Seen& a_then,
+                          const Seen& b_then) const {
   const auto &a = bodies.image[p.row_a], &b = bodies.image[p.row_b];
-  const auto &a_then = seen_[p.row_a].image, &b_then = seen_[p.row_b].image;
   std::int8_t* const of_pair[3] = {&p.image.x, &p.image.y, &p.image.z};
   for (int d = 0; d < 3; ++d) {
-    const std::int32_t image = *of_pair[d] + (b[d] - b_then[d]) - (a[d] - a_then[d]);
+    const std::int32_t image = *of_pair[d] + (b[d] - b_then.image[d]) - (a[d] - a_then.image[d]);
     if (image < -1 || image > 1) return false;
     *of_pair[d] = static_cast<std::int8_t>(image);
   }
@@ -158,9 +216,12 @@ bool KeptPairs::image_now(const BodySet& bodies, CandidatePair& p) const {
 
 void KeptPairs::select(const Surroundings& around, std::span<const WallSurface> walls,
                        std::vector<CandidatePair>& pairs) const {
-  for (CandidatePair p : pairs_) {
-    const bool wall = p.row_b >= around.size();
-    if (!wall && wrapped_ && !image_now(around.bodies, p)) continue;
+  for (const CandidatePair& kept : pairs_) {
+    const std::uint32_t row_a = rows_[kept.row_a], row_b = rows_[kept.row_b];
+    if (row_a == none || row_b == none) continue;
+    CandidatePair p{row_a, row_b, kept.image};
+    const bool wall = row_b >= around.size();
+    if (!wall && wrapped_ && !image_now(around.bodies, p, seen_[kept.row_a], seen_[kept.row_b])) continue;
     if (wall ? around.meets(p.row_a, walls[p.row_b - around.size()]) : around.meet(p)) pairs.push_back(p);
   }
 }

@@ -7,6 +7,9 @@
 // The slack of a body is what it is expected to move in the calls that the list is to serve: fast bodies have
 // more than slow ones. Only motion apart from that which all have in common counts, so that a bed that falls
 // keeps its list; towards walls all of it does.
+//
+// Of many ranks each has bodies that come and go. Those that have gone are passed over; the few that come are
+// looked at with all the others, and what they may meet is added (kept_newcomers.cpp).
 #include <vector>
 
 #include "rigid/collision/surroundings.hpp"
@@ -21,7 +24,7 @@ class KeptPairs {
   struct Slack {
     float to_bodies, to_walls;
   };
-  /// After hold(): what is worth while, one a body; nothing where bodies come and go or move too fast.
+  /// After hold(): what is worth while, one a body; nothing where bodies move too fast.
   std::span<const Slack> plan(const Surroundings&);
   /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack that was
   /// planned, sorted as BroadPhase says.
@@ -30,32 +33,50 @@ class KeptPairs {
   void select(const Surroundings&, std::span<const WallSurface>, std::vector<CandidatePair>& pairs) const;
 
  private:
-  struct Seen {  // a body, when the pairs were found
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  struct Seen {  // a body, when it was looked at with all the others; or a wall
     BodyId id;
-    Vec3 position;
+    Vec3 position, common;  // common: displacement of all by then
     std::array<std::int32_t, 3> image;
-    bool dynamic;
+    bool wall, dynamic;
+    int calls;  // by then
     double reach;
+    Slack slack;
   };
-  bool same_surroundings(const Surroundings&, std::span<const WallSurface>) const;
+  bool same_room(const Surroundings&, std::span<const WallSurface>) const;
+  bool same_rows(const Surroundings&) const;
+  void find_rows(const Surroundings&);
   bool images_are_few() const;
-  Vec3 displacement_of(const Surroundings&, std::size_t row) const;
+  Vec3 displacement_of(const Surroundings&, std::size_t n) const;
+  Vec3 apart(const Surroundings&, std::size_t n, const Vec3& common) const;
   Vec3 common_displacement(const Surroundings&) const;
   double best_calls(const Surroundings&, const Vec3& common) const;
-  Slack motion_of(const Surroundings&, std::size_t row, const Vec3& common) const;
-  bool image_now(const BodySet&, CandidatePair&) const;
+  Slack motion_of(const Surroundings&, std::size_t n, const Vec3& common) const;
+  bool image_now(const BodySet&, CandidatePair&, const Seen& a, const Seen& b) const;
 
-  std::vector<Seen> seen_;
+  // ---- kept_newcomers.cpp ----
+  bool take_in(const Surroundings&, std::span<const WallSurface>, const Vec3& common);
+  void pair_with_all(const Surroundings&, std::size_t n, const Vec3& common);
+  bool one_image_is_in_reach() const;
+  Image image_stored(const BodySet&, std::size_t a, std::size_t b) const;
+
+  std::vector<Seen> seen_;                // bodies, walls, then those that came later
+  std::vector<std::uint32_t> rows_;       // of those seen, now; none: it is gone
+  std::vector<std::uint32_t> numbers_;    // of the rows, in seen_; none: it has just come
+  std::vector<std::uint32_t> newcomers_;  // rows
   std::vector<WallSurface> walls_;
   Extent extent_;
-  std::vector<Slack> slack_;  // one a body
+  std::vector<Slack> planned_;  // one a row
+  Slack typical_{};             // of all
   bool has_slack_ = false;
-  bool few_images_ = false;
+  double largest_ = 0;          // reach and slack of a body
+  std::size_t first_wall_ = 0;  // in seen_
   // since then
   int calls_ = 0;
-  bool known_ = false;    // the same bodies and walls
-  bool wrapped_ = false;  // some body passed a periodic side
-  std::vector<CandidatePair> pairs_;
+  bool known_ = false;                // the same walls, and bodies that are what they were
+  bool wrapped_ = false;              // some body passed a periodic side
+  std::vector<CandidatePair> pairs_;  // of numbers in seen_
+  std::vector<CandidatePair> added_;
 };
 
 }  // namespace silt::rigid

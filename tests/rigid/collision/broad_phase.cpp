@@ -45,8 +45,8 @@ struct Cloud {
   std::set<Key> brute() const {
     std::set<Key> found;
     const auto images = [&](int d) { return extent.periodic[d] ? 1 : 0; };
-    for (std::size_t a = 0; a < bodies.size(); ++a)
-      for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (std::size_t a = 0; a < bodies.first_wall(); ++a)
+      for (std::size_t b = 0; b < bodies.first_wall(); ++b) {
         if (bodies.id[a] >= bodies.id[b] || (!bodies.is_free(a) && !bodies.is_free(b))) continue;
         for (int i = -images(0); i <= images(0); ++i)
           for (int j = -images(1); j <= images(1); ++j)
@@ -69,6 +69,16 @@ struct Cloud {
     return keys;
   }
 };
+
+/// A row for a wall.
+void add_wall_row(BodySet& bodies) {
+  BodyRecord wall;
+  wall.id = first_wall_id + 4;
+  wall.motion = Motion::fixed;
+  bodies.insert(bodies.size(), wall);
+  bodies.walls = 1;
+  bodies.reindex();
+}
 
 class BroadPhases : public ::testing::TestWithParam<std::string> {
  protected:
@@ -115,12 +125,7 @@ TEST_P(BroadPhases, MixedSizes) {
 
 TEST_P(BroadPhases, WallsAreApart) {
   Cloud cloud(50, {10, 10, 2}, {true, true, false}, 0.5, 0.5, 0, 2);
-  BodyRecord wall;
-  wall.id = first_wall_id + 4;
-  wall.motion = Motion::fixed;
-  cloud.bodies.insert(cloud.bodies.size(), wall);
-  cloud.bodies.walls = 1;
-  cloud.bodies.reindex();
+  add_wall_row(cloud.bodies);
   std::vector<CandidatePair> pairs;
   const WallSurface floor{Vec3::Zero(), Vec3::UnitZ()};
   (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {&floor, 1}, pairs);
@@ -245,46 +250,91 @@ TEST_P(BroadPhases, FollowsBodiesThatCreep) {
 
 /// Bodies that fall together, past some that are fixed and on to a floor.
 struct FallingCloud {
-  Cloud cloud{200, {6, 6, 40}, {true, true, false}, 0.3, 1.5, 3, 23};
+  Cloud cloud;
   const WallSurface floor{{0, 0, 12}, {0, 0, 1}};
   const Vec3 velocity;
   std::vector<Vec3> own_velocity;
+  bool turns = false;  // own velocities do, each body's at its own time
+  int now = 0;
 
-  FallingCloud(const Vec3& common, double own_speed, bool all_fall) : velocity(common) {
+  FallingCloud(const Vec3& common, double own_speed, bool all_fall, double width = 6, double small = 0.3,
+               double large = 1.5)
+      : cloud(200, {width, width, 40}, {true, true, false}, small, large, 3, 23), velocity(common) {
     std::mt19937 g(9);
     std::normal_distribution<> normal;
     for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
       own_velocity.push_back(own_speed * Vec3(normal(g), normal(g), normal(g)));
       cloud.bodies.motion[row] = all_fall || row % 20 ? Motion::free : Motion::fixed;
     }
+    add_wall_row(cloud.bodies);
   }
   void step() {
-    for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
+    ++now;
+    for (std::size_t row = 0; row < cloud.bodies.first_wall(); ++row) {
       if (!cloud.bodies.is_free(row)) continue;
-      cloud.bodies.position[row] += velocity + own_velocity[row];
+      const bool back = turns && (now + 5 * row) % 24 < 12;
+      cloud.bodies.position[row] += back ? Vec3(velocity - own_velocity[row]) : velocity + own_velocity[row];
       cloud.extent.wrap(cloud.bodies.position[row], cloud.bodies.image[row]);
     }
   }
-  /// Pairs of bodies; bodies near the floor.
-  std::pair<std::set<Key>, std::set<BodyId>> found_by(BroadPhase& broad_phase) const {
+  using Pairs = std::pair<std::set<Key>, std::set<BodyId>>;  // of bodies; bodies near the floor
+
+  Pairs found_by(BroadPhase& broad_phase, const Cloud& here) const {
     std::vector<CandidatePair> pairs;
-    broad_phase(cloud.bodies, cloud.extent, cloud.reach, std::span(&floor, 1), pairs);
-    std::pair<std::set<Key>, std::set<BodyId>> found;
+    broad_phase(here.bodies, here.extent, here.reach, std::span(&floor, 1), pairs);
+    Pairs found;
+    std::vector<Key> keys;
     for (const CandidatePair& p : pairs) {
-      const BodyId a = cloud.bodies.id[p.row_a];
-      if (p.row_b < cloud.bodies.size())
-        found.first.emplace(a, cloud.bodies.id[p.row_b], p.image);
+      const BodyId a = here.bodies.id[p.row_a];
+      keys.emplace_back(a, here.bodies.id[p.row_b], p.image);
+      if (p.row_b < here.bodies.first_wall())
+        found.first.insert(keys.back());
       else
         found.second.insert(a);
     }
+    EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+    EXPECT_EQ(found.first.size() + found.second.size(), keys.size()) << "each once";
     return found;
   }
-  std::pair<std::set<Key>, std::set<BodyId>> brute() const {
+  Pairs brute(const Cloud& here) const {
     std::set<BodyId> near_floor;
-    for (std::size_t row = 0; row < cloud.bodies.size(); ++row)
-      if (cloud.bodies.is_free(row) && floor.distance(cloud.bodies.position[row]) <= cloud.reach[row].sum())
-        near_floor.insert(cloud.bodies.id[row]);
-    return {cloud.brute(), near_floor};
+    for (std::size_t row = 0; row < here.bodies.first_wall(); ++row)
+      if (here.bodies.is_free(row) && floor.distance(here.bodies.position[row]) <= here.reach[row].sum())
+        near_floor.insert(here.bodies.id[row]);
+    return {here.brute(), near_floor};
+  }
+  Pairs found_by(BroadPhase& broad_phase) const { return found_by(broad_phase, cloud); }
+  Pairs brute() const { return brute(cloud); }
+
+  /// For so many of 1000 steps.
+  static bool is_away(BodyId id, int step, int steps) {
+    return ((id * 0x9E3779B97F4A7C15 >> 40) + 8 * step) % 1000 < unsigned(steps);
+  }
+
+  /// What a rank of many would have of it: every other body or so, some of them as copies; in each step a few
+  /// come, a few go, and a few change hands.
+  Cloud part(int step) const {
+    Cloud here = cloud;
+    for (std::size_t row = here.bodies.first_wall(); row-- > 0;)
+      if (is_away(here.bodies.id[row], step, 400)) {
+        here.bodies.erase(row);
+        --here.bodies.owned;
+        here.reach.erase(here.reach.begin() + row);
+      }
+    BodySet& bodies = here.bodies;
+    for (std::size_t row = bodies.owned; row-- > 0;)
+      if (is_away(~bodies.id[row], step, 300)) {
+        const BodyRecord record = bodies.record(row);
+        const Reach reach = here.reach[row];
+        const std::size_t copies_begin = bodies.owned - 1;
+        bodies.erase(row);
+        here.reach.erase(here.reach.begin() + row);
+        bodies.insert(copies_begin, record);
+        here.reach.insert(here.reach.begin() + copies_begin, reach);
+        --bodies.owned, ++bodies.copies;
+      }
+    bodies.reindex();
+    return here;
   }
 };
 
@@ -301,6 +351,21 @@ TEST_P(BroadPhases, FollowsBodiesThatFallTogether) {
   }
 }
 
+/// Through periodic sides, too.
+TEST_P(BroadPhases, FollowsBodiesThatComeAndGo) {
+  for (const Vec3& common : {Vec3(0.05, 0, -0.06), Vec3(0.05, -0.02, 0)})
+    for (const double own : {1e-2, 1e-3, 1e-5})
+      for (const double width : {6.0, 10.0}) {  // a newcomer may meet two images of another, or one
+        FallingCloud falling(common, own, false, width, 0.8, 0.9);
+        falling.turns = true;
+        for (int step = 0; step < 150; ++step) {
+          const Cloud here = falling.part(step);
+          ASSERT_EQ(falling.found_by(*broad_phase, here), falling.brute(here)) << "in step " << step;
+          falling.step();
+        }
+      }
+}
+
 /// It counts how often it has to look.
 struct CountSearches : BroadPhase {
   int searches = 0;
@@ -312,6 +377,69 @@ struct CountSearches : BroadPhase {
         if (const CandidatePair p = around.in_order(a, b, {}); around.meet(p)) found.push_back(p);
   }
 };
+
+TEST(KeptPairs, BodiesThatComeAndGoCostFewSearches) {
+  constexpr int steps = 60;
+  FallingCloud falling({0.01, 0, -0.06}, 2e-4, true, 10, 0.5, 0.9);
+  CountSearches counting;
+  for (int step = 0; step < steps; ++step) {
+    falling.found_by(counting, falling.part(step));
+    falling.step();
+  }
+  EXPECT_LE(counting.searches, steps / 3);
+}
+
+/// Bodies in a row along x, whose radii and positions are told.
+struct Row {
+  Cloud cloud{0, {60, 9, 9}, {true, false, false}, 0, 0, 0, 1};
+  std::unique_ptr<BroadPhase> grid = adapters::make_broad_phase("grid");
+
+  Row() {  // and small ones that make it worth while to keep pairs
+    for (int n = 0; n < 20; ++n) add(100 + n, 0.1, {0.5 + n, 0.2, 0.2});
+  }
+  void add(BodyId id, double radius, const Vec3& x) {
+    BodyRecord r;
+    r.id = id;
+    Eigen::Map<Vec3>{r.position} = x;
+    const std::size_t row =
+        std::lower_bound(cloud.bodies.id.begin(), cloud.bodies.id.end(), id) - cloud.bodies.id.begin();
+    cloud.bodies.insert(row, r);
+    ++cloud.bodies.owned;
+    cloud.bodies.reindex();
+    cloud.reach.insert(cloud.reach.begin() + row, {radius, 0});
+  }
+  void move(BodyId id, const Vec3& by) { cloud.bodies.position[cloud.bodies.row_of(id)] += by; }
+  void look() {
+    const std::vector<Key> found = cloud.found_by(*grid);
+    EXPECT_EQ(std::set<Key>(found.begin(), found.end()), cloud.brute());
+  }
+};
+
+TEST(KeptPairs, WhatANewcomerIsToMeetMayComeBackFromWhereItHasGone) {
+  Row row;
+  row.add(1, 2, {10, 4, 4});
+  row.look();
+  row.move(1, {1e-6, 0, 0});
+  row.look();  // with a slack of 0.1 for the large one
+  row.move(1, {0.09, 0, 0});
+  row.add(2, 0.5, {10.09 - 2.5 - 0.14, 4, 4});
+  row.look();
+  row.move(1, {-0.18, 0, 0});
+  row.look();
+  EXPECT_EQ(row.cloud.brute().size(), 1u);
+}
+
+TEST(KeptPairs, ANewcomerMeetsTwoImagesOfAnother) {
+  Row row;
+  row.cloud.extent.size[0] = 21;
+  row.add(1, 5.4, {1, 6, 6});
+  row.look();
+  row.move(1, {1e-6, 0, 0});
+  row.look();
+  row.add(2, 5.4, {11.4, 6, 6});
+  row.look();
+  EXPECT_EQ(row.cloud.brute().size(), 2u);
+}
 
 TEST(KeptPairs, AFallThatAllShareCostsNoMoreSearchesThanRest) {
   constexpr int steps = 60;
