@@ -5,12 +5,6 @@
 
 namespace silt::rigid {
 
-void BroadPhase::find_walls(const Surroundings& around, std::span<const WallSurface> walls) {
-  for (std::size_t w = 0; w < walls.size(); ++w)
-    for (std::size_t row = 0; row < around.size(); ++row)
-      if (around.meets(row, walls[w])) found_.push_back({row, around.size() + w, Image{}});
-}
-
 void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pairs) {
   pairs.clear();
   if (found_.empty()) return;
@@ -37,14 +31,10 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
 /// For pairs that meet or might soon do, also of bodies that sleep: they may wake.
 void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
   const std::span slack = kept_.plan(around);
-  const auto wider = [&](float KeptPairs::Slack::*of) {
-    wider_.assign(around.reach.begin(), around.reach.end());
-    for (std::size_t row = 0; row < around.size(); ++row) wider_[row].margin += slack[row].*of;
-    return Surroundings{around.bodies, around.extent, wider_, true};
-  };
+  wider_.assign(around.reach.begin(), around.reach.end());
+  for (std::size_t row = 0; row < around.size(); ++row) wider_[row].margin += slack[row].to_bodies;
   found_.clear();
-  find_pairs(wider(&KeptPairs::Slack::to_bodies), found_);
-  find_walls(wider(&KeptPairs::Slack::to_walls), walls);
+  find_pairs({around.bodies, around.extent, wider_, true}, found_);
   sort_into(around.bodies, kept_.renew(around, walls));
 }
 

@@ -27,7 +27,6 @@ class BroadPhase {
   void look(const Surroundings&, std::span<const WallSurface>);
   /// Appends the pairs of bodies that meet, each once, in any order. Called with one body at least.
   virtual void find_pairs(const Surroundings&, std::vector<CandidatePair>& found) = 0;
-  void find_walls(const Surroundings&, std::span<const WallSurface>);
   void sort_into(const BodySet&, std::vector<CandidatePair>& pairs);
 
   KeptPairs kept_;

@@ -15,27 +15,22 @@ constexpr double rounding = 1e-12;          // relative, of distances
 }  // namespace
 
 /// Looks at the newcomers with all the others. Returns whether it did: all is sure then.
-bool KeptPairs::take_in(const Surroundings& around, std::span<const WallSurface> walls, const Vec3& common) {
+bool KeptPairs::take_in(const Surroundings& around, const Vec3& common) {
   const BodySet& bodies = around.bodies;
   if (newcomers_.size() > most_in_a_call) return false;
-  if ((seen_.size() + newcomers_.size()) * share_in_all >
-      (numbers_.size() + walls.size()) * (share_in_all + 1))
-    return false;
+  if ((seen_.size() + newcomers_.size()) * share_in_all > numbers_.size() * (share_in_all + 1)) return false;
   added_.clear();
   for (const std::uint32_t row : newcomers_) {
     const auto n = static_cast<std::uint32_t>(seen_.size());
     const double reach = around.reach[row].sum();
     largest_ = std::max(largest_, reach + typical_.to_bodies);
     if (!one_image_is_in_reach()) return false;
-    seen_.push_back({bodies.id[row], bodies.position[row], common, bodies.image[row], false,
-                     bodies.is_dynamic(row), calls_, reach, typical_});
+    seen_.push_back({bodies.id[row], bodies.position[row], common, bodies.image[row], bodies.is_dynamic(row),
+                     calls_, reach, typical_, Vec3::Zero(), no_end});
     rows_.push_back(row);
     numbers_[row] = n;
+    to_look_at_.push_back(n);
     pair_with_all(around, n, common);
-    if (bodies.is_dynamic(row))
-      for (std::size_t w = 0; w < walls.size(); ++w)
-        if (walls[w].distance(bodies.position[row]) <= (1 + rounding) * (reach + typical_.to_walls))
-          added_.push_back({n, first_wall_ + w, Image{}});
   }
   const auto before = [&](const CandidatePair& p, const CandidatePair& q) {
     return std::tuple(seen_[p.row_a].id, seen_[p.row_b].id, p.image) <
@@ -62,7 +57,7 @@ void KeptPairs::pair_with_all(const Surroundings& around, std::size_t n, const V
   const Seen& own = seen_[n];
   for (std::size_t other = 0; other < n; ++other) {
     const Seen& seen = seen_[other];
-    if (seen.wall || rows_[other] == none || (!seen.dynamic && !own.dynamic)) continue;
+    if (rows_[other] == none || (!seen.dynamic && !own.dynamic)) continue;
     Vec3 between = bodies.position[rows_[other]] - own.position;
     for (int d = 0; d < 3; ++d)
       if (extent_.periodic[d]) between[d] -= extent_.size[d] * std::round(between[d] / extent_.size[d]);

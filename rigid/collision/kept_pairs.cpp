@@ -13,6 +13,7 @@ constexpr double least_slack = 0.05;                   // of a body's reach: a s
 constexpr double ahead = 1.2;                          // bodies that gather speed move further than they did
 constexpr double slack_rounding = 1e-3;                // of the slack
 constexpr double search = 14;                          // looks at a pair cost as much as finding it
+constexpr double most_width = 2;                       // of cells that suit all bodies of a size
 constexpr std::size_t sample = 256;                    // bodies that tell what all have in common
 constexpr double tried_calls[] = {1, 2, 4, 6, 9, 12};  // that a list is to serve after the first
 
@@ -42,10 +43,8 @@ bool KeptPairs::same_rows(const Surroundings& around) const {
 void KeptPairs::find_rows(const Surroundings& around) {
   const BodySet& bodies = around.bodies;
   numbers_.assign(around.size(), none);
-  std::size_t wall = around.size();
   for (std::uint32_t n = 0; n < seen_.size(); ++n) {
-    if (seen_[n].wall) rows_[n] = static_cast<std::uint32_t>(wall++);
-    if (seen_[n].wall || rows_[n] == none) continue;
+    if (rows_[n] == none) continue;
     const std::size_t row = bodies.row_of(seen_[n].id);
     const bool here = row < around.size() && bodies.id[row] == seen_[n].id;
     rows_[n] = here ? static_cast<std::uint32_t>(row) : none;
@@ -76,7 +75,7 @@ Vec3 KeptPairs::common_displacement(const Surroundings& around) const {
   Vec3 sum = Vec3::Zero();
   std::size_t count = 0;
   for (std::size_t n = 0; n < seen_.size(); n += seen_.size() / sample | 1) {
-    if (seen_[n].wall || rows_[n] == none) continue;
+    if (rows_[n] == none) continue;
     sum += displacement_of(around, n) + seen_[n].common;
     ++count;
   }
@@ -95,25 +94,29 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   ++calls_;
   wrapped_ = false;
   newcomers_.clear();
+  to_look_at_.clear();
   known_ = same_room(around, walls);
   if (!known_) return false;
   if (!same_rows(around)) find_rows(around);
   // without slack only what has not moved at all is sure: not even rounding may differ
   const Vec3 common = has_slack_ ? common_displacement(around) : Vec3(Vec3::Zero());
   const auto used_up = [](double moved, double left) { return left < 0 || moved > left * left; };
-  for (std::size_t n = 0; n < seen_.size(); ++n) {
+  for (std::uint32_t n = 0; n < seen_.size(); ++n) {
     const Seen& seen = seen_[n];
-    if (seen.wall || rows_[n] == none) continue;
+    if (rows_[n] == none) continue;
     const std::size_t row = rows_[n];
     if (around.bodies.is_dynamic(row) != seen.dynamic) return known_ = false;
     const double grown = around.reach[row].sum() - seen.reach, sure = 1 - slack_rounding;
     const Vec3 moved = displacement_of(around, n);
     if (used_up((moved - (common - seen.common)).squaredNorm(), sure * seen.slack.to_bodies - grown))
       return false;
-    if (!walls_.empty() && used_up(moved.squaredNorm(), sure * seen.slack.to_walls - grown)) return false;
+    if (used_up((moved - seen.at_walls).squaredNorm(), sure * seen.room - grown)) to_look_at_.push_back(n);
     wrapped_ |= differ(around.bodies.image[row], seen.image);
   }
-  return (!wrapped_ || images_are_few()) && (newcomers_.empty() || take_in(around, walls, common));
+  if (wrapped_ && !images_are_few()) return false;
+  if (!newcomers_.empty() && !take_in(around, common)) return false;
+  look_at_walls(around, walls);
+  return true;
 }
 
 /// What a body moves in a call, apart from the others and in all, as it did since it was seen.
@@ -132,11 +135,13 @@ KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t n,
 double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) const {
   std::array<double, std::size(tried_calls)> pairs{};
   std::size_t bodies = 0;
+  double most_shares = 0;
   for (std::size_t n = 0; n < seen_.size(); ++n) {
-    if (seen_[n].wall || rows_[n] == none) continue;
+    if (rows_[n] == none) continue;
     ++bodies;
     const double reach = seen_[n].reach, motion = motion_of(around, n, common).to_bodies;
     const double shares = reach > 0 ? motion / reach : 0;
+    most_shares = std::max(most_shares, shares);
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const double wider = 1 + std::max(least_slack, tried_calls[k] * shares);
       pairs[k] += wider * wider * wider;
@@ -144,7 +149,8 @@ double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) con
   }
   double best = 0, least = (search + 1) * double(bodies);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const double cost = pairs[k] * (search / (tried_calls[k] + 1) + 1);
+    const double widest = std::min(most_width, 1 + std::max(least_slack, tried_calls[k] * most_shares));
+    const double cost = search * double(bodies) * widest * widest * widest / (tried_calls[k] + 1) + pairs[k];
     if (cost < least) best = tried_calls[k], least = cost;
   }
   return best;
@@ -179,24 +185,22 @@ std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
 std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::span<const WallSurface> walls) {
   const BodySet& bodies = around.bodies;
   seen_.clear();
-  for (std::size_t row = 0; row < bodies.size(); ++row) {
-    const bool wall = row >= around.size();
-    seen_.push_back({bodies.id[row], bodies.position[row], Vec3::Zero(), bodies.image[row], wall,
-                     bodies.is_dynamic(row), 0, wall ? 0 : around.reach[row].sum(),
-                     wall ? Slack{} : planned_[row]});
-  }
+  for (std::size_t row = 0; row < around.size(); ++row)
+    seen_.push_back({bodies.id[row], bodies.position[row], Vec3::Zero(), bodies.image[row],
+                     bodies.is_dynamic(row), 0, around.reach[row].sum(), planned_[row], Vec3::Zero(),
+                     no_end});
   rows_.resize(seen_.size());
   std::iota(rows_.begin(), rows_.end(), 0u);
-  numbers_.resize(around.size());
-  std::iota(numbers_.begin(), numbers_.end(), 0u);
+  numbers_ = to_look_at_ = rows_;
   newcomers_.clear();
   walls_.assign(walls.begin(), walls.end());
   extent_ = around.extent;
   calls_ = 0;
   wrapped_ = false;
-  first_wall_ = around.size();
   largest_ = 0;
   for (const Seen& seen : seen_) largest_ = std::max(largest_, seen.reach + seen.slack.to_bodies);
+  near_walls_.clear();
+  look_at_walls(around, walls);
   return pairs_;
 }
 
@@ -216,14 +220,21 @@ bool KeptPairs::image_now(const BodySet& bodies, CandidatePair& p, const Seen& a
 
 void KeptPairs::select(const Surroundings& around, std::span<const WallSurface> walls,
                        std::vector<CandidatePair>& pairs) const {
+  auto near = near_walls_.begin();
+  const auto take_walls = [&](auto&& of) {  // come after the bodies that one meets: their ids are higher
+    for (; near != near_walls_.end() && of(seen_[near->number].id); ++near)
+      if (const std::uint32_t row = rows_[near->number]; row != none && around.meets(row, walls[near->wall]))
+        pairs.push_back({row, around.size() + near->wall, Image{}});
+  };
   for (const CandidatePair& kept : pairs_) {
-    const std::uint32_t row_a = rows_[kept.row_a], row_b = rows_[kept.row_b];
-    if (row_a == none || row_b == none) continue;
-    CandidatePair p{row_a, row_b, kept.image};
-    const bool wall = row_b >= around.size();
-    if (!wall && wrapped_ && !image_now(around.bodies, p, seen_[kept.row_a], seen_[kept.row_b])) continue;
-    if (wall ? around.meets(p.row_a, walls[p.row_b - around.size()]) : around.meet(p)) pairs.push_back(p);
+    const Seen &a = seen_[kept.row_a], &b = seen_[kept.row_b];
+    take_walls([&](BodyId id) { return id < a.id; });
+    CandidatePair p{rows_[kept.row_a], rows_[kept.row_b], kept.image};
+    if (p.row_a == none || p.row_b == none) continue;
+    if (wrapped_ && !image_now(around.bodies, p, a, b)) continue;
+    if (around.meet(p)) pairs.push_back(p);
   }
+  take_walls([](BodyId) { return true; });
 }
 
 }  // namespace silt::rigid

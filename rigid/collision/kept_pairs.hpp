@@ -6,10 +6,12 @@
 //
 // The slack of a body is what it is expected to move in the calls that the list is to serve: fast bodies have
 // more than slow ones. Only motion apart from that which all have in common counts, so that a bed that falls
-// keeps its list; towards walls all of it does.
+// keeps its list. Towards walls all of it does: a body that has moved further than there was room to the next
+// one is looked at with the walls again, by itself (kept_walls.cpp).
 //
 // Of many ranks each has bodies that come and go. Those that have gone are passed over; the few that come are
 // looked at with all the others, and what they may meet is added (kept_newcomers.cpp).
+#include <limits>
 #include <vector>
 
 #include "rigid/collision/surroundings.hpp"
@@ -26,22 +28,28 @@ class KeptPairs {
   };
   /// After hold(): what is worth while, one a body; nothing where bodies move too fast.
   std::span<const Slack> plan(const Surroundings&);
-  /// Remembers how all is now. Returns the list to be filled with all pairs that meet with the slack that was
-  /// planned, sorted as BroadPhase says.
+  /// Remembers how all is now. Returns the list to be filled with all pairs of bodies that meet with the
+  /// slack that was planned, sorted as BroadPhase says.
   std::vector<CandidatePair>& renew(const Surroundings&, std::span<const WallSurface>);
   /// Appends those that meet, in order. Call after hold() or renew() with the same.
   void select(const Surroundings&, std::span<const WallSurface>, std::vector<CandidatePair>& pairs) const;
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  struct Seen {  // a body, when it was looked at with all the others; or a wall
+  static constexpr double no_end = std::numeric_limits<double>::infinity();
+  struct Seen {  // a body, when it was looked at with all the others
     BodyId id;
     Vec3 position, common;  // common: displacement of all by then
     std::array<std::int32_t, 3> image;
-    bool wall, dynamic;
+    bool dynamic;
     int calls;  // by then
     double reach;
     Slack slack;
+    Vec3 at_walls;  // displacement when it was looked at with the walls
+    double room;    // from there to the next wall, beyond reach and those that are listed
+  };
+  struct NearWall {
+    std::uint32_t number, wall;  // in seen_; as of the span of walls
   };
   bool same_room(const Surroundings&, std::span<const WallSurface>) const;
   bool same_rows(const Surroundings&) const;
@@ -54,8 +62,13 @@ class KeptPairs {
   Slack motion_of(const Surroundings&, std::size_t n, const Vec3& common) const;
   bool image_now(const BodySet&, CandidatePair&, const Seen& a, const Seen& b) const;
 
+  // ---- kept_walls.cpp ----
+  void look_at_walls(const Surroundings&, std::span<const WallSurface>);
+  template <class List>
+  void look_at_walls(const Surroundings&, std::span<const WallSurface>, std::uint32_t n, List&&);
+
   // ---- kept_newcomers.cpp ----
-  bool take_in(const Surroundings&, std::span<const WallSurface>, const Vec3& common);
+  bool take_in(const Surroundings&, const Vec3& common);
   void pair_with_all(const Surroundings&, std::size_t n, const Vec3& common);
   bool one_image_is_in_reach() const;
   Image image_stored(const BodySet&, std::size_t a, std::size_t b) const;
@@ -69,14 +82,15 @@ class KeptPairs {
   std::vector<Slack> planned_;  // one a row
   Slack typical_{};             // of all
   bool has_slack_ = false;
-  double largest_ = 0;          // reach and slack of a body
-  std::size_t first_wall_ = 0;  // in seen_
+  double largest_ = 0;  // reach and slack of a body
   // since then
   int calls_ = 0;
   bool known_ = false;                // the same walls, and bodies that are what they were
   bool wrapped_ = false;              // some body passed a periodic side
   std::vector<CandidatePair> pairs_;  // of numbers in seen_
   std::vector<CandidatePair> added_;
+  std::vector<NearWall> near_walls_;       // by the body's id, then the wall
+  std::vector<std::uint32_t> to_look_at_;  // numbers in seen_, with the walls
 };
 
 }  // namespace silt::rigid

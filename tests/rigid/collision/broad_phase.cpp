@@ -70,13 +70,15 @@ struct Cloud {
   }
 };
 
-/// A row for a wall.
-void add_wall_row(BodySet& bodies) {
-  BodyRecord wall;
-  wall.id = first_wall_id + 4;
-  wall.motion = Motion::fixed;
-  bodies.insert(bodies.size(), wall);
-  bodies.walls = 1;
+/// Rows for walls.
+void add_wall_rows(BodySet& bodies, std::size_t count) {
+  for (std::size_t n = 0; n < count; ++n) {
+    BodyRecord wall;
+    wall.id = first_wall_id + 4 + n;
+    wall.motion = Motion::fixed;
+    bodies.insert(bodies.size(), wall);
+  }
+  bodies.walls = count;
   bodies.reindex();
 }
 
@@ -125,7 +127,7 @@ TEST_P(BroadPhases, MixedSizes) {
 
 TEST_P(BroadPhases, WallsAreApart) {
   Cloud cloud(50, {10, 10, 2}, {true, true, false}, 0.5, 0.5, 0, 2);
-  add_wall_row(cloud.bodies);
+  add_wall_rows(cloud.bodies, 1);
   std::vector<CandidatePair> pairs;
   const WallSurface floor{Vec3::Zero(), Vec3::UnitZ()};
   (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {&floor, 1}, pairs);
@@ -248,10 +250,10 @@ TEST_P(BroadPhases, FollowsBodiesThatCreep) {
   }
 }
 
-/// Bodies that fall together, past some that are fixed and on to a floor.
+/// Bodies that fall together, past some that are fixed and on to two floors, one above the other.
 struct FallingCloud {
   Cloud cloud;
-  const WallSurface floor{{0, 0, 12}, {0, 0, 1}};
+  const std::array<WallSurface, 2> walls{{{{0, 0, 12.9}, {0, 0, 1}}, {{0, 0, 12}, {0, 0, 1}}}};
   const Vec3 velocity;
   std::vector<Vec3> own_velocity;
   bool turns = false;  // own velocities do, each body's at its own time
@@ -266,7 +268,7 @@ struct FallingCloud {
       own_velocity.push_back(own_speed * Vec3(normal(g), normal(g), normal(g)));
       cloud.bodies.motion[row] = all_fall || row % 20 ? Motion::free : Motion::fixed;
     }
-    add_wall_row(cloud.bodies);
+    add_wall_rows(cloud.bodies, walls.size());
   }
   void step() {
     ++now;
@@ -277,11 +279,11 @@ struct FallingCloud {
       cloud.extent.wrap(cloud.bodies.position[row], cloud.bodies.image[row]);
     }
   }
-  using Pairs = std::pair<std::set<Key>, std::set<BodyId>>;  // of bodies; bodies near the floor
+  using Pairs = std::pair<std::set<Key>, std::set<std::pair<BodyId, BodyId>>>;  // of bodies; with walls
 
   Pairs found_by(BroadPhase& broad_phase, const Cloud& here) const {
     std::vector<CandidatePair> pairs;
-    broad_phase(here.bodies, here.extent, here.reach, std::span(&floor, 1), pairs);
+    broad_phase(here.bodies, here.extent, here.reach, walls, pairs);
     Pairs found;
     std::vector<Key> keys;
     for (const CandidatePair& p : pairs) {
@@ -290,18 +292,19 @@ struct FallingCloud {
       if (p.row_b < here.bodies.first_wall())
         found.first.insert(keys.back());
       else
-        found.second.insert(a);
+        found.second.emplace(a, here.bodies.id[p.row_b]);
     }
     EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
     EXPECT_EQ(found.first.size() + found.second.size(), keys.size()) << "each once";
     return found;
   }
   Pairs brute(const Cloud& here) const {
-    std::set<BodyId> near_floor;
+    std::set<std::pair<BodyId, BodyId>> near_walls;
     for (std::size_t row = 0; row < here.bodies.first_wall(); ++row)
-      if (here.bodies.is_free(row) && floor.distance(here.bodies.position[row]) <= here.reach[row].sum())
-        near_floor.insert(here.bodies.id[row]);
-    return {here.brute(), near_floor};
+      for (std::size_t w = 0; w < walls.size(); ++w)
+        if (here.bodies.is_free(row) && walls[w].distance(here.bodies.position[row]) <= here.reach[row].sum())
+          near_walls.emplace(here.bodies.id[row], here.bodies.id[here.bodies.first_wall() + w]);
+    return {here.brute(), near_walls};
   }
   Pairs found_by(BroadPhase& broad_phase) const { return found_by(broad_phase, cloud); }
   Pairs brute() const { return brute(cloud); }
