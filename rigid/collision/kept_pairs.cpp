@@ -33,16 +33,15 @@ bool KeptPairs::same_room(const Surroundings& around, std::span<const WallSurfac
 }
 
 bool KeptPairs::same_rows(const Surroundings& around) const {
-  if (around.size() != numbers_.size()) return false;
-  for (std::size_t row = 0; row < numbers_.size(); ++row)
-    if (seen_[numbers_[row]].id != around.bodies.id[row]) return false;
-  return true;
+  const BodyId* const ids = around.bodies.id.data();
+  return std::equal(ids_.begin(), ids_.end(), ids, ids + around.size());
 }
 
 /// In which rows the bodies are now, and which rows have bodies that were not there before.
 void KeptPairs::find_rows(const Surroundings& around) {
   const BodySet& bodies = around.bodies;
   numbers_.assign(around.size(), none);
+  ids_.assign(bodies.id.data(), bodies.id.data() + around.size());
   for (std::uint32_t n = 0; n < seen_.size(); ++n) {
     if (rows_[n] == none) continue;
     const std::size_t row = bodies.row_of(seen_[n].id);
@@ -192,6 +191,7 @@ std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::sp
   rows_.resize(seen_.size());
   std::iota(rows_.begin(), rows_.end(), 0u);
   numbers_ = to_look_at_ = rows_;
+  ids_.assign(bodies.id.data(), bodies.id.data() + around.size());
   newcomers_.clear();
   walls_.assign(walls.begin(), walls.end());
   extent_ = around.extent;

@@ -73,9 +73,10 @@ class KeptPairs {
   bool one_image_is_in_reach() const;
   Image image_stored(const BodySet&, std::size_t a, std::size_t b) const;
 
-  std::vector<Seen> seen_;                // bodies, walls, then those that came later
+  std::vector<Seen> seen_;                // those that came later at the end
   std::vector<std::uint32_t> rows_;       // of those seen, now; none: it is gone
   std::vector<std::uint32_t> numbers_;    // of the rows, in seen_; none: it has just come
+  std::vector<BodyId> ids_;               // of the rows
   std::vector<std::uint32_t> newcomers_;  // rows
   std::vector<WallSurface> walls_;
   Extent extent_;
