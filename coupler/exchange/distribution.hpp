@@ -7,6 +7,7 @@
 // synchronisation can reach ranks without a tie, which a body now overlaps: there is one message between any
 // two ranks around each other, as far as a body can come to reach in a step. A body set down anywhere needs a
 // round of unannounced messages, see messages.hpp.
+#include <algorithm>
 #include <unordered_map>
 
 #include "coupler/exchange/holders.hpp"
@@ -80,6 +81,7 @@ struct ParallelBodyExchange::Distribution {
   struct Holding {
     std::vector<int> ranks;  // sorted
     std::uint64_t round;     // the last in which it was so
+    bool has(int rank) const { return std::binary_search(ranks.begin(), ranks.end(), rank); }
   };
   std::unordered_map<rigid::BodyId, Holding> held_by;  // owned bodies that others hold
   std::unordered_map<rigid::BodyId, int> owner_of;     // copies and visitors

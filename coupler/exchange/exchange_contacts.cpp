@@ -114,8 +114,7 @@ void ParallelBodyExchange::Distribution::send_partner(const BodySet& bodies, Bod
   if (partners_owner == to) return;
   if (own) {
     const auto held = held_by.find(partner);
-    if (held != held_by.end() && std::binary_search(held->second.ranks.begin(), held->second.ranks.end(), to))
-      return;
+    if (held != held_by.end() && held->second.has(to)) return;
   }
   Bytes& message = messages.to(to);
   put(message, ContactItem::partner);

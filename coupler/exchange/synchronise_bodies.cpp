@@ -82,10 +82,6 @@ void include(std::vector<int>& sorted, int rank) {
   if (at == sorted.end() || *at != rank) sorted.insert(at, rank);
 }
 
-bool is_among(const std::vector<int>& sorted, int rank) {
-  return std::binary_search(sorted.begin(), sorted.end(), rank);
-}
-
 /// Inserts where the order of ids in a section of rows asks for it.
 std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count, const BodyRecord& record) {
   const auto begin = bodies.id.begin() + first;
@@ -204,7 +200,7 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
     if (to == rank) continue;
     if (owners != Owners::anywhere) require_around(id, to);
     Bytes& message = messages.to(to);
-    const bool has_copy = known != held_by.end() && is_among(known->second.ranks, to);
+    const bool has_copy = known != held_by.end() && known->second.has(to);
     if (to != owner && has_copy) {
       put(message, BodyItem::update);
       put(message, state_of(record, owner));

@@ -18,7 +18,8 @@ constexpr double rounding = 1e-12;          // relative, of distances
 bool KeptPairs::take_in(const Surroundings& around, const Vec3& common) {
   const BodySet& bodies = around.bodies;
   if (newcomers_.size() > most_in_a_call) return false;
-  if ((seen_.size() + newcomers_.size()) * share_in_all > numbers_.size() * (share_in_all + 1)) return false;
+  if ((seen_.size() + newcomers_.size()) * share_in_all > seen_of_row_.size() * (share_in_all + 1))
+    return false;
   added_.clear();
   for (const std::uint32_t row : newcomers_) {
     const auto n = static_cast<std::uint32_t>(seen_.size());
@@ -26,9 +27,9 @@ bool KeptPairs::take_in(const Surroundings& around, const Vec3& common) {
     largest_ = std::max(largest_, reach + typical_.to_bodies);
     if (!one_image_is_in_reach()) return false;
     seen_.push_back({bodies.id[row], bodies.position[row], common, bodies.image[row], bodies.is_dynamic(row),
-                     calls_, reach, typical_, Vec3::Zero(), no_end});
-    rows_.push_back(row);
-    numbers_[row] = n;
+                     calls_, reach, typical_, Vec3::Zero(), unlimited});
+    row_of_seen_.push_back(row);
+    seen_of_row_[row] = n;
     to_look_at_.push_back(n);
     pair_with_all(around, n, common);
   }
@@ -57,34 +58,24 @@ void KeptPairs::pair_with_all(const Surroundings& around, std::size_t n, const V
   const Seen& own = seen_[n];
   for (std::size_t other = 0; other < n; ++other) {
     const Seen& seen = seen_[other];
-    if (rows_[other] == none || (!seen.dynamic && !own.dynamic)) continue;
-    Vec3 between = bodies.position[rows_[other]] - own.position;
+    if (row_of_seen_[other] == none || (!seen.dynamic && !own.dynamic)) continue;
+    Vec3 between = bodies.position[row_of_seen_[other]] - own.position, periods = Vec3::Zero();
     for (int d = 0; d < 3; ++d)
-      if (extent_.periodic[d]) between[d] -= extent_.size[d] * std::round(between[d] / extent_.size[d]);
+      if (extent_.periodic[d]) periods[d] = std::round(between[d] / extent_.size[d]);
+    between -= periods.cwiseProduct(extent_.size);
     const double square = between.squaredNorm() * (1 - rounding);
     const double range = own.reach + own.slack.to_bodies + seen.reach + seen.slack.to_bodies,
                  most = range + seen.reach + seen.slack.to_bodies;  // of what it may be from where it was
     if (square > most * most) continue;
-    const double exact = range + apart(around, other, common).norm();
+    const double exact = range + seen.relative(displacement_of(around, other), common).norm();
     if (square > exact * exact) continue;
-    const bool first = own.id < seen.id;
-    const std::size_t a = first ? n : other, b = first ? other : n;
-    added_.push_back({a, b, image_stored(bodies, a, b)});
+    CandidatePair pair{n, other, {}};
+    if (seen.id < own.id) std::swap(pair.row_a, pair.row_b), periods = -periods;
+    std::int8_t* const of_pair[3] = {&pair.image.x, &pair.image.y, &pair.image.z};
+    for (int d = 0; d < 3; ++d)  // as it would have been when both were seen
+      *of_pair[d] = static_cast<std::int8_t>(-periods[d] - image_change(bodies, pair, d));
+    added_.push_back(pair);
   }
-}
-
-/// The image of b seen from a that is nearest, as it would have been when both were seen.
-Image KeptPairs::image_stored(const BodySet& bodies, std::size_t a, std::size_t b) const {
-  const std::size_t row_a = rows_[a], row_b = rows_[b];
-  const Vec3 between = bodies.position[row_b] - bodies.position[row_a];
-  std::array<std::int8_t, 3> image{};
-  for (int d = 0; d < 3; ++d) {
-    if (!extent_.periodic[d]) continue;
-    const auto now = -static_cast<std::int32_t>(std::round(between[d] / extent_.size[d]));
-    image[d] = static_cast<std::int8_t>(now - (bodies.image[row_b][d] - seen_[b].image[d]) +
-                                        (bodies.image[row_a][d] - seen_[a].image[d]));
-  }
-  return {image[0], image[1], image[2]};
 }
 
 }  // namespace silt::rigid

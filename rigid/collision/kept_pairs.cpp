@@ -13,7 +13,7 @@ constexpr double least_slack = 0.05;                   // of a body's reach: a s
 constexpr double ahead = 1.2;                          // bodies that gather speed move further than they did
 constexpr double slack_rounding = 1e-3;                // of the slack
 constexpr double search = 14;                          // looks at a pair cost as much as finding it
-constexpr double most_width = 2;                       // of cells that suit all bodies of a size
+constexpr double widest_cells = 2;                     // by slack: what reaches further has its own grid
 constexpr std::size_t sample = 256;                    // bodies that tell what all have in common
 constexpr double tried_calls[] = {1, 2, 4, 6, 9, 12};  // that a list is to serve after the first
 
@@ -27,7 +27,7 @@ bool differ(const std::array<std::int32_t, 3>& a, const std::array<std::int32_t,
 
 }  // namespace
 
-bool KeptPairs::same_room(const Surroundings& around, std::span<const WallSurface> walls) const {
+bool KeptPairs::same_extent_and_walls(const Surroundings& around, std::span<const WallSurface> walls) const {
   return !seen_.empty() && around.extent.size == extent_.size && around.extent.periodic == extent_.periodic &&
          std::equal(walls.begin(), walls.end(), walls_.begin(), walls_.end(), same);
 }
@@ -40,23 +40,23 @@ bool KeptPairs::same_rows(const Surroundings& around) const {
 /// In which rows the bodies are now, and which rows have bodies that were not there before.
 void KeptPairs::find_rows(const Surroundings& around) {
   const BodySet& bodies = around.bodies;
-  numbers_.assign(around.size(), none);
+  seen_of_row_.assign(around.size(), none);
   ids_.assign(bodies.id.data(), bodies.id.data() + around.size());
   for (std::uint32_t n = 0; n < seen_.size(); ++n) {
-    if (rows_[n] == none) continue;
+    if (row_of_seen_[n] == none) continue;
     const std::size_t row = bodies.row_of(seen_[n].id);
     const bool here = row < around.size() && bodies.id[row] == seen_[n].id;
-    rows_[n] = here ? static_cast<std::uint32_t>(row) : none;
-    if (here) numbers_[row] = n;
+    row_of_seen_[n] = here ? static_cast<std::uint32_t>(row) : none;
+    if (here) seen_of_row_[row] = n;
   }
   for (std::uint32_t row = 0; row < around.size(); ++row)
-    if (numbers_[row] == none) newcomers_.push_back(row);
+    if (seen_of_row_[row] == none) newcomers_.push_back(row);
 }
 
 /// Through periodic sides, too.
 Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t n) const {
   const Seen& then = seen_[n];
-  const std::size_t row = rows_[n];
+  const std::size_t row = row_of_seen_[n];
   const auto& image = around.bodies.image[row];
   Vec3 displacement = around.bodies.position[row] - then.position;
   if (differ(image, then.image))
@@ -64,25 +64,20 @@ Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t n) const
   return displacement;
 }
 
-/// From all: displacements since the same time.
-Vec3 KeptPairs::apart(const Surroundings& around, std::size_t n, const Vec3& common) const {
-  return displacement_of(around, n) - (common - seen_[n].common);
-}
-
 /// What bodies have moved on the mean. Whatever it is, what they have moved apart from it counts.
 Vec3 KeptPairs::common_displacement(const Surroundings& around) const {
   Vec3 sum = Vec3::Zero();
   std::size_t count = 0;
   for (std::size_t n = 0; n < seen_.size(); n += seen_.size() / sample | 1) {
-    if (rows_[n] == none) continue;
+    if (row_of_seen_[n] == none) continue;
     sum += displacement_of(around, n) + seen_[n].common;
     ++count;
   }
   return count ? Vec3(sum / double(count)) : sum;
 }
 
-/// Two bodies have at most one image of each other in reach. Else another one may come to meet, where one of
-/// them passes a periodic side, that was none when the pairs were found.
+/// What is in reach is less than a period away, hence one of the images -1, 0 and 1, whatever periodic sides
+/// both have passed. Else one may come to meet that was none of these when the pairs were found.
 bool KeptPairs::images_are_few() const {
   for (int d = 0; d < 3; ++d)
     if (extent_.periodic[d] && extent_.size[d] <= 2 * largest_) return false;
@@ -94,7 +89,7 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   wrapped_ = false;
   newcomers_.clear();
   to_look_at_.clear();
-  known_ = same_room(around, walls);
+  known_ = same_extent_and_walls(around, walls);
   if (!known_) return false;
   if (!same_rows(around)) find_rows(around);
   // without slack only what has not moved at all is sure: not even rounding may differ
@@ -102,14 +97,15 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   const auto used_up = [](double moved, double left) { return left < 0 || moved > left * left; };
   for (std::uint32_t n = 0; n < seen_.size(); ++n) {
     const Seen& seen = seen_[n];
-    if (rows_[n] == none) continue;
-    const std::size_t row = rows_[n];
+    if (row_of_seen_[n] == none) continue;
+    const std::size_t row = row_of_seen_[n];
     if (around.bodies.is_dynamic(row) != seen.dynamic) return known_ = false;
     const double grown = around.reach[row].sum() - seen.reach, sure = 1 - slack_rounding;
     const Vec3 moved = displacement_of(around, n);
-    if (used_up((moved - (common - seen.common)).squaredNorm(), sure * seen.slack.to_bodies - grown))
+    if (used_up(seen.relative(moved, common).squaredNorm(), sure * seen.slack.to_bodies - grown))
       return false;
-    if (used_up((moved - seen.at_walls).squaredNorm(), sure * seen.room - grown)) to_look_at_.push_back(n);
+    if (used_up((moved - seen.at_walls).squaredNorm(), sure * seen.to_next_wall - grown))
+      to_look_at_.push_back(n);
     wrapped_ |= differ(around.bodies.image[row], seen.image);
   }
   if (wrapped_ && !images_are_few()) return false;
@@ -123,9 +119,9 @@ KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t n,
   const Seen& seen = seen_[n];
   if (seen.calls == calls_) return {};
   const Vec3 moved = displacement_of(around, n);
-  const double grown = std::max(0.0, around.reach[rows_[n]].sum() - seen.reach),
+  const double grown = std::max(0.0, around.reach[row_of_seen_[n]].sum() - seen.reach),
                share = ahead / (calls_ - seen.calls);
-  return {float(share * ((moved - (common - seen.common)).norm() + grown)),
+  return {float(share * (seen.relative(moved, common).norm() + grown)),
           float(share * (moved.norm() + grown))};
 }
 
@@ -136,7 +132,7 @@ double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) con
   std::size_t bodies = 0;
   double most_shares = 0;
   for (std::size_t n = 0; n < seen_.size(); ++n) {
-    if (rows_[n] == none) continue;
+    if (row_of_seen_[n] == none) continue;
     ++bodies;
     const double reach = seen_[n].reach, motion = motion_of(around, n, common).to_bodies;
     const double shares = reach > 0 ? motion / reach : 0;
@@ -148,7 +144,7 @@ double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) con
   }
   double best = 0, least = (search + 1) * double(bodies);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const double widest = std::min(most_width, 1 + std::max(least_slack, tried_calls[k] * most_shares));
+    const double widest = std::min(widest_cells, 1 + std::max(least_slack, tried_calls[k] * most_shares));
     const double cost = search * double(bodies) * widest * widest * widest / (tried_calls[k] + 1) + pairs[k];
     if (cost < least) best = tried_calls[k], least = cost;
   }
@@ -171,8 +167,8 @@ std::span<const KeptPairs::Slack> KeptPairs::plan(const Surroundings& around) {
   };
   std::size_t known = 0;
   for (std::size_t row = 0; row < around.size(); ++row) {
-    if (numbers_[row] == none) continue;
-    const Slack motion = motion_of(around, numbers_[row], common);
+    if (seen_of_row_[row] == none) continue;
+    const Slack motion = motion_of(around, seen_of_row_[row], common);
     planned_[row] = wider(row, {float(calls) * motion.to_bodies, float(calls) * motion.to_walls});
     to_bodies += planned_[row].to_bodies, to_walls += planned_[row].to_walls, ++known;
   }
@@ -187,10 +183,10 @@ std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::sp
   for (std::size_t row = 0; row < around.size(); ++row)
     seen_.push_back({bodies.id[row], bodies.position[row], Vec3::Zero(), bodies.image[row],
                      bodies.is_dynamic(row), 0, around.reach[row].sum(), planned_[row], Vec3::Zero(),
-                     no_end});
-  rows_.resize(seen_.size());
-  std::iota(rows_.begin(), rows_.end(), 0u);
-  numbers_ = to_look_at_ = rows_;
+                     unlimited});
+  row_of_seen_.resize(seen_.size());
+  std::iota(row_of_seen_.begin(), row_of_seen_.end(), 0u);
+  seen_of_row_ = to_look_at_ = row_of_seen_;
   ids_.assign(bodies.id.data(), bodies.id.data() + around.size());
   newcomers_.clear();
   walls_.assign(walls.begin(), walls.end());
@@ -204,16 +200,21 @@ std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::sp
   return pairs_;
 }
 
-/// The image of b relative to a follows both through periodic sides. Returns whether it is one that bodies
-/// meet through.
-bool KeptPairs::image_now(const BodySet& bodies, CandidatePair& p, const Seen& a_then,
-                          const Seen& b_then) const {
-  const auto &a = bodies.image[p.row_a], &b = bodies.image[p.row_b];
-  std::int8_t* const of_pair[3] = {&p.image.x, &p.image.y, &p.image.z};
+/// Of the image of b relative to a, through the periodic sides that both have passed.
+std::int32_t KeptPairs::image_change(const BodySet& bodies, const CandidatePair& kept, int axis) const {
+  const auto passed = [&](std::size_t n) {
+    return bodies.image[row_of_seen_[n]][axis] - seen_[n].image[axis];
+  };
+  return passed(kept.row_b) - passed(kept.row_a);
+}
+
+/// Returns whether it is one that bodies meet through.
+bool KeptPairs::image_now(const BodySet& bodies, const CandidatePair& kept, Image& image) const {
+  std::int8_t* const of_pair[3] = {&image.x, &image.y, &image.z};
   for (int d = 0; d < 3; ++d) {
-    const std::int32_t image = *of_pair[d] + (b[d] - b_then.image[d]) - (a[d] - a_then.image[d]);
-    if (image < -1 || image > 1) return false;
-    *of_pair[d] = static_cast<std::int8_t>(image);
+    const std::int32_t now = *of_pair[d] + image_change(bodies, kept, d);
+    if (now < -1 || now > 1) return false;
+    *of_pair[d] = static_cast<std::int8_t>(now);
   }
   return true;
 }
@@ -222,16 +223,16 @@ void KeptPairs::select(const Surroundings& around, std::span<const WallSurface> 
                        std::vector<CandidatePair>& pairs) const {
   auto near = near_walls_.begin();
   const auto take_walls = [&](auto&& of) {  // come after the bodies that one meets: their ids are higher
-    for (; near != near_walls_.end() && of(seen_[near->number].id); ++near)
-      if (const std::uint32_t row = rows_[near->number]; row != none && around.meets(row, walls[near->wall]))
+    for (; near != near_walls_.end() && of(seen_[near->seen].id); ++near)
+      if (const std::uint32_t row = row_of_seen_[near->seen];
+          row != none && around.meets(row, walls[near->wall]))
         pairs.push_back({row, around.size() + near->wall, Image{}});
   };
   for (const CandidatePair& kept : pairs_) {
-    const Seen &a = seen_[kept.row_a], &b = seen_[kept.row_b];
-    take_walls([&](BodyId id) { return id < a.id; });
-    CandidatePair p{rows_[kept.row_a], rows_[kept.row_b], kept.image};
+    take_walls([&](BodyId id) { return id < seen_[kept.row_a].id; });
+    CandidatePair p{row_of_seen_[kept.row_a], row_of_seen_[kept.row_b], kept.image};
     if (p.row_a == none || p.row_b == none) continue;
-    if (wrapped_ && !image_now(around.bodies, p, a, b)) continue;
+    if (wrapped_ && !image_now(around.bodies, kept, p.image)) continue;
     if (around.meet(p)) pairs.push_back(p);
   }
   take_walls([](BodyId) { return true; });

@@ -36,7 +36,7 @@ class KeptPairs {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  static constexpr double no_end = std::numeric_limits<double>::infinity();
+  static constexpr double unlimited = std::numeric_limits<double>::infinity();
   struct Seen {  // a body, when it was looked at with all the others
     BodyId id;
     Vec3 position, common;  // common: displacement of all by then
@@ -45,22 +45,26 @@ class KeptPairs {
     int calls;  // by then
     double reach;
     Slack slack;
-    Vec3 at_walls;  // displacement when it was looked at with the walls
-    double room;    // from there to the next wall, beyond reach and those that are listed
+    Vec3 at_walls;        // displacement when it was looked at with the walls
+    double to_next_wall;  // from there, beyond its reach and the walls that are listed
+
+    /// From its displacement since it was seen and that of all since the list was made: apart from the
+    /// others.
+    Vec3 relative(const Vec3& moved, const Vec3& all) const { return moved - (all - common); }
   };
   struct NearWall {
-    std::uint32_t number, wall;  // in seen_; as of the span of walls
+    std::uint32_t seen, wall;  // in seen_; in the span of walls
   };
-  bool same_room(const Surroundings&, std::span<const WallSurface>) const;
+  bool same_extent_and_walls(const Surroundings&, std::span<const WallSurface>) const;
   bool same_rows(const Surroundings&) const;
   void find_rows(const Surroundings&);
   bool images_are_few() const;
   Vec3 displacement_of(const Surroundings&, std::size_t n) const;
-  Vec3 apart(const Surroundings&, std::size_t n, const Vec3& common) const;
   Vec3 common_displacement(const Surroundings&) const;
   double best_calls(const Surroundings&, const Vec3& common) const;
   Slack motion_of(const Surroundings&, std::size_t n, const Vec3& common) const;
-  bool image_now(const BodySet&, CandidatePair&, const Seen& a, const Seen& b) const;
+  std::int32_t image_change(const BodySet&, const CandidatePair& kept, int axis) const;
+  bool image_now(const BodySet&, const CandidatePair& kept, Image&) const;
 
   // ---- kept_walls.cpp ----
   void look_at_walls(const Surroundings&, std::span<const WallSurface>);
@@ -71,13 +75,12 @@ class KeptPairs {
   bool take_in(const Surroundings&, const Vec3& common);
   void pair_with_all(const Surroundings&, std::size_t n, const Vec3& common);
   bool one_image_is_in_reach() const;
-  Image image_stored(const BodySet&, std::size_t a, std::size_t b) const;
 
-  std::vector<Seen> seen_;                // those that came later at the end
-  std::vector<std::uint32_t> rows_;       // of those seen, now; none: it is gone
-  std::vector<std::uint32_t> numbers_;    // of the rows, in seen_; none: it has just come
-  std::vector<BodyId> ids_;               // of the rows
-  std::vector<std::uint32_t> newcomers_;  // rows
+  std::vector<Seen> seen_;                  // those that came later at the end
+  std::vector<std::uint32_t> row_of_seen_;  // now; none: it is gone
+  std::vector<std::uint32_t> seen_of_row_;  // index in seen_; none: it has just come
+  std::vector<BodyId> ids_;                 // of the rows
+  std::vector<std::uint32_t> newcomers_;    // rows
   std::vector<WallSurface> walls_;
   Extent extent_;
   std::vector<Slack> planned_;  // one a row
@@ -86,12 +89,12 @@ class KeptPairs {
   double largest_ = 0;  // reach and slack of a body
   // since then
   int calls_ = 0;
-  bool known_ = false;                // the same walls, and bodies that are what they were
-  bool wrapped_ = false;              // some body passed a periodic side
-  std::vector<CandidatePair> pairs_;  // of numbers in seen_
-  std::vector<CandidatePair> added_;
+  bool known_ = false;                     // the same walls, and bodies that are what they were
+  bool wrapped_ = false;                   // some body passed a periodic side
+  std::vector<CandidatePair> pairs_;       // row_a and row_b are indices in seen_
+  std::vector<CandidatePair> added_;       // likewise
   std::vector<NearWall> near_walls_;       // by the body's id, then the wall
-  std::vector<std::uint32_t> to_look_at_;  // numbers in seen_, with the walls
+  std::vector<std::uint32_t> to_look_at_;  // indices in seen_, with the walls
 };
 
 }  // namespace silt::rigid

@@ -5,20 +5,20 @@
 
 namespace silt::rigid {
 
-/// Lists what is within its slack, and tells how far it is to the others.
+/// Lists the walls within its slack, and notes how far it is to the others.
 template <class List>
 void KeptPairs::look_at_walls(const Surroundings& around, std::span<const WallSurface> walls, std::uint32_t n,
                               List&& list) {
   Seen& seen = seen_[n];
-  const std::size_t row = rows_[n];
+  const std::size_t row = row_of_seen_[n];
   seen.at_walls = displacement_of(around, n);
-  seen.room = no_end;
+  seen.to_next_wall = unlimited;
   if (!seen.dynamic) return;
   const double near = around.reach[row].sum() + seen.slack.to_walls;
   for (std::uint32_t w = 0; w < walls.size(); ++w) {
     const double distance = walls[w].distance(around.bodies.position[row]);
     if (distance > near)
-      seen.room = std::min(seen.room, distance - seen.reach);
+      seen.to_next_wall = std::min(seen.to_next_wall, distance - seen.reach);
     else
       list(w);
   }
@@ -28,8 +28,7 @@ void KeptPairs::look_at_walls(const Surroundings& around, std::span<const WallSu
 void KeptPairs::look_at_walls(const Surroundings& around, std::span<const WallSurface> walls) {
   if (walls.empty() || to_look_at_.empty()) return;
   const auto before = [&](const NearWall& p, const NearWall& q) {
-    return std::tuple(seen_[p.number].id, p.number, p.wall) <
-           std::tuple(seen_[q.number].id, q.number, q.wall);
+    return std::tuple(seen_[p.seen].id, p.seen, p.wall) < std::tuple(seen_[q.seen].id, q.seen, q.wall);
   };
   const auto known = static_cast<std::ptrdiff_t>(near_walls_.size());
   for (const std::uint32_t n : to_look_at_)
