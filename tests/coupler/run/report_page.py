@@ -75,17 +75,27 @@ class Page(SiltTest):
     def test_verdict(self):
         found = self.page()[0]
         height = self.report()["quantities"]["height"]
-        self.assertIn(f"height: {height:.6g}, theory 8", found)
-        self.assertIn(": ok" if abs(height - 8) <= 0.1 else ": deviates", found)
+        self.assertRegex(found, rf"height: {height:.4g}[^,]*, theory 8 ± 0.1[^(]* \({re.escape(f'{100 * height / 8 - 100:+.2f}')} %\): "
+                         + ("ok" if abs(height - 8) <= 0.1 else "deviates"))
         said, text = self.page(value=12.0)
         self.assertIn(": deviates", said)
         self.assertIn("class=bad>deviates", text)
+
+    def test_bounds_are_no_theory(self):
+        """What is found is said to be between them, and by no deviation from their middle."""
+        for bounds, word in (("[7.5, 8.5]", "inside"), ("[8.5, 9.5]", "outside")):
+            self.write(CASE)
+            (self.case / "reference.toml").write_text(REFERENCE.replace("value = {value}\ntolerance = 0.1", f"between = {bounds}"))
+            self.silt("run", self.case, "--overwrite")
+            low, high = bounds.strip("[]").split(", ")
+            said = self.told()
+            self.assertRegex(said, rf"^height: [0-9.]+[^,%]*, between {low} and {high}[^,%]*: {word}\n")
 
     def test_a_reference_may_be_another_quantity(self):
         two = CASE + '[[quantities]]\nname = "other"\ntype = "mean-height"\n'
         said = self.page(two, value='"other"')[0]
         height = self.report()["quantities"]["height"]
-        self.assertIn(f"height: {height:.6g}, theory {height:g}", said)
+        self.assertRegex(said, f"height: {height:.4g}[^,]*, theory {height:.4g} ")
         self.assertIn(": ok", said)
         self.assertIn(": deviates", self.page(CASE, value='"nobody"')[0])
 
