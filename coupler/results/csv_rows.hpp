@@ -1,13 +1,17 @@
 #pragma once
-// Rows of CSV files that begin with the number of a step, of runs that go on.
+// CSV files of runs, whose rows begin with the number of a step.
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace silt::coupler {
 
+/// Returns a field as RFC 4180 has it: in quotes if there is a comma, a quote or a line end in it.
+std::string csv_field(std::string_view);
+
 /// Removes the rows of steps after the given one, and a last row that a killed run left without its end.
-/// Returns the first line, which names the columns; "" if there is no such file. FileError.
+/// Returns the names of the columns as they stand; "" if there is no such file. FileError.
 std::string remove_rows_after(const std::filesystem::path&, std::int64_t step);
 
 }  // namespace silt::coupler

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 
 #include "coupler/results/csv_rows.hpp"
 #include "coupler/results/result_folder.hpp"
@@ -48,8 +49,9 @@ void RunSeries::append(const adapters::Json& report) {
   std::string names, row;
   for (const char* column : series_columns)
     for (const auto& [name, number] : report.numbers(column)) {
-      if (name.ends_with(".min") || name.ends_with(".max")) continue;  // over the ranks: the mean is enough
-      (names += names.empty() ? "" : ",") += name;
+      const bool of_ranks = column == std::string_view("stage_seconds");  // of which the mean is enough
+      if (of_ranks && !name.ends_with(".avg")) continue;
+      (names += names.empty() ? "" : ",") += csv_field(name);
       (row += row.empty() ? "" : ",") += number;
     }
   const bool fresh = names != columns_;

@@ -6,6 +6,7 @@
 A row that was cut off by a killed run is left out.
 """
 import csv
+import io
 
 import numpy as np
 
@@ -14,7 +15,7 @@ class Scalars:
     def __init__(self, path):
         with open(path, newline="") as stream:
             whole = stream.read().rsplit("\n", 1)[0]
-        self.names, *rows = csv.reader(whole.splitlines())
+        self.names, *rows = csv.reader(io.StringIO(whole, newline=""))
         rows = [row for row in rows if len(row) == len(self.names)]
         values = np.array([[float(x) if x else np.nan for x in row] for row in rows]).reshape(len(rows), len(self.names))
         self.columns = dict(zip(self.names, values.T))

@@ -4,12 +4,19 @@ import csv
 import json
 import pathlib
 import re
+import subprocess
+import sys
 import unittest
 
 import h5py
 from silt_test import CASE, SiltTest
 
-PAGE = pathlib.Path(__file__).resolve().parents[3] / "cases" / "OUTPUT.md"
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PAGE = ROOT / "cases" / "OUTPUT.md"
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import silt_results  # noqa: E402
+
 SOMETIMES = {"exit_text", "resumed_at"}  # of a run that was stopped, of one that went on
 
 
@@ -106,6 +113,28 @@ class Series(SiltTest):
             stream.write(self.rows()[-1]["steps"].join(["", "9,1,"]) + "\n70,1,2")
         self.silt("resume", self.case, "--set", "run.steps=60")
         self.assertEqual([row["steps"] for row in self.rows()], ["0", "20", "40", "50", "60"])
+
+    def test_odd_names(self):
+        """Names with what CSV takes for its own: read by Python's csv, by silt_results, by the pages, and by a run that goes on."""
+        names = ["drag, total", 'say "x"', "a\nb", "c\rd\r\ne", '"', ",", "'", " ü ", "a.b", "torque.max", "low.min", "=1+1", "$x^", "_1",
+                 "\u2028\u0085\x0b", "#", "\\", "<b>&amp;"]
+        quantities = "".join(f"[[quantities]]\nname = {json.dumps(name)}\ntype = \"mean-height\"\n" for name in names)
+        self.write(self.REPORTS + quantities)
+        self.silt("run", self.case, "--steps", 50)
+        self.silt("resume", self.case, "--set", "run.steps=60")
+        report, rows = self.report(), self.rows()
+        self.assertEqual(list(report["quantities"]), ["height", *names])
+        self.assertEqual([row["steps"] for row in rows], ["0", "20", "40", "50", "60"])
+        series = silt_results.open(self.out).series
+        for name in names:
+            column = f"quantities.{name}"
+            self.assertEqual([float(row[column]) for row in rows], list(series[column]))
+            self.assertEqual(float(rows[-1][column]), report["quantities"][name])
+            self.assertEqual({len(row) for row in rows}, {len(series.names)})
+        for script in ("plot", "report"):
+            done = subprocess.run([ROOT / "scripts" / script, self.case], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("&lt;b&gt;&amp;amp;", (self.out / "report.html").read_text())
 
     def test_other_columns_begin_another_file(self):
         self.write(self.REPORTS)
