@@ -12,23 +12,25 @@ _silt_cases() {
   local word=$1 path
   shift
   for path in "$word"*/; do
-    if [ -f "$path/case.toml" ]; then echo "${path%/}"; elif [ -d "$path" ]; then echo "$path"; fi
+    if [ -f "$path/case.toml" ]; then printf '%s\n' "${path%/}"; elif [ -d "$path" ]; then printf '%s\n' "$path"; fi
   done
   compgen -f -X '!*.toml' -- "$word"
-  compgen -W "$*" -- "$word"
+  for path in "$@"; do
+    if [ "${path#"$word"}" != "$path" ] || [ -z "$word" ]; then printf '%s\n' "$path"; fi
+  done
 }
 
-# _silt_complete NAMES COMMAND...: what may follow a command.
+# _silt_complete COMMAND...: what may follow a command; `names` are Silt's own cases. Names of files are never given to
+# compgen -W, which carries out what is in them.
 _silt_complete() {
-  local names=$1 word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  shift
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
   case $before in
     --backend) mapfile -t COMPREPLY < <(compgen -W "auto analytic bullet fcl" -- "$word"); return ;;
     --out|--checkpoint|--hostfile|--json) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
   esac
   case $word in
     -*) mapfile -t COMPREPLY < <(compgen -W "$(_silt_options "$@")" -- "$word") ;;
-    *) mapfile -t COMPREPLY < <(_silt_cases "$word" "$names") ;;
+    *) mapfile -t COMPREPLY < <(_silt_cases "$word" "${names[@]}") ;;
   esac
 }
 
@@ -39,16 +41,20 @@ _silt() {
   elif [ "${COMP_WORDS[1]}" = info ]; then
     mapfile -t COMPREPLY < <(compgen -f -- "$word")
   else
-    _silt_complete "" "${COMP_WORDS[0]}" "${COMP_WORDS[1]}"
+    local names=()
+    _silt_complete "${COMP_WORDS[0]}" "${COMP_WORDS[1]}"
   fi
 }
 
 _silt_script() {
-  local script=${COMP_WORDS[0]} folder
-  case $script in */*) folder=$(dirname "$script") ;; *) return ;; esac
-  [ -f "$folder/completion.bash" ] || return  # another command of that name
-  _silt_complete "$(cd "$folder/../cases" 2>/dev/null && echo */ | tr -d /)" "$script"
+  local script=${COMP_WORDS[0]} names
+  case $script in */*) ;; *) return ;; esac
+  [ -f "${script%/*}/completion.bash" ] || return  # another command of that name
+  names=("${script%/*}"/../cases/*/)
+  names=("${names[@]%/}")
+  names=("${names[@]##*/}")
+  _silt_complete "$script"
 }
 
 complete -o filenames -F _silt silt
-complete -o default -F _silt_script run regress render plot report compare clean new-case surfaces submit bench
+complete -o filenames -o default -F _silt_script run regress render plot report compare clean new-case surfaces submit bench

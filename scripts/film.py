@@ -32,7 +32,7 @@ def write_film(path, count, draw, rate):
                 print(f"drawn {i + 1} of {count} pictures", file=sys.stderr, flush=True)
         even = "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white"  # as H.264 wants it
         command = ["ffmpeg", "-v", "error", "-y", "-framerate", str(rate), "-i", f"{scratch}/%06d.png", "-vf", even,
-                   "-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(path)]
+                   "-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", f"file:{path.resolve()}"]
         done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
         if done.returncode != 0:
             raise NoFilm(f"ffmpeg failed\n{done.stderr[-2000:]}")
