@@ -20,6 +20,12 @@ std::string file_text(std::string text, const std::vector<std::string>& override
   return text;
 }
 
+/// Returns the key that an argument of --set or --unset is about; the length of a run has two.
+std::string key_of(const std::string& argument) {
+  const std::string key = argument.substr(0, argument.find('='));
+  return key == "run.time" ? "run.steps" : key;
+}
+
 /// Whether a key lies in a table that a run may change when it goes on.
 bool may_change(std::string_view key) {
   return key == "run" || key == "output" || key == "quantities" || key.starts_with("run.") ||
@@ -120,6 +126,18 @@ Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vec
   require_same_text(origin, scene);
   require_same_files(origin, scene);
   return scene;
+}
+
+std::string earlier_options(const CaseOrigin& origin, const std::vector<std::string>& overrides) {
+  std::vector<std::string> options;
+  for (auto o = origin.overrides.begin(); o != origin.overrides.end(); ++o) {
+    const auto is_of_its_key = [&](const std::string& later) { return key_of(later) == key_of(*o); };
+    if (std::any_of(o + 1, origin.overrides.end(), is_of_its_key) ||
+        std::any_of(overrides.begin(), overrides.end(), is_of_its_key))
+      continue;
+    options.push_back(override_text(*o));
+  }
+  return joined(options, " ");
 }
 
 }  // namespace silt::coupler

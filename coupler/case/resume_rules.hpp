@@ -20,4 +20,8 @@ struct CaseOrigin {
 /// began with.
 Case case_to_resume(const CaseOrigin&, CaseSource&, const std::vector<std::string>& overrides);
 
+/// Returns the options of the run that wrote the checkpoint which still hold: "--set run.steps=60 --unset
+/// run.balance"; "" if there are none.
+std::string earlier_options(const CaseOrigin&, const std::vector<std::string>& overrides);
+
 }  // namespace silt::coupler

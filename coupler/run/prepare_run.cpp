@@ -161,8 +161,10 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   const auto first_sound = first_sound_checkpoint(there, comm, ready.note);
   const adapters::CheckpointReader& reader = *first_sound;
   PreparedRun prepared;
+  const CaseOrigin origin = read_origin(reader);
+  prepared.earlier_options = earlier_options(origin, options.overrides);
   const auto scene = read_once(options.directory, comm, [&](CaseSource& source) {
-    return case_to_resume(read_origin(reader), source, options.overrides);
+    return case_to_resume(origin, source, options.overrides);
   });
   adapters::together(comm, [&] {
     prepared.warnings = require_runnable(*scene);

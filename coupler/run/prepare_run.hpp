@@ -21,7 +21,8 @@ struct PreparedRun {
   std::unique_ptr<Quantities> quantities;
   std::optional<SteadyWatch> steady;  // where the case asks for it
   std::vector<Diagnostic> warnings;
-  ReadyFolder folder;  // on rank 0
+  ReadyFolder folder;           // on rank 0
+  std::string earlier_options;  // of the run that goes on, which still hold
 };
 
 /// Reads and judges a case without running it; returns its derived table and its warnings. CaseError.

@@ -43,6 +43,13 @@ std::string quoted(const std::string& argument) {
   return text + "'";
 }
 
+/// Says what else than the case holds of the run that goes on.
+std::string earlier_options_text(const PreparedRun& prepared) {
+  if (prepared.earlier_options.empty()) return "";
+  return fmt::format(", where {} of the earlier run still holds, until it is set anew",
+                     prepared.earlier_options);
+}
+
 class Run {
  public:
   Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed);
@@ -267,7 +274,9 @@ void Run::greet() {
   text += fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.body_count,
                       scene.body_count == 1 ? "y" : "ies", scene.ranks, scene.ranks > 1 ? "s" : "");
   progress_->say(text);
-  if (resumed_) progress_->say(fmt::format("goes on from step {}", first_step_));
+  if (resumed_)
+    progress_->say(fmt::format("goes on from step {} to {}{}", first_step_, setup().steps,
+                               earlier_options_text(prepared_)));
   progress_->say(fmt::format("results go to {}", folder_.string()));
 }
 
@@ -322,8 +331,9 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
   if (resumed && step >= steps) {
     if (rank == 0)
       fmt::print(
-          "the run is complete: it has done {} of {} steps; to go on, raise run.steps (--set run.steps={})\n",
-          step, steps, 2 * steps);
+          "the run is complete: it has done {} of {} steps{}; to go on, raise run.steps (--set "
+          "run.steps={})\n",
+          step, steps, earlier_options_text(prepared), 2 * steps);
     return Exit::done;
   }
   if (resumed && prepared.steady && prepared.steady->steady()) {
