@@ -1,4 +1,5 @@
 """Walls of triangles in pictures: their surfaces from the files of a case, where they are at a time."""
+import csv
 import pathlib
 
 import numpy as np
@@ -38,16 +39,19 @@ def turned_as_at_rest(wall):
     return rotation(np.array(wall.get("orientation", (1, 0, 0, 0)), float) / np.linalg.norm(wall.get("orientation", (1, 0, 0, 0))))
 
 
+def is_number(text):
+    try:
+        return float(text) == float(text)
+    except ValueError:
+        return False
+
+
 def from_table(file, time):
     """Returns displacement and rotation vector at a time from a CSV file of a motion (cases/README.md, walls.motion): cubics with
     the slopes of parabolas through three lines, 0 at both ends; before and after it what the first and the last line say."""
-    lines = [line.strip() for line in file.read_text().splitlines()]
-    lines = [line for line in lines if line and not line.startswith("#")]
-    try:
-        float(lines[0].split(",")[0])
-    except ValueError:
-        del lines[0]  # headings
-    rows = np.array([[float(word) for word in line.split(",")] for line in lines])
+    lines = [line.strip() for line in file.read_text("utf-8-sig").splitlines()]
+    rows = csv.reader([line for line in lines if line and not line.startswith("#")], skipinitialspace=True)
+    rows = np.array([[float(word) for word in row] for row in rows if is_number(row[0])])  # not headings
     t, moved = rows[:, 0], rows[:, 1:]
     slopes = np.gradient(moved, t, axis=0)
     slopes[[0, -1]] = 0

@@ -36,10 +36,10 @@ std::uint64_t count_points(const std::filesystem::path& path, const std::string&
   return rows;
 }
 
-std::vector<std::array<double, 3>> read_points(const std::filesystem::path& path, const std::string& dataset,
-                                               std::uint64_t first, std::uint64_t n) {
+std::vector<double> read_points(const std::filesystem::path& path, const std::string& dataset,
+                                std::uint64_t first, std::uint64_t n) {
   std::uint64_t rows = 0;
-  std::vector<std::array<double, 3>> points(n);
+  std::vector<double> points(3 * n);
   const File file = File::open(path, false);
   const Handle data = open_points(file, dataset, rows);
   if (first + n > rows)

@@ -1,6 +1,5 @@
 #pragma once
 // Points in an HDF5 file that another program wrote: a dataset of three numbers a row.
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -12,8 +11,9 @@ namespace silt::adapters {
 /// file and dataset and says what is wrong.
 std::uint64_t count_points(const std::filesystem::path&, const std::string& dataset);
 
-/// Reads the points [first, first + n). Local; any number of ranks may read at once. Errors as above.
-std::vector<std::array<double, 3>> read_points(const std::filesystem::path&, const std::string& dataset,
-                                               std::uint64_t first, std::uint64_t n);
+/// Reads the points [first, first + n), three numbers each. Local; any number of ranks may read at once.
+/// Errors as above.
+std::vector<double> read_points(const std::filesystem::path&, const std::string& dataset, std::uint64_t first,
+                                std::uint64_t n);
 
 }  // namespace silt::adapters

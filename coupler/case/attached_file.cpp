@@ -11,8 +11,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "coupler/case/position_file.hpp"
-
 namespace silt::coupler {
 
 namespace fs = std::filesystem;
@@ -44,7 +42,7 @@ std::string fingerprint_of(const std::string& name, std::uint64_t bytes, XXH64_h
 
 AttachedFile read_attached(const fs::path& directory, const std::string& name) {
   std::ifstream stream = opened(directory, name);
-  AttachedFile file{{std::istreambuf_iterator<char>(stream), {}}, "", 0};
+  AttachedFile file{{std::istreambuf_iterator<char>(stream), {}}, "", {}};
   file.fingerprint =
       fingerprint_of(name, file.bytes.size(), XXH3_64bits(file.bytes.data(), file.bytes.size()));
   return file;
@@ -64,11 +62,11 @@ AttachedFile look_at_positions(const fs::path& directory, const std::string& nam
   AttachedFile file;
   file.fingerprint = fingerprint_of(name, bytes, XXH3_64bits_digest(state.get()));
   try {
-    file.points = count_points(directory, positions);
+    file.positions = look_through(directory, positions);
   } catch (const std::runtime_error& error) {
     throw std::invalid_argument(error.what());
   }
-  if (file.points == 0) throw std::invalid_argument("there is no point in it");
+  if (file.positions.points == 0) throw std::invalid_argument("there is no point in it");
   return file;
 }
 

@@ -1,15 +1,16 @@
 #pragma once
 // A file that a case names, beside its case.toml: its bytes, and what a checkpoint remembers of it.
-#include <cstdint>
 #include <filesystem>
 #include <string>
+
+#include "coupler/case/position_file.hpp"
 
 namespace silt::coupler {
 
 struct AttachedFile {
   std::string bytes;
-  std::string fingerprint;   // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
-  std::uint64_t points = 0;  // of a file of positions, whose bytes stay where they are
+  std::string fingerprint;     // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
+  PositionContents positions;  // of a file of positions, whose bytes stay where they are
 };
 
 /// Reads the file `name`, which is relative to the directory of the case and may not lead out of it.

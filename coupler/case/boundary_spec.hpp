@@ -32,6 +32,8 @@ struct BoundarySpec {
 /// A wall of triangles from a file.
 struct MeshWall : rigid::MeshWallSpec {
   std::string file, contents;  // contents: "1280 triangles in 1 shell", and what was mended
+  std::string table;           // of its motion; "" without one
+  int table_headings = 0;      // its lines of headings
 };
 
 /// A curved wall of the domain, for fluid and bodies alike.

@@ -70,7 +70,7 @@ struct Case {
   template <class F>
   void for_each_given(F&& f) const {
     for (const BodySpec& body : bodies) f(body, std::uint64_t{1});
-    for (const FiledBodies& file : filed) f(file.alike, file.count);
+    for (const FiledBodies& file : filed) f(file.alike, file.contents.points);
   }
   template <class Test>
   bool any_given(Test&& test) const {

@@ -86,7 +86,7 @@ void broadcast(MPI_Comm comm, CaseSource& source) {
     broadcast(comm, name);
     broadcast(comm, file.bytes);
     broadcast(comm, file.fingerprint);
-    MPI_Bcast(&file.points, 1, MPI_UINT64_T, 0, comm);
+    MPI_Bcast(&file.positions, sizeof file.positions, MPI_BYTE, 0, comm);
     if (rank != 0) source.attached[name] = std::move(file);
   }
 }

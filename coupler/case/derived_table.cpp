@@ -55,6 +55,11 @@ std::string side_text(const BoundarySpec& side) {
   return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? leaving : "");
 }
 
+/// What was taken for numbers in a CSV file, and what not.
+std::string lines_text(std::uint64_t numbers, int headings) {
+  return fmt::format("{} lines of numbers, {} of headings", numbers, headings);
+}
+
 void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {
   if (const auto* tube = wall.tube())
     return table.quantity("tube '" + wall.name + "', radius", tube->radius, dimension::length, "m", "cells");
@@ -73,6 +78,8 @@ void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {
   else
     table.line("mesh '" + wall.name + "', box", from_to(1) + " cells");
   table.line("  of " + mesh.file, mesh.contents);
+  if (!mesh.table.empty())
+    table.line("  moved by " + mesh.table, lines_text(mesh.motion.table.size(), mesh.table_headings));
 }
 
 void add_domain(const Case& scene, Table& table) {
@@ -202,8 +209,13 @@ void add_bodies(const Case& scene, Table& table) {
     volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[body.shape]).volume;
   });
   constexpr std::size_t most_lines = 12;
-  for (std::size_t i = 0; i < std::min(entries.size(), most_lines); ++i)
+  for (std::size_t i = 0; i < std::min(entries.size(), most_lines); ++i) {
     add_kind(scene, table, fmt::format("bodies[{}]", entries[i].first), entries[i].second);
+    for (const FiledBodies& filed : scene.filed)
+      if (filed.alike.entry == entries[i].first && filed.positions.dataset.empty())
+        table.line("  in " + filed.positions.file,
+                   lines_text(filed.contents.points, filed.contents.headings));
+  }
   if (entries.size() > most_lines)
     table.line("", fmt::format("and {} more entries", entries.size() - most_lines));
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {

@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <span>
 #include <stdexcept>
-#include <string_view>
 
 #include "adapters/hdf5/point_table.hpp"
-#include "coupler/case/trimmed.hpp"
+#include "coupler/case/case_error.hpp"
+#include "coupler/case/csv_fields.hpp"
+#include "coupler/case/csv_reader.hpp"
 
 namespace silt::coupler {
 
@@ -17,81 +19,157 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool begins_with_number(std::string_view text) {
-  double x = 0;
-  return std::from_chars(text.data(), text.data() + text.size(), x).ec == std::errc{};
+/// Columns that go together.
+struct Group {
+  int begin, end;
+};
+constexpr Group whole_positions{0, 3}, whole_orientations{3, 7}, whole_velocities{7, 10}, whole_turns{10, 13};
+
+bool has(const std::vector<int>& columns, Group group) {
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](int k) { return k >= group.begin && k < group.end; });
 }
 
-/// Takes a number and what parts it from the next one; false if there is none.
-bool take_number(std::string_view& text, double& x) {
-  text = trimmed(text);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-  if (error != std::errc{} || !std::isfinite(x)) return false;
-  text = trimmed(text.substr(static_cast<std::size_t>(end - text.data())));
-  if (text.empty()) return true;
-  if (text[0] != ',') return false;
-  text.remove_prefix(1);
-  return true;
+/// Returns the column that a heading names, its unit in brackets left out; -1 for another name.
+int column_of(std::string_view heading) {
+  std::string name(trimmed(heading.substr(0, heading.find_first_of("[("))));
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const auto found = std::find(position_columns.begin(), position_columns.end(), name);
+  return found == position_columns.end() ? -1 : static_cast<int>(found - position_columns.begin());
 }
 
-bool take_point(std::string_view text, std::array<double, 3>& point) {
-  if (!text.empty() && text.back() == ',') return false;
-  for (double& x : point)
-    if (!take_number(text, x)) return false;
-  return text.empty();
+[[noreturn]] void refuse_headings(const std::string& what) {
+  throw std::invalid_argument(
+      fmt::format("its headings {}; they must name x, y, z and may name all of orientation.w, .x, .y, .z, of "
+                  "velocity.x, .y, .z and of angular_velocity.x, .y, .z",
+                  what));
 }
 
-/// Calls point(line) for the lines of points that begin in part `part` of `parts` of a file's bytes, until it
-/// returns false.
-template <class Point>
-void for_lines(const fs::path& path, int part, int parts, Point&& point) {
+/// Three headings may have other names, if none of them contradicts the order x, y, z.
+bool may_be_positions(const std::vector<int>& columns) {
+  for (int k = 0; k < static_cast<int>(columns.size()); ++k)
+    if (columns[k] >= 0 && columns[k] != k) return false;
+  return columns.size() == 3;
+}
+
+/// Returns the columns that lines of headings name; x, y, z if none does.
+std::vector<int> columns_of(const std::vector<std::vector<std::string>>& headings) {
+  std::vector<int> columns = {0, 1, 2};
+  for (const auto& line : headings) {
+    std::vector<int> named;
+    for (const std::string& heading : line) named.push_back(column_of(heading));
+    const auto unknown = std::find(named.begin(), named.end(), -1);
+    if (std::count(named.begin(), named.end(), -1) == std::ssize(named)) continue;
+    if (unknown == named.end())
+      columns = named;
+    else if (!may_be_positions(named))
+      refuse_headings(fmt::format("name \"{}\"", line[unknown - named.begin()]));
+  }
+  for (const Group group : {whole_positions, whole_orientations, whole_velocities, whole_turns})
+    for (int k = group.begin; k < group.end; ++k) {
+      const auto times = std::count(columns.begin(), columns.end(), k);
+      if (times > 1) refuse_headings(fmt::format("name {} twice", position_columns[k]));
+      if (times == 0 && (group.begin == 0 || has(columns, group)))
+        refuse_headings(fmt::format("do not name {}", position_columns[k]));
+    }
+  return columns;
+}
+
+std::ifstream opened(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || !fs::is_regular_file(path))
     throw std::runtime_error(path.string() + ": there is no such file, or it cannot be read");
-  const std::uint64_t size = fs::file_size(path), end = size * (part + 1) / parts;
-  std::uint64_t at = size * part / parts;
-  std::string line;
-  if (at > 0) {  // in the middle of a line of the part before, or just behind it
-    stream.seekg(static_cast<std::streamoff>(--at));
-    if (std::getline(stream, line)) at += line.size() + 1;
-  }
-  while (at < end && std::getline(stream, line)) {
-    const bool first = at == 0;
-    at += line.size() + 1;
-    const std::string_view text = trimmed(line);
-    if (text.empty() || text[0] == '#') continue;
-    if (first && !begins_with_number(text)) continue;  // headings
-    if (!point(text)) return;
-  }
-  if (stream.bad()) throw std::runtime_error(path.string() + ": cannot be read to its end");
+  return stream;
+}
+
+std::string names_of_columns(const std::vector<int>& columns) {
+  std::vector<std::string> names;
+  for (const int k : columns) names.emplace_back(position_columns[k]);
+  return joined(names);
+}
+
+/// What a line must be.
+std::string line_of(const std::vector<int>& columns) {
+  return fmt::format("{} finite numbers with commas between them: {}", columns.size(),
+                     names_of_columns(columns));
+}
+
+bool has_no_direction(const PositionSlice& slice, std::size_t body) {
+  FiledPose pose = {};
+  slice.put(body, pose);
+  return std::all_of(pose.begin() + whole_orientations.begin, pose.begin() + whole_orientations.end,
+                     [](double q) { return q == 0; });
 }
 
 PositionSlice read_csv(const fs::path& path, int part, int parts) {
-  PositionSlice slice;
-  for_lines(path, part, parts, [&](std::string_view line) {
-    std::array<double, 3> x;
-    if (take_point(line, x)) return slice.points.push_back(x), true;
-    slice.fault = fmt::format("is \"{}\"", line.substr(0, 60));
-    return false;
-  });
+  std::ifstream stream = opened(path);
+  CsvReader reader(stream);
+  PositionSlice slice{columns_of(reader.headings()), {}, 0, ""};
+  const std::size_t width = slice.columns.size();
+  const std::string must = line_of(slice.columns);
+  const bool turned = has(slice.columns, whole_orientations);
+  reader.take_part(part, parts);
+  while (slice.fault.empty() && reader.next()) {
+    slice.numbers.resize(slice.numbers.size() + width);
+    try {
+      reader.numbers({slice.numbers.end() - static_cast<std::ptrdiff_t>(width), slice.numbers.end()}, must);
+    } catch (const std::invalid_argument& error) {
+      slice.fault = error.what();
+    }
+    if (slice.fault.empty() && turned && has_no_direction(slice, slice.size() - 1))
+      slice.fault = "has an orientation of four zeros; it must be a quaternion w, x, y, z";
+    if (!slice.fault.empty()) slice.numbers.resize(slice.numbers.size() - width);
+  }
+  slice.lines = reader.lines();
   return slice;
 }
 
 PositionSlice read_hdf5(const fs::path& path, const std::string& dataset, int part, int parts) {
-  PositionSlice slice;
+  PositionSlice slice{{0, 1, 2}, {}, 0, ""};
   const std::uint64_t n = adapters::count_points(path, dataset), first = n * part / parts;
-  slice.points = adapters::read_points(path, dataset, first, n * (part + 1) / parts - first);
-  for (std::size_t i = 0; i < slice.points.size(); ++i)
-    for (const double x : slice.points[i]) {
-      if (std::isfinite(x)) continue;
-      slice.fault = fmt::format("has the coordinate {}", x);
-      slice.points.resize(i);
-      return slice;
-    }
+  slice.numbers = adapters::read_points(path, dataset, first, n * (part + 1) / parts - first);
+  const auto bad =
+      std::find_if(slice.numbers.begin(), slice.numbers.end(), [](double x) { return !std::isfinite(x); });
+  if (bad == slice.numbers.end()) return slice;
+  slice.fault = fmt::format("has the coordinate {}; it must be three finite numbers, x, y, z", *bad);
+  slice.numbers.resize((bad - slice.numbers.begin()) / 3 * 3);
   return slice;
 }
 
+/// Keeps the longer of two vectors.
+void keep_longer(const FiledPose& pose, Group group, std::array<double, 3>& longest) {
+  const auto square = [](const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  if (square(&pose[group.begin]) > square(longest.data()))
+    std::copy_n(&pose[group.begin], 3, longest.begin());
+}
+
+PositionContents look_through_csv(const fs::path& path) {
+  std::ifstream stream = opened(path);
+  CsvReader reader(stream);
+  const std::vector<int> columns = columns_of(reader.headings());
+  PositionContents found;
+  found.headings = static_cast<int>(reader.headings().size());
+  found.orientation = has(columns, whole_orientations);
+  found.velocity = has(columns, whole_velocities), found.angular_velocity = has(columns, whole_turns);
+  std::vector<double> numbers(columns.size());
+  for (; reader.next(); ++found.points) try {
+      if (!found.velocity && !found.angular_velocity) continue;
+      reader.numbers(numbers, "");
+      FiledPose pose = {};
+      for (std::size_t k = 0; k < columns.size(); ++k) pose[columns[k]] = numbers[k];
+      keep_longer(pose, whole_velocities, found.fastest);
+      keep_longer(pose, whole_turns, found.fastest_turn);
+    } catch (const std::invalid_argument&) {  // told by who reads the bodies
+    }
+  return found;
+}
+
 }  // namespace
+
+void PositionSlice::put(std::size_t body, FiledPose& pose) const {
+  for (std::size_t k = 0; k < columns.size(); ++k) pose[columns[k]] = numbers[body * columns.size() + k];
+}
 
 PositionFile position_file(const std::string& name) {
   const auto colon = name.rfind(':');
@@ -109,12 +187,12 @@ PositionSlice read_slice(const fs::path& directory, const PositionFile& position
                                    : read_hdf5(path, positions.dataset, part, parts);
 }
 
-std::uint64_t count_points(const fs::path& directory, const PositionFile& positions) {
+PositionContents look_through(const fs::path& directory, const PositionFile& positions) {
   const fs::path path = directory / positions.file;
-  if (!positions.dataset.empty()) return adapters::count_points(path, positions.dataset);
-  std::uint64_t n = 0;
-  for_lines(path, 0, 1, [&](std::string_view) { return ++n > 0; });
-  return n;
+  if (positions.dataset.empty()) return look_through_csv(path);
+  PositionContents found;
+  found.points = adapters::count_points(path, positions.dataset);
+  return found;
 }
 
 }  // namespace silt::coupler

@@ -1,6 +1,6 @@
 #pragma once
-// Positions of bodies in a file beside the case, read in slices: a CSV file, a point a line, or a dataset of
-// an HDF5 file.
+// Where bodies are, in a file beside the case, read in slices: a CSV file, a body a line, or a dataset of an
+// HDF5 file. A CSV file may also say how they are turned and how they move.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -19,18 +19,51 @@ struct PositionFile {
 /// Returns whose name it is; std::invalid_argument says what names there are.
 PositionFile position_file(const std::string& name);
 
-/// Some of the points of a file, one after the other, in the units of the case.
-struct PositionSlice {
-  std::vector<std::array<double, 3>> points;
-  std::string fault;  // what is wrong with the next one, which ended the reading; "" if nothing
+/// The columns that a CSV file may have, in the order of its headings: the keys of [[bodies]].
+inline constexpr std::array<const char*, 13> position_columns = {"x",
+                                                                 "y",
+                                                                 "z",
+                                                                 "orientation.w",
+                                                                 "orientation.x",
+                                                                 "orientation.y",
+                                                                 "orientation.z",
+                                                                 "velocity.x",
+                                                                 "velocity.y",
+                                                                 "velocity.z",
+                                                                 "angular_velocity.x",
+                                                                 "angular_velocity.y",
+                                                                 "angular_velocity.z"};
+
+/// What one body's line says, by position_columns; what a file does not say stays as it was.
+using FiledPose = std::array<double, position_columns.size()>;
+
+/// What a file holds, as far as a case has to know before the bodies are read.
+struct PositionContents {
+  std::uint64_t points = 0;                                              // good or not
+  int headings = 0;                                                      // lines
+  bool orientation = false, velocity = false, angular_velocity = false;  // whether it says them
+  // the largest that it says, in the units of the case
+  std::array<double, 3> fastest = {}, fastest_turn = {};
 };
 
-/// Reads part `part` of `parts` of a file: together they are all points in the order of the file. A CSV file
-/// may begin with a line of headings; empty lines and lines from # on do not count. std::runtime_error names
-/// a file that cannot be read.
-PositionSlice read_slice(const std::filesystem::path& directory, const PositionFile&, int part, int parts);
+/// Looks through a file. std::runtime_error names one that cannot be read, std::invalid_argument says what is
+/// wrong with its headings.
+PositionContents look_through(const std::filesystem::path& directory, const PositionFile&);
 
-/// Counts the points of a file, whether they are good or not. Errors as above.
-std::uint64_t count_points(const std::filesystem::path& directory, const PositionFile&);
+/// Some of the bodies of a file, one after the other, in the units of the case.
+struct PositionSlice {
+  std::vector<int> columns;     // of position_columns: of what a body's numbers are
+  std::vector<double> numbers;  // columns.size() a body
+  std::uint64_t lines = 0;      // read of a CSV file
+  std::string fault;            // what is wrong with the next body, which ended the reading; "" if nothing
+
+  std::uint64_t size() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
+  /// Puts the numbers of a body where they belong.
+  void put(std::size_t body, FiledPose&) const;
+};
+
+/// Reads part `part` of `parts` of a file: together they are all bodies in the order of the file. Errors as
+/// above.
+PositionSlice read_slice(const std::filesystem::path& directory, const PositionFile&, int part, int parts);
 
 }  // namespace silt::coupler

@@ -127,15 +127,41 @@ double read_density(TableReader& table) {
   return table.quantity("density", dimension::density, range::above(0)).value_or(1);
 }
 
-/// Positions in a file: only how many there are is looked at.
-void read_filed_bodies(TableReader& table, const BodySpec& alike, Case& scene) {
+/// What a file of positions says as well must not be given by a key, nor be what a fixed body cannot have.
+void check_contents(TableReader& table, const BodySpec& body, const std::string& name,
+                    const PositionContents& in) {
+  const auto refuse_twice = [&](bool in_file, std::initializer_list<const char*> keys) {
+    for (const char* key : keys)
+      if (in_file && table.has(key))
+        table.fail(key, fmt::format("{} is given, and '{}' has columns of it: remove one of the two",
+                                    table.path(key), name));
+  };
+  refuse_twice(in.orientation, {"orientation", "axis_angle", "axis"});
+  refuse_twice(in.velocity, {"velocity"});
+  refuse_twice(in.angular_velocity, {"angular_velocity"});
+  const std::array<double, 3> none = {};
+  if (body.motion == rigid::Motion::fixed && (in.fastest != none || in.fastest_turn != none))
+    table.fail("positions",
+               fmt::format("{}: '{}' has velocities, but the bodies are fixed; set motion = \"free\" or "
+                           "\"prescribed\", or remove these columns",
+                           table.path("positions"), name));
+}
+
+/// Positions in a file: only how many there are is looked at, and how fast the fastest are.
+void read_filed_bodies(TableReader& table, BodySpec alike, Case& scene) {
   ReadContext& context = table.context();
   const auto name = table.string("positions");
   if (!name) return;
   try {
     const AttachedFile& file = context.source->positions_named(*name);
     context.files.push_back(file.fingerprint);
-    scene.filed.push_back({alike, position_file(*name), file.points});
+    const PositionContents& in = file.positions;
+    check_contents(table, alike, *name, in);
+    if (in.velocity) alike.velocity = Vec3(in.fastest.data()) / context.units.scale(dimension::velocity);
+    if (in.angular_velocity)
+      alike.angular_velocity =
+          Vec3(in.fastest_turn.data()) / context.units.scale(dimension::angular_velocity);
+    scene.filed.push_back({alike, position_file(*name), in});
   } catch (const std::invalid_argument& error) {
     table.fail("positions", fmt::format("{}: '{}': {}", table.path("positions"), *name, error.what()));
   }

@@ -73,8 +73,10 @@ void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
       table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * wall.axis;
   read_oscillation(table.table("oscillation"), motion);
   if (turn == "table")
-    with_file(table, "table", [&](const std::string&, const std::string& bytes) {
-      motion.table = read_motion_file(bytes, table.context().units);
+    with_file(table, "table", [&](const std::string& name, const std::string& bytes) {
+      MotionFile file = read_motion_file(bytes, table.context().units);
+      wall.table = name, wall.table_headings = file.headings;
+      motion.table = std::move(file.rows);
     });
 }
 

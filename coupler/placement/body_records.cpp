@@ -34,7 +34,8 @@ rigid::BodyRecord body_record(rigid::BodyId id, const BodySpec& body, const Cent
   r.mass = body.density * shape.volume;
   r.weight_in_fluid = in_fluid ? 1 - 1 / body.density : 1;
   Eigen::Map<rigid::Mat3>{r.inertia_B} = body.density * shape.inertia;
-  const rigid::Quat q = body.pose.orientation.normalized();
+  rigid::Quat q = body.pose.orientation;
+  if (!body.unit) q.normalize();
   store(body.pose.to_world(shape.centre), r.position);
   r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
   store(body.velocity, r.velocity);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/reduce.hpp"
@@ -17,20 +18,31 @@ using rigid::Vec3;
 /// A body on its way; what else there is to know of it the case says.
 struct Passing {
   std::uint64_t point;  // of the file, from 0
-  double position[3];
+  FiledPose pose;       // in the units of the case
 };
 
-BodySpec spec_of(const FiledBodies& filed, const Passing& body) {
+BodySpec spec_of(const Case& scene, const FiledBodies& filed, const Passing& body) {
   BodySpec spec = filed.alike;
-  spec.pose.position = Eigen::Map<const Vec3>{body.position};
+  const auto vector = [&](int column, Dimension dimension) -> Vec3 {
+    return Eigen::Map<const Vec3>{&body.pose[column]} / scene.units.scale(dimension);
+  };
+  spec.pose.position = vector(0, dimension::length);
+  if (filed.contents.orientation) {
+    const double* q = &body.pose[3];
+    spec.pose.orientation = {q[0], q[1], q[2], q[3]};
+    constexpr double rounding = 1e-14;
+    if (std::abs(spec.pose.orientation.squaredNorm() - 1) > rounding) spec.pose.orientation.normalize();
+    spec.unit = true;
+  }
+  if (filed.contents.velocity) spec.velocity = vector(7, dimension::velocity);
+  if (filed.contents.angular_velocity) spec.angular_velocity = vector(10, dimension::angular_velocity);
   spec.point = body.point + 1;
   return spec;
 }
 
 /// This rank's part of a file.
-struct Slice {
-  std::vector<std::array<double, 3>> points;
-  std::uint64_t first = 0;
+struct Slice : PositionSlice {
+  std::uint64_t first = 0;  // body of the file
 };
 
 /// The fault of the rank that comes first in the file is told.
@@ -51,22 +63,25 @@ Slice read_slice_here(const Case& scene, const FiledBodies& filed, Surroundings&
     unreadable.push_back({rigid::BodyId(around.rank), 0, error.what()});
   }
   throw_fault(scene, filed, around, unreadable);
-  std::uint64_t n = slice.points.size(), before = 0;
-  MPI_Exscan(&n, &before, 1, MPI_UINT64_T, MPI_SUM, around.comm());
+  const std::uint64_t n = slice.size(), mine[2] = {n, slice.lines};
+  std::uint64_t before[2] = {0, 0};  // bodies and lines
+  MPI_Exscan(mine, before, 2, MPI_UINT64_T, MPI_SUM, around.comm());
   std::vector<BodyFault> bad;
-  if (!slice.fault.empty())
-    bad.push_back({before + n, 0,
-                   fmt::format("point {} of {} {}; it must be three finite numbers, x, y, z", before + n + 1,
-                               name, slice.fault)});
+  if (!slice.fault.empty()) {
+    const bool has_lines = filed.positions.dataset.empty();
+    bad.push_back({before[0] + n, 0,
+                   fmt::format("{} {} of {} {}", has_lines ? "line" : "point",
+                               has_lines ? before[1] + slice.lines : before[0] + n + 1, name, slice.fault)});
+  }
   throw_fault(scene, filed, around, bad);
   const std::uint64_t all = around.sum(n);
-  if (all != filed.count)
+  if (all != filed.contents.points)
     throw CaseError(
         scene.place(fmt::format("bodies[{}].positions", filed.alike.entry)),
         fmt::format("{} has {} points now, and had {} a moment ago: it is being written; wait, and "
                     "start again",
-                    name, all, filed.count));
-  return {std::move(slice.points), before};
+                    name, all, filed.contents.points));
+  return {std::move(slice), before[0]};
 }
 
 /// Whom a body concerns: the rank of its centre of mass, and those near which it reaches.
@@ -79,10 +94,10 @@ std::vector<int> ranks_of(const Case& scene, Surroundings& around, const BodySpe
 
 void send(const Case& scene, const FiledBodies& filed, Surroundings& around, const Slice& slice,
           std::size_t from, std::size_t to, const Vec3& centre) {
-  for (std::size_t i = from; i < std::min(to, slice.points.size()); ++i) {
+  for (std::size_t i = from; i < std::min<std::size_t>(to, slice.size()); ++i) {
     Passing body{slice.first + i, {}};
-    for (int d = 0; d < 3; ++d) body.position[d] = slice.points[i][d] / scene.units.cell_size;
-    for (const int rank : ranks_of(scene, around, spec_of(filed, body), centre))
+    slice.put(i, body.pose);
+    for (const int rank : ranks_of(scene, around, spec_of(scene, filed, body), centre))
       put(around.messages.to(rank), body);
   }
   around.messages.unannounced();
@@ -96,19 +111,19 @@ void add_filed_bodies(const Case& scene, Surroundings& around, std::vector<Given
   for (const FiledBodies& filed : scene.filed) {
     const Vec3 centre = rigid::mass_properties(scene.shapes[filed.alike.shape]).centre;
     const Slice slice = read_slice_here(scene, filed, around);
-    const std::size_t begin = bodies.size(), most = most_over_ranks(around.comm(), slice.points.size());
+    const std::size_t begin = bodies.size(), most = most_over_ranks(around.comm(), slice.size());
     for (std::size_t from = 0; from < most; from += at_once) {
       send(scene, filed, around, slice, from, from + at_once, centre);
       for (const Messages::Message& m : around.messages.received())
         for (ByteReader reader(m.bytes); !reader.done();) {
           const auto body = reader.take<Passing>();
-          const BodySpec spec = spec_of(filed, body);
+          const BodySpec spec = spec_of(scene, filed, body);
           bodies.push_back({first_id + body.point, spec, around.is_here(spec.pose.to_world(centre))});
         }
     }
     std::sort(bodies.begin() + static_cast<std::ptrdiff_t>(begin), bodies.end(),
               [](const GivenBody& a, const GivenBody& b) { return a.id < b.id; });
-    first_id += filed.count;
+    first_id += filed.contents.points;
   }
 }
 

@@ -10,7 +10,7 @@ namespace silt::coupler {
 
 std::uint64_t count_given(const Case& scene) {
   std::uint64_t n = scene.bodies.size();
-  for (const FiledBodies& filed : scene.filed) n += filed.count;
+  for (const FiledBodies& filed : scene.filed) n += filed.contents.points;
   return n;
 }
 
@@ -24,7 +24,7 @@ int entry_of(const Case& scene, rigid::BodyId id) {
   if (id <= scene.bodies.size()) return scene.bodies[id - 1].entry;
   id -= scene.bodies.size();
   auto filed = scene.filed.begin();
-  for (; id > filed->count; ++filed) id -= filed->count;
+  for (; id > filed->contents.points; ++filed) id -= filed->contents.points;
   return filed->alike.entry;
 }
 

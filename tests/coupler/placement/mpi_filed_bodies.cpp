@@ -139,19 +139,23 @@ TEST(FiledBodies, SlicesAreTheWholeFile) {
   const std::string lines = csv_of(20);
   for (const std::string& text :
        {lines, lines.substr(0, lines.size() - 1), "1,2,3\r\n4,5,6\r\n" + lines.substr(lines.find('\n')),
-        std::string("1,2,3"), std::string("# nothing\n")}) {
+        std::string("\xEF\xBB\xBF# five lines\r\rx,y,z\r1,2,3\r4,5,6"),
+        std::string("x,y,z\r\n\r\n1,2,3\r\n\r\n"), std::string("1,2,3"), std::string("# nothing\n")}) {
     write(scratch / "a.csv", text);
     const PositionFile file = position_file("a.csv");
     const auto all = read_slice(scratch.path(), file, 0, 1);
-    EXPECT_EQ(all.points.size(), count_points(scratch.path(), file));
+    EXPECT_EQ(all.size(), look_through(scratch.path(), file).points);
     for (int parts = 2; parts < 40; ++parts) {
-      std::vector<std::array<double, 3>> joined;
+      std::vector<double> joined;
+      std::uint64_t lines_read = 0;
       for (int part = 0; part < parts; ++part) {
         const auto slice = read_slice(scratch.path(), file, part, parts);
         EXPECT_EQ(slice.fault, "");
-        joined.insert(joined.end(), slice.points.begin(), slice.points.end());
+        joined.insert(joined.end(), slice.numbers.begin(), slice.numbers.end());
+        lines_read += slice.lines;
       }
-      EXPECT_EQ(joined, all.points) << parts;
+      EXPECT_EQ(joined, all.numbers) << parts;
+      EXPECT_EQ(lines_read, all.lines) << parts;
     }
   }
 }
@@ -173,11 +177,14 @@ TEST(FiledBodies, FaultsNameTheFileAndThePoint) {
   const std::string good = csv_of(30);
   for (const char* bad : {"1, 2", "1, 2, 3, 4", "1, 2, nan", "1, 2, three", "1, 2, 3,"}) {
     write(scratch / "cloud.csv", good + bad + "\n" + csv_line({9, 9, 9}));
-    EXPECT_TEXT(fault(scratch, "cloud.csv"), "point 31 of cloud.csv is \"" + std::string(bad) +
-                                                 "\"; it must be three finite numbers, x, y, z");
+    EXPECT_TEXT(fault(scratch, "cloud.csv"), "line 34 of cloud.csv is \"" + std::string(bad) + "\": it ");
+    EXPECT_TEXT(fault(scratch, "cloud.csv"),
+                "; it must be 3 finite numbers with commas between them: x, y, z");
   }
-  write(scratch / "cloud.csv", "nan, 1, 2\n" + good.substr(good.find('\n')));
-  EXPECT_TEXT(fault(scratch, "cloud.csv"), "point 1 of cloud.csv is \"nan, 1, 2\"");
+  for (const char* bad : {"nan, 1, 2", "4;5;6", "4,5,6.O", "\"4,0\",5,6"}) {  // none is taken for headings
+    write(scratch / "cloud.csv", bad + good.substr(good.find('\n')));
+    EXPECT_TEXT(fault(scratch, "cloud.csv"), "line 1 of cloud.csv is \"" + std::string(bad) + "\"");
+  }
   write(scratch / "cloud.csv", good + "1, 2, 40\n");
   EXPECT_TEXT(fault(scratch, "cloud.csv"),
               "bodies[0].positions, point 31 of cloud.csv is [1, 2, 40]; it must lie in the domain");
