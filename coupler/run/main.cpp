@@ -134,7 +134,8 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   app.require_subcommand(1);
   CLI::App* run =
       app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");
-  CLI::App* resume = app.add_subcommand("resume", "goes on from the newest checkpoint");
+  CLI::App* resume = app.add_subcommand(
+      "resume", "goes on from the newest checkpoint, with the --set and --steps of the earlier run");
   CLI::App* checks =
       app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
   CLI::App* infos = app.add_subcommand("info", "says what is in a file of results");
