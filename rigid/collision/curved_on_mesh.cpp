@@ -141,12 +141,16 @@ class OnTriangle {
     append_on_plane(body_, {Vec3::Zero(), pose_.orientation}, corners_[0], n_, mesh_.code_of_facet(triangle),
                     tolerance_, points);
     for (MeshContact& c : points)
-      if (is_over(c.point.on_a)) add(c);
+      if (is_over(triangle, c.point)) add(c);
   }
-  bool is_over(const Vec3& x) const {
+  /// A point behind the triangle at a sharp edge is not: it comes out over the edge's other side.
+  bool is_over(std::uint32_t triangle, const ContactPoint& point) const {
+    const double slack = normal_rounding * deep_;
     for (int k = 0; k < 3; ++k) {
       const Vec3 along = corners_[(k + 1) % 3] - corners_[k];
-      if (n_.dot(along.cross(x - corners_[k])) < -normal_rounding * deep_ * along.norm()) return false;
+      const bool behind = point.gap < -slack && mesh_.is_sharp(edge_of(triangle, k));
+      if (n_.dot(along.cross(point.on_a - corners_[k])) < (behind ? slack : -slack) * along.norm())
+        return false;
     }
     return true;
   }

@@ -7,6 +7,7 @@
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/reduce_manifold.hpp"
 #include "rigid/collision/tube_contacts.hpp"
+#include "rigid/math/twist.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
@@ -261,13 +262,13 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
-  std::size_t deepest = first;
   for (std::size_t i = 0; i < a.pieces(); ++i)
     for (std::size_t j = 0; j < b.pieces(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
       const Pose piece_a = a.pose_of(i, pose_a), piece_b = b.pose_of(j, pose_b);
       const Piece of_a{a, i, piece_a}, of_b{b, j, piece_b};
       collide_pieces(of_a, of_b, margin, call.backend);
+      const std::size_t first_of_pieces = contacts.size();
       for (const ContactPoint& point : points_) {
         // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
         const Vec3 common = at_wall ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
@@ -277,14 +278,69 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
                             common, common - from_a_to_b, material.restitution, material.friction});
         if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
           put_lubrication(call, p, of_a, of_b, point, contacts.back());
-        if (point.gap < contacts[deepest].gap) deepest = contacts.size() - 1;
       }
+      let_pass(call, p, of_a, of_b, from_a_to_b, std::span(contacts).subspan(first_of_pieces));
     }
   if (contacts.size() == first) return;
-  const Vec3 reference =
-      into_domain(call.exchange.extent(), bodies.position[p.row_a] + contacts[deepest].r_a);
+  const Contact& deepest =
+      *std::min_element(contacts.begin() + first, contacts.end(),
+                        [](const Contact& c, const Contact& d) { return c.gap < d.gap; });
+  const Vec3 reference = into_domain(call.exchange.extent(), bodies.position[p.row_a] + deepest.r_a);
   if (!call.exchange.owns_contact_at(reference)) contacts.resize(first);
   if (world.lubrication) count_lubrication(*world.lubrication, std::span(contacts).subspan(first));
+}
+
+/// The contacts of two pieces, those of points_ one by one, that would act although the pieces pass each
+/// other get the plane between which they do so.
+void DetectContacts::let_pass(const Call& call, const CandidatePair& p, const Piece& a, const Piece& b,
+                              const Vec3& from_a_to_b, std::span<Contact> of_pieces) const {
+  if (a.of.sphere || b.of.sphere || b.of.half_space || b.of.tube) return;
+  const BodySet& bodies = call.bodies;
+  const double slack =
+      passing_slack * (reach_[p.row_a].radius + (is_wall(bodies.id[p.row_b]) ? 0.0 : reach_[p.row_b].radius));
+  std::optional<Passing> found;
+  bool looked = false;
+  for (std::size_t k = 0; k < of_pieces.size(); ++k) {
+    Contact& c = of_pieces[k];
+    const ContactPoint& point = points_[k];
+    const Vec3 motion = call.dt * (bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
+    if (c.lubrication || c.gap < -slack || c.gap + c.normal.dot(motion) >= -slack) continue;
+    if (!looked || a.of.mesh || b.of.mesh)
+      found = find_passing(call, p, a, b, from_a_to_b, point, c.gap + motion.norm() + slack);
+    looked = true;
+    if (!found) continue;
+    c.normal = found->normal;
+    c.gap = std::min(found->front_b - c.normal.dot(point.on_a), c.normal.dot(point.on_b) - found->front_a);
+  }
+}
+
+/// By the motion before the kick, which bodies at rest on others have, and by that with gravity's kick if
+/// they pass each other then as well, as bodies do that fall.
+std::optional<Passing> DetectContacts::find_passing(const Call& call, const CandidatePair& p, const Piece& a,
+                                                    const Piece& b, const Vec3& from_a_to_b,
+                                                    const ContactPoint& point, double reach) const {
+  const BodySet& bodies = call.bodies;
+  const auto fall = [&](std::size_t row) -> Vec3 {
+    return bodies.is_free(row) ? Vec3(call.dt * call.dt * bodies.weight_in_fluid[row] * call.world.gravity)
+                               : Vec3(Vec3::Zero());
+  };
+  const auto moving = [&](const Piece& piece, std::size_t row, const Vec3& position, const Vec3& fallen) {
+    const ConvexShape* convex = piece.of.mesh ? nullptr : &piece.of.parts[piece.index].shape;
+    const Pose after{position + call.dt * bodies.velocity[row] + fallen,
+                     (cayley(call.dt * bodies.angular_velocity[row]) * bodies.orientation[row]).normalized()};
+    return MovingPart{convex, piece.of.mesh.get(), piece.pose, piece.of.pose_of(piece.index, after)};
+  };
+  const std::uint32_t code_b = feature_of(point.feature), code_a = b.of.mesh ? point.feature >> 32 : code_b;
+  const auto look = [&](const Vec3& fall_a, const Vec3& fall_b) {
+    return passing(moving(a, p.row_a, Vec3::Zero(), fall_a), code_a, moving(b, p.row_b, from_a_to_b, fall_b),
+                   code_b, point.on_a, reach);
+  };
+  const auto found = look(Vec3::Zero(), Vec3::Zero());
+  if (!found) return {};
+  const Vec3 fall_a = fall(p.row_a), fall_b = fall(p.row_b);
+  if (found->least + found->normal.dot(fall_b - fall_a) >= 0) return found;
+  const auto falling = look(fall_a, fall_b);
+  return falling ? falling : found;
 }
 
 void DetectContacts::count_lubrication(const LubricationLaw& law, std::span<const Contact> contacts) {

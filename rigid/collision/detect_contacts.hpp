@@ -7,6 +7,7 @@
 #include "rigid/bodies/contact.hpp"
 #include "rigid/bodies/world.hpp"
 #include "rigid/collision/collision_backend.hpp"
+#include "rigid/collision/passing.hpp"
 #include "rigid/collision/uniform_grid.hpp"
 #include "rigid/shapes/bounding_box.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
@@ -64,6 +65,10 @@ class DetectContacts {
   bool has_lubrication(const ContactPoint&, bool with_mesh) const;
   void put_lubrication(const Call&, const CandidatePair&, const Piece& a, const Piece& b, const ContactPoint&,
                        Contact&) const;
+  void let_pass(const Call&, const CandidatePair&, const Piece& a, const Piece& b, const Vec3& from_a_to_b,
+                std::span<Contact> of_pieces) const;
+  std::optional<Passing> find_passing(const Call&, const CandidatePair&, const Piece& a, const Piece& b,
+                                      const Vec3& from_a_to_b, const ContactPoint&, double reach) const;
   void count_lubrication(const LubricationLaw&, std::span<const Contact>);
   bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
                    const Pose& pose_b, double margin) const;

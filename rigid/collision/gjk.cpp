@@ -74,13 +74,13 @@ struct Simplex {
   }
 };
 
-}  // namespace
-
-std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
-                                  const Vec3& start) {
+/// `size`: what rounding is relative to.
+template <class A, class B>
+std::optional<Vec3> nearest_direction(const A& a, const B& b, const Vec3& shift, const Vec3& start,
+                                      double size) {
   constexpr int most_rounds = 40;
   constexpr double enough = 1e-8;  // relative: the square of the direction's error
-  const double touching = 1e-9 * length_scale(a, b), rounding = 1e-15 * length_scale(a, b);
+  const double touching = 1e-9 * size, rounding = 1e-15 * size;
   Simplex simplex;
   Vec3 n = start;
   double distance = 0;
@@ -96,6 +96,17 @@ std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, cons
     n = nearest / distance;
   }
   return n;
+}
+
+}  // namespace
+
+std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
+                                  const Vec3& start) {
+  return nearest_direction(a, b, shift, start, length_scale(a, b));
+}
+
+std::optional<Vec3> gjk_direction(const SweptCore& a, const ShrunkCore& b, const Vec3& start, double size) {
+  return nearest_direction(a, b, Vec3::Zero(), start, size);
 }
 
 Vec3 walk_uphill(const ConvexCore& a, const ConvexCore& b, const Vec3& from) {

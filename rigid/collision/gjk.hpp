@@ -13,6 +13,24 @@ namespace silt::rigid {
 std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
                                   const Vec3& start);
 
+/// The hull of a core at two poses.
+struct SweptCore {
+  const ConvexCore &before, &after;
+  Vec3 support(const Vec3& n) const {
+    const Vec3 x = before.support(n), y = after.support(n);
+    return n.dot(x) >= n.dot(y) ? x : y;
+  }
+};
+/// A core made smaller about a point inside it: what it touches is then apart from it.
+struct ShrunkCore {
+  const ConvexCore& core;
+  Vec3 middle;
+  double by;  // part of its size
+  Vec3 support(const Vec3& n) const { return (1 - by) * core.support(n) + by * middle; }
+};
+/// As above; `size` (lattice units) is what rounding is relative to.
+std::optional<Vec3> gjk_direction(const SweptCore& a, const ShrunkCore& b, const Vec3& start, double size);
+
 /// From n uphill in the separation of the cores, overlapping or not: b is moved off along n and the nearest
 /// direction taken for n, until it stays. That is the proximal-point method: every round finds the largest
 /// s(m) + t m.n.

@@ -51,6 +51,15 @@ MeshFeatures::MeshFeatures(const Mesh& mesh) : mesh_(mesh) {
   find_facets();
 }
 
+bool MeshFeatures::is_at(std::uint32_t triangle, std::uint32_t code) const {
+  if (code == code_of_facet(triangle)) return true;
+  for (int k = 0; k < 3; ++k)
+    if (code == code_of_corner(surface().triangles()[triangle][k]) ||
+        code == code_of_edge(edge_of(triangle, k)))
+      return true;
+  return false;
+}
+
 Vec3 MeshFeatures::normal(std::uint32_t triangle) const {
   const Vec3 area = surface().area_normal(triangle);
   const double length = area.norm();

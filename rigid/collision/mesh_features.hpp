@@ -50,6 +50,8 @@ class MeshFeatures {
   std::uint32_t code_of_facet(std::uint32_t triangle) const {
     return vertex_count() + edge_count() + facet_[triangle];
   }
+  /// Whether a triangle is at the corner or the edge, or in the facet, of that number.
+  bool is_at(std::uint32_t triangle, std::uint32_t code) const;
 
   static constexpr double flat = 1e-4;
 

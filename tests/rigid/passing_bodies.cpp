@@ -1,0 +1,214 @@
+// Bodies that pass each other with little room do not touch: what falls past a shelf falls freely, and what
+// slides over a seam or comes to a step down keeps its speed. Lengths in m, times in s, g = 9.81.
+#include <gtest/gtest.h>
+
+#include "tests/hull_of.hpp"
+#include "tests/rigid/scene.hpp"
+#include "tests/rigid/shapes/meshes.hpp"
+
+namespace silt::rigid {
+namespace {
+
+using testing::Scene;
+
+using testing::g;
+
+class PassingBodies : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override { testing::backend_name = GetParam(); }
+  void TearDown() override { testing::backend_name = "analytic"; }
+};
+INSTANTIATE_TEST_SUITE_P(On, PassingBodies, ::testing::Values("auto", "bullet", "fcl"),
+                         [](const auto& name) { return std::string(name.param); });
+
+struct Mover {
+  std::string name;
+  Shape shape;
+};
+
+Polyhedron cuboid(const Vec3& half) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(half.cwiseProduct(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
+  return tests::hull_of(corners);
+}
+
+Mesh block(const Vec3& half) {
+  return testing::solid_of(testing::cuboid_mesh(-half, half));
+}
+
+Compound two_boxes(const Vec3& half) {
+  const Vec3 part(half[0] / 2, half[1], half[2]), middle(half[0] / 2, 0, 0);
+  return {{{Box{part}, {-middle, Quat::Identity()}}, {Box{part}, {middle, Quat::Identity()}}}};
+}
+
+/// All of a width of 0.2 along x, and with their lowest points 0.1 below the origin.
+std::vector<Mover> movers() {
+  const Vec3 half = Vec3::Constant(0.1);
+  return {{"cube", Box{half}},      {"cylinder", Cylinder{0.1, 0.1}},
+          {"cone", Cone{0.1, 0.4}}, {"polyhedron", cuboid(half)},
+          {"mesh", block(half)},    {"compound", two_boxes(half)}};
+}
+
+/// How a body is made that stays where it is.
+enum class Made { box, polyhedron, mesh, compound, wall };
+constexpr Made all_made[] = {Made::box, Made::polyhedron, Made::mesh, Made::compound, Made::wall};
+
+constexpr const char* names[] = {"a box", "a polyhedron", "a mesh", "a compound", "a mesh wall"};
+
+void add_fixed(Scene& s, Made made, const Vec3& half, const Vec3& x) {
+  if (made == Made::wall)
+    return add_mesh_wall(s.bodies, s.world, {block(half), {x, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
+  const Shape shapes[] = {Box{half}, cuboid(half), block(half), two_boxes(half)};
+  const BodyId id = s.add(s.shape(shapes[static_cast<int>(made)]), x);
+  s.bodies.motion[s.bodies.row_of(id)] = Motion::fixed;
+}
+
+/// The largest change that contacts made to a body's velocity, gravity left out, in so much time.
+double disturbance(Scene& s, BodyId id, double time, double dt) {
+  const Vec3 start = s.v(id);
+  double most = 0;
+  const int steps = static_cast<int>(time / dt);
+  for (int i = 1; i <= steps; ++i) {
+    s.run(1, dt);
+    const Vec3 off = s.v(id) - start - i * dt * s.world.gravity;
+    most = std::max({most, off.norm(), 0.1 * s.w(id).norm()});
+  }
+  return most;
+}
+
+Scene beside_a_shelf(const Mover& mover, Made made, double clearance, double speed, double margin) {
+  Scene s(0, 0.5);
+  s.world.gravity = {0, 0, -g};
+  s.world.contact_margin = margin;
+  s.add(s.shape(mover.shape), {1.1 + clearance, 1, 0.6043}, {0, 0, -speed});
+  add_fixed(s, made, {0.5, 0.4, 0.02}, {0.5, 1, 0.48});
+  s.start();
+  return s;
+}
+
+TEST_P(PassingBodies, WhatFallsPastAShelfFallsFreely) {
+  constexpr double dt = 1e-3;
+  for (const Mover& mover : movers())
+    for (const Made made : all_made)
+      for (const double margin : {0.002, 0.05})
+        for (const double speed : {0.1, 1.0, 5.0})
+          for (const double clearance : {1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3}) {
+            Scene s = beside_a_shelf(mover, made, clearance, speed, margin);
+            EXPECT_LT(disturbance(s, 0, 0.06 / speed, dt), 1e-6 * speed)
+                << mover.name << " by " << names[int(made)] << ", margin " << margin << ", speed " << speed
+                << ", clearance " << clearance;
+          }
+}
+
+/// It lands where it meets the shelf by as little as a micrometre.
+TEST_P(PassingBodies, WhatMeetsAShelfLandsOnIt) {
+  for (const Mover& mover : movers())
+    for (const Made made : all_made)
+      for (const double speed : {0.1, 1.0, 5.0}) {
+        Scene s = beside_a_shelf(mover, made, -1e-6, speed, 0.05);
+        EXPECT_GT(disturbance(s, 0, 0.06 / speed, 1e-3), 0.1 * speed)
+            << mover.name << " on " << names[int(made)] << ", speed " << speed;
+      }
+}
+
+/// Plates of 2 mm that fly through each other's places in a step, at a slant, meet or not as their edges do.
+TEST_P(PassingBodies, FastThinPlatesMeetOrPassAsTheirEdgesDo) {
+  for (const double across : {0.0, 3.0, -3.0})
+    for (const double speed : {5.0, 20.0})
+      for (const double overlap : {0.01, 1e-5, -1e-5, -1e-3}) {
+        Scene s(0, 0);
+        s.world.contact_margin = 0.05;
+        const int plate = s.shape(Box{{0.1, 0.1, 0.001}});
+        const double high = 0.0421, t = (high - 0.001) / speed;  // from middle to middle, and until they meet
+        const BodyId id = s.add(plate, {1.2 - overlap - across * t, 1, 0.5 + high}, {across, 0, -speed});
+        s.bodies.motion[s.bodies.row_of(s.add(plate, {1, 1, 0.499}))] = Motion::fixed;
+        s.start();
+        // a plate of this height hits the edge from the side only if it comes from there within its height
+        const bool from_the_side = overlap < 0 && across < 0 && -overlap < -across * (0.004 / speed);
+        const double change = disturbance(s, id, 2 * high / speed, 1e-3);
+        if (overlap > 0 || from_the_side)
+          EXPECT_GT(change, 0.1 * speed) << across << " " << speed << " " << overlap;
+        else
+          EXPECT_LT(change, 1e-6 * speed) << across << " " << speed << " " << overlap;
+      }
+}
+
+Scene on_two_slabs(const Mover& mover, Made made, double step, double margin) {
+  Scene s(0, 0);
+  s.world.gravity = {0, 0, -g};
+  s.world.contact_margin = margin;
+  s.add(s.shape(mover.shape), {1.05, 1, 0.6}, {1.3, 0, 0});
+  for (const int i : {0, 1}) add_fixed(s, made, {0.6, 0.5, 0.1}, {0.6 + 1.2 * i, 1, 0.4 - i * step});
+  s.start();
+  return s;
+}
+
+/// Fractions of 1.3 m/s lost while it slides 6.5 cm, and how high it jumps.
+void expect_undisturbed(Scene& s, double dt, const std::string& what) {
+  double slowest = 1.3, highest = 0;
+  const int steps = static_cast<int>(0.05 / dt);
+  for (int i = 0; i < steps; ++i) {
+    s.run(1, dt);
+    slowest = std::min(slowest, s.v(0)[0]);
+    highest = std::max(highest, s.x(0)[2] - 0.6);
+  }
+  EXPECT_GT(slowest, 1.3 * (1 - 1e-6)) << what;
+  EXPECT_LT(highest, 1e-7) << what;
+}
+
+TEST_P(PassingBodies, WhatSlidesFeelsNoSeamAndNoStepDown) {
+  for (const double dt : {1e-3, 1e-4})
+    for (const Mover& mover : movers())
+      for (const Made made : all_made)
+        for (const double step : {0.0, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+          Scene s = on_two_slabs(mover, made, step, dt == 1e-3 ? 0.05 : 0.002);
+          expect_undisturbed(s, dt,
+                             mover.name + " on " + names[int(made)] + ", step " + std::to_string(step));
+        }
+}
+
+/// The domain's border is a seam between a body and its own image, and the parts of a body have seams.
+TEST_P(PassingBodies, WhatSlidesFeelsNoBorderAndNoParts) {
+  for (const Mover& mover : movers())
+    for (const Made made : all_made) {
+      Scene border(0, 0, {1.2, 2, 2}), parts(0, 0);
+      border.extent.periodic = {true, true, false};
+      for (Scene* s : {&border, &parts}) {
+        s->world.gravity = {0, 0, -g};
+        s->world.contact_margin = 0.05;
+        s->add(s->shape(mover.shape), {1.05, 1, 0.6}, {1.3, 0, 0});
+      }
+      add_fixed(border, made, {0.6, 0.5, 0.1}, {0.6, 1, 0.4});
+      border.start();
+      expect_undisturbed(border, 1e-3, mover.name + " across the border on " + names[int(made)]);
+      add_fixed(parts, Made::compound, {1.2, 0.5, 0.1}, {1.2, 1, 0.4});
+      parts.start();
+      expect_undisturbed(parts, 1e-3, mover.name + " on parts of a body");
+    }
+}
+
+/// Under a load, with friction, on a floor of twenty pieces: as on one of one piece.
+TEST_P(PassingBodies, WhatSlidesUnderALoadFeelsNoSeam) {
+  for (const Mover& mover : movers()) {
+    if (mover.name == "cone") continue;
+    const auto end = [&](int pieces) -> Vec3 {
+      Scene s(0, 0.3);
+      s.settings.max_sweeps = 400;
+      s.world.gravity = {0, 0, -g};
+      s.world.contact_margin = 0.05;
+      s.add(s.shape(mover.shape), {1.05, 1, 0.6}, {1.3, 0, 0});
+      s.add(s.shape(Box{Vec3::Constant(0.09)}), {1.05, 1, 0.79}, {1.3, 0, 0});
+      const double half = 1.2 / pieces;
+      for (int i = 0; i < pieces; ++i)
+        add_fixed(s, Made::box, {half, 0.5, 0.1}, {half * (2 * i + 1), 1, 0.4});
+      s.start();
+      s.run(300, 1e-3);
+      return s.x(0);
+    };
+    EXPECT_LT((end(20) - end(1)).norm(), 1e-5) << mover.name;
+  }
+}
+
+}  // namespace
+}  // namespace silt::rigid
