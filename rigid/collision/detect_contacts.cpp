@@ -306,7 +306,7 @@ void DetectContacts::let_pass(const Call& call, const CandidatePair& p, const Pi
     const Vec3 motion = call.dt * (bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
     if (c.lubrication || c.gap < -slack || c.gap + c.normal.dot(motion) >= -slack) continue;
     if (!looked || a.of.mesh || b.of.mesh)
-      found = find_passing(call, p, a, b, from_a_to_b, point, c.gap + motion.norm() + slack);
+      found = find_passing(call, p, a, b, from_a_to_b, point, std::abs(c.gap) + motion.norm() + slack);
     looked = true;
     if (!found) continue;
     c.normal = found->normal;

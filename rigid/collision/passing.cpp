@@ -1,8 +1,12 @@
 #include "rigid/collision/passing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "rigid/collision/deepest.hpp"
 #include "rigid/collision/deepest_direction.hpp"
@@ -54,34 +58,89 @@ std::optional<Passing> convex_passing(const ConvexShape& shape_a, const Pose& be
                  origin + n->dot(b.support(-*n)) - b.radius, least_gap(*n)};
 }
 
-/// What of a solid lies under a triangle of its surface: a flat pyramid, whose apex is as deep as no edge of
-/// a solid is sharp. Nothing for a triangle without area.
-std::optional<Polyhedron> under(const MeshFeatures& mesh, std::uint32_t triangle) {
-  constexpr double depth = 0.1;  // part of the radius of the triangle's inner circle
-  std::array<Vec3, 3> x = mesh.surface().corners(triangle);
-  const Vec3 n = mesh.normal(triangle);
-  if (n.isZero(0)) return {};
-  if (mesh.mesh().hollow) std::swap(x[1], x[2]);
-  const double area = 0.5 * mesh.surface().area_normal(triangle).norm();
-  const double around = (x[1] - x[0]).norm() + (x[2] - x[1]).norm() + (x[0] - x[2]).norm();
-  const Vec3 apex = (x[0] + x[1] + x[2]) / 3 - depth * 2 * area / around * n;
+/// The corners of the convex hull of points in a plane, counter-clockwise seen from where its unit normal
+/// points (A. M. Andrew, Inf. Process. Lett. 9 (1979) 216).
+std::vector<Vec3> hull_in_plane(const std::vector<Vec3>& points, const Vec3& normal) {
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  std::vector<std::array<double, 2>> flat;
+  for (const Vec3& x : points) flat.push_back({u.dot(x), v.dot(x)});
+  std::sort(flat.begin(), flat.end());
+  flat.erase(std::unique(flat.begin(), flat.end()), flat.end());
+  std::vector<std::array<double, 2>> hull;
+  const auto add_chain = [&](auto first, auto last) {
+    const std::size_t start = hull.size();
+    for (auto p = first; p != last; ++p) {
+      const auto turns_right = [&] {
+        const auto &b = hull.back(), &a = hull[hull.size() - 2];
+        return (b[0] - a[0]) * ((*p)[1] - a[1]) - (b[1] - a[1]) * ((*p)[0] - a[0]) <= 0;
+      };
+      while (hull.size() >= start + 2 && turns_right()) hull.pop_back();
+      hull.push_back(*p);
+    }
+    hull.pop_back();  // the first of the other chain
+  };
+  add_chain(flat.begin(), flat.end());
+  add_chain(flat.rbegin(), flat.rend());
+  const double height = normal.dot(points[0]);
+  std::vector<Vec3> corners;
+  for (const auto& [x, y] : hull) corners.push_back(x * u + y * v + height * normal);
+  return corners;
+}
+
+/// What of a solid lies under a facet of its surface, of which points are given: a flat pyramid, whose slope
+/// is less than the angle of any edge that a solid has but the sharpest. Nothing for a facet without area.
+std::optional<Polyhedron> under(const std::vector<Vec3>& points, const Vec3& normal) {
+  constexpr double slope = 0.1, flatness = 1e-3;  // a facet's triangles are flat to 1e-4
+  std::vector<Vec3> corners = hull_in_plane(points, normal);
+  const int n = static_cast<int>(corners.size());
+  if (n < 3) return {};
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : corners) middle += x / n;
+  double area = 0, around = 0;
+  std::vector<std::vector<int>> faces(1);
+  for (int k = 0; k < n; ++k) {
+    const Vec3 &x = corners[k], &y = corners[(k + 1) % n];
+    area += 0.5 * normal.dot((x - middle).cross(y - middle));
+    around += (y - x).norm();
+    faces[0].push_back(k);
+    faces.push_back({(k + 1) % n, k, n});
+  }
+  corners.push_back(middle - slope * 2 * area / around * normal);
   try {
-    return Polyhedron{
-        make_polyhedron_mesh({x[0], x[1], x[2], apex}, {{0, 1, 2}, {1, 0, 3}, {2, 1, 3}, {0, 2, 3}})};
+    return Polyhedron{make_polyhedron_mesh(corners, faces, flatness)};
   } catch (const std::invalid_argument&) {
     return {};
   }
+}
+
+/// What lies under the facets that a contact of a mesh is at, and under those that go on from them at a small
+/// angle. A facet may have many triangles: those within `reach` of the contact at x (frame of the mesh).
+std::vector<Polyhedron> solids_at(const MeshFeatures& mesh, std::uint32_t code, const Vec3& x, double reach) {
+  constexpr double goes_on = 0.9;  // cosine
+  std::vector<Vec3> normals;
+  std::map<std::uint32_t, std::pair<Vec3, std::vector<Vec3>>> facets;  // by number: a normal, and corners
+  mesh.surface().for_near({x.array() - reach, x.array() + reach}, [&](std::uint32_t t) {
+    const Vec3 n = mesh.normal(t);
+    if (n.isZero(0)) return;
+    if (mesh.is_at(t, code)) normals.push_back(n);
+    auto& [normal, corners] = facets.try_emplace(mesh.facet(t), n, std::vector<Vec3>{}).first->second;
+    for (const Vec3& corner : mesh.surface().corners(t)) corners.push_back(corner);
+  });
+  std::vector<Polyhedron> solids;
+  for (const auto& [number, facet] : facets) {
+    const auto& [normal, corners] = facet;
+    if (std::any_of(normals.begin(), normals.end(), [&](const Vec3& n) { return n.dot(normal) > goes_on; }))
+      if (const auto solid = under(corners, normal)) solids.push_back(*solid);
+  }
+  return solids;
 }
 
 /// Calls use(convex shape, pose before, pose after) for what of a part a contact lies on.
 template <class Use>
 void for_convex(const MovingPart& part, std::uint32_t code, const Vec3& near, double reach, Use&& use) {
   if (part.convex) return use(*part.convex, part.before, part.after);
-  const Vec3 x = part.before.to_body(near);
-  part.mesh->surface().for_near({x.array() - reach, x.array() + reach}, [&](std::uint32_t t) {
-    if (!part.mesh->is_at(t, code)) return;
-    if (const auto solid = under(*part.mesh, t)) use(*solid, part.before, part.after);
-  });
+  for (const Polyhedron& solid : solids_at(*part.mesh, code, part.before.to_body(near), reach))
+    use(solid, part.before, part.after);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // slides over a seam or comes to a step down keeps its speed. Lengths in m, times in s, g = 9.81.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/hull_of.hpp"
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
@@ -87,25 +89,31 @@ Scene beside_a_shelf(const Mover& mover, Made made, double clearance, double spe
   return s;
 }
 
+/// The slowest take the most steps. Engines answer alike: a few show that they are asked.
+std::vector<double> clearances(double speed) {
+  if (std::string_view(testing::backend_name) != "auto")
+    return speed == 1.0 ? std::vector{3e-4} : std::vector<double>{};
+  return speed == 0.1 ? std::vector{1e-6, 3e-5} : std::vector{1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3};
+}
+
 TEST_P(PassingBodies, WhatFallsPastAShelfFallsFreely) {
   constexpr double dt = 1e-3;
   for (const Mover& mover : movers())
     for (const Made made : all_made)
-      for (const double margin : {0.002, 0.05})
-        for (const double speed : {0.1, 1.0, 5.0})
-          for (const double clearance : {1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3}) {
-            Scene s = beside_a_shelf(mover, made, clearance, speed, margin);
-            EXPECT_LT(disturbance(s, 0, 0.06 / speed, dt), 1e-6 * speed)
-                << mover.name << " by " << names[int(made)] << ", margin " << margin << ", speed " << speed
-                << ", clearance " << clearance;
-          }
+      for (const double speed : {0.1, 1.0, 5.0})
+        for (const double clearance : clearances(speed)) {
+          Scene s = beside_a_shelf(mover, made, clearance, speed, clearance > 2e-4 ? 0.05 : 0.002);
+          EXPECT_LT(disturbance(s, 0, 0.06 / speed, dt), 1e-6 * speed)
+              << mover.name << " by " << names[int(made)] << ", speed " << speed << ", clearance "
+              << clearance;
+        }
 }
 
 /// It lands where it meets the shelf by as little as a micrometre.
 TEST_P(PassingBodies, WhatMeetsAShelfLandsOnIt) {
   for (const Mover& mover : movers())
     for (const Made made : all_made)
-      for (const double speed : {0.1, 1.0, 5.0}) {
+      for (const double speed : {1.0, 5.0}) {
         Scene s = beside_a_shelf(mover, made, -1e-6, speed, 0.05);
         EXPECT_GT(disturbance(s, 0, 0.06 / speed, 1e-3), 0.1 * speed)
             << mover.name << " on " << names[int(made)] << ", speed " << speed;
@@ -158,10 +166,11 @@ void expect_undisturbed(Scene& s, double dt, const std::string& what) {
 }
 
 TEST_P(PassingBodies, WhatSlidesFeelsNoSeamAndNoStepDown) {
-  for (const double dt : {1e-3, 1e-4})
-    for (const Mover& mover : movers())
-      for (const Made made : all_made)
-        for (const double step : {0.0, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+  const bool full = std::string_view(GetParam()) == "auto";
+  for (const Mover& mover : movers())
+    for (const Made made : all_made)
+      for (const double step : full ? std::vector{0.0, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2} : std::vector{0.0})
+        for (const double dt : step == 1e-6 ? std::vector{1e-3, 1e-4} : std::vector{1e-3}) {
           Scene s = on_two_slabs(mover, made, step, dt == 1e-3 ? 0.05 : 0.002);
           expect_undisturbed(s, dt,
                              mover.name + " on " + names[int(made)] + ", step " + std::to_string(step));
@@ -188,11 +197,12 @@ TEST_P(PassingBodies, WhatSlidesFeelsNoBorderAndNoParts) {
     }
 }
 
-/// Under a load, with friction, on a floor of twenty pieces: as on one of one piece.
+/// Under a load, with friction, on a floor of twenty pieces: as on one of one piece, but for the first steps,
+/// in which the load finds its way.
 TEST_P(PassingBodies, WhatSlidesUnderALoadFeelsNoSeam) {
   for (const Mover& mover : movers()) {
-    if (mover.name == "cone") continue;
-    const auto end = [&](int pieces) -> Vec3 {
+    if (mover.name == "cone" || (mover.name != "cube" && std::string_view(GetParam()) != "auto")) continue;
+    const auto lost = [&](int pieces) {
       Scene s(0, 0.3);
       s.settings.max_sweeps = 400;
       s.world.gravity = {0, 0, -g};
@@ -203,11 +213,83 @@ TEST_P(PassingBodies, WhatSlidesUnderALoadFeelsNoSeam) {
       for (int i = 0; i < pieces; ++i)
         add_fixed(s, Made::box, {half, 0.5, 0.1}, {half * (2 * i + 1), 1, 0.4});
       s.start();
-      s.run(300, 1e-3);
-      return s.x(0);
+      s.run(3, 1e-3);
+      const double start = s.v(0)[0];
+      s.run(297, 1e-3);
+      return start - s.v(0)[0];
     };
-    EXPECT_LT((end(20) - end(1)).norm(), 1e-5) << mover.name;
+    EXPECT_NEAR(lost(20), lost(1), 2e-5) << mover.name;
+    EXPECT_NEAR(lost(20), 0.3 * g * 0.297, 1e-3) << mover.name;
   }
+}
+
+/// The largest distance between two boxes' supporting planes along the axes of the separating axis theorem:
+/// above 0 they are apart, below they overlap.
+double separation(const Vec3& half_a, const Pose& a, const Vec3& half_b, const Pose& b) {
+  const Mat3 u = a.orientation.toRotationMatrix(), v = b.orientation.toRotationMatrix();
+  std::vector<Vec3> axes;
+  for (int i = 0; i < 3; ++i) axes.push_back(u.col(i)), axes.push_back(v.col(i));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (const Vec3 n = u.col(i).cross(v.col(j)); n.norm() > 1e-6) axes.push_back(n.normalized());
+  double most = -1;
+  for (const Vec3& n : axes)
+    most =
+        std::max(most, std::abs(n.dot(b.position - a.position)) - half_a.dot((u.transpose() * n).cwiseAbs()) -
+                           half_b.dot((v.transpose() * n).cwiseAbs()));
+  return most;
+}
+
+/// A box flies past another, turning about one of its axes: contacts act if the two overlap on its way, and
+/// only then.
+TEST_P(PassingBodies, ContactsActIfBodiesMeet) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> of(-1, 1);
+  const auto vector = [&] { return Vec3(of(random), of(random), of(random)); };
+  const auto turn = [&] { return Quat(of(random), of(random), of(random), of(random)).normalized(); };
+  constexpr double dt = 1e-3;
+  constexpr int steps = 40, fine = 100;
+  int met = 0, passed = 0;
+  const int flights = std::string_view(GetParam()) == "auto" ? 400 : 100;
+  for (int n = 0; n < flights; ++n) {
+    const Vec3 half = Vec3::Constant(0.06) + 0.05 * vector(), other = Vec3::Constant(0.06) + 0.055 * vector();
+    const Vec3 v = vector().normalized() * 8,
+               from = Vec3::Constant(1) - 0.5 * steps * dt * v + 0.25 * vector();
+    const Quat q = turn(), q_other = turn();
+    const Vec3 spin = q * Vec3::UnitX() * (n % 2 ? 30 * of(random) : 0);
+    double least = 1, least_before = 1;  // up to a step after the flight's end, and up to a step before
+    for (int i = 0; i <= (steps + 1) * fine; ++i) {
+      const double t = i * dt / fine;
+      const Quat turned = Quat(Eigen::AngleAxisd(spin.norm() * t,
+                                                 spin.norm() > 0 ? Vec3(spin.normalized()) : Vec3::UnitX())) *
+                          q;
+      least = std::min(least, separation(half, {from + t * v, turned}, other, {Vec3::Constant(1), q_other}));
+      if (i <= (steps - 1) * fine) least_before = least;
+    }
+    // in between the arcs are not those of the steps' chords
+    if (std::abs(least) < 2e-4 || (least < 0 && least_before > -2e-4)) continue;
+    Scene s(0, 0);
+    s.world.contact_margin = 0.05;
+    const Shape shapes[] = {Box{half}, cuboid(half), block(half)},
+                others[] = {Box{other}, cuboid(other), block(other)};
+    s.append(0, s.shape(shapes[n % 3]), from, q);
+    s.append(1, s.shape(others[n / 3 % 3]), Vec3::Constant(1), q_other);
+    s.bodies.reindex();
+    s.bodies.motion[1] = Motion::fixed;
+    s.bodies.set_velocity(0, v, spin);
+    if (separation(half, s.bodies.pose(0), other, s.bodies.pose(1)) < 0.01) continue;
+    s.start();
+    const double change = disturbance(s, 0, steps * dt, dt);
+    if (least < 0) {
+      EXPECT_GT(change, 1e-3) << n << " least " << least;
+      ++met;
+    } else {
+      EXPECT_LT((s.v(0) - v).norm(), 1e-8) << n << " least " << least;
+      ++passed;
+    }
+  }
+  EXPECT_GT(met, flights / 20);
+  EXPECT_GT(passed, flights / 20);
 }
 
 }  // namespace
