@@ -52,7 +52,7 @@ void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"unlubricated_contacts", "unlubricated_contacts"}, c.unlubricated_contacts);
   visit(CounterName{"body_speed", "max_body_velocity", dimension::velocity}, c.body_speed);
   visit(CounterName{"penetration", "max_penetration", dimension::length}, c.penetration);
-  visit(CounterName{"residual", "resolver_residual"}, c.residual);
+  visit(CounterName{"residual", "resolver_residual", dimension::velocity}, c.residual);
 }
 
 }  // namespace silt::coupler

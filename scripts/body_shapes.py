@@ -124,3 +124,20 @@ def cut(mesh, position, turned, axis, level):
     across = [d for d in range(3) if d != axis]
     x, y = (crossing - crossing.mean(axis=0))[:, across].T
     return crossing[np.argsort(np.arctan2(y, x))]
+
+
+def outline(corners, view, crease=30):
+    """Returns the edges [N, 2, 3] of triangles [T, 3, 3] that a drawing has: those of one triangle, those whose
+    triangles turn by more than `crease` degrees, and those between a triangle that faces the eye and one that does not."""
+    points, index = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    triangles = index.reshape(-1, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges, edge, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    of_edge = np.argsort(edge.ravel(), kind="stable") % len(triangles)  # triangles, edge by edge
+    begin = np.concatenate([[0], np.cumsum(count)])
+    first, last = of_edge[begin[:-1]], of_edge[begin[1:] - 1]
+    sharp = np.einsum("ij,ij->i", normals[first], normals[last]) < np.cos(np.radians(crease))
+    facing = normals @ view[2] > 0
+    return points[edges[(count == 1) | sharp | (facing[first] != facing[last])]]

@@ -12,12 +12,17 @@ def bar_length(most):
     return max(power * digit for digit in (1, 2, 5) if power * digit <= most * (1 + 1e-9))
 
 
-def length_text(length, unit):
-    """Returns "5 mm" for 0.005 m; other units than metres as they are."""
+def unit_for(length, unit):
+    """Returns how large a unit is in which a length has few digits, and its name: 1e-3 and "mm" for 0.005 m; others than metres are kept."""
     if unit != "m":
-        return f"{length:g} {unit or 'cells'}"
-    scale, name = next((p for p in PREFIXES if length >= p[0] * 0.999), PREFIXES[-1])
-    return f"{length / scale:.3g} {name}"
+        return 1, unit or "cells"
+    return next((p for p in PREFIXES if length >= p[0] * 0.999), PREFIXES[-1])
+
+
+def length_text(length, unit):
+    """Returns "5 mm" for 0.005 m."""
+    size, name = unit_for(length, unit)
+    return f"{length / size:.3g} {name}"
 
 
 def captioned(image, text, pixels_a_length, unit):

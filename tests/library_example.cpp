@@ -1,5 +1,5 @@
+#include <mpi.h>
 #include <cstdio>
-
 #include "coupler/case/case_file.hpp"
 #include "coupler/simulation.hpp"
 

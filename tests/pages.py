@@ -40,9 +40,13 @@ readme = (root / "README.md").read_text()
 if len(readme.splitlines()) > LONGEST_README:
     faults.append(f"README.md has {len(readme.splitlines())} lines; at most {LONGEST_README}")
 program = (root / "tests/library_example.cpp").read_text()
-body = program[program.index("int main"):].rstrip()
-if "\n".join("    " + line for line in body.splitlines()) not in readme:
-    faults.append("README.md: the program is not the main of tests/library_example.cpp")
+if "\n".join(("    " + line).rstrip() for line in program.splitlines()) not in readme:
+    faults.append("README.md: the program is not tests/library_example.cpp, with its includes")
+variables = {name for folder in ("cpu", *folders[:4]) for source in (root / folder).rglob("*.cpp")
+             for name in re.findall(r'getenv\("(SILT_\w+)"', source.read_text())}
+told = set(re.findall(r"^\| `(SILT_\w+)` \|", (root / "cases/README.md").read_text(), re.M))
+for name in sorted(variables ^ told):
+    faults.append(f"cases/README.md: the table of environment variables and the program do not agree on {name}")
 cases = {case.parent.name for case in root.glob("cases/*/case.toml")}
 for case in sorted(cases - set(re.findall(r"`([a-z0-9-]+)`", readme))):
     faults.append(f"README.md: the case {case} is not in the table")

@@ -16,6 +16,22 @@ using hdf5::Handle;
 using hdf5::Path;
 using hdf5::SlabExchange;
 
+/// The types of a field's numbers, in the file and in memory.
+struct Types {
+  hid_t file, memory;
+};
+Types types_of(const FieldQuantity& q) {
+  switch (q.storage) {
+    case Storage::single:
+      return {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT};
+    case Storage::double_:
+      return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
+    case Storage::byte:
+      return {H5T_STD_U8LE, H5T_NATIVE_UINT8};
+  }
+  __builtin_unreachable();
+}
+
 std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
 }
@@ -73,7 +89,7 @@ void create_file(const Path& path, const FieldSnapshot& snapshot, const Provenan
     std::vector<hsize_t> shape;
     for (int d = 2; d >= 0; --d) shape.push_back(grid.cells[d]);
     if (q.components > 1) shape.push_back(q.components);
-    const hid_t type = q.double_precision ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
+    const hid_t type = types_of(q).file;
     const Handle data = snapshot.compression > 0
                             ? create_compressed(file, dataset_name(q), type, shape, snapshot.compression)
                             : file.create_contiguous(dataset_name(q), type, shape);
@@ -89,7 +105,7 @@ void create_file(const Path& path, const FieldSnapshot& snapshot, const Provenan
 }
 
 std::size_t cell_bytes(const FieldQuantity& q) {
-  return q.components * (q.double_precision ? sizeof(double) : sizeof(float));
+  return q.components * H5Tget_size(types_of(q).memory);
 }
 
 std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& provenance) {
@@ -106,23 +122,26 @@ std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& pro
   return bytes;
 }
 
-/// Some planes at a time: what is narrowed to float is still in cache.
+/// Some planes at a time: what is narrowed is still in cache.
 std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuantity& q) {
   constexpr std::size_t wide_values = 1 << 12;  // at a time, if a plane has no more
   std::vector<double> wide;
   return slabs.pack(cell_bytes(q), [&](std::size_t k, void* out) {
     const CellBox& box = slabs.boxes()[k];
     const int planes = box.upper[2] - box.lower[2];
-    if (q.double_precision) return q.values(k, 0, planes, static_cast<double*>(out));
+    if (q.storage == Storage::double_) return q.values(k, 0, planes, static_cast<double*>(out));
     const std::size_t plane = box.cells() / planes * q.components;
     const int at_once = int(std::max<std::size_t>(1, wide_values / plane));
     wide.resize(plane * std::min(at_once, planes));
-    auto* narrow = static_cast<float*>(out);
-    for (int first = 0; first < planes; first += at_once) {
-      const int last = std::min(first + at_once, planes);
-      q.values(k, first, last, wide.data());
-      narrow = std::copy_n(wide.data(), plane * (last - first), narrow);
-    }
+    const auto narrowed = [&](auto* narrow) {
+      for (int first = 0; first < planes; first += at_once) {
+        const int last = std::min(first + at_once, planes);
+        q.values(k, first, last, wide.data());
+        narrow = std::copy_n(wide.data(), plane * (last - first), narrow);
+      }
+    };
+    q.storage == Storage::byte ? narrowed(static_cast<std::uint8_t*>(out))
+                               : narrowed(static_cast<float*>(out));
   });
 }
 
@@ -197,9 +216,9 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::v
     Handle dataset;
     together(comm, [&] { values = packed_values(slabs, q); });
     together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
-    const hid_t type = q.double_precision ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
     together(comm, [&] {
-      slabs.write(*file, dataset, type, -1, cell_bytes(q), std::move(values), snapshot.compression > 0);
+      slabs.write(*file, dataset, types_of(q).memory, -1, cell_bytes(q), std::move(values),
+                  snapshot.compression > 0);
     });
   }
   together(comm, [&] { file->close(); });

@@ -22,15 +22,17 @@ struct ImageGrid {
   std::string length_unit = "cells", time_unit = "steps";
 };
 
-/// FieldQuantity is one quantity, in the units of the case, stored [z][y][x] or [z][y][x][3], as float unless
-/// double_precision.
+/// How a number of a field is stored.
+enum class Storage { single, double_, byte };
+
+/// FieldQuantity is one quantity, in the units of the case, stored [z][y][x] or [z][y][x][3].
 struct FieldQuantity {
   std::string name, unit;
   int components = 1;  // 1 or 3
   /// Writes the cells of one of this rank's boxes in its planes [first, last), which count from its lowest: x
   /// fastest, components innermost.
   std::function<void(std::size_t box, int first, int last, double* out)> values;
-  bool double_precision = false;
+  Storage storage = Storage::single;
 };
 
 /// FieldSnapshot is what one file holds: quantities on the lattice at one time.

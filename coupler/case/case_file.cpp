@@ -26,6 +26,17 @@ Node parsed(const std::string& text, const std::string& file, const std::vector<
   return root;
 }
 
+/// Where there are solid cells, fields tell them from fluid, asked for or not.
+void add_masks(Case& scene) {
+  if (!scene.has_surfaces()) return;
+  const auto add = [](FieldsSpec& fields) {
+    if (std::count(fields.quantities.begin(), fields.quantities.end(), Field::solid) == 0)
+      fields.quantities.push_back(Field::solid);
+  };
+  add(scene.output.fields);
+  for (FieldsSpec& slice : scene.output.slices) add(slice);
+}
+
 void read_sections(TableReader reader, Case& scene) {
   scene.title = reader.string("title").value_or("");
   if (constexpr std::size_t longest = 1000; scene.title.size() > longest)  // results carry it
@@ -42,6 +53,7 @@ void read_sections(TableReader reader, Case& scene) {
   read_outflows(reader, scene);
   read_run(reader, scene.steps, scene.steady, scene.balance_every);
   read_output(reader, scene.cells, scene.output);
+  add_masks(scene);
   choose_collision(scene);
   read_quantities(reader, {scene.cells, scene.kind_names, scene.walls}, scene.quantities);
 }

@@ -21,13 +21,13 @@ namespace {
 
 constexpr int populations = 19;
 
-// Lines of three columns.
+// Lines of three columns, two blanks apart or more.
 class Table {
  public:
   explicit Table(const Case& scene) : scene_(scene) {}
   void line(const std::string& name, const std::string& in_case_units,
             const std::string& in_lattice_units = "") {
-    text += fmt::format("  {:<26}{:<34}{}", name, in_case_units, in_lattice_units);
+    text += fmt::format("  {:<24}  {:<32}  {}", name, in_case_units, in_lattice_units);
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
   }

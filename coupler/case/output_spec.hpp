@@ -13,11 +13,12 @@ struct SeriesSpec {  // 0: never
   std::int64_t every = 0;
 };
 
-enum class Field { velocity, density, pressure, shear_rate, body_id, vorticity };
+enum class Field { velocity, density, pressure, shear_rate, body_id, vorticity, solid };
 inline constexpr auto field_names =
-    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id", "vorticity");
+    names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id", "vorticity", "solid");
 
-/// Fields of the fluid in a box of cells, [lower, upper).
+/// Fields of the fluid in a box of cells, [lower, upper); `solid` is among them where a scene has solid
+/// cells.
 struct FieldsSpec : SeriesSpec {
   std::string name = "fields";  // of the files
   std::vector<Field> quantities = {Field::velocity, Field::density};

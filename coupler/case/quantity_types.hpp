@@ -37,6 +37,7 @@ struct QuantityType {
   Dimension dimension;  // of the value
   unsigned keys, needs;
   std::string_view meaning;
+  std::string_view unit = "";  // of a value without a dimension, where it has one
 
   constexpr bool takes(Key key) const { return keys & key; }
   constexpr bool asks_for(Need need) const { return needs & need; }
@@ -95,7 +96,8 @@ inline constexpr QuantityType types[] = {
     {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity,
      "angle in degrees about the axis from gravity to the line from `centre` to the centre of mass, mean "
      "from a "
-     "time on: the slope of the bed in a round container"},
+     "time on: the slope of the bed in a round container",
+     "degrees"},
     {"weight-torque", dimension::torque, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity,
      "torque about the axis through `centre` of the free bodies' weight less their buoyancy, mean from a "
      "time "

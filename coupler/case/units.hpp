@@ -2,12 +2,15 @@
 // Conversion between the units of a case and lattice units, one line a quantity, both ways: x_lattice =
 // lattice(x_case, dimension), x_case = physical(x_lattice, dimension). In a lattice-unit case all scales
 // are 1.
+#include <string>
+
 #include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
 
 struct Dimension {  // exponents of length, time, mass
   int length, time, mass;
+  bool operator==(const Dimension&) const = default;
 };
 namespace dimension {
 inline constexpr Dimension none{0, 0, 0}, length{1, 0, 0}, time{0, 1, 0}, velocity{1, -1, 0},
@@ -27,6 +30,8 @@ struct Units {
   }
   double lattice(double x, Dimension d) const { return x / scale(d); }
   double physical(double x, Dimension d) const { return x * scale(d); }
+  /// Returns what the unit of a quantity is called in the case: "m/s", "cells/step"; "" of a number.
+  std::string unit_text(Dimension) const;
 };
 
 }  // namespace silt::coupler

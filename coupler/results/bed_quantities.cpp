@@ -15,7 +15,6 @@ using rigid::Vec3;
 template <class Mass>
 bool add_moment_of(const Simulation& simulation, const QuantitySpec& q, Mass&& mass,
                    std::span<rigid::ExactSum> moment) {
-  if (static_cast<double>(simulation.steps_done()) < q.time) return false;
   const rigid::BodySet& bodies = simulation.bodies();
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!q.is_about(bodies.kind[row])) continue;

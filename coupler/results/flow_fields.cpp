@@ -130,7 +130,7 @@ class Fields {
         units_(units),
         pieces_(pieces_of(flow_, spec)),
         solid_cells_(simulation),
-        double_precision_(spec.double_precision) {
+        storage_(spec.double_precision ? adapters::Storage::double_ : adapters::Storage::single) {
     if (std::count(spec.quantities.begin(), spec.quantities.end(), Field::vorticity))
       velocities_.emplace(flow_, simulation.scene().comm, int3(spec.lower), int3(spec.upper));
   }
@@ -158,6 +158,8 @@ class Fields {
         return body_id();
       case Field::vorticity:
         return vorticity();
+      case Field::solid:
+        return solid();
     }
     __builtin_unreachable();
   }
@@ -175,7 +177,7 @@ class Fields {
         out[i] = scale * (is_solid.test(cell) ? solid : of(moments(cell)));
       });
     };
-    return {name, unit, 1, values, double_precision_};
+    return {name, unit, 1, values, storage_};
   }
 
   /// of_fluid(piece) returns a function of the fluid cells of a piece; of_body(row, r) is that of cells in
@@ -196,7 +198,7 @@ class Fields {
         std::copy_n(v.data(), 3, out + 3 * piece.index(cell));
       });
     };
-    return {name, unit, 3, values, double_precision_};
+    return {name, unit, 3, values, storage_};
   }
 
   adapters::FieldQuantity velocity() const {
@@ -235,7 +237,18 @@ class Fields {
         here = here > 0 ? std::min(here, id) : id;
       });
     };
-    return {"body-id", "1", 1, values, true};
+    return {"body-id", "1", 1, values, adapters::Storage::double_};
+  }
+
+  /// 0 in fluid, 1 in bodies, 2 in walls.
+  adapters::FieldQuantity solid() const {
+    const auto values = [this](std::size_t k, int begin, int end, double* out) {
+      const Piece piece = pieces_[k].planes(begin, end);
+      const CellBits& is_solid = flow_.solid(piece.block);
+      piece.for_each([&](Int3 cell, std::size_t i) { out[i] = is_solid.test(cell) ? 2 : 0; });
+      solid_cells_.for_each(piece, [&](std::size_t, Int3 cell, const Vec3&) { out[piece.index(cell)] = 1; });
+    };
+    return {"solid", "1", 1, values, adapters::Storage::byte};
   }
 
   const Simulation& simulation_;
@@ -243,7 +256,7 @@ class Fields {
   const Units units_;
   std::vector<Piece> pieces_;
   SolidCells solid_cells_;
-  bool double_precision_;
+  adapters::Storage storage_;
   std::optional<CellVelocities> velocities_;  // where vorticity is asked for
 };
 

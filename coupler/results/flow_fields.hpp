@@ -28,7 +28,7 @@ FieldHere field_here(const Simulation&, Field);
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
 /// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure
-/// and no shear.
+/// and no shear; `solid` is 1 in bodies and 2 in walls.
 /// Collective; std::runtime_error on every rank.
 void write_flow_fields(const Simulation&, const FieldsSpec&, const std::filesystem::path& folder,
                        const adapters::Provenance&);

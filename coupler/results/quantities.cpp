@@ -73,6 +73,15 @@ double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
   return units_.physical(value, quantity_type(q.type).dimension);
 }
 
+std::vector<std::pair<std::string, double>> Quantities::in_last_step() const {
+  std::vector<std::pair<std::string, double>> values;
+  for (std::size_t i = 0; i < specs_.size(); ++i)
+    if (const auto f = computation_of(specs_[i]).in_last_step)
+      values.emplace_back(specs_[i].name,
+                          units_.physical(f(history_[i]), quantity_type(specs_[i].type).dimension));
+  return values;
+}
+
 std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) const {
   sums_.settle(simulation.scene().comm, fold(simulation.setup()));
   std::vector<double> flat;

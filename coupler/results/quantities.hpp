@@ -23,6 +23,9 @@ class Quantities {
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
   /// Collective. Returns the value of one quantity; std::out_of_range for a name the case does not give.
   double evaluate(const Simulation&, const std::string& name) const;
+  /// Returns the values in the last step of those that are means over steps, by name, as evaluate has brought
+  /// them up to date.
+  std::vector<std::pair<std::string, double>> in_last_step() const;
 
   /// Collective. Returns what observe has gathered, for checkpoints.
   std::vector<QuantityHistory> history(const Simulation&) const;

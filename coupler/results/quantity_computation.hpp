@@ -40,6 +40,8 @@ struct Computation {
   void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
   double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
   StepSums sums = {};
+  /// Of a mean over steps: its value in the last one; else null.
+  double (*in_last_step)(const QuantityHistory&) = nullptr;
 };
 
 /// The name of a type as a template argument.
@@ -79,19 +81,29 @@ inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityH
 template <auto observe>
 inline constexpr Computation seen = {observe, value_seen};
 
-/// The mean over the steps that count: a sum and a count. Value: f(case, spec, sums of a step).
+/// The mean over the steps from the spec's time on: their sum, their number, and the value in the last step,
+/// which may be before that time. Value of a step: f(case, spec, step, sums) or f(case, spec, sums).
 inline double value_mean(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
   return h[0] == not_yet ? no_value : h[0] / h[1];
 }
+inline double value_in_last_step(const QuantityHistory& h) {
+  return h[2] == not_yet ? no_value : h[2];
+}
 template <auto f>
-void fold_into_mean(const Case& scene, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
+void fold_into_mean(const Case& scene, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
                     QuantityHistory& h) {
-  if (h[0] == not_yet) h = {0, 0};
-  h[0] += f(scene, q, sums);
+  if constexpr (requires { f(scene, q, step, sums); })
+    h[2] = f(scene, q, step, sums);
+  else
+    h[2] = f(scene, q, sums);
+  if (static_cast<double>(step) < q.time) return;
+  if (h[0] == not_yet) h[0] = h[1] = 0;
+  h[0] += h[2];
   h[1] += 1;
 }
 template <int count, auto add, auto f>
-inline constexpr Computation mean_of = {nullptr, value_mean, {count, add, fold_into_mean<f>}};
+inline constexpr Computation mean_of = {
+    nullptr, value_mean, {count, add, fold_into_mean<f>}, value_in_last_step};
 
 /// f(simulation) at the first step within half a step of the spec's time or after it; without a time, at the
 /// end.

@@ -8,6 +8,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/choose_collision.hpp"
+#include "coupler/case/quantity_types.hpp"
 #include "coupler/departures.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
@@ -245,6 +246,24 @@ void add_parallel(const Simulation& simulation, const RunStatus& status, Json& r
   report["memory_peak_bytes"] = peak_memory_of(simulation);
 }
 
+void add_quantities(const Simulation& simulation, const Quantities& quantities, Json& report) {
+  for (const auto& [name, value] : quantities.evaluate(simulation)) report["quantities"][name] = value;
+  report["quantities_in_last_step"] = Json::object();
+  for (const auto& [name, value] : quantities.in_last_step()) report["quantities_in_last_step"][name] = value;
+}
+
+/// What each quantity is, and in which unit.
+Json quantity_types_of(const Case& scene) {
+  Json types = Json::object();
+  for (const QuantitySpec& q : scene.quantities) {
+    const QuantityType& type = quantity_type(q.type);
+    const std::string unit =
+        type.unit.empty() ? scene.units.unit_text(type.dimension) : std::string(type.unit);
+    types[q.name] = Json::object({{"type", type.name}, {"unit", unit}, {"meaning", type.meaning}});
+  }
+  return types;
+}
+
 }  // namespace
 
 Json report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
@@ -271,8 +290,8 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   if (scene.flow) totals = scene.flow->totals();
   add_counters(simulation, scene.flow ? &totals : nullptr, report);
   report["quantities"] = Json::object();
-  if (status.state_is_sound)
-    for (const auto& [name, value] : quantities.evaluate(simulation)) report["quantities"][name] = value;
+  report["quantity_types"] = quantity_types_of(scene.setup);
+  if (status.state_is_sound) add_quantities(simulation, quantities, report);
   report["version"] = build_info().version;
   report["commit"] = build_info().commit;
   report["compiler"] = build_info().compiler;

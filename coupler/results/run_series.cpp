@@ -23,6 +23,23 @@ constexpr std::array series_columns = {"steps",        "time",           "wall_s
                                        "contacts_now", "momentum_drift", "links",        "max_penetration",
                                        "quantities",   "stage_seconds"};
 
+using Numbers = std::vector<std::pair<std::string, std::string>>;
+
+/// The numbers of a member of the report. Of a quantity that is a mean over steps that of the last step, and
+/// then the mean under a name that says so.
+Numbers values_now(const adapters::Json& report, const std::string& member) {
+  Numbers numbers = report.numbers(member), means;
+  if (member != "quantities") return numbers;
+  const std::string in_last_step = "quantities_in_last_step.", mean = "means.";
+  for (const auto& [path, now] : report.numbers("quantities_in_last_step")) {
+    const std::string name = path.substr(in_last_step.size());
+    for (auto& [other, number] : numbers)
+      if (other == "quantities." + name) means.emplace_back(mean + name, std::exchange(number, now));
+  }
+  numbers.insert(numbers.end(), means.begin(), means.end());
+  return numbers;
+}
+
 fs::path first_free_series(const fs::path& folder) {
   for (int n = 1;; ++n)
     if (const fs::path path = folder / ("series." + std::to_string(n) + ".csv"); !fs::exists(path))
@@ -48,7 +65,7 @@ RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(fo
 void RunSeries::append(const adapters::Json& report) {
   std::string names, row;
   for (const char* column : series_columns)
-    for (const auto& [name, number] : report.numbers(column)) {
+    for (const auto& [name, number] : values_now(report, column)) {
       const bool of_ranks = column == std::string_view("stage_seconds");  // of which the mean is enough
       if (of_ranks && !name.ends_with(".avg")) continue;
       (names += names.empty() ? "" : ",") += csv_field(name);

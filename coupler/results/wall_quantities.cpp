@@ -12,9 +12,9 @@ using rigid::BodySet;
 using rigid::ExactSum;
 using rigid::Vec3;
 
-/// A step counts from the time of the quantity on; before the first one nothing has acted.
-bool step_counts(const Simulation& simulation, const QuantitySpec& q) {
-  return simulation.steps_done() > 0 && static_cast<double>(simulation.steps_done()) >= q.time;
+/// Before the first step nothing has acted.
+bool has_acted(const Simulation& simulation) {
+  return simulation.steps_done() > 0;
 }
 
 /// Calls visit(force) for what this rank's bodies did to a wall in the last step.
@@ -88,7 +88,7 @@ double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
 
 bool add_wall_stress(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                      std::span<ExactSum> force) {
-  if (!step_counts(simulation, q)) return false;
+  if (!has_acted(simulation)) return false;
   add_side_force(simulation, q.side, 1, force);
   return true;
 }
@@ -99,7 +99,7 @@ double wall_stress(const Case& scene, const QuantitySpec& q, std::span<const dou
 
 bool add_shear_resistance(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                           std::span<ExactSum> resistance) {
-  if (!step_counts(simulation, q)) return false;
+  if (!has_acted(simulation)) return false;
   add_side_force(simulation, 2 * q.axis, 1, resistance);
   add_side_force(simulation, 2 * q.axis + 1, -1, resistance);
   return true;
@@ -114,7 +114,7 @@ double relative_viscosity(const Case& scene, const QuantitySpec& q, std::span<co
 
 bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                     std::span<ExactSum> force) {
-  if (!step_counts(simulation, q)) return false;
+  if (!has_acted(simulation)) return false;
   add_fluid_load(simulation, q.wall, false, force);
   for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(f[d]);
@@ -128,7 +128,7 @@ double wall_force(const Case&, const QuantitySpec& q, std::span<const double> fo
 
 bool add_wall_torque(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                      std::span<ExactSum> torque) {
-  if (!step_counts(simulation, q)) return false;
+  if (!has_acted(simulation)) return false;
   add_fluid_load(simulation, q.wall, true, torque);
   add_contact_torque(simulation, q.wall, torque);
   return true;
@@ -145,17 +145,14 @@ bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const Qu
 }
 
 /// With the velocities that the wall had in the step.
-void fold_wall_power(const Case& scene, const QuantitySpec& q, std::int64_t step,
-                     std::span<const double> load, QuantityHistory& h) {
+double wall_power(const Case& scene, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
   const CurvedWall& wall = scene.walls[q.wall];
   rigid::WallMotion::Velocity velocity;
   if (const MeshWall* mesh = wall.mesh())
     velocity = mesh->motion.velocity_at(static_cast<double>(step - 1));
   else
     velocity = {wall.tube()->velocity * wall.tube()->axis, wall.tube()->angular_velocity * wall.tube()->axis};
-  if (h[0] == not_yet) h = {0, 0};
-  h[0] -= vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular);
-  h[1] += 1;
+  return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
 }
 
 }  // namespace silt::coupler

@@ -37,10 +37,8 @@ inline constexpr Computation computation<"wall-torque"> = mean_of<3, add_wall_to
 
 bool add_wall_load(const Simulation&, const QuantitySpec&, const QuantityHistory&,
                    std::span<rigid::ExactSum> load);
-void fold_wall_power(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> load,
-                     QuantityHistory&);
+double wall_power(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> load);
 template <>
-inline constexpr Computation computation<"wall-power"> = {
-    nullptr, value_mean, {6, add_wall_load, fold_wall_power}};
+inline constexpr Computation computation<"wall-power"> = mean_of<6, add_wall_load, wall_power>;
 
 }  // namespace silt::coupler

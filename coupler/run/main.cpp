@@ -7,11 +7,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include "adapters/hdf5/describe_file.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/results/build_info.hpp"
+#include "coupler/run/describe_case.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/run/start_mpi.hpp"
@@ -53,7 +55,10 @@ Exit check(const CommandLine& line, bool loud) {
 Exit info(const CommandLine& line, bool loud) {
   if (!loud) return Exit::done;
   try {
-    fmt::print("{}", adapters::describe_file(line.file));
+    namespace fs = std::filesystem;
+    const bool is_case =
+        fs::is_directory(line.file) || (fs::is_regular_file(line.file) && line.file.ends_with(".toml"));
+    fmt::print("{}", is_case ? describe_case(line.file) : adapters::describe_file(line.file));
     return Exit::done;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
@@ -127,7 +132,8 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   app.footer(
       "exit codes: 0 done, 1 a file could not be written or the like, 2 bad case or usage, 3 stopped by a "
       "guard,\n"
-      "4 interrupted, with a checkpoint");
+      "4 interrupted, with a checkpoint\n"
+      "environment variables: SILT_PLAIN, SILT_ISA, SILT_LAST_CACHE (cases/README.md)");
   app.set_version_flag("--version", fmt::format("silt {} ({}), {}, {}\n{}, {}", build_info().version,
                                                 build_info().commit, build_info().compiler, instruction_set(),
                                                 mpi_version(), build_info().libraries));
@@ -138,7 +144,8 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
       "resume", "goes on from the newest checkpoint, with the --set and --steps of the earlier run");
   CLI::App* checks =
       app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
-  CLI::App* infos = app.add_subcommand("info", "says what is in a file of results");
+  CLI::App* infos = app.add_subcommand(
+      "info", "says what a case is and what results it has, or what is in a file of results");
   add_run(*run, line);
   run->add_option("--backend", line.backend, "collision backend: auto, analytic, bullet, fcl")
       ->type_name("NAME");
@@ -150,7 +157,11 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   checks->add_option("-n,--ranks", line.run.ranks, "estimate a run on so many ranks (as many as there are)")
       ->check(above_zero)
       ->type_name("N");
-  infos->add_option("FILE", line.file, "bodies.h5, fields_*.hdf, slice_*.hdf or checkpoint_*.h5")->required();
+  infos
+      ->add_option(
+          "WHAT", line.file,
+          "a case or a folder of results, or bodies.h5, fields_*.hdf, slice_*.hdf, scene.h5, checkpoint_*.h5")
+      ->required();
   if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
     if (loud) fmt::print(stderr, "{}", complaint);
     return Exit::bad_case;

@@ -28,15 +28,29 @@ std::string duration_text(double s) {
   return fmt::format("{} h {:02} min", t / 3600, t % 3600 / 60);
 }
 
+/// Says whether the output of the process that started this one goes to a terminal.
+bool is_on_terminal_above() {
+  std::error_code error;
+  const auto target =
+      std::filesystem::read_symlink(fmt::format("/proc/{}/fd/{}", getppid(), STDOUT_FILENO), error).string();
+  return !error && (target.starts_with("/dev/pts/") || target.starts_with("/dev/tty"));
+}
+
+/// Says whether somebody sees what is printed, so that a line may be printed over. mpirun gives its first
+/// rank a terminal even where its own output goes to a file.
+bool is_on_terminal() {
+  const char* plain = std::getenv("SILT_PLAIN");
+  if ((plain && *plain) || !isatty(STDOUT_FILENO)) return false;
+  return !std::getenv("OMPI_COMM_WORLD_SIZE") || is_on_terminal_above();
+}
+
 }  // namespace
 
 Progress::Progress(const RunExtent& run, const std::filesystem::path& log, bool loud)
     : run_(run), loud_(loud) {
   begin_ = shown_ = logged_ = Clock::now();
   if (!loud_) return;
-  // mpirun gives its first rank a terminal even if its own output goes elsewhere: then this must say so.
-  const char* plain = std::getenv("SILT_PLAIN");
-  terminal_ = isatty(STDOUT_FILENO) && !(plain && *plain);
+  terminal_ = is_on_terminal();
   log_ = std::fopen(log.c_str(), "a");
   if (!log_)
     throw std::runtime_error(fmt::format("{}: cannot be opened: {}", log.string(), std::strerror(errno)));

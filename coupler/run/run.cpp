@@ -21,6 +21,7 @@
 #include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
 #include "coupler/results/run_series.hpp"
+#include "coupler/results/scene_output.hpp"
 #include "coupler/run/abort_alone.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
@@ -65,6 +66,8 @@ class Run {
   void start_outputs();
   void advance();
   void watch();
+  std::string steady_text() const;
+  void judge_sweeps();
   void write_outputs();
   void log_departures();
   void checkpoint();
@@ -129,7 +132,7 @@ Exit Run::go() {
                  fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(),
                              resume_with_));
     }
-    return end(Exit::done, is_steady() ? "steady" : "completed", "");
+    return is_steady() ? end(Exit::done, "steady", steady_text()) : end(Exit::done, "completed", "");
   } catch (const GuardStop& stop) {  // every rank
     return end(Exit::guard, "guard", stop.what() + stopped_state_text() + last_checkpoint_text());
   } catch (const std::exception& error) {  // every rank: outputs fail together
@@ -167,9 +170,33 @@ void Run::watch() {
   const std::string& name = setup().steady->quantity;
   const double value = quantities_.evaluate(simulation_, name);
   prepared_.steady->look(value);
-  if (is_steady())
-    progress_->log(
-        fmt::format("step {}: {} is {}, and steady", simulation_.steps_done(), name, shown(value)));
+}
+
+std::string Run::steady_text() const {
+  const SteadySpec& spec = *setup().steady;
+  return fmt::format("{} is steady at {}, to {} of it, and ends the run at step {} of {} (run.steady)",
+                     spec.quantity, shown(prepared_.steady->state().value), shown(spec.change),
+                     simulation_.steps_done(), setup().steps);
+}
+
+/// Collective: says so where the sweeps over contacts ended far from rest, in any step.
+void Run::judge_sweeps() {
+  constexpr double far = 0.1;
+  const RunCounters counters = simulation_.counters();
+  const double fall = setup().gravity.norm() / setup().contacts.substeps;
+  if (counters.residual <= far * std::max(counters.body_speed, fall)) return;
+  const auto speed = [&](double x) {
+    return shown(setup().units.physical(x, dimension::velocity)) + " " +
+           setup().units.unit_text(dimension::velocity);
+  };
+  const int sweeps = setup().contacts.resolver_settings.max_sweeps;
+  progress_->say(
+      fmt::format("warning: contacts.sweeps: the sweeps over the contacts ended far from rest: the last of "
+                  "{} still changed a "
+                  "body's velocity by {}, where the fastest body had {}; raise contacts.sweeps (--set "
+                  "contacts.sweeps={}), or "
+                  "take smaller steps",
+                  sweeps, speed(counters.residual), speed(counters.body_speed), 4 * sweeps));
 }
 
 bool Run::due(const SeriesSpec& series) const {
@@ -178,6 +205,7 @@ bool Run::due(const SeriesSpec& series) const {
 
 void Run::start_outputs() {
   const OutputSpec& output = setup().output;
+  adapters::on_rank_0(comm_, [&] { write_scene_file(setup(), folder_); });
   if (output.bodies.every > 0 && setup().has_bodies())
     body_output_ = std::make_unique<BodyOutput>(simulation_, folder_, provenance_, resumed_);
   if (output.report.every > 0)
@@ -300,8 +328,9 @@ void Run::write_report(const std::string& reason, const std::string& text, bool 
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
   if (progress_) progress_->finish(simulation_.steps_done());
-  if (!text.empty() && progress_) progress_->log(text);
-  if (!text.empty() && loud) fmt::print(stderr, "silt: {}\n", text);
+  if (progress_ && code != Exit::failed && code != Exit::guard) judge_sweeps();
+  if (!text.empty() && progress_) code == Exit::done ? progress_->say(text) : progress_->log(text);
+  if (!text.empty() && loud && code != Exit::done) fmt::print(stderr, "silt: {}\n", text);
   try {
     write_report(reason, text, code != Exit::guard);
   } catch (const std::exception& error) {

@@ -107,11 +107,15 @@ double times(const SeriesSpec& series, std::int64_t steps, bool at_start) {
 }
 
 double bytes_of_fields(const FieldsSpec& fields) {
-  double cells = 1, numbers = 0;
+  double cells = 1, of_a_cell = 0;
   for (int d = 0; d < 3; ++d) cells *= fields.upper[d] - fields.lower[d];
-  for (const Field field : fields.quantities)
-    numbers += field == Field::velocity || field == Field::vorticity ? 3 : 1;
-  return cells * numbers * (fields.double_precision ? 8 : 4);
+  for (const Field field : fields.quantities) {
+    const int numbers = field == Field::velocity || field == Field::vorticity ? 3 : 1;
+    of_a_cell += field == Field::solid     ? 1
+                 : field == Field::body_id ? 8
+                                           : numbers * (fields.double_precision ? 8 : 4);
+  }
+  return cells * of_a_cell;
 }
 
 std::string bytes_text(double bytes) {
@@ -187,7 +191,7 @@ std::string estimate_table(const RunEstimate& e) {
   std::string text = fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine)\n", e.ranks,
                                  e.ranks > 1 ? "s" : "");
   const auto line = [&](const char* name, const std::string& value) {
-    text += fmt::format("  {:<26}{}\n", name, value);
+    text += fmt::format("  {:<24}  {}\n", name, value);
   };
   line("time", fmt::format("{}, {:.2g} s a step", seconds_text(e.seconds), e.seconds_a_step));
   line("memory", bytes_text(e.memory));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 
@@ -20,7 +21,8 @@ void note(int signal) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);  // comes when this handler ends
   }
-  if (!caught) caught_at = now.tv_sec;
+  if (caught) return;
+  caught_at = now.tv_sec;
   caught = signal;
 }
 double in_seconds(std::chrono::steady_clock::duration d) {
@@ -62,6 +64,15 @@ void StopRequest::take_answer() {
   answer_ = under_way_;
 }
 
+/// "told to stop by SIGINT (Ctrl-C)".
+std::string signal_text(int signal) {
+  const char* why = "";
+  if (signal == SIGINT) why = " (Ctrl-C)";
+  if (signal == SIGHUP) why = " (the terminal was closed)";
+  if (signal == SIGTERM && std::getenv("OMPI_COMM_WORLD_SIZE")) why = " (mpirun sends it on Ctrl-C, too)";
+  return std::string("told to stop by SIG") + sigabbrev_np(signal) + why;
+}
+
 std::string StopRequest::why(std::int64_t step) {
   if (step < next_) return "";
   take_answer();
@@ -70,7 +81,7 @@ std::string StopRequest::why(std::int64_t step) {
   next_ =
       step + std::clamp<std::int64_t>(std::int64_t(between_questions / std::max(answer_.step_seconds, 1e-9)),
                                       1, most_steps_between);
-  if (answer_.signal > 0) return std::string("told to stop (SIG") + sigabbrev_np(int(answer_.signal)) + ")";
+  if (answer_.signal > 0) return signal_text(int(answer_.signal));
   if (answer_.late > 0) return "the time limit is reached";
   return "";
 }

@@ -31,7 +31,7 @@ struct ResolverStatistics {
   std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
   int sweeps = 0;              // the last that solved a pair of this rank
   int impact_sweeps = 0;
-  double residual = 0;     // largest relative impulse change in the last sweep allowed; 0: at rest before
+  double residual = 0;     // largest change of a body's velocity in the last sweep allowed; 0: at rest before
   double penetration = 0;  // deepest overlap met, lattice units
   double cone_excess = 0;  // largest |p_t| - mu p_n, relative to p_n
   std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found

@@ -276,6 +276,20 @@ void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const 
         angular_velocity(s) + b.inverse_inertia * Eigen::Map<const Vec3>(sum.angular), number);
 }
 
+/// Returns the largest velocity that the last sweep gave a body of this rank, or a point of it at its radius
+/// of gyration.
+double SffdResolver::largest_change(const BodySet& bodies) const {
+  double largest = 0;  // squared
+  for (const std::size_t row : involved_) {
+    const Body& b = bodies_[row];
+    if (row >= bodies.owned || !b.moves) continue;
+    const Vec3 v = b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),
+               w = b.inverse_inertia * Eigen::Map<const Vec3>(sums_[row].angular);
+    largest = std::max({largest, v.squaredNorm(), b.size * b.size * w.squaredNorm()});
+  }
+  return std::sqrt(largest);
+}
+
 /// Sweeps until the impulses are at rest, here and on the ranks that contacts connect this one with. Returns
 /// the number of the last sweep that solved anything here.
 int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::vector<BodyState>& state,
@@ -291,7 +305,7 @@ int SffdResolver::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, std::ve
       for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
     }
     if (found.solved) last = i;
-    residual = i >= sweeps.most ? found.residual : 0;
+    residual = i >= sweeps.most && !rest.idle() ? largest_change(bodies) : 0;
     if (rest.reached(found.residual > sweeps.tolerance || found.carried) || i >= sweeps.most) return last;
     rest.share(bodies, as_doubles(state), state_width);
   }

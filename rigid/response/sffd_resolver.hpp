@@ -60,6 +60,7 @@ class SffdResolver : public ContactResolver {
   void note_other_wall_impulse(const Pair&, std::span<const Contact> of_pair, const Vec3& by_sink,
                                StepVelocities&) const;
   double least_scale(const Pair&) const;
+  double largest_change(const BodySet&) const;
   int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, const Sweeps&, double& residual);
   void aim_push(const std::vector<Contact>&, double dt);
   bool is_correctable(const Contact&) const;

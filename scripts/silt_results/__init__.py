@@ -6,8 +6,11 @@
     run.series["energy.fluid"]                           # a column of series.csv, as an array
     run.bodies.at(-1)["position"]                        # bodies.h5: silt_results.BodySeries
     run.fields[-1]["velocity"]                           # a field of the fluid at the last time, [x, y, z, 3]
+    run.scene.walls                                      # the case as it was run: silt_results.Scene
 Files that a run has not written raise FileNotFoundError, which names the key of the case that asks for them.
 """
+import builtins
+import fcntl
 import functools
 import json
 import pathlib
@@ -15,8 +18,9 @@ import pathlib
 from .body_series import COLUMNS, BodySeries, text
 from .field import Field
 from .scalars import Scalars
+from .scene import Scene
 
-__all__ = ["COLUMNS", "BodySeries", "Field", "Run", "Scalars", "open", "text"]
+__all__ = ["COLUMNS", "BodySeries", "Field", "Run", "Scalars", "Scene", "open", "text"]
 
 
 class Run:
@@ -30,6 +34,18 @@ class Run:
         if not path.exists():
             raise FileNotFoundError(f"{path}: not there; a run writes it with {wanted}")
         return path
+
+    @property
+    def under_way(self):
+        """Says whether a run is writing to the folder: it holds the lock there."""
+        try:
+            with builtins.open(self.folder / "run.lock", "rb") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except FileNotFoundError:
+            return False
+        except OSError:
+            return True
+        return False
 
     @functools.cached_property
     def report(self):
@@ -47,6 +63,14 @@ class Run:
         return BodySeries(self.file("bodies.h5", "output.bodies = { every = N }"))
 
     @functools.cached_property
+    def scene(self):
+        """scene.h5, the case as it was run: a Scene."""
+        path = self.folder / "scene.h5"
+        if not path.exists():
+            raise FileNotFoundError(f"{path}: not there; a run writes it when it begins, but older versions did not: run the case again")
+        return Scene(path)
+
+    @functools.cached_property
     def fields(self):
         """The fields of the fluid, a Field a time, in order."""
         paths = sorted(self.folder.glob("fields_*.hdf"))
@@ -58,4 +82,6 @@ class Run:
 def open(path):  # noqa: A001: silt_results.open reads as it should
     """Returns the Run of a folder of results, or of a case whose results are in its folder out."""
     path = pathlib.Path(path)
+    if path.suffix == ".toml":
+        path = path.parent
     return Run(path / "out" if (path / "case.toml").exists() else path)

@@ -1,4 +1,4 @@
-"""The surfaces of bodies as VTK PolyData (.vtp), a file a time, and the list of times that ParaView opens (.pvd).
+"""The surfaces of bodies and walls as VTK PolyData (.vtp), a file a time, and the list of times that ParaView opens (.pvd).
 
     write_surfaces(silt_results.open("cases/segregation").bodies, "out")        # out/bodies_000000000100.vtp, ..., out/bodies.pvd
 Each triangle has what its body has: id, kind, velocity and the other columns of bodies.h5; each point `surface_velocity`, v + omega x r.
@@ -65,24 +65,23 @@ class Blocks:
             file.write(values.tobytes())
 
 
-def write_vtp(path, series, index):
-    """Writes the surfaces of one time; numbers other than ids in single precision."""
-    points, velocities, triangles, bodies = surfaces(series, index)
-    rows, blocks = series.at(index), Blocks()
-    cells = ""
-    for name, values in rows.items():
-        if name not in LEFT_OUT:
-            values = values[bodies]
-            cells += blocks.element(name, values.astype("f4") if values.dtype.kind == "f" else values)
-    time = blocks.element("TimeValue", series.time[[index]], ' NumberOfTuples="1"')
-    of_points = blocks.element("surface_velocity", velocities.astype("f4"))
+def write_vtp(path, time, points, triangles, of_points, of_triangles):
+    """Writes triangles [T, 3] of points [P, 3] at a time, with arrays by name that have a row a point or a triangle; numbers other
+    than whole ones in single precision."""
+    blocks = Blocks()
+
+    def elements(arrays):
+        return "".join(blocks.element(name, values.astype("f4") if values.dtype.kind == "f" else values) for name, values in arrays.items())
+    cells = elements(of_triangles)
+    when = blocks.element("TimeValue", np.array([float(time)]), ' NumberOfTuples="1"')
+    at_points = elements(of_points)
     where = blocks.element("Points", points.astype("f4"))
     faces = blocks.element("connectivity", triangles.astype("i8").reshape(-1)) + \
         blocks.element("offsets", 3 * np.arange(1, len(triangles) + 1, dtype="i8"))
     text = (f'<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="{sys.byteorder.title()}Endian" '
-            f'header_type="UInt64">\n<PolyData>\n<FieldData>\n{time}</FieldData>\n'
+            f'header_type="UInt64">\n<PolyData>\n<FieldData>\n{when}</FieldData>\n'
             f'<Piece NumberOfPoints="{len(points)}" NumberOfPolys="{len(triangles)}">\n'
-            f"<PointData>\n{of_points}</PointData>\n<CellData>\n{cells}</CellData>\n<Points>\n{where}</Points>\n"
+            f"<PointData>\n{at_points}</PointData>\n<CellData>\n{cells}</CellData>\n<Points>\n{where}</Points>\n"
             f'<Polys>\n{faces}</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding="raw">\n_')
     with open(path, "wb") as file:
         file.write(text.encode())
@@ -90,13 +89,38 @@ def write_vtp(path, series, index):
         file.write(b"\n</AppendedData>\n</VTKFile>\n")
 
 
+def write_list(path, times, files):
+    """Writes the list of files and their times that ParaView opens (.pvd)."""
+    listed = "".join(f'<DataSet timestep="{float(time)!r}" file="{file.name}"/>\n' for time, file in zip(times, files))
+    path.write_text(f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n<Collection>\n{listed}</Collection>\n</VTKFile>\n')
+
+
 def write_surfaces(series, folder, indices=None):
     """Writes FOLDER/bodies_STEP.vtp of the times with these indices (of all), and FOLDER/bodies.pvd. Returns the paths of the former."""
-    folder, paths, listed = pathlib.Path(folder), [], ""
-    for index in range(len(series)) if indices is None else indices:
+    folder, paths = pathlib.Path(folder), []
+    indices = range(len(series)) if indices is None else indices
+    for index in indices:
         paths.append(folder / f"bodies_{series.step[index]:012d}.vtp")
-        write_vtp(paths[-1], series, index)
-        listed += f'<DataSet timestep="{float(series.time[index])!r}" file="{paths[-1].name}"/>\n'
-    (folder / "bodies.pvd").write_text(f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0">\n<Collection>\n{listed}'
-                                       "</Collection>\n</VTKFile>\n")
+        points, velocities, triangles, bodies = surfaces(series, index)
+        columns = {name: values[bodies] for name, values in series.at(index).items() if name not in LEFT_OUT}
+        write_vtp(paths[-1], series.time[index], points, triangles, {"surface_velocity": velocities}, columns)
+    write_list(folder / "bodies.pvd", [series.time[index] for index in indices], paths)
+    return paths
+
+
+def write_walls(scene, folder, times):
+    """Writes the walls that are meshes at some times, pairs (step, time): FOLDER/walls_STEP.vtp, and FOLDER/walls.pvd, the list of
+    them; one file where none of them moves. Each triangle has the number of its wall. Returns the paths; none without such walls."""
+    folder, paths, when = pathlib.Path(folder), [], []
+    meshes = [(number, wall) for number, wall in enumerate(scene.walls) if wall.type == "mesh"]
+    if not meshes:
+        return []
+    for step, time in times if any(wall.moves for _, wall in meshes) else times[:1]:
+        paths.append(folder / f"walls_{step:012d}.vtp")
+        when.append(time)
+        first = np.cumsum([0] + [len(wall.vertices) for _, wall in meshes])
+        triangles = np.concatenate([begin + wall.triangles for begin, (_, wall) in zip(first, meshes)])
+        numbers = np.concatenate([np.full(len(wall.triangles), number, "i4") for number, wall in meshes])
+        write_vtp(paths[-1], time, np.concatenate([wall.points(time) for _, wall in meshes]), triangles, {}, {"wall": numbers})
+    write_list(folder / "walls.pvd", when, paths)
     return paths

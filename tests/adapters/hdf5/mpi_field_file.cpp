@@ -19,6 +19,11 @@ double value(int x, int y, int z, int c) {
   return 0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * c;
 }
 
+/// A whole number of a byte.
+int mark(int x, int y, int z) {
+  return (x + 3 * y + 7 * z) % 256;
+}
+
 std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
   const auto fill = [&boxes](int components) {
     return [&boxes, components](std::size_t box, int first, int last, double* out) {
@@ -29,9 +34,15 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
       });
     };
   };
+  const auto marks = [&boxes](std::size_t box, int first, int last, double* out) {
+    CellBox planes = boxes[box];
+    planes.upper[2] = planes.lower[2] + last, planes.lower[2] += first;
+    for_each_cell(planes, [&](int x, int y, int z, std::size_t i) { out[i] = mark(x, y, z); });
+  };
   return {{"density", "kg/m^3", 1, fill(1)},
           {"velocity", "m/s", 3, fill(3)},
-          {"pressure", "Pa", 1, fill(1), true}};
+          {"pressure", "Pa", 1, fill(1), adapters::Storage::double_},
+          {"mark", "1", 1, marks, adapters::Storage::byte}};
 }
 
 void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
@@ -48,7 +59,7 @@ TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
       if (rank() == 0) {
         write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, grid_cells}});
         const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
-        EXPECT_GT(one.size(), 13u * 8 * 21 * (4 + 12 + 8));
+        EXPECT_GT(one.size(), 13u * 8 * 21 * (4 + 12 + 8 + 1));
         EXPECT_TRUE(one == many);
       }
     }

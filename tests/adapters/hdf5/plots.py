@@ -6,6 +6,8 @@ import subprocess
 import sys
 import tempfile
 
+import h5py
+
 PLOT = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "plot"
 ENVIRONMENT = dict(os.environ, OMPI_MCA_btl_vader_single_copy_mechanism="none")
 
@@ -21,6 +23,7 @@ def pictures(case):
 
 with tempfile.TemporaryDirectory() as folder:
     case, out = pathlib.Path(folder), pathlib.Path(folder) / "out"
+    (case / "case.toml").write_text("")
     result = subprocess.run([PLOT, case], capture_output=True, text=True)
     assert result.returncode != 0 and "run the case first" in result.stderr
     out.mkdir()
@@ -30,9 +33,12 @@ with tempfile.TemporaryDirectory() as folder:
                        check=True, stdout=subprocess.DEVNULL, env=dict(ENVIRONMENT, SILT_TEST_FOLDER=str(out)))
     bodies = {"mean_height.png", "velocity.png", "bodies.png"}
     made, told = pictures(case)
-    assert made == bodies | {"slice.png"} and "no report.json" in told, (made, told)
+    assert made == bodies | {"slice.png"} and "no report.json" in told and "no scene.h5" in told, (made, told)
     (out / "report.json").write_text('{"stage_seconds": {"stream collide": {"min": 1, "avg": 2, "max": 3}}}')
-    (case / "case.toml").write_text('title = "a case"\n[gravity]\nacceleration = [-9.81, 0, 0]\n')
+    with h5py.File(out / "scene.h5", "w") as scene:
+        scene.attrs.update(title="a case", length_unit="m", time_unit="s", domain_upper=[1.0, 1.0, 1.0], gravity=[-9.81, 0.0, 0.0],
+                           sides=["no-slip"] * 6)
+        scene.create_group("walls")
     assert pictures(case)[0] == bodies | {"slice.png", "stages.png"}
     for field in out.glob("*.hdf"):
         field.unlink()

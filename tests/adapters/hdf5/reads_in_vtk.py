@@ -31,7 +31,10 @@ def check_in_vtk(path):
     assert image.GetSpacing() == (SPACING,) * 3
     assert image.GetOrigin() == (-1 + SPACING / 2, SPACING / 2, 2 + SPACING / 2), image.GetOrigin()
     points = image.GetPointData()
-    assert points.GetNumberOfArrays() == 3
+    assert points.GetNumberOfArrays() == 4
+    z, y, x = np.meshgrid(*(np.arange(n) for n in reversed(CELLS)), indexing="ij")
+    marks = vtk_to_numpy(points.GetArray("mark")).reshape(CELLS[::-1])
+    assert marks.dtype == np.uint8 and (marks == (x + 3 * y + 7 * z) % 256).all(), path
     for name, components, dtype in (("density", 1, "f4"), ("velocity", 3, "f4"), ("pressure", 1, "f8")):
         values = vtk_to_numpy(points.GetArray(name)).reshape(CELLS[::-1] + (components,))
         assert values.dtype == np.dtype(dtype)

@@ -233,7 +233,7 @@ axis = "x"
   EXPECT_EQ(scene.pair_materials[0].friction, 0.3);
   EXPECT_EQ(scene.bodies[0].material, 2);
   EXPECT_EQ(scene.output.fields.every, 10);
-  EXPECT_EQ(scene.output.fields.quantities, std::vector{Field::velocity});
+  EXPECT_EQ(scene.output.fields.quantities, (std::vector{Field::velocity, Field::solid}));
   EXPECT_EQ(scene.output.keep_checkpoints, 3);
   ASSERT_EQ(scene.quantities.size(), 1u);
   EXPECT_EQ(scene.quantities[0].axis, 0);
@@ -301,6 +301,23 @@ TEST(DerivedTable, GivesBothSystemsOfUnits) {
   for (const char* part : {"0.032 x 0.032 x 0.032 m", "32 x 32 x 32 cells", "1e-05 m2/s", "0.1 cells2/step",
                            "0.8", "8 cells", "terminal velocity", "2.5 MB"})
     EXPECT_NE(table.find(part), std::string::npos) << part << " is not in\n" << table;
+}
+
+TEST(DerivedTable, ColumnsStandApartHoweverLongTheyAre) {
+  CaseText c = si_case();
+  c.rest =
+      "[gravity]\nacceleration = [0, 0, -9.81]\n[[fill]]\nname = \"grains that have a rather long name\"\n"
+      "shape = \"ball\"\ndensity = 1100\ncount = 1\n[[outflow]]\n"
+      "box = [[0.00123456, 0.00123456, 0.00123456], [0.0123456, 0.0123456, 0.0123456]]\n";
+  const std::string table = derived_table(c.read());
+  EXPECT_NE(table.find("fill[0] grains that have a rather long name  1 of shape"), std::string::npos)
+      << table;
+  c.rest =
+      "[[walls]]\nname = \"rock\"\ntype = \"tube\"\npoint = [0.016, 0.016, 0]\naxis = \"z\"\nradius = "
+      "0.0151234567\n";
+  c.rest.replace(c.rest.find("rock"), 4, "a pipe of some length");
+  const std::string tube = derived_table(c.read());
+  EXPECT_NE(tube.find("tube 'a pipe of some length', radius  0.0151"), std::string::npos) << tube;
 }
 
 TEST(DerivedTable, TerminalVelocityFollowsStokesWhenSlow) {

@@ -30,7 +30,7 @@ TEST(StopRequest, is_heard_when_steps_become_a_thousand_times_as_long) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       why = request.why(++step);
     }
-    EXPECT_EQ(why, "told to stop (SIGUSR1)");
+    EXPECT_EQ(why, "told to stop by SIGUSR1");
     EXPECT_LT(std::chrono::duration<double>(Clock::now() - told).count(), 2);
   }
   std::int64_t first = step, last = step;

@@ -1,13 +1,13 @@
 #!/usr/bin/env pvpython
-"""opens_in_paraview.py OUT: ParaView reads every field, slice and surface in a folder of results at every time, with its columns. Not among
-the tests: Debian's python3-paraview and python3-vtk9 cannot both be installed. Run by `pvpython --force-offscreen-rendering`."""
+"""opens_in_paraview.py OUT [PICTURE]: ParaView reads every field, slice and surface in a folder of results at every time, with its columns, and shows
+them as the state OUT/paraview.py says. Not among the tests: Debian's python3-paraview and python3-vtk9 cannot both be installed. Run by `pvpython --force-offscreen-rendering`."""
 import pathlib
 import sys
 
-from paraview.simple import Delete, OpenDataFile, UpdatePipeline
+from paraview.simple import Delete, GetActiveView, OpenDataFile, SaveScreenshot, UpdatePipeline
 
 out = pathlib.Path(sys.argv[1])
-files = sorted([*out.glob("*.hdf.series"), *out.glob("bodies.pvd")])
+files = sorted([*out.glob("*.hdf.series"), *out.glob("bodies.pvd"), *out.glob("walls.pvd")])
 for path in files:
     reader = OpenDataFile(str(path))
     times = list(reader.TimestepValues)
@@ -20,3 +20,8 @@ for path in files:
     print(f"{path.name}: {len(times)} times; {', '.join(column.Name for column in columns)}")
     Delete(reader)
 assert files, f"{out}: nothing for ParaView"
+state = out / "paraview.py"
+if state.exists():
+    exec(compile(state.read_text(), str(state), "exec"), {"__file__": str(state)})
+    if len(sys.argv) > 2:
+        SaveScreenshot(sys.argv[2], GetActiveView())

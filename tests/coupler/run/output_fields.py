@@ -139,6 +139,36 @@ class Fields(SiltTest):
         self.assertTrue((field["shear-rate"][solid] == 0).all() and (field["pressure"][solid] == 0).all())
         self.assertTrue(np.allclose(field["pressure"], (field["density"] - 1) / 3, atol=1e-7))
 
+    def test_what_is_solid_is_told_apart(self):
+        """Bodies and walls in every file of a scene that has them, in none of one that has not, as whole numbers of a byte."""
+        self.write(PIPE.replace("steps = 4000", "steps = 1").replace("every = 4000", "every = 1") + """
+[[output.slices]]
+name = "middle"
+every = 1
+axis = "z"
+at = 4
+quantities = ["velocity"]
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 2.6
+[[bodies]]
+shape = "ball"
+density = 1
+position = [12, 12, 4]
+""")
+        self.silt("run", self.case, ranks=2)
+        field, (middle, _) = silt_results.open(self.case).fields[-1], self.slices("middle")
+        across = np.hypot(*np.meshgrid(field.x - 12, field.y - 12, indexing="ij"))[:, :, None]
+        away = np.sqrt(across**2 + (field.z - 4)**2)
+        expected = np.where(away < 2.6, 1, np.where(across > 10, 2, 0) + 0 * away)
+        self.assertEqual(field["solid"].dtype, np.uint8)
+        self.assertTrue((field["solid"] == expected).all())
+        self.assertTrue((middle["solid"] == expected[:, :, 3:5]).all())
+        self.write(CHANNEL.replace("[output]", "[output]\nfields = { every = 1 }"))
+        self.silt("run", self.case, "--steps", 1, "--overwrite")
+        self.assertNotIn("solid", silt_results.open(self.case).fields[-1].names)
+
     def test_slices_are_parts_of_the_field(self):
         self.write(BALLS)
         self.silt("run", self.case)

@@ -9,7 +9,7 @@ import sys
 import unittest
 
 import h5py
-from silt_test import CASE, SiltTest
+from silt_test import CASE, CHANNEL, SiltTest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 PAGE = ROOT / "cases" / "OUTPUT.md"
@@ -56,6 +56,8 @@ class Page(SiltTest):
     def test_data_sets(self):
         self.assertEqual(data_sets(self.out / "bodies.h5"), section("bodies.h5"))
         self.assertEqual(data_sets(next(self.out.glob("fields_*.hdf"))), section("fields_STEP.hdf"))
+        with h5py.File(self.out / "scene.h5") as file:
+            self.assertLessEqual(set(file.attrs) | set(file), section("scene.h5"))
 
     def test_columns(self):
         text = PAGE.read_text()
@@ -83,6 +85,32 @@ class Series(SiltTest):
         self.assertEqual(float(rows[-1]["quantities.height"]), report["quantities"]["height"])
         self.assertEqual(float(rows[-1]["momentum.fluid.z"]), report["momentum"]["fluid"][2])
         self.assertEqual(rows[-1]["momentum_drift"], "")
+
+    def test_means_say_so(self):
+        """A quantity is that of its step; the mean over the steps from its time on has a column of its own."""
+        self.write(CHANNEL.replace("steps = 10000\nsteady = { quantity = \"energy\", change = 1e-3, every = 100 }", "steps = 40")
+                   .replace("checkpoint = { every = 250 }", "report = { every = 1 }\ncheckpoint = { every = 17 }") + """
+[[quantities]]
+name = "drag"
+type = "wall-stress"
+side = "z-low"
+axis = "x"
+time = 20
+""")
+        self.silt("run", self.case, "--steps", 34)
+        self.silt("resume", self.case, "--set", "run.steps=40")
+        rows, report = self.rows(), self.report()
+        now = [float(row["quantities.drag"] or "nan") for row in rows]
+        self.assertEqual(len(now), 41)
+        self.assertGreater(now[19], 0)  # before its time, too
+        for step, row in enumerate(rows):
+            if step < 20:
+                self.assertEqual(row["means.drag"], "")
+            else:
+                self.assertAlmostEqual(float(row["means.drag"]), sum(now[20:step + 1]) / (step - 19), delta=1e-12 * now[step])
+        self.assertEqual(report["quantities"]["drag"], float(rows[-1]["means.drag"]))
+        self.assertEqual(report["quantities_in_last_step"]["drag"], now[-1])
+        self.assertEqual(report["quantity_types"]["drag"]["type"], "wall-stress")
 
     def test_energy_and_momentum_of_bodies(self):
         import math

@@ -1,17 +1,21 @@
 #!/usr/bin/python3
-"""pictures.py SILT: scripts/render on a run: no body is cut off by the frame, the scale bar is as long as it says, and a film shows the bodies
-where they were."""
+"""pictures.py SILT: scripts/render and scripts/plot on a run: no body is cut off by the frame, the scale bar is as long as it says, a film shows the
+bodies where they were, walls are those of the run, what is solid is no fluid at rest, and no label covers another."""
+import importlib.machinery
+import importlib.util
 import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import unittest
 
 import numpy as np
 from PIL import Image
 from silt_test import SiltTest
 
-RENDER = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "render"
+SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
+RENDER = SCRIPTS / "render"
 RADIUS, APART = 2.5, 17
 # Two balls in a periodic box; a part of the left one, which moves, is beyond its side.
 SCENE = """
@@ -42,6 +46,39 @@ steps = 40
 [output]
 bodies = { every = 10 }
 """
+# A ball in an upright tube, with fluid.
+TUBE = """
+title = "a ball in a tube with a title that is longer than a line of a picture can be"
+[units]
+system = "si"
+cell_size = 1e-5
+time_step = 1e-6
+[domain]
+size = [2.4e-4, 2.4e-4, 6e-4]
+boundary = { x = "no-slip", y = "no-slip", z = "periodic" }
+[fluid]
+density = 1000
+kinematic_viscosity = 1e-5
+[[walls]]
+name = "tube"
+type = "tube"
+point = [1.2e-4, 1.2e-4, 0]
+axis = "z"
+radius = 1.1e-4
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 3e-5
+[[bodies]]
+shape = "ball"
+density = 1100
+position = [1.2e-4, 1.2e-4, 3e-4]
+[run]
+steps = 20
+[output]
+bodies = { every = 10 }
+fields = { every = 20, quantities = ["velocity"] }
+"""
 FACING = ("--azimuth", "0", "--elevation", "0", "--no-edges", "--colours", "0000ff", "ff0000")
 
 
@@ -58,6 +95,64 @@ def centres(picture):
         columns = np.flatnonzero((colours[:, :, own] > colours[:, :, other] + 60).any(axis=0))
         found.append(((columns[0] + columns[-1] + 1) / 2, columns[-1] + 1 - columns[0]))
     return found
+
+
+def plotted(case, name):
+    """Returns the figure that scripts/plot makes of a case under a name, as it is when it has been drawn."""
+    sys.path.insert(0, str(SCRIPTS))
+    loader = importlib.machinery.SourceFileLoader("plot", str(SCRIPTS / "plot"))
+    plot = importlib.util.module_from_spec(importlib.util.spec_from_loader("plot", loader))
+    loader.exec_module(plot)
+    plot.plt.close = lambda figure: None
+    getattr(plot, name)(plot.Run(plot.silt_results.open(case)))
+    figure = plot.plt.figure(plot.plt.get_fignums()[-1])
+    figure.canvas.draw()
+    return figure
+
+
+class Walls(SiltTest):
+    """The tube of the run, not of the case."""
+
+    def setUp(self):
+        super().setUp()
+        self.write(TUBE)
+        self.silt("run", self.case, "--set", "walls.0.radius=0.8e-4")
+        (self.case / "case.toml").write_text(TUBE.replace("1.1e-4", "0.6e-4"))
+
+    def test_render(self):
+        subprocess.run([RENDER, self.case, "--size", "320", *FACING, "--no-caption"], check=True, capture_output=True)
+        picture = np.asarray(opened(self.out / "render.png")).astype(int)
+        ball = (picture[:, :, 2] > picture[:, :, 0] + 60).any(axis=0)
+        tube = (np.abs(picture - [picture[-10, picture.shape[1] // 2]]).max(axis=2) < 60)[-10]  # below the ball
+        self.assertAlmostEqual(tube.sum() / ball.sum(), 0.8e-4 / 3e-5, delta=0.15)
+
+    def test_what_is_solid_is_no_fluid_at_rest(self):
+        """In the middle plane a third of the width is wall: 8 of 24 cells; the ball has the colour of its kind."""
+        subprocess.run([SCRIPTS / "plot", self.case], check=True, capture_output=True)
+        picture = np.asarray(opened(self.out / "slice.png")).astype(int)
+        row = picture[picture.shape[0] // 4]
+        wall = (np.abs(row - 0xBB).max(axis=1) < 3).sum()
+        fluid = ((row[:, 2] > row[:, 0] + 10) & (row.sum(axis=1) < 500))[:len(row) * 3 // 4].sum()  # dark blue, left of the bar
+        self.assertAlmostEqual(wall / (wall + fluid), 8 / 24, delta=0.02)
+
+    def test_labels_of_a_small_domain(self):
+        """Micrometres, with room between the labels, in a narrow box too; nothing is wider than what can be read on a screen 390 pixels wide."""
+        narrow = TUBE.replace("2.4e-4, 2.4e-4", "8e-5, 8e-5").replace("[1.2e-4, 1.2e-4, 3e-4]", "[4e-5, 4e-5, 3e-4]")
+        narrow = narrow.replace("time_step = 1e-6", "time_step = 8e-4").replace("kinematic_viscosity = 1e-5", "kinematic_viscosity = 1.25e-8")
+        self.write(narrow[:narrow.index("[[walls]]")] + narrow[narrow.index("[[shapes]]"):])
+        self.silt("run", self.case, "--overwrite")
+        for name in ("velocity_slice", "mean_height", "body_velocities", "bodies_picture", "stage_times"):
+            figure = plotted(self.case, name)
+            for axes in figure.axes:
+                for along, axis in enumerate((axes.xaxis, axes.yaxis)):
+                    low, high = sorted(axis.get_view_interval())
+                    boxes = sorted(tuple(label.get_window_extent().get_points()[:, along]) for at, label in
+                                   zip(axis.get_majorticklocs(), axis.get_majorticklabels()) if low <= at <= high and label.get_text())
+                    for before, after in zip(boxes, boxes[1:]):
+                        self.assertLess(before[1] + 5, after[0], name)
+        self.assertEqual(plotted(self.case, "velocity_slice").axes[0].get_xlabel(), "x [µm]")
+        for path in self.out.glob("*.png"):
+            self.assertLessEqual(opened(path).size[0], 840, path.name)  # 150 a inch, letters of 10 points: 9 pixels high on 358
 
 
 class Pictures(SiltTest):

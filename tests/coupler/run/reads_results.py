@@ -37,7 +37,7 @@ class Results(SiltTest):
         self.assertTrue((field.slice("velocity", y=3) == field["velocity"][:, 3]).all())
         self.assertTrue((field.slice("density", x=-1) == field["density"][-1]).all())
         self.assertEqual([len(field.x), field.x[0], field.upper[0]], [24, 0.5, 24])
-        with self.assertRaisesRegex(KeyError, "vorticity.*has density, velocity"):
+        with self.assertRaisesRegex(KeyError, "vorticity.*has density, solid, velocity"):
             field["vorticity"]
 
     def test_fluid_in_a_body_moves_as_it_does(self):

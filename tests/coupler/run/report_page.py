@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""report_page.py SILT: scripts/report puts a run on one page that needs nothing else, says what is true, and fits a phone."""
+"""report_page.py SILT: scripts/report puts a run on one page that needs nothing else, says what is true and in which units, and fits a phone."""
 import html.parser
 import pathlib
 import re
 import shutil
 import subprocess
+import time
 import unittest
+import urllib.parse
 
-from silt_test import CASE, UNSTABLE, SiltTest
+from silt_test import CASE, ENVIRONMENT, UNSTABLE, SiltTest
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
 BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
@@ -27,16 +29,16 @@ class Outline(html.parser.HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.open, self.targets, self.text = [], [], ""
+        self.open, self.targets, self.links, self.text = [], [], [], ""
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
         if tag not in self.VOID:
             self.open.append(tag)
-        self.targets += [value for name, value in attributes if name in ("src", "href", "xlink:href")]
+        self.handle_startendtag(tag, attributes)
 
     def handle_startendtag(self, tag, attributes):
-        self.targets += [value for name, value in attributes if name in ("src", "href", "xlink:href")]
+        (self.links if tag == "a" else self.targets).extend(value for name, value in attributes if name in ("src", "href", "xlink:href"))
 
     def handle_endtag(self, tag):
         if tag in self.VOID:
@@ -62,6 +64,10 @@ class Page(SiltTest):
 
     def test_is_whole_and_alone(self):
         said, text = self.page()
+        self.assertNotIn("http-equiv", text)  # it has ended
+        (self.out / "film.mp4").write_bytes(b"a film")
+        self.told()
+        self.assertIn('<video controls src="film.mp4">', (self.out / "report.html").read_text())
         outline = Outline(text)
         self.assertEqual(outline.open, [])
         for target in outline.targets:
@@ -70,7 +76,52 @@ class Page(SiltTest):
                      "pairs asked for", "body force"):
             self.assertIn(word, outline.text)
         self.assertEqual(text.count("<img "), len(list(self.out.glob("*.png"))))
-        self.assertIn("Kinetic energy", text)
+        for link in outline.links:
+            self.assertTrue((self.out / urllib.parse.unquote(link)).exists(), link)
+        self.assertTrue({"../case.toml", "report.json", "series.csv", "bodies.h5", "fields_000000000060.hdf"} <= set(outline.links))
+
+    def test_units_and_sources(self):
+        """Every axis has its unit, in letters that a phone shows, every quantity too; where a reference is from is told, and so are the speeds
+        of each kind."""
+        kinds = CASE.replace("positions = [[6, 8, 8], [18, 8, 9]]", 'name = "slow ones"\nposition = [6, 8, 8]\n[[bodies]]\nname = "fast ones"\n'
+                             'shape = "ball"\ndensity = 2\nvelocity = [0.03, 0, 0]\nposition = [18, 8, 9]')
+        for system, time, length, speed in (("lattice", "steps", "cells", "cells/step"), ("si", "s", "m", "m/s")):
+            case = kinds if system == "lattice" else kinds.replace('"lattice"', '"si"\ncell_size = 1.0\ntime_step = 1.0').replace(
+                "[fluid]", "[fluid]\ndensity = 1.0").replace("relaxation_time = 0.8", "kinematic_viscosity = 0.1")
+            self.write(case)
+            text = self.page(case, plot=False)[1]
+            figures = re.findall(r"<figure>(<svg.*?</svg>)", text, flags=re.S)
+            for figure in figures:
+                letters = re.findall(r"<text[^>]*>([^<]*)</text>", figure)
+                self.assertIn(f"time [{time}]", letters)
+                self.assertEqual(len([t for t in letters if re.fullmatch(r"\[.+\]", t)]), 1, letters)
+                width = float(re.search(r'width="([0-9.]+)pt"', figure)[1])
+                sizes = [float(size) for size in re.findall(r"font:[^;\"]*?([0-9.]+)px", figure)]
+                self.assertGreater(min(sizes) * min(1.33, 358 / width), 9)  # pixels, on a page 390 wide less its margins
+            self.assertTrue(any("slow ones" in f and "fast ones" in f and f"[{speed}]" in f for f in figures))
+            self.assertTrue(any("height" in f and f"[{length}]" in f for f in figures))
+            self.assertRegex(Outline(text).text, f"height[-0-9.]+80.1{length}")  # found, reference, tolerance, unit
+            self.assertIn("height from theory: somewhere", Outline(text).text)
+
+    def test_loads_itself_anew_while_the_run_goes_on(self):
+        self.write(CASE.replace("steps = 60", "steps = 1000000").replace("fields = { every = 20 }", "report = { every = 10 }"))
+        run = subprocess.Popen(self.command(["run", self.case, "--overwrite"], 1), stdout=subprocess.DEVNULL, env=ENVIRONMENT)
+        try:
+            while not (self.out / "report.json").exists():
+                time.sleep(0.05)
+            follow = subprocess.Popen([SCRIPTS / "report", self.case, "--follow", "0.2"], stdout=subprocess.DEVNULL)
+            while not (self.out / "report.html").exists():
+                time.sleep(0.05)
+            text = (self.out / "report.html").read_text()
+            self.assertIn("<meta http-equiv=refresh content=60>", text)
+            self.assertIn("Running:", text)
+        finally:
+            run.terminate()
+            run.wait()
+        self.assertEqual(follow.wait(timeout=30), 0)
+        text = (self.out / "report.html").read_text()
+        self.assertIn("Interrupted", text)
+        self.assertNotIn("http-equiv", text)
 
     def test_verdict(self):
         found = self.page()[0]

@@ -62,14 +62,14 @@ class Faults(SiltTest):
 
     def test_signals_leave_a_checkpoint(self):
         self.write(ENDLESS)
-        for name in ("HUP", "INT", "USR1", "USR2", "XCPU"):
+        for name, why in (("HUP", " (the terminal was closed)"), ("INT", " (Ctrl-C)"), ("USR1", ""), ("USR2", ""), ("XCPU", "")):
             shutil.rmtree(self.out, ignore_errors=True)
             process = self.start("run", self.case, "--overwrite")
             self.wait_for(self.out / "checkpoint_000000000250.h5", process)
             process.send_signal(getattr(signal, f"SIG{name}"))
             _, errors = process.communicate(timeout=60)
             self.assertEqual(process.returncode, 4, errors)
-            self.assertIn(f"told to stop (SIG{name}) at step", errors)
+            self.assertIn(f"told to stop by SIG{name}{why} at step", errors)
             self.assertTrue((self.out / f"checkpoint_{self.report()['steps']:012d}.h5").exists())
 
     def test_nobody_needs_to_read_what_a_run_prints(self):

@@ -6,6 +6,7 @@ run_program.py SILT [TEST]
 import json
 import os
 import pathlib
+import pty
 import re
 import resource
 import shutil
@@ -93,9 +94,11 @@ class Program(SiltTest):
     def test_steady_flow_ends_the_run(self):
         """After as many steps on any ranks and across a checkpoint; what is left of the approach is as little as asked."""
         self.write(CHANNEL)
-        self.silt("run", self.case)
+        said = self.silt("run", self.case).stdout
         whole = self.report()
         self.assertEqual(whole["exit_reason"], "steady")
+        self.assertRegex(said, rf"energy is steady at \S+, to 0.001 of it, and ends the run at step {whole['steps']} of 10000")
+        self.assertIn("energy is steady", whole["exit_text"])
         self.assertEqual(whole["steps"] % 100, 0)
         self.assertLess(whole["steps"], 10000)
         self.assertTrue((self.out / f"checkpoint_{whole['steps']:012d}.h5").exists())  # its last step, as of any run
@@ -112,6 +115,15 @@ class Program(SiltTest):
         self.assertIn("energy was steady at step", self.silt("resume", self.case, "--out", other).stdout)
         self.silt("resume", self.case, "--out", other, "--set", "run.steady.change=1e-4")
         self.assertGreater(self.report(other)["steps"], whole["steps"])
+
+    def test_sweeps_that_end_far_from_rest_are_warned_of(self):
+        self.write(STACK)
+        for sweeps, far in ((1, True), (400, False)):
+            said = self.silt("run", self.case, "--overwrite", "--set", f"contacts.sweeps={sweeps}").stdout
+            report = self.report()
+            self.assertEqual(report["resolver_residual"] > 0.1 * max(report["max_body_velocity"], 1e-3), far, report["resolver_residual"])
+            self.assertEqual("warning: contacts.sweeps: the sweeps over the contacts ended far from rest" in said, far, said)
+            self.assertEqual("contacts.sweeps=4" in said, far)
 
     def test_fields_load_in_vtk(self):
         self.silt("run", self.case, "--steps", 20, ranks=2)
@@ -239,7 +251,45 @@ class Program(SiltTest):
             text = self.silt("info", self.out / name).stdout
             self.assertIn(word, text)
             self.assertIn("two balls", text)
-        self.assertIn("case.toml", self.silt("info", self.case / "case.toml", code=2).stderr)
+        of_case = self.silt("info", self.case).stdout
+        for part in ("two balls", "24 x 16 x 16 cells", f"results in {self.out}", "bodies.h5", "checkpoint_000000000005.h5", "2 files, ", "the last fields_000000000005.hdf", "step 5/5"):
+            self.assertIn(part, of_case)
+        self.assertEqual(self.silt("info", self.case / "case.toml").stdout, of_case)
+        of_results = self.silt("info", self.out).stdout
+        self.assertTrue(of_case.endswith(of_results) and of_results.startswith("results in"))
+        shutil.rmtree(self.out)
+        self.assertIn("no results\n", self.silt("info", self.case).stdout)
+        self.assertIn("neither a case", self.silt("info", self.scratch.name, code=2).stderr)
+        self.assertIn("fluid.relaxation_time", self.info_of_a_bad_case())
+
+    def info_of_a_bad_case(self):
+        self.write(CASE.replace("0.8", "0.4"))
+        return self.silt("info", self.case, code=2).stderr
+
+    def test_lines_are_printed_over_on_a_terminal_only(self):
+        """mpirun gives its first rank a terminal, wherever its own output goes."""
+        environment = {name: value for name, value in ENVIRONMENT.items() if name != "SILT_PLAIN"}
+        for ranks in (1, 2):
+            log = pathlib.Path(self.scratch.name) / "log"
+            with open(log, "wb") as file:
+                subprocess.run(self.command(["run", self.case, "--overwrite"], ranks), stdout=file, check=True, env=environment)
+            self.assertNotIn(b"\r", log.read_bytes())
+            self.assertIn(b"step 60/60", log.read_bytes())
+            above, below = pty.openpty()
+            subprocess.run(self.command(["run", self.case, "--overwrite"], ranks), stdout=below, check=True, env=environment)
+            os.close(below)
+            shown = b""
+            while chunk := self.read_of_a_terminal(above):
+                shown += chunk
+            os.close(above)
+            self.assertRegex(shown.replace(b"\r\n", b"\n"), rb"\rstep 60/60")
+
+    @staticmethod
+    def read_of_a_terminal(terminal):
+        try:
+            return os.read(terminal, 65536)
+        except OSError:  # nobody writes there any more
+            return b""
 
     def test_full_disk(self):
         """A limit on the size of files, set while the run goes on, stands for a full disk."""
@@ -300,6 +350,20 @@ class Launcher(unittest.TestCase):
         self.assertIn("no case two-bals", errors)
         self.assertIn("among Silt's: two-balls\n", errors)
         self.assertIn("There are: two-balls\n", self.launch(code=2).stderr)
+
+    def test_ctrl_c_is_told_as_such(self):
+        for ranks in (1, 2):
+            run = subprocess.Popen([self.root / "scripts/run", "two-balls", "-n", str(ranks), "--out", "out", "--overwrite", "--steps", "1000000",
+                                    "--set", "output.fields.every=0"], cwd=self.root / "elsewhere", env=ENVIRONMENT, text=True,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+            while not list((self.root / "elsewhere/out").glob("checkpoint_*.h5")):
+                self.assertIsNone(run.poll())
+                time.sleep(0.05)
+            run.send_signal(signal.SIGINT)
+            errors = run.communicate(timeout=60)[1]
+            self.assertEqual(run.returncode, 4, errors)
+            self.assertIn("told to stop by SIGINT (Ctrl-C) at step", errors)
+            shutil.rmtree(self.root / "elsewhere/out")
 
     def test_says_how_to_go_on(self):
         errors = self.launch("two-balls", "-n", 2, "--out", "out", "--steps", 1000000, "--time-limit", 1,

@@ -53,12 +53,12 @@ class Both : public ContactResolver {
   void compare(const BodySet& bodies, const std::vector<Contact>& c, const StepVelocities& kicked,
                const StepVelocities& s, const StepVelocities& other, double residual) {
     ++steps;
-    if (residual > converged_) return;
-    ++lawful;
-    contacts += static_cast<int>(c.size());
     double scale = 1e-3 * g;  // a step's fall, where the contacts have less to do
     for (std::size_t row = 0; row < bodies.owned; ++row)
       scale = std::max({scale, (other.v[row] - kicked.v[row]).norm(), (other.w[row] - kicked.w[row]).norm()});
+    if (residual > converged_ * scale) return;
+    ++lawful;
+    contacts += static_cast<int>(c.size());
     const bool both = pgs_.residual <= converged_;
     compared += both;
     for (std::size_t row = 0; row < bodies.owned && both; ++row) {

@@ -27,6 +27,25 @@ TEST_P(SffdImpacts, HeadOnCollisionOneToTwo) {
   }
 }
 
+/// A ball of mass 1 and speed 1 and one of mass 2 go on together: the former loses 2/3 of its velocity in the
+/// one sweep that the pair needs.
+TEST_P(SffdImpacts, WhatTheLastSweepChangedIsAVelocity) {
+  for (const auto [sweeps, change] : {std::pair{1, 2. / 3}, std::pair{2, 0.}}) {
+    Scene s(0, 0);
+    s.settings.max_sweeps = sweeps;
+    const int ball = s.shape(Sphere{0.5});
+    s.add(ball, {10, 10, 10}, {1, 0, 0});
+    s.add(ball, {11.2, 10, 10}, Vec3::Zero(), Vec3::Zero(), 2);
+    s.start();
+    double largest = 0;
+    for (int step = 0; step < 300; ++step) {
+      s.run(1);
+      largest = std::max(largest, s.report.resolver.residual);
+    }
+    EXPECT_NEAR(largest, change, 1e-12) << sweeps;
+  }
+}
+
 TEST_P(SffdImpacts, ObliqueImpactOnAWall) {  // rigid Coulomb (Walton): sliding and sticking
   const double e = 0.5, mu = 0.2, r = 0.5, vn = 2;
   for (double vt : {3.0, 0.5}) {

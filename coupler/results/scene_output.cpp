@@ -1,0 +1,86 @@
+#include "coupler/results/scene_output.hpp"
+
+#include "adapters/hdf5/scene_file.hpp"
+#include "coupler/case/case.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using adapters::SceneWall;
+using rigid::Vec3;
+
+/// Puts numbers of the lattice into the units of a case.
+struct InCaseUnits {
+  const Units& units;
+  double operator()(double x, Dimension d) const { return units.physical(x, d); }
+  SceneWall::Vector operator()(const Vec3& x, Dimension d) const {
+    return {units.physical(x[0], d), units.physical(x[1], d), units.physical(x[2], d)};
+  }
+};
+
+void describe(const rigid::TubeSpec& tube, const InCaseUnits& physical, SceneWall& wall) {
+  wall.type = "tube";
+  wall.position = physical(tube.point, dimension::length);
+  wall.axis = physical(tube.axis, dimension::none);
+  wall.radius = physical(tube.radius, dimension::length);
+}
+
+void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall) {
+  const rigid::WallMotion& motion = mesh.motion;
+  const rigid::Quat& q = mesh.start.orientation;
+  wall.type = "mesh";
+  wall.hollow = mesh.mesh.hollow;
+  wall.position = physical(mesh.start.position, dimension::length);
+  wall.orientation = {q.w(), q.x(), q.y(), q.z()};
+  wall.velocity = physical(motion.velocity, dimension::velocity);
+  wall.angular_velocity = physical(motion.angular_velocity, dimension::angular_velocity);
+  wall.amplitude = physical(motion.amplitude, dimension::length);
+  wall.frequency = physical(motion.frequency, dimension::angular_velocity);
+  wall.phase = motion.phase;
+  for (const Vec3& x : mesh.mesh.surface->vertices()) wall.vertices.push_back(physical(x, dimension::length));
+  const auto triangles = mesh.mesh.surface->triangles();
+  wall.triangles.assign(triangles.begin(), triangles.end());
+  for (const rigid::MotionRow& row : motion.table) {
+    const SceneWall::Vector to = physical(row.displacement, dimension::length);
+    const Vec3& turn = row.rotation;
+    wall.table.push_back(
+        {physical(row.time, dimension::time), to[0], to[1], to[2], turn[0], turn[1], turn[2]});
+  }
+}
+
+/// The names of the kinds that hold a body whose motion is given, each once.
+std::vector<std::string> driven_kinds(const Case& scene) {
+  std::vector<bool> driven(scene.kind_names.size(), false);
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
+    if (body.motion != rigid::Motion::free) driven[body.kind] = true;
+  });
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < driven.size(); ++k)
+    if (driven[k]) names.push_back(scene.kind_names[k]);
+  return names;
+}
+
+}  // namespace
+
+void write_scene_file(const Case& scene, const std::filesystem::path& folder) {
+  const InCaseUnits physical{scene.units};
+  adapters::SceneInfo info;
+  info.title = scene.title;
+  if (scene.units.si) {
+    info.length_unit = std::string("m");
+    info.time_unit = std::string("s");
+  }
+  info.domain_upper = physical(Vec3(scene.cells[0], scene.cells[1], scene.cells[2]), dimension::length);
+  info.gravity = physical(scene.gravity, dimension::acceleration);
+  for (const BoundarySpec& side : scene.boundary) info.sides.emplace_back(boundary_names[side.kind]);
+  info.driven_kinds = driven_kinds(scene);
+  for (const CurvedWall& curved : scene.walls) {
+    SceneWall& wall = info.walls.emplace_back();
+    wall.name = curved.name;
+    std::visit([&](const auto& surface) { describe(surface, physical, wall); }, curved.surface);
+  }
+  adapters::write_scene(folder / "scene.h5", info);
+}
+
+}  // namespace silt::coupler
