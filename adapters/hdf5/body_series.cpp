@@ -164,8 +164,9 @@ struct BodySeries::Open {
 
   Open(const hdf5::Path& path, BodyColumns with) : file(File::open_journaled(path)) {
     for (const Column& c : body_columns(with))
-      bodies.push_back(file.dataset(std::string("/bodies/") + c.name));
-    for (const Column& c : time_columns("")) times.push_back(file.dataset(std::string("/") + c.name));
+      bodies.push_back(file.dataset_to_append(std::string("/bodies/") + c.name, rows_a_chunk * c.bytes()));
+    for (const Column& c : time_columns(""))
+      times.push_back(file.dataset_to_append(std::string("/") + c.name, times_a_chunk * c.bytes()));
   }
   void append_time(const TimeRow& now, hsize_t at) {
     const auto columns = time_columns("");

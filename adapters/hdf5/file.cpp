@@ -178,6 +178,13 @@ Handle File::dataset(const std::string& name) const {
   return {H5Dopen2(handle_, name.c_str(), H5P_DEFAULT), H5Dclose, path_, "has no dataset " + name};
 }
 
+Handle File::dataset_to_append(const std::string& name, std::size_t chunk_bytes) const {
+  const Handle list(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, path_, "dataset access list");
+  constexpr std::size_t slots = 7;
+  H5Pset_chunk_cache(list, slots, 2 * chunk_bytes, 1);
+  return {H5Dopen2(handle_, name.c_str(), list), H5Dclose, path_, "has no dataset " + name};
+}
+
 Handle File::create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path_,
                      "shape of " + name);

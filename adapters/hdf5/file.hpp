@@ -78,6 +78,9 @@ class File {
   bool exists(const std::string& name) const;
   Handle group(const std::string& name, bool create);
   Handle dataset(const std::string& name) const;
+  /// Opens a dataset that grows by rows at its end: of its chunks, of so many bytes, HDF5 keeps the last two
+  /// at hand and not, as it would by itself, the last megabyte.
+  Handle dataset_to_append(const std::string& name, std::size_t chunk_bytes) const;
   /// Creates a contiguous dataset whose space is taken now and not filled (a fresh file reads as zeros where
   /// nothing is written).
   Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);

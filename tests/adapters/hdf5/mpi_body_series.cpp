@@ -2,6 +2,8 @@
 // in the file is read by h5py in series_in_h5py.py, which also kills the writer.
 #include "adapters/hdf5/body_series.hpp"
 
+#include <malloc.h>
+
 #include <cmath>
 
 #include "tests/act.hpp"
@@ -78,6 +80,16 @@ TEST(BodySeries, is_the_same_on_any_number_of_ranks) {
   write(MPI_COMM_SELF, "one.h5");
   EXPECT_GT(content(scratch / "one.h5").size(), 13u * 20 * 100);
   EXPECT_TRUE(content(scratch / "one.h5") == content(scratch / "many.h5"));
+}
+
+TEST(BodySeries, needs_no_more_memory_the_longer_it_gets) {
+  const Scratch scratch;
+  if (rank() != 0) return;
+  auto series = BodySeries::create(MPI_COMM_SELF, scratch / "long.h5", info, {});
+  append(MPI_COMM_SELF, series, 0, 99);
+  const std::size_t before = mallinfo2().uordblks;
+  append(MPI_COMM_SELF, series, 100, 1099);  // 21 rows of 250 bytes each
+  EXPECT_LT(mallinfo2().uordblks, before + 500'000);
 }
 
 TEST(BodySeries, goes_on_after_the_step_of_a_checkpoint) {
