@@ -10,6 +10,8 @@
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <new>
 #include <stdexcept>
 #include <variant>
 
@@ -26,6 +28,19 @@ namespace silt::adapters {
 using namespace rigid;
 
 namespace {
+
+struct NoMemory : std::bad_alloc {
+  const char* what() const noexcept override {
+    return "there is no memory left for the collision backend bullet (see ulimit -v)";
+  }
+};
+
+/// Bullet takes what its allocation returns without a look, null as well: this one throws.
+void* allocate(std::size_t size) {
+  if (void* const memory = std::malloc(size)) return memory;
+  throw NoMemory();
+}
+[[maybe_unused]] const bool allocation_throws = (btAlignedAllocSetCustom(allocate, std::free), true);
 
 btVector3 to_bullet(const Vec3& v) {
   return {v.x(), v.y(), v.z()};

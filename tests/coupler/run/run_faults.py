@@ -3,6 +3,7 @@
 that are none, long paths. run_faults.py SILT [TEST]"""
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import subprocess
@@ -217,6 +218,19 @@ class Faults(SiltTest):
             self.assertIn('use coupling.time = "implicit" (light bodies need it)', errors)
             state, = self.out.glob("stopped_*.h5")
             self.assertIn(f"the state it stopped in: {state}", errors)
+
+    def test_too_little_memory_ends_with_an_error(self):
+        """From where the program's libraries are not even loaded to where it runs, in steps of 4 MB: an error, no crash."""
+        self.write(CASE.replace("[gravity]", '[contacts]\nbackend = "bullet"\nbroad_phase = "bullet"\n[gravity]'))
+        codes = set()
+        for megabytes in range(40, 130, 4):
+            def limit():
+                resource.setrlimit(resource.RLIMIT_AS, 2 * (megabytes << 20,))
+            result = self.run_silt("run", self.case, "--steps", 2, "--overwrite", preexec_fn=limit)
+            self.assertIn(result.returncode, (0, 1, 2, 127), f"{megabytes} MB: {result.stderr}")
+            codes.add(result.returncode)
+        self.assertLessEqual({0, 127}, codes)
+        self.assertTrue(codes & {1, 2}, codes)
 
     def test_long_paths(self):
         out = pathlib.Path(self.scratch.name, *3 * ["a" * 100])
