@@ -309,6 +309,7 @@ CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
       throw Error(file.path().string() + ": bodies and impulses do not fit together");
     found.impulses = read_impulses(file, counts, first[1], n[1]);
   });
+  found.first_body = first[0], found.first_impulse = first[1];
   return found;
 }
 

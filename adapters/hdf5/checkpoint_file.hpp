@@ -114,7 +114,8 @@ class CheckpointReader {
              const std::function<void(int q, std::size_t box, const T* in)>& take) const;
 
   struct Bodies {
-    std::vector<rigid::BodyRecord> records;  // sorted by id
+    std::uint64_t first_body = 0, first_impulse = 0;  // rows of /bodies and /impulses
+    std::vector<rigid::BodyRecord> records;           // sorted by id
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   std::size_t body_count() const;

@@ -20,6 +20,9 @@ struct CheckpointReader::State {
   Handle group(const std::string& name) const {
     return {H5Gopen2(*file, name.c_str(), H5P_DEFAULT), H5Gclose, path, "has no group " + name};
   }
+  /// What `read` does on every rank alike; errors say which checkpoint to use.
+  template <class Read>
+  auto advised(Read&& read) const;
 };
 
 namespace {
@@ -31,6 +34,19 @@ std::string with_advice(const hdf5::Path& path, const std::string& what) {
   return "cannot use the checkpoint " + what +
          "; there is no earlier checkpoint next to it, start the case again";
 }
+
+}  // namespace
+
+template <class Read>
+auto CheckpointReader::State::advised(Read&& read) const {
+  try {
+    return read();
+  } catch (const hdf5::Error& error) {
+    throw hdf5::Error(with_advice(path, error.what()));
+  }
+}
+
+namespace {
 
 template <class T>
 bool is_stored_as(hid_t dataset);
@@ -86,16 +102,16 @@ bool CheckpointReader::has(const std::string& name) const {
   return state_->file->has_attribute(state_->group("/state"), name);
 }
 std::int64_t CheckpointReader::integer(const std::string& name) const {
-  return state_->file->int_attribute(state_->group("/state"), name);
+  return state_->advised([&] { return state_->file->int_attribute(state_->group("/state"), name); });
 }
 double CheckpointReader::number(const std::string& name) const {
-  return state_->file->double_attribute(state_->group("/state"), name);
+  return state_->advised([&] { return state_->file->double_attribute(state_->group("/state"), name); });
 }
 std::string CheckpointReader::text(const std::string& name) const {
-  return state_->file->string_attribute(state_->group("/state"), name);
+  return state_->advised([&] { return state_->file->string_attribute(state_->group("/state"), name); });
 }
 std::string CheckpointReader::provenance(const std::string& name) const {
-  return state_->file->string_attribute(state_->group("/provenance"), name);
+  return state_->advised([&] { return state_->file->string_attribute(state_->group("/provenance"), name); });
 }
 std::string CheckpointReader::case_text() const {
   const Handle text = state_->file->dataset("/provenance/case_text");
@@ -112,7 +128,8 @@ bool CheckpointReader::has_cells(const std::string& name) const {
 }
 
 std::array<int, 3> CheckpointReader::lattice(const std::string& name) const {
-  const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
+  const auto shape =
+      state_->advised([&] { return state_->file->shape(state_->file->dataset("/cells/" + name)); });
   if (shape.size() != 3 && shape.size() != 4) refuse("/cells/" + name + " is no field of cells");
   const std::size_t z = shape.size() - 3;
   return {int(shape[z + 2]), int(shape[z + 1]), int(shape[z])};
@@ -136,8 +153,7 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
     cells = lattice(name);
     n = components(name);
     if (!is_stored_as<T>(state_->file->dataset(full)))
-      throw hdf5::Error(state_->path.string() + ": " + full +
-                        " was stored in another precision than asked for");
+      refuse(full + " was stored in another precision than asked for");
   });
   together(comm, [&] { file.emplace(File::open_parallel(comm, state_->path, false)); });
   together(comm, [&] { dataset = file->dataset(full); });

@@ -36,30 +36,63 @@ void verify_head(const File& file) {
     throw Error(file.path().string() + ": was not written to its end");
 }
 
+/// Throws for a link that HDF5 would follow to another place or file: that may be anything, a pipe too. A
+/// checkpoint has none.
+void verify_links(const File& file) {
+  const auto look = [](hid_t, const char* name, const H5L_info_t* link, void* found) -> herr_t {
+    if (link->type == H5L_TYPE_HARD) return 0;
+    *static_cast<std::string*>(found) = name;
+    return 1;
+  };
+  std::string found;
+  file.check(H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, look, &found), "the file's structure is altered");
+  if (!found.empty())
+    throw Error(file.path().string() + ": /" + found +
+                " is a link to another place or file; a checkpoint holds all of its data itself");
+}
+
+/// What verify_metadata has come to.
+struct Visit {
+  std::string elsewhere;  // a dataset whose values are in other files
+
+  static herr_t attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
+    const hid_t a = H5Aopen(object, name, H5P_DEFAULT);
+    if (a < 0) return -1;
+    const hid_t type = H5Aget_type(a);
+    std::vector<char> value(H5Aget_storage_size(a) + 1);
+    const herr_t status = H5Aread(a, type, value.data());
+    H5Tclose(type);
+    H5Aclose(a);
+    return status;
+  }
+  static bool is_stored_here(hid_t dataset) {
+    const hid_t list = H5Dget_create_plist(dataset);
+    const bool here = H5Pget_layout(list) != H5D_VIRTUAL && H5Pget_external_count(list) <= 0;
+    H5Pclose(list);
+    return here;
+  }
+  static herr_t object(hid_t root, const char* name, const H5O_info_t* info, void* visit) {
+    const hid_t o = H5Oopen(root, name, H5P_DEFAULT);
+    if (o < 0) return -1;
+    herr_t status = H5Aiterate2(o, H5_INDEX_NAME, H5_ITER_INC, nullptr, attribute, nullptr);
+    if (info->type == H5O_TYPE_DATASET && !is_stored_here(o)) {
+      static_cast<Visit*>(visit)->elsewhere = name;
+      status = 1;
+    }
+    H5Oclose(o);
+    return status;
+  }
+};
+
 /// Reads every header and every attribute of the file: HDF5 compares their checksums, and nothing can fail
 /// later.
 void verify_metadata(const File& file) {
-  struct Visit {
-    static herr_t attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
-      const hid_t a = H5Aopen(object, name, H5P_DEFAULT);
-      if (a < 0) return -1;
-      const hid_t type = H5Aget_type(a);
-      std::vector<char> value(H5Aget_storage_size(a) + 1);
-      const herr_t status = H5Aread(a, type, value.data());
-      H5Tclose(type);
-      H5Aclose(a);
-      return status;
-    }
-    static herr_t object(hid_t root, const char* name, const H5O_info_t*, void*) {
-      const hid_t o = H5Oopen(root, name, H5P_DEFAULT);
-      if (o < 0) return -1;
-      const herr_t status = H5Aiterate2(o, H5_INDEX_NAME, H5_ITER_INC, nullptr, attribute, nullptr);
-      H5Oclose(o);
-      return status;
-    }
-  };
-  file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, nullptr),
+  Visit visit;
+  file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, &visit),
              "the file's structure is altered");
+  if (!visit.elsewhere.empty())
+    throw Error(file.path().string() + ": /" + visit.elsewhere +
+                " has its values in another file; a checkpoint holds all of its data itself");
 }
 
 /// The case text is small: one rank reads it whole.
@@ -154,6 +187,7 @@ void verify_checkpoint(MPI_Comm comm, const Path& path) {
     if (!std::filesystem::exists(path)) throw Error(path.string() + ": there is no such file");
     file.emplace(File::open(path, false));
     verify_head(*file);
+    verify_links(*file);
     verify_metadata(*file);
     verify_case_text(*file);
   });
@@ -172,10 +206,12 @@ void verify_checkpoint(MPI_Comm comm, const Path& path) {
   sums.resize(mine.size());
   MPI_Reduce(mine.data(), sums.data(), static_cast<int>(mine.size()), MPI_UINT64_T, MPI_SUM, 0, comm);
   on_rank_0(comm, [&] {
-    for (std::size_t k = 0; k < names.size(); ++k)
-      if (sums[k] != file->uint_attribute(file->dataset(names[k]), "checksum"))
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const Handle dataset = file->dataset(names[k]);
+      if (!file->has_attribute(dataset, "checksum") || sums[k] != file->uint_attribute(dataset, "checksum"))
         throw Error(path.string() + ": the content of " + names[k] +
                     " does not match its checksum (altered)");
+    }
   });
 }
 

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <tuple>
 
 #include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -14,46 +14,139 @@ namespace silt::coupler {
 namespace {
 
 using rigid::BodyRecord;
+using rigid::StoredImpulse;
 
-std::string index_fault(const char* name, std::int64_t index, std::size_t count) {
-  if (index >= 0 && index < static_cast<std::int64_t>(count)) return "";
-  return fmt::format("its {} is {}, and the case has {}", name, index, count);
+// Lattice units. Far beyond what a run can come to, near enough that no sum of such numbers overflows.
+constexpr double greatest = 0x1p61;        // masses, impulses, loads: of sums in fixed point
+constexpr double fastest = 0x1p20;         // cells a step, radians a step
+constexpr double furthest_outside = 1024;  // cells beyond a domain's length from it
+constexpr std::int64_t most_periods = 1 << 30, most_quanta = std::int64_t{1} << 61,
+                       most_steps = std::int64_t{1} << 53;
+
+/// One row of a table.
+class Row {
+ public:
+  Row(std::string table, std::uint64_t row, std::string body)
+      : table_(std::move(table)), row_(row), body_(std::move(body)) {}
+
+  /// Found, where this is no number from low to high: not what is not a number either.
+  template <class T, class Bound>
+  void within(const char* column, const T& x, Bound low, Bound high) const {
+    if (!(x >= low && x <= high))
+      refuse(column, fmt::format("{}", x), fmt::format("from {} to {}", low, high));
+  }
+  template <class T, std::size_t n, class Bound>
+  void within(const char* column, const T (&values)[n], Bound low, Bound high) const {
+    for (const T x : values) within(column, x, low, high);
+  }
+  template <std::size_t n>
+  void within(const char* column, const double (&values)[n], double most) const {
+    within(column, values, -most, most);
+  }
+  void unit_quaternion(const char* column, const double (&q)[4]) const {
+    within(column, q, 2.0);
+    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (std::abs(square - 1) > 1e-6)
+      refuse(column, fmt::format("of the square {}", square), "of the square 1");
+  }
+  [[noreturn]] void refuse(const char* column, const std::string& found, const std::string& allowed) const {
+    throw std::runtime_error(fmt::format("{}/{}, row {} ({}): it is {}, and must be {}", table_, column, row_,
+                                         body_, found, allowed));
+  }
+
+ private:
+  std::string table_;
+  std::uint64_t row_;
+  std::string body_;
+};
+
+void require_inertia(const Row& row, const BodyRecord& r) {
+  row.within("inertia_B", r.inertia_B, greatest);
+  const rigid::Mat3 inertia = Eigen::Map<const rigid::Mat3>(r.inertia_B);
+  if (!inertia.isApprox(inertia.transpose(), 1e-6) || inertia.llt().info() != Eigen::Success)
+    row.refuse("inertia_B", "no tensor of inertia", "symmetric and positive");
 }
 
-template <std::size_t n>
-std::string finite_fault(const char* name, const double (&values)[n]) {
-  if (std::all_of(std::begin(values), std::end(values), [](double x) { return std::isfinite(x); })) return "";
-  return fmt::format("its {} is not finite", name);
+void require_place(const Row& row, const char* column, const Case& scene, const double (&x)[3]) {
+  for (int d = 0; d < 3; ++d) {
+    const double beyond = scene.cells[d] + furthest_outside;
+    row.within(column, x[d], -beyond, scene.cells[d] + beyond);
+  }
 }
 
-std::string turn_fault(const BodyRecord& r) {
-  double square = 0;
-  for (const double x : r.orientation) square += x * x;
-  return std::abs(square - 1) < 1e-6 ? "" : fmt::format("its orientation has the square {}, not 1", square);
+template <class List>
+std::int64_t last_of(const List& list) {
+  return static_cast<std::int64_t>(list.size()) - 1;
 }
 
-std::string fault_of(const Case& scene, const BodyRecord& r) {
-  if (r.id == 0 || r.id >= rigid::first_wall_id) return "bodies have ids from 1 up to those of the walls";
-  if (r.motion > rigid::Motion::asleep)
-    return fmt::format("its motion is {}", static_cast<int>(r.motion));
-  if (!(r.mass > 0)) return fmt::format("its mass is {}", r.mass);
-  for (const std::string& fault :
-       {index_fault("shape", r.shape, scene.shapes.size()),
-        index_fault("material", r.material, scene.material_names.size()),
-        index_fault("kind", r.kind, scene.kind_names.size()), finite_fault("position", r.position),
-        finite_fault("velocity", r.velocity), finite_fault("angular velocity", r.angular_velocity),
-        finite_fault("angular momentum", r.angular_momentum), turn_fault(r)})
-    if (!fault.empty()) return fault;
-  return "";
+void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid::BodyId next_id) {
+  row.within("id", r.id, rigid::BodyId{1}, next_id - 1);
+  row.within("shape", r.shape, std::int64_t{0}, last_of(scene.shapes));
+  row.within("material", r.material, std::int64_t{0}, last_of(scene.material_names));
+  row.within("kind", r.kind, std::int64_t{0}, last_of(scene.kind_names));
+  row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::waking));
+  row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
+  row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
+  require_inertia(row, r);
+  require_place(row, "position", scene, r.position);
+  row.unit_quaternion("orientation", r.orientation);
+  row.within("image", r.image, -most_periods, most_periods);
+  row.within("velocity", r.velocity, fastest);
+  row.within("angular_velocity", r.angular_velocity, fastest);
+  row.within("angular_momentum", r.angular_momentum, greatest);
+  row.within("quiet_steps", r.rest.quiet_steps, 0, std::numeric_limits<std::int32_t>::max() / 2);
+  row.within("rest_impulse", r.rest.impulse, greatest);
+  row.within("rest_angular_impulse", r.rest.angular_impulse, greatest);
+  row.within("rest_unbalanced_velocity", r.rest.unbalanced_velocity, fastest);
+  row.within("rest_unbalanced_angular_velocity", r.rest.unbalanced_angular_velocity, fastest);
+  const CouplingState& c = r.holder_state.as<CouplingState>();
+  require_place(row, "mapping_position", scene, c.mapping_position);
+  row.unit_quaternion("mapping_orientation", c.mapping_orientation);
+  row.within("mapping_velocity", c.mapping_velocity, fastest);
+  row.within("mapping_steps", c.mapping_steps, std::int64_t{0}, most_steps);
+  row.within("impulse_debt", c.impulse_debt, -most_quanta, most_quanta);
+  row.within("pending_impact", c.pending_impact, greatest);
+  row.within("contact_load", c.contact_load, greatest);
+  row.within("deferred_impulse", c.deferred_impulse, greatest);
+  row.within("foreseen_change", c.foreseen_change, fastest);
+}
+
+bool is_wall_of(const Case& scene, rigid::BodyId id) {
+  if (id >= rigid::first_tube_id) return id - rigid::first_tube_id < scene.walls.size();
+  const BoundarySpec& side = scene.boundary[id - rigid::first_wall_id];
+  return side.kind != BoundaryKind::periodic && side.solid_for_bodies;
+}
+
+void require_impulse(const Row& row, const Case& scene, const StoredImpulse& s, rigid::BodyId own,
+                     rigid::BodyId next_id) {
+  if (s.partner == own ||
+      !(rigid::is_wall(s.partner) ? is_wall_of(scene, s.partner) : s.partner > 0 && s.partner < next_id))
+    row.refuse("partner", fmt::format("{}", s.partner), "another body or a wall of the case");
+  const int image[3] = {s.image.x, s.image.y, s.image.z};
+  row.within("image", image, -1, 1);
+  const double impulse[3] = {s.impulse[0], s.impulse[1], s.impulse[2]};
+  row.within("impulse", impulse, greatest);
 }
 
 }  // namespace
 
-std::string fault_of_bodies(const Case& scene, std::span<const BodyRecord> records) {
-  for (const BodyRecord& r : records)
-    if (const std::string fault = fault_of(scene, r); !fault.empty())
-      return fmt::format("no run can have left body {}: {}", r.id, fault);
-  return "";
+void require_possible(const Case& scene, const adapters::CheckpointReader::Bodies& bodies,
+                      rigid::BodyId next_id) {
+  std::uint64_t impulse = bodies.first_impulse;
+  for (std::size_t i = 0; i < bodies.records.size(); ++i) {
+    const BodyRecord& r = bodies.records[i];
+    const std::string name = fmt::format("body {}", r.id);
+    require_body(Row("/bodies", bodies.first_body + i, name), scene, r, next_id);
+    const StoredImpulse* before = nullptr;
+    for (const StoredImpulse& s : bodies.impulses[i]) {
+      const Row row("/impulses", impulse++, name);
+      require_impulse(row, scene, s, r.id, next_id);
+      if (before && std::tie(before->partner, before->image, before->feature) >=
+                        std::tie(s.partner, s.image, s.feature))
+        row.refuse("partner", "out of its order", "sorted by partner, image and feature");
+      before = &s;
+    }
+  }
 }
 
 }  // namespace silt::coupler

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -38,13 +39,34 @@ struct Write {
   void operator()(const CounterName& name, auto x) const { (*this)(name.checkpoint, x); }
 };
 
+constexpr std::int64_t most = std::int64_t{1} << 62;  // of what is counted: no later step overflows it
+constexpr std::int64_t last_step = std::int64_t{1} << 53;
+
+std::int64_t read_integer(const CheckpointReader& reader, const std::string& name, std::int64_t low,
+                          std::int64_t high) {
+  const std::int64_t x = reader.integer(name);
+  if (x < low || x > high)
+    reader.refuse(fmt::format("/state/{} is {}, and must be from {} to {}", name, x, low, high));
+  return x;
+}
+
+double read_number(const CheckpointReader& reader, const std::string& name, double low) {
+  const double x = reader.number(name);
+  if (!(x >= low && x < std::numeric_limits<double>::infinity()))
+    reader.refuse(fmt::format("/state/{} is {}, and must be a number from {} on", name, x, low));
+  return x;
+}
+double read_number(const CheckpointReader& reader, const std::string& name) {
+  return read_number(reader, name, std::numeric_limits<double>::lowest());
+}
+
 struct Read {
   const CheckpointReader& reader;
-  void operator()(const char* name, std::uint64_t& x) const {
-    x = static_cast<std::uint64_t>(reader.integer(name));
+  void operator()(const char* name, double& x) const { x = read_number(reader, name); }
+  void operator()(const CounterName& name, std::uint64_t& x) const {
+    x = static_cast<std::uint64_t>(read_integer(reader, name.checkpoint, 0, most));
   }
-  void operator()(const char* name, double& x) const { x = reader.number(name); }
-  void operator()(const CounterName& name, auto& x) const { (*this)(name.checkpoint, x); }
+  void operator()(const CounterName& name, double& x) const { x = read_number(reader, name.checkpoint, 0); }
 };
 
 /// 128 bits as two numbers of 64.
@@ -54,7 +76,7 @@ void write_sum(CheckpointWriter& writer, const std::string& name, rigid::FixedSu
 }
 rigid::FixedSum read_sum(const CheckpointReader& reader, const std::string& name) {
   const auto low = static_cast<std::uint64_t>(reader.integer(name + ".low"));
-  return (rigid::FixedSum(reader.integer(name + ".high")) << 64) | low;
+  return (rigid::FixedSum(read_integer(reader, name + ".high", -(most / 2), most / 2)) << 64) | low;
 }
 
 constexpr const char* brought_names[3] = {"momentum_brought_x", "momentum_brought_y", "momentum_brought_z"};
@@ -104,8 +126,15 @@ void write_populations(CheckpointWriter& writer, const Case& scene, const Flow& 
 template <class T>
 void read_populations(const CheckpointReader& reader, Flow& flow) {
   reader.cells<T>("populations", boxes_of(&flow), [&](int q, std::size_t b, const T* in) {
-    visit_box(flow.block(int(b)),
-              [&](lbm::Int3 cell, std::size_t i) { flow.set_arriving(int(b), cell, q, in[i]); });
+    const lbm::CellBox& box = flow.block(int(b));
+    visit_box(box, [&](lbm::Int3 cell, std::size_t i) {
+      if (!(std::abs(in[i]) <= largest_population)) {
+        const lbm::Int3 at = box.lower + cell;
+        reader.refuse(fmt::format("/cells/populations, population {} of the cell [{}, {}, {}]: it is {}", q,
+                                  at.x, at.y, at.z, in[i]));
+      }
+      flow.set_arriving(int(b), cell, q, in[i]);
+    });
   });
 }
 
@@ -204,34 +233,31 @@ std::filesystem::path write_stopped_state(const Simulation& simulation, const Qu
 }
 
 CaseOrigin read_origin(const CheckpointReader& reader) {
-  const std::string files = reader.has("files") ? reader.text("files") : "";
-  return {reader.case_text(), split_lines(reader.text("overrides")), split_lines(files)};
+  return {reader.case_text(), split_lines(reader.text("overrides")), split_lines(reader.text("files"))};
 }
 
 SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   SavedState state;
-  state.step = reader.integer("step");
+  state.step = read_integer(reader, "step", 0, last_step);
   const std::int64_t named = adapters::checkpoint_step(reader.path()).value_or(state.step);
-  if (state.step < 0 || state.step != named)
+  if (state.step != named)
     reader.refuse(fmt::format("it is of step {}, by its name of step {}", state.step, named));
   visit_counters(state.counters, Read{reader});
   visit_balance(state.initial, Read{reader});
-  state.next_id = static_cast<rigid::BodyId>(reader.integer("next_id"));
+  state.next_id = static_cast<rigid::BodyId>(read_integer(reader, "next_id", 1, most));
   for (int d = 0; d < 3; ++d) state.momentum_brought.q[d] = read_sum(reader, brought_names[d]);
-  state.fluid_speed = reader.number("fluid_speed");
+  state.fluid_speed = read_number(reader, "fluid_speed", 0);
   auto bodies = reader.bodies(coupling_columns);
   try {
-    adapters::together(reader.comm(), [&] {
-      if (const std::string fault = fault_of_bodies(scene, bodies.records); !fault.empty())
-        throw std::runtime_error(fault);
-    });
+    adapters::together(reader.comm(), [&] { require_possible(scene, bodies, state.next_id); });
   } catch (const std::runtime_error& error) {  // on every rank
     reader.refuse(error.what());
   }
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!scene.fluid) return state;
+  const std::int64_t cells = std::int64_t{1} * scene.cells[0] * scene.cells[1] * scene.cells[2];
   state.mass_correction = {read_sum(reader, "mass_correction.surplus"),
-                           reader.integer("mass_correction.fluid_cells"),
+                           read_integer(reader, "mass_correction.fluid_cells", 0, cells),
                            read_sum(reader, "mass_correction.link_gain")};
   if (reader.lattice("populations") != scene.cells || reader.components("populations") != lbm::directions)
     reader.refuse("its populations are of another lattice than the case's");
@@ -246,8 +272,9 @@ std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, con
   if (!scene.steady) return {};
   SteadyWatch watch(scene.steady->change);
   if (has_watch_of(reader, *scene.steady))
-    watch.set_state({reader.integer("steady.looks"), reader.number("steady.value"),
-                     reader.number("steady.last_change"), reader.integer("steady.within")});
+    watch.set_state({read_integer(reader, "steady.looks", 0, last_step), read_number(reader, "steady.value"),
+                     read_number(reader, "steady.last_change"),
+                     read_integer(reader, "steady.within", 0, last_step)});
   return watch;
 }
 
@@ -255,8 +282,10 @@ std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const 
   std::vector<QuantityHistory> history;
   for (const QuantitySpec& q : scene.quantities) {
     QuantityHistory& h = history.emplace_back(no_history);
-    for (std::size_t k = 0; k < h.size(); ++k)
-      if (reader.has(history_name(q, k))) h[k] = reader.number(history_name(q, k));
+    for (std::size_t k = 0; k < h.size(); ++k) {
+      const std::string name = history_name(q, k);
+      if (reader.has(name) && reader.number(name) != no_history[k]) h[k] = read_number(reader, name);
+    }
   }
   return history;
 }
