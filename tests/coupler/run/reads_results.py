@@ -17,6 +17,27 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import silt_results  # noqa: E402
 
 
+class PositionFiles(SiltTest):
+    def test_what_cannot_be_is_refused(self):
+        header = "x,y,z,velocity.x,velocity.y,velocity.z\n"
+        for text, key, said in ((header + "6,8,8,1e-3,0,0\n", "velocity = [0, 0, 0]", "velocity is given, and 'p.csv' has columns of it: remove one of the two"),
+                                ("x,y,z,velocity.x\n6,8,8,0\n", "", "its headings do not name velocity.y; they must name x, y, z and may name"),
+                                ("id,x,y,z\n1,6,8,8\n", "", "its headings name \"id\""),
+                                ("id,x,y\n1,6,8\n", "", "its headings name \"id\""),
+                                ("x,x,y,z\n6,6,8,8\n", "", "its headings name x twice"),
+                                (header + "6,8,8,0,0,0\n18,8,8,0.9,0,0\n", "", "velocity is 0.9 cells a step; it must be at most 0.3"),
+                                (header + "6,8,8,0,0.01,0\n", 'motion = "fixed"', "'p.csv' has velocities, but the bodies are fixed"),
+                                ("x,y,z," + ",".join(f"orientation.{a}" for a in "wxyz") + "\n6,8,8,0,0,0,0\n", "", "line 2 of p.csv has an orientation of four zeros"),
+                                (header + "6,8,8\n", "", 'line 2 of p.csv is "6,8,8": it has 3 numbers; it must be 6 finite numbers')):
+            (self.case / "p.csv").write_text(text)
+            self.write(CASE.replace("positions = [[6, 8, 8], [18, 8, 9]]", 'positions = "p.csv"').replace("velocity = [0.02, 0, 0]", key))
+            self.assertIn(said, self.silt("check", self.case, code=2).stderr)
+        (self.case / "p.csv").write_text("z [cells],y (cells),X\n9,8,6\n10,8,18\n")
+        self.assertIn("2 lines of numbers, 1 of headings", self.silt("check", self.case).stdout)
+        self.silt("run", self.case)
+        self.assertEqual(silt_results.open(self.case).bodies.at(0)["position"].tolist(), [[6, 8, 9], [18, 8, 10]])
+
+
 class Results(SiltTest):
     def setUp(self):
         super().setUp()
