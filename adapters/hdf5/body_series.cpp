@@ -228,14 +228,14 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Column& c = columns[k];
     on_rank_0(comm_, [&] { resize(open->file, open->bodies[k], rows_ + order.total); });
-    const auto slice = slices.to_slice(
-        c.bytes(), hdf5::gather_column<BodyRow>(c, n, [&](std::size_t r) { return row(order.rows[r]); }));
+    std::vector<std::byte> mine;
     together(comm_, [&] {
-      slices.hand_to_rank_0(c.bytes(), slice,
-                            [&](std::uint64_t first, std::uint64_t count, const auto& values) {
-                              hdf5::write_rows(open->file, open->bodies[k], c, rows_ + first, count, values);
-                            });
+      mine = hdf5::gather_column<BodyRow>(c, n, [&](std::size_t r) { return row(order.rows[r]); });
     });
+    slices.hand_to_rank_0(c.bytes(), slices.to_slice(c.bytes(), std::move(mine)),
+                          [&](std::uint64_t first, std::uint64_t count, const auto& values) {
+                            hdf5::write_rows(open->file, open->bodies[k], c, rows_ + first, count, values);
+                          });
   }
   on_rank_0(comm_, [&] {
     open->append_time({time, step, rows_, order.total}, times_);

@@ -50,8 +50,8 @@ struct BodySeriesInfo {
   BodyColumns columns;
 };
 
-/// BodySeries is the open series, of which a file has one at a time. Every call is collective. The file can be
-/// read while the run goes on, and an append comes whole or not at all, whenever the run is killed
+/// BodySeries is the open series, of which a file has one at a time. Every call is collective. The file can
+/// be read while the run goes on, and an append comes whole or not at all, whenever the run is killed
 /// (journal.hpp; one killed at the very end leaves FILE.journal, which open_for_append and
 /// scripts/body_series.py see to). Errors are std::runtime_error on every rank, naming the file and the
 /// reason.

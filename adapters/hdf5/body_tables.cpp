@@ -7,6 +7,7 @@
 
 #include "adapters/hdf5/checksum.hpp"
 #include "adapters/hdf5/order_by_id.hpp"
+#include "adapters/hdf5/shared_file.hpp"
 #include "adapters/hdf5/together.hpp"
 
 namespace silt::adapters::hdf5 {
@@ -89,16 +90,26 @@ struct ImpulseOrder {
 ImpulseOrder impulse_order_of(MPI_Comm comm, const OwnedRows& owned, const IdOrder& order,
                               const SliceExchange& bodies) {
   ImpulseOrder impulses;
-  for (const std::size_t i : order.rows) impulses.counts.push_back(owned.impulses(i).size());
   constexpr std::size_t width = sizeof(std::uint64_t);
-  std::vector<std::uint64_t> slice = as_numbers(bodies.to_slice(width, as_bytes(impulses.counts)));
+  std::vector<std::byte> bytes;
+  std::vector<std::uint64_t> slice;
+  together(comm, [&] {
+    for (const std::size_t i : order.rows) impulses.counts.push_back(owned.impulses(i).size());
+    bytes = as_bytes(impulses.counts);
+  });
+  bytes = bodies.to_slice(width, std::move(bytes));
+  together(comm, [&] { slice = as_numbers(bytes); });
   std::uint64_t mine = std::accumulate(slice.begin(), slice.end(), std::uint64_t{0}), before = 0;
   MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, comm);
   MPI_Allreduce(&mine, &impulses.total, 1, MPI_UINT64_T, MPI_SUM, comm);
   std::exclusive_scan(slice.begin(), slice.end(), slice.begin(), before);
-  const auto first = as_numbers(bodies.from_slice(width, as_bytes(slice)));
-  for (std::size_t k = 0; k < first.size(); ++k)
-    if (impulses.counts[k] > 0) impulses.places.push_back({first[k], impulses.counts[k]});
+  together(comm, [&] { bytes = as_bytes(slice); });
+  bytes = bodies.from_slice(width, bytes);
+  together(comm, [&] {
+    const auto first = as_numbers(bytes);
+    for (std::size_t k = 0; k < first.size(); ++k)
+      if (impulses.counts[k] > 0) impulses.places.push_back({first[k], impulses.counts[k]});
+  });
   return impulses;
 }
 
@@ -123,42 +134,55 @@ std::vector<std::byte> gather_impulses(const Column& c, const OwnedRows& owned, 
   return packed;
 }
 
-void create_table(File& file, const std::string& group, const std::vector<Column>& columns,
-                  std::uint64_t rows) {
-  file.group(group, true);
-  for (const Column& c : columns) {
-    std::vector<hsize_t> shape{rows};
-    if (c.components > 1) shape.push_back(c.components);
-    file.create_contiguous(group + '/' + c.name, c.memory_type(), shape);
-  }
-}
-
 std::uint64_t bytes_of(const std::vector<Column>& columns, std::uint64_t rows) {
   std::uint64_t bytes = 0;
   for (const Column& c : columns) bytes += c.bytes() * rows;
   return bytes;
 }
 
-/// Writes columns slice by slice, and adds up their checksums.
+/// Creates the tables of so many bodies and impulses, and returns where in the file the values of each column
+/// begin.
+std::vector<std::uint64_t> create_tables(File& file, const std::vector<Column>& bodies, std::uint64_t n,
+                                         std::uint64_t impulses) {
+  std::vector<std::uint64_t> places;
+  const auto create = [&](const std::string& group, const Column& c, std::uint64_t rows) {
+    std::vector<hsize_t> shape{rows};
+    if (c.components > 1) shape.push_back(c.components);
+    places.push_back(file.place_of(file.create_contiguous(group + '/' + c.name, c.memory_type(), shape)));
+  };
+  file.group(bodies_group, true);
+  for (const Column& c : bodies) create(bodies_group, c, n);
+  file.group(impulses_group, true);
+  for (const Column& c : impulse_columns()) create(impulses_group, c, impulses);
+  return places;
+}
+
+/// Writes columns slice by slice, in the order in which they were created, and adds up their checksums.
 class ColumnWriter {
  public:
-  ColumnWriter(MPI_Comm comm, const Path& path) : comm_(comm) {
-    together(comm_, [&] { file_.emplace(File::open_parallel(comm_, path, true)); });
+  ColumnWriter(MPI_Comm comm, const Path& path, std::vector<std::uint64_t> places)
+      : comm_(comm), places_(std::move(places)) {
+    together(comm_, [&] { file_.emplace(path); });
   }
-  void write(const std::string& group, const Column& c, const SliceExchange& slices,
-             std::vector<std::byte> values) {
-    Handle dataset;
-    together(comm_, [&] { dataset = file_->dataset(group + '/' + c.name); });
+  /// make() gives this rank's values.
+  template <class Make>
+  void write(const std::string& group, const Column& c, const SliceExchange& slices, Make&& make) {
+    std::vector<std::byte> values;
+    together(comm_, [&] { values = make(); });
     const auto slice = slices.to_slice(c.bytes(), std::move(values));
-    together(comm_,
-             [&] { write_rows(*file_, dataset, c, slices.slice_begin(), slices.slice_size(), slice); });
-    names_.push_back(group + '/' + c.name);
-    sums_.push_back(run_checksum(c.value_bytes(), slice.data(), slices.slice_size() * c.components,
-                                 slices.slice_begin() * c.components));
+    together(comm_, [&] {
+      file_->write(places_[names_.size()] + slices.slice_begin() * c.bytes(), slice);
+      names_.push_back(group + '/' + c.name);
+      sums_.push_back(run_checksum(c.value_bytes(), slice.data(), slices.slice_size() * c.components,
+                                   slices.slice_begin() * c.components));
+    });
   }
   std::map<std::string, std::uint64_t> close() {
-    together(comm_, [&] { file_->close(); });
-    std::vector<std::uint64_t> all(sums_.size());
+    std::vector<std::uint64_t> all;
+    together(comm_, [&] {
+      file_->close();
+      all.resize(sums_.size());
+    });
     MPI_Reduce(sums_.data(), all.data(), static_cast<int>(all.size()), MPI_UINT64_T, MPI_SUM, 0, comm_);
     std::map<std::string, std::uint64_t> checksums;
     for (std::size_t k = 0; k < all.size(); ++k) checksums[names_[k]] = all[k];
@@ -167,7 +191,8 @@ class ColumnWriter {
 
  private:
   MPI_Comm comm_;
-  std::optional<File> file_;
+  std::optional<SharedFile> file_;
+  std::vector<std::uint64_t> places_;
   std::vector<std::string> names_;
   std::vector<std::uint64_t> sums_;
 };
@@ -182,24 +207,29 @@ std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path
   const SliceExchange bodies(comm, order.total, order.places);
   const ImpulseOrder impulse_order = impulse_order_of(comm, owned, order, bodies);
   const SliceExchange impulses(comm, impulse_order.total, impulse_order.places);
-  const std::vector<Column> columns = record_columns(holder);
+  std::vector<Column> columns;
+  std::vector<std::uint64_t> places;
+  together(comm, [&] {
+    columns = record_columns(holder);
+    places.resize(columns.size() + 1 + impulse_columns().size());
+  });
   on_rank_0(comm, [&] {
-    File file = open(bytes_of(columns, order.total) + sizeof(std::uint64_t) * order.total +
-                     bytes_of(impulse_columns(), impulse_order.total));
-    create_table(file, bodies_group, columns, order.total);
-    file.create_contiguous(bodies_group + '/' + impulse_count_column().name,
-                           impulse_count_column().memory_type(), {order.total});
-    create_table(file, impulses_group, impulse_columns(), impulse_order.total);
+    std::vector<Column> of_bodies = columns;
+    of_bodies.push_back(impulse_count_column());
+    File file = open(bytes_of(of_bodies, order.total) + bytes_of(impulse_columns(), impulse_order.total));
+    places = create_tables(file, of_bodies, order.total, impulse_order.total);
     file.close();
   });
-  ColumnWriter writer(comm, path);
+  MPI_Bcast(places.data(), static_cast<int>(places.size()), MPI_UINT64_T, 0, comm);
+  ColumnWriter writer(comm, path, std::move(places));
   for (const Column& c : columns)
-    writer.write(bodies_group, c, bodies, gather_column<rigid::BodyRecord>(c, owned.n, [&](std::size_t k) {
-                   return owned.record(order.rows[k]);
-                 }));
-  writer.write(bodies_group, impulse_count_column(), bodies, as_bytes(impulse_order.counts));
+    writer.write(bodies_group, c, bodies, [&] {
+      return gather_column<rigid::BodyRecord>(c, owned.n,
+                                              [&](std::size_t k) { return owned.record(order.rows[k]); });
+    });
+  writer.write(bodies_group, impulse_count_column(), bodies, [&] { return as_bytes(impulse_order.counts); });
   for (const Column& c : impulse_columns())
-    writer.write(impulses_group, c, impulses, gather_impulses(c, owned, order));
+    writer.write(impulses_group, c, impulses, [&] { return gather_impulses(c, owned, order); });
   return writer.close();
 }
 

@@ -72,8 +72,9 @@ class CheckpointWriter {
   void bodies(const OwnedRows&, std::span<const HolderColumn> = {});
 
   /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0:
-  /// keeps all) of those with a step up to this one's.
-  void commit(int keep);
+  /// keeps all) of those with a step up to this one's. What a run has written to the files of `before`, where
+  /// they are, is on the disk first: the checkpoint stands for it.
+  void commit(int keep, const std::vector<std::filesystem::path>& before = {});
 
  private:
   template <class T>

@@ -75,14 +75,13 @@ CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& p
     : state_(std::make_unique<State>()) {
   state_->comm = comm;
   state_->path = path;
-  std::string error;
   try {
     hdf5::verify_checkpoint(comm, path);
     together(comm, [&] { state_->file.emplace(File::open(path, false)); });
-  } catch (const std::exception& e) {
-    error = with_advice(path, e.what());
+  } catch (const CommonError& error) {  // on every rank
+    const CommonError advised(error.rank, with_advice(path, error.what()));
+    throw_together(comm, &advised);
   }
-  throw_together(comm, !error.empty(), error);
 }
 
 CheckpointReader::~CheckpointReader() = default;
@@ -145,8 +144,6 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
                              const std::function<void(int, std::size_t, const T*)>& take) const {
   const std::string full = "/cells/" + name;
   const MPI_Comm comm = state_->comm;
-  std::optional<File> file;
-  Handle dataset;
   std::array<int, 3> cells{};
   int n = 0;
   together(comm, [&] {
@@ -155,12 +152,14 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
     if (!is_stored_as<T>(state_->file->dataset(full)))
       refuse(full + " was stored in another precision than asked for");
   });
-  together(comm, [&] { file.emplace(File::open_parallel(comm, state_->path, false)); });
-  together(comm, [&] { dataset = file->dataset(full); });
-  const Handle type(H5Dget_type(dataset), H5Tclose, state_->path, "type of " + full);
+  Handle dataset, type;
+  together(comm, [&] {
+    dataset = state_->file->dataset(full);
+    type = Handle(H5Dget_type(dataset), H5Tclose, state_->path, "type of " + full);
+  });
   const SlabExchange slabs(comm, cells, boxes);
   for (int q = 0; q < n; ++q) {
-    const auto packed = slabs.read(*file, dataset, type, n > 1 ? q : -1, sizeof(T));
+    const auto packed = slabs.read(*state_->file, dataset, type, n > 1 ? q : -1, sizeof(T));
     together(comm, [&] {
       slabs.unpack(packed, sizeof(T),
                    [&](std::size_t box, const void* in) { take(q, box, static_cast<const T*>(in)); });

@@ -106,18 +106,19 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
                              const std::function<void(int, std::size_t, T*)>& fill) {
   const MPI_Comm comm = state_->comm;
   const std::string full = "/cells/" + name;
+  const std::uint64_t bytes = std::uint64_t(n[0]) * n[1] * n[2] * sizeof(T);  // of a component
+  std::uint64_t place = 0;
   on_rank_0(comm, [&] {
     std::vector<hsize_t> shape{hsize_t(n[2]), hsize_t(n[1]), hsize_t(n[0])};
     if (components > 1) shape.insert(shape.begin(), components);
-    File file = state_->open_to_add(std::uint64_t(components) * n[0] * n[1] * n[2] * sizeof(T));
-    file.create_contiguous(full, cell_type<T>(), shape);
+    File file = state_->open_to_add(components * bytes);
+    place = file.place_of(file.create_contiguous(full, cell_type<T>(), shape));
     file.close();
   });
+  MPI_Bcast(&place, 1, MPI_UINT64_T, 0, comm);
   const SlabExchange slabs(comm, n, boxes);
-  std::optional<File> file;
-  Handle dataset;
-  together(comm, [&] { file.emplace(File::open_parallel(comm, state_->part(), true)); });
-  together(comm, [&] { dataset = file->dataset(full); });
+  std::optional<hdf5::SharedFile> file;
+  together(comm, [&] { file.emplace(state_->part()); });
   std::uint64_t mine = 0, sum = 0;
   for (int q = 0; q < components; ++q) {
     std::vector<std::byte> packed;
@@ -127,11 +128,8 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
         mine += box_checksum(boxes[box], n, q, sizeof(T), out);
       });
     });
-    together(comm, [&] {
-      slabs.write(*file, dataset, cell_type<T>(), components > 1 ? q : -1, sizeof(T), std::move(packed));
-    });
+    slabs.write(*file, place + q * bytes, sizeof(T), std::move(packed));
   }
-  dataset.close();
   together(comm, [&] { file->close(); });
   MPI_Reduce(&mine, &sum, 1, MPI_UINT64_T, MPI_SUM, 0, comm);
   state_->checksums[full] = sum;
@@ -152,8 +150,10 @@ void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const HolderColu
   state_->checksums.merge(hdf5::write_body_tables(state_->comm, state_->part(), open, owned, holder));
 }
 
-void CheckpointWriter::commit(int keep) {
+void CheckpointWriter::commit(int keep, const std::vector<std::filesystem::path>& before) {
   on_rank_0(state_->comm, [&] {
+    for (const auto& path : before)
+      if (std::filesystem::exists(path)) hdf5::sync_to_disk(path);
     File file = state_->open_to_add(0);
     for (const auto& [name, checksum] : state_->checksums)
       file.attribute(file.dataset(name), "checksum", checksum);

@@ -1,11 +1,12 @@
 #include "adapters/hdf5/field_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <fstream>
 #include <optional>
 
-#include "adapters/hdf5/slab_exchange.hpp"
+#include "adapters/hdf5/packed_chunks.hpp"
 #include "adapters/hdf5/together.hpp"
 
 namespace silt::adapters {
@@ -16,18 +17,15 @@ using hdf5::Handle;
 using hdf5::Path;
 using hdf5::SlabExchange;
 
-/// The types of a field's numbers, in the file and in memory.
-struct Types {
-  hid_t file, memory;
-};
-Types types_of(const FieldQuantity& q) {
+/// The type of a field's numbers, in the file and in memory alike.
+hid_t type_of(const FieldQuantity& q) {
   switch (q.storage) {
     case Storage::single:
-      return {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT};
+      return H5T_IEEE_F32LE;
     case Storage::double_:
-      return {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE};
+      return H5T_IEEE_F64LE;
     case Storage::byte:
-      return {H5T_STD_U8LE, H5T_NATIVE_UINT8};
+      return H5T_STD_U8LE;
   }
   __builtin_unreachable();
 }
@@ -36,39 +34,31 @@ std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
 }
 
-/// How many rows of a plane share a chunk; its last one is stored as large as the others.
-hsize_t rows_of_a_chunk(std::size_t row_bytes, hsize_t rows) {
+std::size_t cell_bytes(const FieldQuantity& q) {
+  return q.components * H5Tget_size(type_of(q));
+}
+
+/// How many rows of a plane share a chunk; its last one is stored as large as the others. All quantities have
+/// the same.
+int rows_of_a_chunk(const FieldSnapshot& snapshot) {
   constexpr std::size_t chunk_bytes = 1 << 20;  // at most
-  const hsize_t most = std::clamp<hsize_t>(chunk_bytes / row_bytes, 1, rows),
-                chunks = (rows + most - 1) / most;
+  std::size_t row_bytes = 1;
+  for (const FieldQuantity& q : snapshot.quantities)
+    row_bytes = std::max(row_bytes, snapshot.grid.cells[0] * cell_bytes(q));
+  const int rows = snapshot.grid.cells[1];
+  const int most = int(std::clamp<std::size_t>(chunk_bytes / row_bytes, 1, rows)),
+            chunks = (rows + most - 1) / most;
   return (rows + chunks - 1) / chunks;
 }
 
-/// A dataset of chunks of whole rows of the lattice, as the ranks have them.
-Handle create_compressed(const File& file, const std::string& name, hid_t type,
-                         const std::vector<hsize_t>& shape, int level) {
-  std::size_t row_bytes = H5Tget_size(type);
-  for (std::size_t d = 2; d < shape.size(); ++d) row_bytes *= shape[d];
-  std::vector<hsize_t> chunk = shape;
-  chunk[0] = 1, chunk[1] = rows_of_a_chunk(row_bytes, shape[1]);
-  const int rank = static_cast<int>(shape.size());
-  const Handle space(H5Screate_simple(rank, shape.data(), nullptr), H5Sclose, file.path(),
-                     "shape of " + name);
-  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, file.path(), "properties of " + name);
-  H5Pset_obj_track_times(list, false);
-  H5Pset_chunk(list, rank, chunk.data());
-  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
-  H5Pset_shuffle(list);
-  H5Pset_deflate(list, static_cast<unsigned>(level));
-  return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, file.path(),
-          "cannot create dataset " + name};
+hdf5::Packing packing_of(const FieldSnapshot& snapshot) {
+  return {hsize_t(rows_of_a_chunk(snapshot)), snapshot.compression};
 }
 
-/// Creates the file with everything but the values. Only rank 0 calls it.
-void create_file(const Path& path, const FieldSnapshot& snapshot, const Provenance& provenance) {
+/// Writes where the image lies and what it is of.
+void write_head(File& file, const FieldSnapshot& snapshot, const Provenance& provenance) {
   const ImageGrid& grid = snapshot.grid;
-  File file = File::create(path, hdf5::Format::classic);
-  const Handle image = file.group("/VTKHDF", true);
+  const Handle image = file.group("/VTKHDF", false);
   const std::int64_t version[2] = {1, 0};
   std::int64_t extent[6];
   double origin[3];
@@ -84,28 +74,37 @@ void create_file(const Path& path, const FieldSnapshot& snapshot, const Provenan
   file.attribute(image, "Origin", H5T_NATIVE_DOUBLE, {3}, origin);
   file.attribute(image, "Spacing", H5T_NATIVE_DOUBLE, {3}, grid.spacing.data());
   file.attribute(image, "Direction", H5T_NATIVE_DOUBLE, {9}, direction);
-  const Handle points = file.group("/VTKHDF/PointData", true);
-  for (const FieldQuantity& q : snapshot.quantities) {
-    std::vector<hsize_t> shape;
-    for (int d = 2; d >= 0; --d) shape.push_back(grid.cells[d]);
-    if (q.components > 1) shape.push_back(q.components);
-    const hid_t type = types_of(q).file;
-    const Handle data = snapshot.compression > 0
-                            ? create_compressed(file, dataset_name(q), type, shape, snapshot.compression)
-                            : file.create_contiguous(dataset_name(q), type, shape);
-    file.attribute(data, "unit", q.unit);
-  }
   const Handle root = file.group("/", false);
   file.attribute(root, "time", snapshot.time);
   file.attribute(root, "step", snapshot.step);
   file.attribute(root, "time_unit", grid.time_unit);
   file.attribute(root, "length_unit", grid.length_unit);
   file.write_provenance(provenance);
-  file.close();
 }
 
-std::size_t cell_bytes(const FieldQuantity& q) {
-  return q.components * H5Tget_size(types_of(q).memory);
+/// Creates the dataset of a quantity. Returns where in the file its values begin, unless they are packed.
+std::uint64_t create_dataset(File& file, const FieldSnapshot& snapshot, const FieldQuantity& q) {
+  std::vector<hsize_t> shape;
+  for (int d = 2; d >= 0; --d) shape.push_back(snapshot.grid.cells[d]);
+  if (q.components > 1) shape.push_back(q.components);
+  const Handle data = snapshot.compression > 0 ? hdf5::create_packed(file, dataset_name(q), type_of(q), shape,
+                                                                     packing_of(snapshot))
+                                               : file.create_contiguous(dataset_name(q), type_of(q), shape);
+  file.attribute(data, "unit", q.unit);
+  return snapshot.compression > 0 ? 0 : file.place_of(data);
+}
+
+/// Creates the file with everything but the values. Only rank 0 calls it.
+std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& snapshot,
+                                       const Provenance& provenance) {
+  File file = File::create(path, hdf5::Format::classic);
+  std::vector<std::uint64_t> places;
+  file.group("/VTKHDF", true);
+  file.group("/VTKHDF/PointData", true);
+  for (const FieldQuantity& q : snapshot.quantities) places.push_back(create_dataset(file, snapshot, q));
+  write_head(file, snapshot, provenance);
+  file.close();
+  return places;
 }
 
 std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& provenance) {
@@ -114,10 +113,9 @@ std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& pro
   std::uint64_t bytes = provenance.case_text.size() + 4096;
   for (const FieldQuantity& q : snapshot.quantities) {
     bytes += cells * cell_bytes(q);
-    if (snapshot.compression == 0) continue;
-    const std::size_t row = x * cell_bytes(q);  // packing may gain nothing
-    const hsize_t of_a_chunk = rows_of_a_chunk(row, hsize_t(y)), chunks = (y + of_a_chunk - 1) / of_a_chunk;
-    bytes += std::uint64_t(z) * (chunks * of_a_chunk - y) * row + hdf5::metadata_room;
+    if (snapshot.compression == 0) continue;  // else packing may gain nothing
+    const int of_a_chunk = rows_of_a_chunk(snapshot), chunks = (y + of_a_chunk - 1) / of_a_chunk;
+    bytes += std::uint64_t(z) * (chunks * of_a_chunk - y) * x * cell_bytes(q) + hdf5::metadata_room;
   }
   return bytes;
 }
@@ -142,6 +140,38 @@ std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuant
     };
     q.storage == Storage::byte ? narrowed(static_cast<std::uint8_t*>(out))
                                : narrowed(static_cast<float*>(out));
+  });
+}
+
+void write_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
+                  const FieldSnapshot& snapshot, std::vector<std::uint64_t> places) {
+  MPI_Bcast(places.data(), static_cast<int>(places.size()), MPI_UINT64_T, 0, comm);
+  const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
+  std::optional<hdf5::SharedFile> file;
+  together(comm, [&] { file.emplace(path); });
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const FieldQuantity& q = snapshot.quantities[k];
+    std::vector<std::byte> values;
+    together(comm, [&] { values = packed_values(slabs, q); });
+    slabs.write(*file, places[k], cell_bytes(q), std::move(values));
+  }
+  together(comm, [&] { file->close(); });
+}
+
+void write_packed_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
+                         const FieldSnapshot& snapshot) {
+  const SlabExchange slabs(comm, snapshot.grid.cells, boxes, rows_of_a_chunk(snapshot));
+  std::optional<File> file;
+  on_rank_0(comm, [&] { file.emplace(File::open(path, true)); });
+  for (const FieldQuantity& q : snapshot.quantities) {
+    std::vector<std::byte> values;
+    together(comm, [&] { values = packed_values(slabs, q); });
+    hdf5::write_packed(comm, slabs, file ? &*file : nullptr, dataset_name(q), packing_of(snapshot),
+                       cell_bytes(q) / q.components, cell_bytes(q), std::move(values));
+  }
+  on_rank_0(comm, [&] {
+    file->close();
+    hdf5::sync_to_disk(path);
   });
 }
 
@@ -184,7 +214,7 @@ void update_series(const Path& field_path, double time) {
     out << entries[i] << (i + 1 < entries.size() ? ",\n" : "\n");
   out << "  ]\n}\n";
   out.close();
-  if (!out) throw hdf5::Error(path.string() + ": cannot write the list of times (is the disk full?)");
+  if (!out) hdf5::fail_in_system(path, "cannot write the list of times (is the disk full?)", errno);
   std::filesystem::rename(part, path);
 }
 
@@ -202,26 +232,17 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::v
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   hdf5::TemporaryFile part(path.string() + ".part", rank == 0);
+  std::vector<std::uint64_t> places(snapshot.quantities.size());
   on_rank_0(comm, [&] {
     hdf5::reserve(part.path(), expected_size(snapshot, provenance));
-    create_file(part.path(), snapshot, provenance);
+    places = create_file(part.path(), snapshot, provenance);
     hdf5::reserve(part.path(), snapshot.compression > 0 ? expected_size(snapshot, provenance)
                                                         : std::filesystem::file_size(part.path()));
   });
-  const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
-  std::optional<File> file;
-  together(comm, [&] { file.emplace(File::open_parallel(comm, part.path(), true)); });
-  for (const FieldQuantity& q : snapshot.quantities) {
-    std::vector<std::byte> values;
-    Handle dataset;
-    together(comm, [&] { values = packed_values(slabs, q); });
-    together(comm, [&] { dataset = file->dataset(dataset_name(q)); });
-    together(comm, [&] {
-      slabs.write(*file, dataset, types_of(q).memory, -1, cell_bytes(q), std::move(values),
-                  snapshot.compression > 0);
-    });
-  }
-  together(comm, [&] { file->close(); });
+  if (snapshot.compression > 0)
+    write_packed_values(comm, part.path(), boxes, snapshot);
+  else
+    write_values(comm, part.path(), boxes, snapshot, std::move(places));
   on_rank_0(comm, [&] {
     part.rename_to(path);
     update_series(path, snapshot.time);

@@ -1,7 +1,6 @@
 #include "adapters/hdf5/file.hpp"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <cstring>
 
 #include "adapters/hdf5/journal.hpp"
+#include "adapters/hdf5/system_reason.hpp"
 
 namespace silt::adapters::hdf5 {
 namespace {
@@ -30,7 +30,7 @@ std::string innermost_reason() {
     const auto from = at + mark.size();
     reason = reason.substr(from, reason.find('\'', from) - from);
   }
-  return reason;
+  return with_limit(reason);
 }
 
 constexpr unsigned most_in_header = 65535;  // as many as HDF5 allows
@@ -43,6 +43,7 @@ void quiet() {
 Handle access_list(const Path& file) {
   quiet();
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
+  H5Pset_fclose_degree(list, H5F_CLOSE_STRONG);  // else a group that is still open keeps the file so
   return list;
 }
 
@@ -63,10 +64,14 @@ void fail(const Path& file, const std::string& what) {
   throw Error(file.string() + ": " + what + (reason.empty() ? "" : ": " + reason));
 }
 
+void fail_in_system(const Path& file, const std::string& what, int error) {
+  throw Error(file.string() + ": " + what + ": " + system_reason(error));
+}
+
 File File::create(const Path& path, Format format) {
   const Handle access = access_list(path);
   if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
-  H5Pset_file_locking(access, false, true);
+  H5Pset_driver(access, in_place_driver(), nullptr);
   const Handle creation = without_times(H5P_FILE_CREATE, path);
   Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, path,
               "cannot create the file");
@@ -75,16 +80,14 @@ File File::create(const Path& path, Format format) {
 
 File File::open(const Path& path, bool writable) {
   const Handle access = access_list(path);
-  // A reader that holds the file's lock (a plotting script) must not stop the run.
-  H5Pset_file_locking(access, false, true);
   std::error_code ignored;
+  const bool journaled = !writable && std::filesystem::exists(journal_of(path), ignored);
+  H5Pset_driver(access, journaled ? journaled_driver() : in_place_driver(), nullptr);
   const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
     throw Error(path.string() + ": is no regular file");
   // HDF5 would take an empty file for a new one.
   if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
-  if (!writable && std::filesystem::exists(journal_of(path), ignored))
-    H5Pset_driver(access, journaled_driver(), nullptr);
   Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path, what);
   return File(path, std::move(file), writable ? Writing::own : Writing::none);
 }
@@ -92,51 +95,30 @@ File File::open(const Path& path, bool writable) {
 File File::open_journaled(const Path& path) {
   finish_journal(path);
   const Handle access = access_list(path);
-  H5Pset_file_locking(access, false, true);
   H5Pset_driver(access, journaled_driver(), nullptr);
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose, path,
               "cannot open the file as HDF5 (missing, truncated or altered)");
   return File(path, std::move(file), Writing::journaled);
 }
 
-File File::open_parallel(MPI_Comm comm, const Path& path, bool writable) {
-  const Handle access = access_list(path);
-  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
-  H5Pset_all_coll_metadata_ops(access, true);
-  Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path,
-              "cannot open the file on all ranks");
-  return File(path, std::move(file), Writing::shared);
+File::File(Path path, Handle handle, Writing writing)
+    : path_(std::move(path)), handle_(std::move(handle)), writing_(writing) {
+  if (writing_ != Writing::none) output_ = output_of(handle_);
 }
 
 File::~File() {
-  if (handle_ < 0) return;
-  if (writing_ == Writing::journaled || (writing_ == Writing::own && H5Fflush(handle_, H5F_SCOPE_LOCAL) < 0))
-    abandon();
+  if (handle_ >= 0 && writing_ == Writing::journaled) abandon();
 }
 
-/// Sends whatever HDF5 still wants to write to this file, after a failed write, to memory that is forgotten.
-/// Otherwise closing would fail, and HDF5 1.10 leaves an id behind that it closes once more, and crashes, in
-/// MPI_Finalize.
 void File::abandon() const {
-  if (writing_ == Writing::journaled) return abandon_journaled(handle_);
-  int* file = nullptr;
-  if (writing_ != Writing::own ||
-      H5Fget_vfd_handle(handle_, H5P_DEFAULT, reinterpret_cast<void**>(&file)) < 0)
-    return;
-  const int memory = memfd_create("abandoned", MFD_CLOEXEC);
-  if (memory < 0) return;
-  dup2(memory, *file);
-  ::close(memory);
+  if (output_ && output_->error == 0) output_->error = ECANCELED;
 }
 
 void File::check(herr_t status, const std::string& what) const {
+  if (output_ && output_->error) fail_in_system(path_, what, output_->error);
   if (status >= 0) return;
-  try {
-    fail(path_, what);
-  } catch (const Error&) {
-    abandon();
-    throw;
-  }
+  abandon();
+  fail(path_, what);
 }
 
 void File::flush() {
@@ -149,12 +131,17 @@ void File::commit() {
 }
 
 void File::close() {
+  const std::string what = "cannot close the file (is the disk full?)";
   flush();
   if (writing_ == Writing::journaled) {
     commit_journaled(handle_, path_);
-    abandon();  // what HDF5 may still write changes nothing
+    abandon();
   }
-  if (!handle_.close()) fail(path_, "cannot close the file (is the disk full?)");
+  const bool closed = handle_.close();  // may still write
+  if (writing_ == Writing::own)
+    if (const int error = output_->error ? output_->error : output_->close())
+      fail_in_system(path_, what, error);
+  if (!closed) fail(path_, what);
 }
 
 bool File::exists(const std::string& name) const {
@@ -206,6 +193,11 @@ Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsi
   H5Pset_chunk(list, rank, chunk.data());
   return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
           "cannot create dataset " + name};
+}
+
+std::uint64_t File::place_of(hid_t dataset) const {
+  const haddr_t place = H5Dget_offset(dataset);
+  return place == HADDR_UNDEF ? 0 : place;
 }
 
 std::vector<hsize_t> File::shape(hid_t dataset) const {
@@ -337,11 +329,11 @@ namespace {
 template <class Act>
 void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
   const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-  if (file < 0) throw Error(path.string() + ": cannot open or create: " + std::strerror(errno));
+  if (file < 0) fail_in_system(path, "cannot open or create", errno);
   const bool good = act(file) == 0;
   const int error = errno;
   ::close(file);
-  if (!good) throw Error(path.string() + ": cannot " + what + ": " + std::strerror(error));
+  if (!good) fail_in_system(path, "cannot " + what, error);
 }
 }  // namespace
 
@@ -355,6 +347,17 @@ int room_for(int file, std::uint64_t bytes) {
   return -1;
 }
 }  // namespace
+
+bool write_all(int file, std::uint64_t at, std::size_t size, const char* from) {
+  while (size > 0) {
+    const ssize_t n = ::pwrite(file, from, size, static_cast<off_t>(at));
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0) errno = ENOSPC;
+    if (n <= 0) return false;
+    from += n, at += n, size -= n;
+  }
+  return true;
+}
 
 void sync_to_disk(const Path& path) {
   with_descriptor(path, O_RDONLY, "flush to the disk", ::fsync);

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -23,6 +24,9 @@ struct Error : std::runtime_error {
 
 /// Throws Error "FILE: WHAT: REASON", the reason from HDF5's innermost message, and clears HDF5's stack.
 [[noreturn]] void fail(const Path& file, const std::string& what);
+
+/// Throws Error "FILE: WHAT: REASON", the reason from an error number of the system.
+[[noreturn]] void fail_in_system(const Path& file, const std::string& what, int error);
 
 /// Handle owns an HDF5 id and knows the call that closes it.
 class Handle {
@@ -48,6 +52,8 @@ class Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
+struct OutputFile;
+
 enum class Format {
   classic,  // any reader, no consistency flags: a file whose writer was killed opens as usual
   checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
@@ -61,8 +67,6 @@ class File {
   /// Opens a file whose changes come all at once with commit() or close(), or not at all: if anything fails,
   /// if neither is called, or if the process is killed (journal.hpp).
   static File open_journaled(const Path&);
-  /// Opens a file on all ranks of comm; collective.
-  static File open_parallel(MPI_Comm, const Path&, bool writable);
 
   const Path& path() const { return path_; }
   operator hid_t() const { return handle_; }
@@ -84,6 +88,8 @@ class File {
   /// Creates a contiguous dataset whose space is taken now and not filled (a fresh file reads as zeros where
   /// nothing is written).
   Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
+  /// Returns the byte of the file at which the values of a contiguous dataset begin; 0 for one without any.
+  std::uint64_t place_of(hid_t dataset) const;
   /// Creates an empty dataset that grows along its first axis.
   Handle create_growing(const std::string& name, hid_t type, std::vector<hsize_t> shape_of_row,
                         hsize_t chunk_rows);
@@ -106,16 +112,20 @@ class File {
   void write_provenance(const Provenance&);
 
  private:
-  enum class Writing { none, shared, own, journaled };  // shared: with other ranks
-  File(Path path, Handle handle, Writing writing)
-      : path_(std::move(path)), handle_(std::move(handle)), writing_(writing) {}
+  enum class Writing { none, own, journaled };
+  File(Path, Handle, Writing);
+  /// Writes nothing any more; HDF5 does not know.
   void abandon() const;
   template <class T>
   T scalar_attribute(hid_t owner, const std::string& name, hid_t type) const;
   Path path_;
   Handle handle_;
   Writing writing_;
+  std::shared_ptr<OutputFile> output_;  // where it is written
 };
+
+/// Writes all of it at a place of an open file. Returns whether that went well; errno says why not.
+bool write_all(int file, std::uint64_t at, std::size_t size, const char* from);
 
 /// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when
 /// it closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the

@@ -12,6 +12,8 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <new>
+#include <utility>
 #include <vector>
 
 #include "adapters/hdf5/file.hpp"
@@ -25,19 +27,15 @@ using Pages = std::map<std::uint64_t, Page>;
 
 struct JournaledFile {
   H5FD_t hdf5;  // first: HDF5 knows a file by this part
-  int file = -1;
+  std::shared_ptr<OutputFile> out = std::make_shared<OutputFile>();
+  bool in_place;  // all is written at once
   struct stat status {};
   haddr_t end = 0, allocated = 0;  // of what is written; of what HDF5 has given away
   Pages pages;                     // that are to be written
   std::vector<char> there;         // what the file has at some place
-  bool abandoned = false;
 
-  JournaledFile() = default;
-  JournaledFile(const JournaledFile&) = delete;
-  ~JournaledFile() {
-    if (file >= 0) ::close(file);
-  }
   haddr_t old_end() const {
+    if (in_place) return 0;
     const auto size = static_cast<haddr_t>(status.st_size);
     return (size + journal_page - 1) / journal_page * journal_page;
   }
@@ -66,16 +64,6 @@ bool read_all(int file, haddr_t at, std::size_t size, char* to) {
   return true;
 }
 
-bool write_all(int file, haddr_t at, std::size_t size, const char* from) {
-  while (size > 0) {
-    const ssize_t n = ::pwrite(file, from, size, static_cast<off_t>(at));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    from += n, at += n, size -= n;
-  }
-  return true;
-}
-
 /// Calls visit(page, first byte in it, bytes, bytes from `at` on) for the parts of a range.
 template <class Visit>
 void for_pages(haddr_t at, std::size_t size, Visit&& visit) {
@@ -93,7 +81,7 @@ bool JournaledFile::keep(haddr_t at, std::size_t size, const char* from) {
   const haddr_t begin = at / journal_page * journal_page;
   const std::size_t room = (at + size - begin + journal_page - 1) / journal_page * journal_page;
   there.resize(std::max(there.size(), room));
-  if (!read_all(file, begin, room, there.data())) return false;
+  if (!read_all(out->file, begin, room, there.data())) return false;
   for_pages(at, size, [&](std::uint64_t number, std::size_t first, std::size_t bytes, std::size_t done) {
     const char* const old = there.data() + (number * journal_page - begin);
     auto page = pages.find(number);
@@ -134,10 +122,6 @@ struct Descriptor {
   }
 };
 
-[[noreturn]] void fail_in_system(const Path& path, const std::string& what) {
-  throw Error(path.string() + ": cannot " + what + ": " + std::strerror(errno));
-}
-
 void write_journal(const Path& path, const Pages& pages) {
   TemporaryFile part(journal_of(path).string() + ".part", true);
   {
@@ -148,30 +132,41 @@ void write_journal(const Path& path, const Pages& pages) {
       bytes.append(page.data(), page.size());
     }
     if (out.file < 0 || !write_all(out.file, 0, bytes.size(), bytes.data()))
-      fail_in_system(part.path(), "write the journal (is the disk full?)");
+      fail_in_system(part.path(), "cannot write the journal (is the disk full?)", errno);
   }
   if (::rename(part.path().c_str(), journal_of(path).c_str()) != 0)
-    fail_in_system(part.path(), "rename the journal");
+    fail_in_system(part.path(), "cannot rename the journal", errno);
 }
 
 // ---- what HDF5 calls ----
 
-H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
-  auto owned = std::make_unique<JournaledFile>();
-  owned->file = ::open(name, (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | O_CLOEXEC);
-  if (owned->file < 0 || ::fstat(owned->file, &owned->status) != 0) return nullptr;
-  owned->end = static_cast<haddr_t>(owned->status.st_size);
+H5FD_t* open_file(const char* name, unsigned flags, bool in_place) {
   try {
-    if (std::filesystem::exists(journal_of(name))) owned->pages = pages_of_journal(name);
+    auto owned = std::make_unique<JournaledFile>();
+    owned->in_place = in_place;
+    const int how = (flags & H5F_ACC_RDWR ? O_RDWR : O_RDONLY) | (flags & H5F_ACC_CREAT ? O_CREAT : 0) |
+                    (flags & H5F_ACC_TRUNC ? O_TRUNC : 0);
+    owned->out->file = ::open(name, how | O_CLOEXEC, 0666);
+    if (owned->out->file < 0 || ::fstat(owned->out->file, &owned->status) != 0) return nullptr;
+    owned->end = static_cast<haddr_t>(owned->status.st_size);
+    if (!in_place && std::filesystem::exists(journal_of(name))) owned->pages = pages_of_journal(name);
+    return &owned.release()->hdf5;
   } catch (const std::exception&) {
     return nullptr;
   }
-  return &owned.release()->hdf5;
+}
+
+H5FD_t* open_journaled(const char* name, unsigned flags, hid_t, haddr_t) {
+  return open_file(name, flags, false);
+}
+H5FD_t* open_in_place(const char* name, unsigned flags, hid_t, haddr_t) {
+  return open_file(name, flags, true);
 }
 
 herr_t close_file(H5FD_t* file) {
   JournaledFile& f = of(file);
-  if (f.abandoned && ::ftruncate(f.file, f.status.st_size) != 0) errno = 0;  // it only takes room
+  if (!f.in_place && f.out->error && ::ftruncate(f.out->file, f.status.st_size) != 0)
+    errno = 0;  // it only takes room
   delete &f;
   return 0;
 }
@@ -206,7 +201,7 @@ herr_t handle_of(H5FD_t* file, hid_t, void** handle) {
 herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, void* buffer) {
   JournaledFile& f = of(file);
   auto* to = static_cast<char*>(buffer);
-  if (!read_all(f.file, at, size, to)) return -1;
+  if (!read_all(f.out->file, at, size, to)) return -1;
   for_pages(at, size, [&](std::uint64_t number, std::size_t first, std::size_t bytes, std::size_t done) {
     if (const auto page = f.pages.find(number); page != f.pages.end())
       std::memcpy(to + done, page->second.data() + first, bytes);
@@ -214,26 +209,42 @@ herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, void*
   return 0;
 }
 
-herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, const void* buffer) {
-  JournaledFile& f = of(file);
-  const auto* from = static_cast<const char*>(buffer);
-  if (f.abandoned) return 0;
-  f.end = std::max(f.end, at + size);
-  const std::size_t kept = at < f.old_end() ? std::min<haddr_t>(size, f.old_end() - at) : 0;
-  return f.keep(at, kept, from) && write_all(f.file, at + kept, size - kept, from + kept) ? 0 : -1;
-}
-
-herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
-  of(file).end = of(file).allocated;
+/// Does what may fail, unless something has, and remembers the error.
+template <class Work>
+herr_t attempt(OutputFile& out, Work&& work) {
+  if (out.error) return 0;
+  try {
+    if (!work()) out.error = errno;
+  } catch (const std::bad_alloc&) {
+    out.error = ENOMEM;
+  }
   return 0;
 }
 
-constexpr H5FD_class_t make_driver() {
+herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, const void* buffer) {
+  JournaledFile& f = of(file);
+  const auto* from = static_cast<const char*>(buffer);
+  f.end = std::max(f.end, at + size);
+  const std::size_t kept = at < f.old_end() ? std::min<haddr_t>(size, f.old_end() - at) : 0;
+  return attempt(*f.out, [&] {
+    return f.keep(at, kept, from) && write_all(f.out->file, at + kept, size - kept, from + kept);
+  });
+}
+
+herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
+  JournaledFile& f = of(file);
+  const bool same = f.end == f.allocated;
+  f.end = f.allocated;
+  if (!f.in_place || same) return 0;
+  return attempt(*f.out, [&] { return ::ftruncate(f.out->file, static_cast<off_t>(f.allocated)) == 0; });
+}
+
+constexpr H5FD_class_t make_driver(const char* name, decltype(open_journaled) open) {
   H5FD_class_t driver{};
-  driver.name = "journaled";
+  driver.name = name;
   driver.maxaddr = haddr_t{1} << 62;
   driver.fc_degree = H5F_CLOSE_WEAK;
-  driver.open = open_file;
+  driver.open = open;
   driver.close = close_file;
   driver.cmp = compare;
   driver.query = query;
@@ -248,11 +259,13 @@ constexpr H5FD_class_t make_driver() {
   std::copy(std::begin(map), std::end(map), driver.fl_map);
   return driver;
 }
-constexpr H5FD_class_t driver = make_driver();
+constexpr H5FD_class_t of_journaled = make_driver("journaled", open_journaled);
+constexpr H5FD_class_t of_in_place = make_driver("in place", open_in_place);
 
 JournaledFile* journaled_file(hid_t file) {
   void* handle = nullptr;
-  return H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) < 0 ? nullptr : static_cast<JournaledFile*>(handle);
+  if (H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) < 0) throw Error("a file of another driver");
+  return static_cast<JournaledFile*>(handle);
 }
 
 }  // namespace
@@ -262,8 +275,26 @@ Path journal_of(const Path& path) {
 }
 
 hid_t journaled_driver() {
-  static const hid_t id = H5FDregister(&driver);
+  static const hid_t id = H5FDregister(&of_journaled);
   return id;
+}
+
+hid_t in_place_driver() {
+  static const hid_t id = H5FDregister(&of_in_place);
+  return id;
+}
+
+OutputFile::~OutputFile() {
+  close();
+}
+
+int OutputFile::close() {
+  if (file < 0) return 0;
+  return ::close(std::exchange(file, -1)) == 0 ? 0 : errno;
+}
+
+std::shared_ptr<OutputFile> output_of(hid_t file) {
+  return journaled_file(file)->out;
 }
 
 void finish_journal(const Path& path) {
@@ -272,31 +303,28 @@ void finish_journal(const Path& path) {
   const Pages pages = pages_of_journal(path);
   const Descriptor out{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
   if (out.file < 0 || !write_pages(out.file, pages))
-    fail_in_system(path, "finish an append that was cut off");
-  if (::unlink(journal.c_str()) != 0) fail_in_system(journal, "remove the journal");
+    fail_in_system(path, "cannot finish an append that was cut off", errno);
+  if (::unlink(journal.c_str()) != 0) fail_in_system(journal, "cannot remove the journal", errno);
 }
 
 void commit_journaled(hid_t file, const Path& path) {
   JournaledFile& f = *journaled_file(file);
   if (!f.pages.empty()) {
     struct stat now;
-    if (::fstat(f.file, &now) != 0) fail_in_system(path, "look at the file");
+    if (::fstat(f.out->file, &now) != 0) fail_in_system(path, "cannot look at the file", errno);
     // HDF5 takes a file that ends before what it has given away for a truncated one.
-    if (static_cast<haddr_t>(now.st_size) < f.allocated && ::ftruncate(f.file, f.allocated) != 0)
-      fail_in_system(path, "make the file longer (is the disk full?)");
+    if (static_cast<haddr_t>(now.st_size) < f.allocated && ::ftruncate(f.out->file, f.allocated) != 0)
+      fail_in_system(path, "cannot make the file longer (is the disk full?)", errno);
     write_journal(path, f.pages);
     f.status.st_size =
         static_cast<off_t>(f.allocated);  // what the journal refers to stays, whatever fails now
-    if (!write_pages(f.file, f.pages)) fail_in_system(path, "finish an append");
-    if (::unlink(journal_of(path).c_str()) != 0) fail_in_system(journal_of(path), "remove the journal");
-    if (::ftruncate(f.file, f.allocated) != 0) errno = 0;  // what is behind the end only takes room
+    if (!write_pages(f.out->file, f.pages)) fail_in_system(path, "cannot finish an append", errno);
+    if (::unlink(journal_of(path).c_str()) != 0)
+      fail_in_system(journal_of(path), "cannot remove the journal", errno);
+    if (::ftruncate(f.out->file, f.allocated) != 0) errno = 0;  // what is behind the end only takes room
   }
   f.pages.clear();
-  if (::fstat(f.file, &f.status) != 0) fail_in_system(path, "look at the file");
-}
-
-void abandon_journaled(hid_t file) {
-  if (JournaledFile* f = journaled_file(file)) f->abandoned = true;
+  if (::fstat(f.out->file, &f.status) != 0) fail_in_system(path, "cannot look at the file", errno);
 }
 
 }  // namespace silt::adapters::hdf5

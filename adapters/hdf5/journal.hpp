@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 
 namespace silt::adapters::hdf5 {
 
@@ -18,8 +19,25 @@ inline constexpr std::size_t journal_page = 4096;  // bytes
 
 std::filesystem::path journal_of(const std::filesystem::path&);
 
-/// Returns the driver for H5Pset_driver; it opens existing files. One to be read is seen with the pages of
-/// its journal; to be written, it must have none.
+/// An open file that is written through a driver of these. HDF5 is told of no error: it would leave an id
+/// behind that it closes once more, and crashes, in MPI_Finalize. Whoever flushes or closes looks here.
+struct OutputFile {
+  int file = -1;
+  int error = 0;  // of the first call that failed, errno; nothing is written any more
+
+  ~OutputFile();
+  /// Closes the file. Returns 0, or errno.
+  int close();
+};
+
+/// Returns the output of a file that HDF5 has open; it stays open as long as anybody holds it.
+std::shared_ptr<OutputFile> output_of(hid_t file);
+
+/// Returns the driver, for H5Pset_driver, of files that are written in place.
+hid_t in_place_driver();
+
+/// Returns the driver for changes that come all at once; it opens existing files. One to be read is seen with
+/// the pages of its journal; to be written, it must have none.
 hid_t journaled_driver();
 
 /// Writes the pages of a journal that a killed process left to their file, and removes it. Throws Error.
@@ -29,7 +47,5 @@ void finish_journal(const std::filesystem::path&);
 /// it. Throws Error; unless the journal is then there, whose pages the next one to open the file takes, the
 /// file is as it was.
 void commit_journaled(hid_t file, const std::filesystem::path&);
-/// Forgets what has been changed; HDF5 may go on writing, to no effect.
-void abandon_journaled(hid_t file);
 
 }  // namespace silt::adapters::hdf5

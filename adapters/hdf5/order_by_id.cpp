@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "adapters/hdf5/together.hpp"
+
 namespace silt::adapters::hdf5 {
 namespace {
 
@@ -64,28 +66,35 @@ IdOrder order_by_id(MPI_Comm comm, std::span<const std::uint64_t> ids) {
   if (result.total == 0) return result;
 
   const auto range = static_cast<unsigned __int128>(none - bounds[1] - bounds[0]) + 1;
-  result.rows.resize(ids.size());
-  std::iota(result.rows.begin(), result.rows.end(), std::size_t{0});
-  std::sort(result.rows.begin(), result.rows.end(),
-            [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
   std::vector<SparseMessages::Message> sent;
-  for (const std::size_t i : result.rows) {
-    const auto to = static_cast<int>(static_cast<unsigned __int128>(ids[i] - bounds[0]) * ranks / range);
-    if (sent.empty() || sent.back().rank != to) sent.push_back({to, {}});
-    put(sent.back().bytes, ids[i]);
-  }
+  together(comm, [&] {
+    result.rows.resize(ids.size());
+    std::iota(result.rows.begin(), result.rows.end(), std::size_t{0});
+    std::sort(result.rows.begin(), result.rows.end(),
+              [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
+    for (const std::size_t i : result.rows) {
+      const auto to = static_cast<int>(static_cast<unsigned __int128>(ids[i] - bounds[0]) * ranks / range);
+      if (sent.empty() || sent.back().rank != to) sent.push_back({to, {}});
+      put(sent.back().bytes, ids[i]);
+    }
+  });
   const auto received = messages.swap(sent);
-  const std::vector<Asked> asked = sorted(received);
+  std::vector<Asked> asked;
+  together(comm, [&] { asked = sorted(received); });
   std::uint64_t mine = asked.size(), before = 0, twice = least_twice(asked);
   MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, comm);
   MPI_Allreduce(MPI_IN_PLACE, &twice, 1, MPI_UINT64_T, MPI_MIN, comm);
   if (twice != none) result.twice = twice;
-  for (const auto& m : messages.swap(answers(asked, before, received)))
-    for (std::size_t at = 0; at < m.bytes.size(); at += sizeof(std::uint64_t)) {
-      std::uint64_t place = 0;
-      std::memcpy(&place, m.bytes.data() + at, sizeof place);
-      append_run(result.places, {place, 1});
-    }
+  together(comm, [&] { sent = answers(asked, before, received); });
+  const auto answered = messages.swap(sent);
+  together(comm, [&] {
+    for (const auto& m : answered)
+      for (std::size_t at = 0; at < m.bytes.size(); at += sizeof(std::uint64_t)) {
+        std::uint64_t place = 0;
+        std::memcpy(&place, m.bytes.data() + at, sizeof place);
+        append_run(result.places, {place, 1});
+      }
+  });
   return result;
 }
 

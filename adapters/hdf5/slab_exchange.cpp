@@ -8,11 +8,20 @@
 
 namespace silt::adapters::hdf5 {
 
-SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<CellBox> boxes)
-    : comm_(comm), lattice_(cells), boxes_(std::move(boxes)) {
-  together(comm, [&] { list_rows(); });
+SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<CellBox> boxes,
+                           int group_rows)
+    : comm_(comm),
+      lattice_(cells),
+      group_rows_(group_rows),
+      plane_rows_((cells[1] + group_rows - 1) / group_rows * group_rows),
+      boxes_(std::move(boxes)) {
+  std::vector<SliceExchange::Run> mine;
+  together(comm, [&] {
+    list_rows();
+    mine = runs();
+  });
   const std::uint64_t row = lattice_[0];
-  slices_.emplace(comm, row * lattice_[1] * lattice_[2], runs(), row);
+  slices_.emplace(comm, row * plane_rows_ * lattice_[2], mine, row * group_rows);
 }
 
 void SlabExchange::list_rows() {
@@ -38,7 +47,7 @@ void SlabExchange::list_rows() {
 std::vector<SliceExchange::Run> SlabExchange::runs() const {
   std::vector<SliceExchange::Run> runs;
   for (const Row& row : rows_)
-    append_run(runs, {(std::uint64_t(row.z) * lattice_[1] + row.y) * lattice_[0] + row.x, row.length});
+    append_run(runs, {(std::uint64_t(row.z) * plane_rows_ + row.y) * lattice_[0] + row.x, row.length});
   return runs;
 }
 
@@ -95,40 +104,17 @@ void SlabExchange::for_pieces(const File& file, hid_t dataset, int leading, Act&
   }
 }
 
-void SlabExchange::write(const File& file, hid_t dataset, hid_t type, int leading, std::size_t element,
-                         std::vector<std::byte> packed, bool at_once) const {
-  const auto slab = slices_->to_slice(element, std::move(packed));
-  if (at_once) return write_at_once(file, dataset, type, leading, slab.data());
-  for_pieces(file, dataset, leading, [&](hid_t memory, hid_t space, std::size_t first) {
-    file.check(H5Dwrite(dataset, type, memory, space, H5P_DEFAULT, slab.data() + first * element),
-               "cannot write (is the disk full?)");
-  });
-}
-
-/// The pieces together: where ranks share a chunk HDF5 settles it between them, if all of them write.
-void SlabExchange::write_at_once(const File& file, hid_t dataset, hid_t type, int leading,
-                                 const std::byte* slab) const {
-  const Handle all(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
-  H5Sselect_none(all);
-  for_pieces(file, dataset, leading, [&](hid_t, hid_t space, std::size_t) {
-    const std::size_t rank = file.shape(dataset).size();
-    std::vector<hsize_t> start(rank), end(rank);
-    H5Sget_select_bounds(space, start.data(), end.data());
-    for (std::size_t d = 0; d < rank; ++d) end[d] += 1 - start[d];
-    file.check(H5Sselect_hyperslab(all, H5S_SELECT_OR, start.data(), nullptr, end.data(), nullptr),
-               "cannot select a slab");
-  });
-  const hsize_t numbers = H5Sget_select_npoints(all);
-  const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
-  const Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose, file.path(), "properties of a transfer");
-  H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE);
-  file.check(H5Dwrite(dataset, type, memory, all, list, slab), "cannot write (is the disk full?)");
+void SlabExchange::write(SharedFile& file, std::uint64_t place, std::size_t element,
+                         std::vector<std::byte> packed) const {
+  const auto values = slab(element, std::move(packed));
+  together(comm_, [&] { file.write(place + slices_->slice_begin() * element, values); });
 }
 
 std::vector<std::byte> SlabExchange::read(const File& file, hid_t dataset, hid_t type, int leading,
                                           std::size_t element) const {
-  std::vector<std::byte> slab(slices_->slice_size() * element);
+  std::vector<std::byte> slab;
   together(comm_, [&] {
+    slab.resize(slices_->slice_size() * element);
     for_pieces(file, dataset, leading, [&](hid_t memory, hid_t space, std::size_t first) {
       file.check(H5Dread(dataset, type, memory, space, H5P_DEFAULT, slab.data() + first * element),
                  "cannot read");

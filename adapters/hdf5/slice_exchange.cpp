@@ -31,6 +31,21 @@ SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::v
   begin_ = begin_of(rank);
   size_ = begin_of(rank + 1) - begin_;
   std::vector<SparseMessages::Message> asked;
+  together(comm, [&] { asked = split(runs); });
+  const auto received = messages_.swap(asked);
+  together(comm, [&] {
+    add_pieces(received);
+    for (const auto* partners : {&slices_, &holders_})
+      for (const Partner& p : *partners)
+        if (p.count > std::size_t{std::numeric_limits<int>::max()})
+          throw std::length_error("two ranks share " + std::to_string(p.count) +
+                                  " values of an array: use more ranks");
+  });
+}
+
+/// Tells each rank which parts of the runs lie in its slice.
+std::vector<SparseMessages::Message> SliceExchange::split(const std::vector<Run>& runs) {
+  std::vector<SparseMessages::Message> asked;
   std::size_t n = 0;
   for (Run run : runs)
     while (run.length > 0) {
@@ -45,14 +60,7 @@ SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::v
       n += here;
       run = {run.first + here, run.length - here};
     }
-  add_pieces(messages_.swap(asked));
-  together(comm, [&] {
-    for (const auto* partners : {&slices_, &holders_})
-      for (const Partner& p : *partners)
-        if (p.count > std::size_t{std::numeric_limits<int>::max()})
-          throw std::length_error("two ranks share " + std::to_string(p.count) +
-                                  " values of an array: use more ranks");
-  });
+  return asked;
 }
 
 void SliceExchange::add_pieces(const std::vector<SparseMessages::Message>& received) {
@@ -72,11 +80,15 @@ void SliceExchange::add_pieces(const std::vector<SparseMessages::Message>& recei
 std::vector<std::byte> SliceExchange::swap(std::size_t element, const std::vector<Partner>& from,
                                            const std::vector<Partner>& to,
                                            const std::vector<std::byte>& values) const {
+  std::vector<std::byte> swapped;
+  std::vector<MPI_Request> requests;
+  together(messages_.comm(), [&] {
+    swapped.resize(to.empty() ? 0 : (to.back().first + to.back().count) * element);
+    requests.reserve(from.size() + to.size());
+  });
   MPI_Datatype type;
   MPI_Type_contiguous(static_cast<int>(element), MPI_BYTE, &type);
   MPI_Type_commit(&type);
-  std::vector<std::byte> swapped(to.empty() ? 0 : (to.back().first + to.back().count) * element);
-  std::vector<MPI_Request> requests;
   for (const Partner& p : to)
     MPI_Irecv(swapped.data() + p.first * element, static_cast<int>(p.count), type, p.rank, values_tag,
               messages_.comm(), &requests.emplace_back());
@@ -97,7 +109,8 @@ std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<
   if (is_alone()) return values;
   const auto arrived = swap(element, slices_, holders_, values);
   std::vector<std::byte>().swap(values);  // the memory goes to the slice
-  std::vector<std::byte> slice(size_ * element);
+  std::vector<std::byte> slice;
+  together(messages_.comm(), [&] { slice.resize(size_ * element); });
   const std::byte* in = arrived.data();
   for (const Run& p : pieces_) {
     std::memcpy(slice.data() + p.first * element, in, p.length * element);
@@ -109,7 +122,9 @@ std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<
 std::vector<std::byte> SliceExchange::from_slice(std::size_t element,
                                                  const std::vector<std::byte>& slice) const {
   std::vector<std::byte> leaving;
-  leaving.reserve(holders_.empty() ? 0 : (holders_.back().first + holders_.back().count) * element);
+  together(messages_.comm(), [&] {
+    leaving.reserve(holders_.empty() ? 0 : (holders_.back().first + holders_.back().count) * element);
+  });
   for (const Run& p : pieces_) {
     const std::byte* from = slice.data() + p.first * element;
     leaving.insert(leaving.end(), from, from + p.length * element);
@@ -123,6 +138,7 @@ void SliceExchange::hand_to_rank_0(std::size_t element, const std::vector<std::b
   MPI_Comm_rank(messages_.comm(), &rank);
   std::exception_ptr failed;
   std::vector<std::byte> values;
+  together(messages_.comm(), [&] { values.reserve(std::min(piece, groups_ * grain_) * element); });
   for (int from = rank; from < (rank == 0 ? ranks_ : rank + 1); ++from) {
     const std::uint64_t begin = begin_of(from), end = begin_of(from + 1);
     for (std::uint64_t first = begin; first < end; first += piece) {
@@ -146,7 +162,9 @@ void SliceExchange::hand_to_rank_0(std::size_t element, const std::vector<std::b
       }
     }
   }
-  if (failed) std::rethrow_exception(failed);
+  together(messages_.comm(), [&] {
+    if (failed) std::rethrow_exception(failed);
+  });
 }
 
 }  // namespace silt::adapters::hdf5

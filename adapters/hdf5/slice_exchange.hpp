@@ -18,9 +18,11 @@ class SliceExchange {
   /// Plans the exchange; collective. The runs are those of which this rank has (or wants) the values, in
   /// ascending order; to write, no element may be in the runs of two ranks. Slices are cut between groups of
   /// `grain` elements. A rank remembers its runs, those of its slice, and the ranks they are on.
-  /// std::length_error on every rank where two ranks share 2^31 elements or more.
+  /// Throws on every rank where two ranks share 2^31 elements or more. No call leaves a rank waiting for one
+  /// that has no memory: all throw.
   SliceExchange(MPI_Comm, std::uint64_t elements, const std::vector<Run>& runs, std::uint64_t grain = 1);
 
+  MPI_Comm comm() const { return messages_.comm(); }
   std::uint64_t slice_begin() const { return begin_; }
   std::uint64_t slice_size() const { return size_; }
 
@@ -30,7 +32,7 @@ class SliceExchange {
   /// Returns the values of this rank's runs, from everybody's slices. Collective.
   std::vector<std::byte> from_slice(std::size_t element, const std::vector<std::byte>& slice) const;
   /// Collective. Calls take(first, n, values) on rank 0 for all slices, in order and in pieces of at most
-  /// `piece` elements. If take throws, rank 0 throws in the end: wrap it in together().
+  /// `piece` elements. If take throws, every rank throws in the end.
   using Take =
       std::function<void(std::uint64_t first, std::uint64_t n, const std::vector<std::byte>& values)>;
   void hand_to_rank_0(std::size_t element, const std::vector<std::byte>& slice, const Take& take,
@@ -44,6 +46,7 @@ class SliceExchange {
   bool is_alone() const;
   int slice_of(std::uint64_t element) const;
   std::uint64_t begin_of(int rank) const;
+  std::vector<SparseMessages::Message> split(const std::vector<Run>& runs);
   void add_pieces(const std::vector<SparseMessages::Message>&);
   std::vector<std::byte> swap(std::size_t element, const std::vector<Partner>& from,
                               const std::vector<Partner>& to, const std::vector<std::byte>& values) const;

@@ -1,8 +1,6 @@
 #include "adapters/hdf5/sparse_messages.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <stdexcept>
 
 #include "adapters/hdf5/together.hpp"
 
@@ -16,49 +14,59 @@ SparseMessages::~SparseMessages() {
   MPI_Comm_free(&comm_);
 }
 
-namespace {
+/// Adds what came from a rank to its message; what one rank sends comes in order.
+void SparseMessages::take(std::vector<Message>& received, int rank, std::size_t bytes) {
+  auto at = std::lower_bound(received.begin(), received.end(), rank,
+                             [](const Message& m, int of) { return m.rank < of; });
+  if (at == received.end() || at->rank != rank) at = received.insert(at, {rank, {}});
+  at->bytes.insert(at->bytes.end(), piece_.begin(), piece_.begin() + static_cast<std::ptrdiff_t>(bytes));
+}
 
-/// Takes a message, if one is there.
-bool receive(MPI_Comm comm, int tag, std::vector<SparseMessages::Message>& received) {
+/// Takes a piece, if one is there; without memory for it, it only remembers that.
+void SparseMessages::receive(int tag, std::vector<Message>& received, std::exception_ptr& failed) {
   int found = 0, size = 0;
   MPI_Message matched;
   MPI_Status status;
-  MPI_Improbe(MPI_ANY_SOURCE, tag, comm, &found, &matched, &status);
-  if (!found) return false;
+  MPI_Improbe(MPI_ANY_SOURCE, tag, comm_, &found, &matched, &status);
+  if (!found) return;
   MPI_Get_count(&status, MPI_BYTE, &size);
-  auto& m = received.emplace_back(
-      SparseMessages::Message{status.MPI_SOURCE, std::vector<std::byte>(static_cast<std::size_t>(size))});
-  MPI_Mrecv(m.bytes.data(), size, MPI_BYTE, &matched, MPI_STATUS_IGNORE);
-  return true;
+  MPI_Mrecv(piece_.data(), size, MPI_BYTE, &matched, MPI_STATUS_IGNORE);
+  if (failed) return;  // the others are still sending
+  try {
+    take(received, status.MPI_SOURCE, static_cast<std::size_t>(size));
+  } catch (...) {
+    failed = std::current_exception();
+  }
 }
 
-}  // namespace
-
 std::vector<SparseMessages::Message> SparseMessages::swap(const std::vector<Message>& sent) {
+  std::vector<MPI_Request> requests;
   together(comm_, [&] {
-    for (const Message& m : sent)
-      if (m.bytes.size() > std::size_t{std::numeric_limits<int>::max()})
-        throw std::length_error("a message of " + std::to_string(m.bytes.size()) +
-                                " bytes is too long: use more ranks");
+    std::size_t pieces = 0;
+    for (const Message& m : sent) pieces += m.bytes.size() / piece_bytes + 1;
+    requests.reserve(pieces);
+    piece_.resize(piece_bytes);
   });
   const int tag = round_++ % 2;  // a rank may be one round ahead of another, never two
-  std::vector<MPI_Request> requests(sent.size());
-  for (std::size_t k = 0; k < sent.size(); ++k)
-    MPI_Issend(sent[k].bytes.data(), static_cast<int>(sent[k].bytes.size()), MPI_BYTE, sent[k].rank, tag,
-               comm_, &requests[k]);
+  for (const Message& m : sent)
+    for (std::size_t first = 0; first == 0 || first < m.bytes.size(); first += piece_bytes)
+      MPI_Issend(m.bytes.data() + first, static_cast<int>(std::min(piece_bytes, m.bytes.size() - first)),
+                 MPI_BYTE, m.rank, tag, comm_, &requests.emplace_back());
   std::vector<Message> received;
+  std::exception_ptr failed;
   MPI_Request barrier = MPI_REQUEST_NULL;
   for (int taken = 0; !taken;) {
-    receive(comm_, tag, received);
+    receive(tag, received, failed);
     MPI_Testall(static_cast<int>(requests.size()), requests.data(), &taken, MPI_STATUSES_IGNORE);
   }
   MPI_Ibarrier(comm_, &barrier);
   for (int done = 0; !done;) {
-    receive(comm_, tag, received);
+    receive(tag, received, failed);
     MPI_Test(&barrier, &done, MPI_STATUS_IGNORE);
   }
-  std::sort(received.begin(), received.end(),
-            [](const Message& a, const Message& b) { return a.rank < b.rank; });
+  together(comm_, [&] {
+    if (failed) std::rethrow_exception(failed);
+  });
   return received;
 }
 

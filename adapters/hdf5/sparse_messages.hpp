@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include <cstddef>
+#include <exception>
 #include <span>
 #include <vector>
 
@@ -25,11 +26,16 @@ class SparseMessages {
   SparseMessages& operator=(const SparseMessages&) = delete;
 
   MPI_Comm comm() const { return comm_; }
-  /// Collective. Sends each message, at most one to a rank, and returns those that came, by rank. Throws
-  /// std::length_error on every rank for one of 2^31 bytes or more.
+  /// Collective. Sends each message, at most one to a rank, in pieces, and returns those that came, by rank.
+  /// Throws on every rank where one has no memory for what comes.
   std::vector<Message> swap(const std::vector<Message>& sent);
 
  private:
+  static constexpr std::size_t piece_bytes = 1 << 16;
+  void take(std::vector<Message>& received, int rank, std::size_t bytes);
+  void receive(int tag, std::vector<Message>& received, std::exception_ptr& failed);
+
+  std::vector<std::byte> piece_;  // the last one that came
   MPI_Comm comm_ = MPI_COMM_NULL;
   int round_ = 0;
 };

@@ -1,30 +1,43 @@
 #pragma once
-// Errors that all ranks see alike.
+// Errors that all ranks see alike. What may fail on one rank is done inside `together` and without a
+// collective call there; then no rank waits for another that has given up.
 #include <mpi.h>
 
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
 namespace silt::adapters {
 
-/// Throws on every rank (collective) std::runtime_error with the text of the lowest rank that hands one over.
-/// `failed` with an empty text counts as an error too.
-void throw_together(MPI_Comm, bool failed, const std::string& error);
+/// What one rank could not do, as every rank is told.
+struct CommonError : std::runtime_error {
+  CommonError(int of, const std::string& text) : std::runtime_error(text), rank(of) {}
+  int rank;
+};
+
+/// Returns what an error says; of one of the memory, which limit to look at.
+std::string text_of(const std::exception&);
+
+/// Returns an error's text and rank; `mine` where the error does not tell.
+CommonError common_error(const std::exception&, int mine);
+
+/// Throws on every rank (collective) the error of the lowest rank that hands one over.
+void throw_together(MPI_Comm, const CommonError* mine);
 
 /// Runs `work` on this rank (collective); if it threw on any rank, every rank throws the error of the lowest
-/// such rank as std::runtime_error. `work` must not throw between two collective calls of its own.
+/// such rank as CommonError. `work` must not throw between two collective calls of its own.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
-  bool failed = false;
-  std::string error;
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
   try {
     std::forward<Work>(work)();
   } catch (const std::exception& e) {
-    failed = true;
-    error = e.what();
+    const CommonError mine = common_error(e, rank);
+    return throw_together(comm, &mine);
   }
-  throw_together(comm, failed, error);
+  throw_together(comm, nullptr);
 }
 
 /// Does the same as `together` for work that only rank 0 does.
@@ -35,6 +48,20 @@ void on_rank_0(MPI_Comm comm, Work&& work) {
   together(comm, [&] {
     if (rank == 0) work();
   });
+}
+
+/// Runs work that writes a file, the same on every rank: an error that does not name the file gets its name.
+template <class Work>
+void naming(const std::string& file, Work&& work) {
+  try {
+    std::forward<Work>(work)();
+  } catch (const std::exception& e) {
+    const std::string text = text_of(e);
+    if (text.find(file) != std::string::npos) throw;
+    const std::string named = file + ": cannot be written: " + text;
+    if (const auto* common = dynamic_cast<const CommonError*>(&e)) throw CommonError(common->rank, named);
+    throw std::runtime_error(named);
+  }
 }
 
 }  // namespace silt::adapters

@@ -1,10 +1,12 @@
-// A full disk (here: a limit on the size of files, which the system reports in the same way) is told to every
-// rank with the file's name, and costs nothing that was there before. And no single damaged byte goes
-// unnoticed.
+// A full disk (here: a limit on the size of files, which the system reports in the same way) and the end of
+// the memory are told to every rank with the file's name, also where only one rank meets them, and cost
+// nothing that was there before. And no single damaged byte goes unnoticed.
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <csignal>
 #include <cstring>
+#include <optional>
 
 #include "adapters/hdf5/body_series.hpp"
 #include "adapters/hdf5/checkpoint_file.hpp"
@@ -33,6 +35,25 @@ class FullDisk {
  private:
   rlimit before_;
   void (*handler_)(int);
+};
+
+/// While it lives, this process gets hardly more memory than it has: two megabytes, for MPI.
+class NoMemory {
+ public:
+  NoMemory() {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);  // what was freed is of no use for more than that
+    malloc_trim(0);
+    std::ifstream size("/proc/self/statm");
+    rlim_t pages = 0;
+    size >> pages;
+    getrlimit(RLIMIT_AS, &before_);
+    const rlimit now{pages * rlim_t(sysconf(_SC_PAGESIZE)) + (2 << 20), before_.rlim_max};
+    setrlimit(RLIMIT_AS, &now);
+  }
+  ~NoMemory() { setrlimit(RLIMIT_AS, &before_); }
+
+ private:
+  rlimit before_;
 };
 
 constexpr std::array<int, 3> cells{32, 16, 16};
@@ -82,6 +103,56 @@ TEST(FullDisk, leaves_the_previous_checkpoint) {
   }
   write_checkpoint(MPI_COMM_WORLD, second, boxes);  // once there is room again
   EXPECT_EQ(adapters::list_checkpoints(scratch.path()).size(), 1u);
+}
+
+TEST(FullDisk, of_one_rank_is_told_to_all) {
+  const Scratch scratch;
+  const auto first = adapters::checkpoint_path(scratch.path(), 1),
+             second = adapters::checkpoint_path(scratch.path(), 2);
+  const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
+  write_checkpoint(MPI_COMM_WORLD, first, boxes);
+  for (int failing = 0; failing < ranks(); ++failing) {
+    std::string error;
+    {
+      std::optional<FullDisk> full;
+      if (rank() == failing) full.emplace(100000);
+      error = error_of([&] { write_checkpoint(MPI_COMM_WORLD, second, boxes); });
+    }
+    EXPECT_TEXT(error, second.string() + ".part: cannot");
+    EXPECT_TEXT(error, "ulimit -f");
+    MPI_Barrier(MPI_COMM_WORLD);
+    EXPECT_FALSE(std::filesystem::exists(second) || std::filesystem::exists(second.string() + ".part"));
+    EXPECT_EQ(adapters::CheckpointReader(MPI_COMM_WORLD, first).integer("step"), 77);
+  }
+}
+
+/// Four million values, packed or not.
+TEST(NoMemory, of_one_rank_is_told_to_all) {
+  const Scratch scratch;
+  constexpr std::array<int, 3> many{256, 256, 64};
+  const auto boxes = blocks_of(rank(), ranks(), many, {64, 64, 64});
+  const auto fill = [&](std::size_t b, int first, int last, double* out) {
+    std::fill_n(out, boxes[b].cells() / 64 * (last - first), 1.25);
+  };
+  for (const int compression : {0, 1})
+    for (int failing = 0; failing < ranks(); ++failing) {
+      const auto path = scratch / "fields_1.hdf";
+      std::string error;
+      {
+        std::optional<NoMemory> none;
+        if (rank() == failing) none.emplace();
+        error = error_of([&] {
+          adapters::write_fields(
+              MPI_COMM_WORLD, path, boxes,
+              {{many}, {{"density", "", 1, fill, adapters::Storage::double_}}, 0, 1, compression}, {});
+        });
+      }
+      EXPECT_TEXT(error, "no memory is left");
+      EXPECT_TEXT(error, "ulimit -v");
+      MPI_Barrier(MPI_COMM_WORLD);
+      EXPECT_FALSE(std::filesystem::exists(path) || std::filesystem::exists(path.string() + ".part"));
+      MPI_Barrier(MPI_COMM_WORLD);
+    }
 }
 
 TEST(FullDisk, is_told_of_a_field_file) {

@@ -46,23 +46,24 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
 }
 
 void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
-           double time = 1.5) {
-  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, 100}, provenance);
+           double time = 1.5, int compression = 0) {
+  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, 100, compression}, provenance);
 }
 
 TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
   const Scratch scratch;
-  for (const bool in_turn : {true, false})
-    for (const bool idle : {true, false}) {
-      write(MPI_COMM_WORLD, scratch / "many.hdf",
-            blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, in_turn, idle));
-      if (rank() == 0) {
-        write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, grid_cells}});
-        const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
-        EXPECT_GT(one.size(), 13u * 8 * 21 * (4 + 12 + 8 + 1));
-        EXPECT_TRUE(one == many);
+  for (const int compression : {0, 4})
+    for (const bool in_turn : {true, false})
+      for (const bool idle : {true, false}) {
+        write(MPI_COMM_WORLD, scratch / "many.hdf",
+              blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, in_turn, idle), 1.5, compression);
+        if (rank() == 0) {
+          write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, grid_cells}}, 1.5, compression);
+          const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
+          EXPECT_GT(one.size(), compression > 0 ? 1000u : 13u * 8 * 21 * (4 + 12 + 8 + 1));
+          EXPECT_TRUE(one == many);
+        }
       }
-    }
 }
 
 TEST(FieldFile, cells_no_rank_holds_are_zero) {

@@ -5,7 +5,6 @@
 #include <random>
 
 #include "adapters/hdf5/order_by_id.hpp"
-#include "adapters/hdf5/together.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 
 namespace silt::tests {
@@ -87,10 +86,8 @@ TEST(SliceExchange, an_error_of_rank_0_leaves_nobody_waiting) {
   const SliceExchange slices(MPI_COMM_WORLD, 1000, {});
   const auto slice = slices.to_slice(8, {});
   EXPECT_TEXT(error_of([&] {
-                adapters::together(MPI_COMM_WORLD, [&] {
-                  slices.hand_to_rank_0(
-                      8, slice, [](auto...) { throw std::runtime_error("no room"); }, 10);
-                });
+                slices.hand_to_rank_0(
+                    8, slice, [](auto...) { throw std::runtime_error("no room"); }, 10);
               }),
               "no room");
 }
