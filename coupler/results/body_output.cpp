@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/results/tessellation.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -82,16 +83,16 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
 }  // namespace
 
 BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path& folder,
-                       const adapters::Provenance& provenance, bool resumed) {
+                       const adapters::Provenance& provenance, bool resumed)
+    : path_(folder / "bodies.h5") {
   const MPI_Comm comm = simulation.scene().comm;
-  const auto path = folder / "bodies.h5";
-  int there = resumed && std::filesystem::exists(path);
+  int there = resumed && std::filesystem::exists(path_);
   MPI_Bcast(&there, 1, MPI_INT, 0, comm);
   if (there)
     series_ =
-        adapters::BodySeries::open_for_append(comm, path, simulation.steps_done(), columns_of(simulation));
+        adapters::BodySeries::open_for_append(comm, path_, simulation.steps_done(), columns_of(simulation));
   else
-    series_ = adapters::BodySeries::create(comm, path, series_info(simulation), provenance);
+    series_ = adapters::BodySeries::create(comm, path_, series_info(simulation), provenance);
 }
 
 void BodyOutput::append(const Simulation& simulation) {
@@ -100,8 +101,10 @@ void BodyOutput::append(const Simulation& simulation) {
   const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads();
   const Vec3& gravity = simulation.scene().world.gravity;
   const std::int64_t step = simulation.steps_done();
-  series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
-    return body_row(bodies, row, loads[row], contacts[row], gravity, units);
+  adapters::naming(path_.string(), [&] {
+    series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
+      return body_row(bodies, row, loads[row], contacts[row], gravity, units);
+    });
   });
 }
 

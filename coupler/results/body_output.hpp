@@ -20,6 +20,7 @@ class BodyOutput {
   void append(const Simulation&);
 
  private:
+  std::filesystem::path path_;
   std::optional<adapters::BodySeries> series_;
 };
 

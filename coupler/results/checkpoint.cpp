@@ -176,9 +176,9 @@ std::vector<std::string> split_lines(const std::string& text) {
 
 namespace {
 
-std::filesystem::path write_state(const Simulation& simulation, const Quantities& quantities,
-                                  const std::filesystem::path& path, const adapters::Provenance& provenance,
-                                  const std::optional<SteadyWatch>& steady) {
+void write_state(const Simulation& simulation, const Quantities& quantities,
+                 const std::filesystem::path& path, const adapters::Provenance& provenance,
+                 const std::optional<SteadyWatch>& steady) {
   const Case& scene = simulation.setup();
   const Flow* flow = simulation.scene().flow.get();
   const RunCounters counters = simulation.counters();
@@ -210,8 +210,9 @@ std::filesystem::path write_state(const Simulation& simulation, const Quantities
       write_populations<float>(writer, scene, *flow);
   }
   write_bodies(writer, simulation.bodies());
-  writer.commit(scene.output.keep_checkpoints);
-  return path;
+  const auto folder = path.parent_path();
+  writer.commit(scene.output.keep_checkpoints,
+                {folder / "bodies.h5", folder / "series.csv", folder / "departures.csv"});
 }
 
 }  // namespace
@@ -221,7 +222,8 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
                                        const adapters::Provenance& provenance,
                                        const std::optional<SteadyWatch>& steady) {
   const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
-  return write_state(simulation, quantities, path, provenance, steady);
+  adapters::naming(path.string(), [&] { write_state(simulation, quantities, path, provenance, steady); });
+  return path;
 }
 
 std::filesystem::path write_stopped_state(const Simulation& simulation, const Quantities& quantities,
@@ -229,7 +231,8 @@ std::filesystem::path write_stopped_state(const Simulation& simulation, const Qu
                                           const adapters::Provenance& provenance,
                                           const std::optional<SteadyWatch>& steady) {
   const auto path = folder / fmt::format("stopped_{:012}.h5", simulation.steps_done());
-  return write_state(simulation, quantities, path, provenance, steady);
+  adapters::naming(path.string(), [&] { write_state(simulation, quantities, path, provenance, steady); });
+  return path;
 }
 
 CaseOrigin read_origin(const CheckpointReader& reader) {

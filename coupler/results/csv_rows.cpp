@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <string_view>
 
 #include "coupler/results/result_folder.hpp"
 
@@ -11,19 +10,14 @@ namespace silt::coupler {
 
 namespace {
 
-bool is_up_to(std::string_view row, std::int64_t step) {
-  std::int64_t found = 0;
-  const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), found);
-  return error == std::errc() && *end == ',' && found <= step;
-}
-
-/// Reads the names of the columns; a name in quotes may go on over ends of lines.
+/// Reads the names of the columns; a name in quotes may go on over ends of lines. Returns whether they are
+/// whole.
 bool take_columns(std::istream& file, std::string& columns) {
-  if (!std::getline(file, columns)) return false;
+  std::getline(file, columns);
   for (std::string more;
        std::count(columns.begin(), columns.end(), '"') % 2 != 0 && std::getline(file, more);)
     columns += '\n' + more;
-  return true;
+  return !file.eof();
 }
 
 }  // namespace
@@ -35,16 +29,21 @@ std::string csv_field(std::string_view text) {
   return quoted + '"';
 }
 
-std::string remove_rows_after(const std::filesystem::path& path, std::int64_t step) {
+CsvRows remove_rows_after(const std::filesystem::path& path, std::int64_t step) {
   std::ifstream file(path);
-  std::string columns;
-  if (!take_columns(file, columns)) return "";
-  std::string kept = columns + '\n', row;
-  while (std::getline(file, row) && !file.eof())  // without its end a row is not whole
-    if (is_up_to(row, step)) kept += row + '\n';
+  CsvRows left;
+  if (!file || !take_columns(file, left.columns)) return {};
+  std::string kept = left.columns + '\n', row;
+  while (std::getline(file, row) && !file.eof()) {  // without its end a row is not whole
+    std::int64_t found = 0;
+    const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), found);
+    if (error != std::errc() || *end != ',' || found > step) continue;
+    kept += row + '\n';
+    left.last_step = found;
+  }
   file.close();
   write_text(path, kept);
-  return columns;
+  return left;
 }
 
 }  // namespace silt::coupler

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <map>
 
+#include "adapters/hdf5/system_reason.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/results/csv_rows.hpp"
 #include "coupler/results/result_folder.hpp"
@@ -34,7 +34,7 @@ void DepartureLog::append(std::span<const Departure> departures) {
                         d.id, way_text(static_cast<int>(d.way)), d.position[0] * cell, d.position[1] * cell,
                         d.position[2] * cell);
   file.close();
-  if (!file) throw FileError(path_.string() + ": cannot be written: " + std::strerror(errno));
+  if (!file) throw FileError(path_.string() + ": cannot be written: " + adapters::system_reason(errno));
 }
 
 std::string departures_text(std::span<const Departure> departures) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "adapters/hdf5/field_file.hpp"
+#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/for_cells.hpp"
@@ -338,8 +339,10 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     }
     boxes.push_back(box);
   }
-  adapters::write_fields(simulation.scene().comm, adapters::field_path(folder, spec.name, snapshot.step),
-                         boxes, snapshot, provenance);
+  const auto path = adapters::field_path(folder, spec.name, snapshot.step);
+  adapters::naming(path.string(), [&] {
+    adapters::write_fields(simulation.scene().comm, path, boxes, snapshot, provenance);
+  });
 }
 
 }  // namespace silt::coupler

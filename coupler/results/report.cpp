@@ -3,6 +3,8 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -299,6 +301,14 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["libraries"] = build_info().libraries;
   report["instruction_set"] = std::string(instruction_set());
   return report;
+}
+
+bool is_final_report(const std::filesystem::path& path, std::int64_t step) {
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto says = [&](const std::string& member) { return text.find(member) != std::string::npos; };
+  return says("\"steps\": " + std::to_string(step) + ",") &&
+         (says("\"exit_reason\": \"completed\"") || says("\"exit_reason\": \"steady\""));
 }
 
 }  // namespace silt::coupler

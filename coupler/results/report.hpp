@@ -1,5 +1,7 @@
 #pragma once
 // report.json: the figures of a run that other programs read.
+#include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "adapters/json/json.hpp"
@@ -20,5 +22,8 @@ struct RunStatus {
 /// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths
 /// and quantities in the units of the case.
 adapters::Json report_of(Simulation&, const Quantities&, const RunStatus&);
+
+/// Whether a file is the report of a run that came to its end at that step.
+bool is_final_report(const std::filesystem::path&, std::int64_t step);
 
 }  // namespace silt::coupler

@@ -1,13 +1,15 @@
 #include "coupler/results/result_folder.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <vector>
+
+#include "adapters/hdf5/system_reason.hpp"
 
 namespace silt::coupler {
 
@@ -51,12 +53,44 @@ bool is_result(const fs::path& path) {
 
 namespace {
 
+/// Whether it is a folder that stays where it is: a link's, or of another disk than what it lies in.
+bool stays(const fs::path& folder) {
+  struct stat own, parent;
+  return fs::is_symlink(folder) ||
+         (stat(folder.c_str(), &own) == 0 && stat((folder / "..").c_str(), &parent) == 0 &&
+          own.st_dev != parent.st_dev);
+}
+
+/// The name under which earlier results stay beside a folder, or in it.
+std::string name_of(const fs::path& folder) {
+  return fs::absolute(folder / "").lexically_normal().parent_path().filename().string();
+}
+
+bool is_earlier(const fs::path& path, const fs::path& folder) {
+  return path.filename().string().starts_with(name_of(folder) + ".") && fs::is_directory(path);
+}
+
+/// Moves results into a folder of their own inside the one that they are in.
+std::string move_inside(const fs::path& folder, const std::vector<fs::path>& results) {
+  std::error_code error;
+  const fs::path aside = first_free(folder / name_of(folder));
+  fs::create_directory(aside, error);
+  if (error) fail(aside, "cannot be made for the earlier results: " + error.message());
+  for (const fs::path& path : results) {
+    fs::rename(path, aside / path.filename(), error);
+    if (error)
+      fail(path, fmt::format("is of an earlier run and cannot be moved to {}: {}", aside.string(),
+                             error.message()));
+  }
+  return fmt::format("the earlier results are now in {}", aside.string());
+}
+
 /// Moves or deletes the results in a folder that is there. Returns what was done.
 std::string make_room(const fs::path& folder, bool overwrite) {
   std::error_code error;
   std::vector<fs::path> results, others;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename() != ResultLock::name)
+    if (entry.path().filename() != ResultLock::name && !is_earlier(entry.path(), folder))
       (is_result(entry.path()) ? results : others).push_back(entry.path());
   if (results.empty()) return "";
   if (overwrite) {
@@ -64,6 +98,7 @@ std::string make_room(const fs::path& folder, bool overwrite) {
       if (!fs::remove(path, error) && error) fail(path, "cannot be deleted: " + error.message());
     return fmt::format("the earlier results in {} are deleted", folder.string());
   }
+  if (stays(folder)) return move_inside(folder, results);
   if (!others.empty())
     throw std::runtime_error(
         fmt::format("{}: holds results of an earlier run, and {} that is none; choose another folder with "
@@ -71,21 +106,33 @@ std::string make_room(const fs::path& folder, bool overwrite) {
                     folder.string(), others[0].filename().string()));
   const fs::path aside = first_free(folder);
   fs::rename(folder, aside, error);
-  if (error)
-    fail(folder, fmt::format("holds results of an earlier run and cannot be moved to {}: {}", aside.string(),
-                             error.message()));
+  if (error) return move_inside(folder, results);  // a part of its disk is mounted here, say
   fs::remove(aside / ResultLock::name, error);
   return fmt::format("the earlier results are now in {}", aside.string());
 }
 
 }  // namespace
 
+void require_folder(const fs::path& folder) {
+  std::error_code error, ignored;
+  const fs::file_status there = fs::status(folder, error);
+  const bool is_link = fs::is_symlink(fs::symlink_status(folder, ignored));
+  const std::string target = is_link ? fs::read_symlink(folder, ignored).string() : "";
+  if (is_link && error.value() == ELOOP) fail(folder, "is a link that leads back to itself: remove it");
+  if (is_link && there.type() == fs::file_type::not_found)
+    fail(folder,
+         fmt::format("is a link to {}, which is not there: make that folder, or remove the link", target));
+  if (fs::exists(there) && !fs::is_directory(there))
+    fail(folder, fmt::format("is {}; the results need a folder",
+                             is_link ? fmt::format("a link to {}, a file", target) : "a file"));
+}
+
 ReadyFolder prepare_result_folder(const fs::path& given, bool overwrite) {
   const fs::path folder = given.has_filename() ? given : given.parent_path();
+  require_folder(folder);
   std::error_code error;
   ReadyFolder ready;
   if (fs::exists(folder, error)) {
-    if (!fs::is_directory(folder)) fail(folder, "is a file; the results need a folder");
     ready.lock = std::make_unique<ResultLock>(folder);
     ready.note = make_room(folder, overwrite);
     if (ready.lock->is_in_place()) return ready;
@@ -97,6 +144,7 @@ ReadyFolder prepare_result_folder(const fs::path& given, bool overwrite) {
 }
 
 ReadyFolder return_to_result_folder(const fs::path& folder) {
+  require_folder(folder);
   ReadyFolder ready;
   std::error_code error;
   fs::create_directories(folder, error);
@@ -104,7 +152,7 @@ ReadyFolder return_to_result_folder(const fs::path& folder) {
   ready.lock = std::make_unique<ResultLock>(folder);
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (is_unfinished(entry.path()) && is_result(name.substr(0, name.find(".part"))))
+    if (is_unfinished(entry.path()) && (name == last_words || is_result(name.substr(0, name.find(".part")))))
       fs::remove(entry.path(), error);
   }
   return ready;
@@ -117,7 +165,7 @@ void write_text(const fs::path& path, const std::string& text) {
     file << text;
     file.close();
     if (!file) {
-      const std::string reason = std::strerror(errno);
+      const std::string reason = adapters::system_reason(errno);
       std::error_code ignored;
       fs::remove(part, ignored);
       fail(path, "cannot be written: " + reason);

@@ -19,8 +19,10 @@ bool is_result(const std::filesystem::path&);
 
 /// Makes `folder` ready for a new run. Results of an earlier run are never overwritten silently: the folder
 /// is renamed to FOLDER.1 (or .2, ... the first that is free), unless `overwrite`, which deletes the earlier
-/// results (only those). FileError if the folder cannot be made or moved; std::runtime_error if it holds
-/// results and also files that are not, or if a run is writing there.
+/// results (only those). A link to a folder, a mount point and a folder that the system does not let be
+/// renamed stay: the earlier results move to a folder of that name inside. FileError if nothing can be made
+/// or moved there; std::runtime_error if a folder that would be renamed also holds files that are no results,
+/// or if a run is writing there.
 struct ReadyFolder {
   std::unique_ptr<ResultLock> lock;
   std::string note;  // what was done, for the user, or ""
@@ -29,6 +31,12 @@ ReadyFolder prepare_result_folder(const std::filesystem::path& folder, bool over
 /// Makes a folder ready for a run that goes on: what a killed run left unfinished is removed. Errors as
 /// above.
 ReadyFolder return_to_result_folder(const std::filesystem::path& folder);
+
+/// FileError for a file, a link to one, and a link that leads nowhere.
+void require_folder(const std::filesystem::path&);
+
+/// The file by which ranks that fail alone agree who speaks.
+inline constexpr const char* last_words = "last_words.part";
 
 /// Writes a text file under a temporary name and renames it. FileError naming file and reason.
 void write_text(const std::filesystem::path&, const std::string& text);

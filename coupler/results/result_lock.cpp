@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
+#include "adapters/hdf5/system_reason.hpp"
 #include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
@@ -36,7 +36,7 @@ ResultLock::ResultLock(const fs::path& folder) : path_(folder / name) {
     if (file_ >= 0) close(file_);
     file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (file_ < 0)
-      throw FileError(fmt::format("{}: cannot be made: {}", path_.string(), std::strerror(errno)));
+      throw FileError(fmt::format("{}: cannot be made: {}", path_.string(), adapters::system_reason(errno)));
     if (flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       close(file_);
       refuse(path_);
@@ -46,7 +46,7 @@ ResultLock::ResultLock(const fs::path& folder) : path_(folder / name) {
   gethostname(host, sizeof host - 1);
   const std::string text = fmt::format("process {} on {}\n", getpid(), host);
   if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) < 0) {
-    const std::string reason = std::strerror(errno);
+    const std::string reason = adapters::system_reason(errno);
     close(file_);
     throw FileError(fmt::format("{}: cannot be written: {}", path_.string(), reason));
   }

@@ -2,11 +2,10 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string_view>
 
-#include "coupler/results/csv_rows.hpp"
+#include "adapters/hdf5/system_reason.hpp"
 #include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
@@ -59,10 +58,11 @@ void set_aside(const fs::path& path) {
 }  // namespace
 
 RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(folder / "series.csv") {
-  if (resumed_at >= 0) columns_ = remove_rows_after(path_, resumed_at);
+  if (resumed_at >= 0) there_ = remove_rows_after(path_, resumed_at);
 }
 
-void RunSeries::append(const adapters::Json& report) {
+void RunSeries::append(std::int64_t step, const adapters::Json& report) {
+  if (step == there_.last_step) return;
   std::string names, row;
   for (const char* column : series_columns)
     for (const auto& [name, number] : values_now(report, column)) {
@@ -71,14 +71,14 @@ void RunSeries::append(const adapters::Json& report) {
       (names += names.empty() ? "" : ",") += csv_field(name);
       (row += row.empty() ? "" : ",") += number;
     }
-  const bool fresh = names != columns_;
-  if (fresh && !columns_.empty()) set_aside(path_);
+  const bool deleted = !fs::exists(path_), fresh = deleted || names != there_.columns;
+  if (fresh && !deleted && !there_.columns.empty()) set_aside(path_);
   std::ofstream file(path_, fresh ? std::ios::trunc : std::ios::app);
   if (fresh) file << names << '\n';
   file << row << '\n';
   file.close();
-  if (!file) throw FileError(path_.string() + ": cannot be written: " + std::strerror(errno));
-  columns_ = names;
+  if (!file) throw FileError(path_.string() + ": cannot be written: " + adapters::system_reason(errno));
+  there_ = {names, step};
 }
 
 }  // namespace silt::coupler

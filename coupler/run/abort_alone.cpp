@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "adapters/json/json.hpp"
+#include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
 
@@ -18,15 +19,18 @@ namespace {
 /// Writes the report into the open file and gives it its name, if it could be created.
 void leave_report(const adapters::Json& report, int file, const fs::path& part, const fs::path& name) {
   const std::string content = report.text() + "\n";
+  std::error_code ignored;  // it has been said on stderr
   if (file >= 0 && write(file, content.data(), content.size()) == ssize_t(content.size()) && fsync(file) == 0)
-    fs::rename(part, name);
+    fs::rename(part, name, ignored);
+  else
+    fs::remove(part, ignored);
 }
 
 }  // namespace
 
 void abort_alone(const Simulation& simulation, const fs::path& folder, Exit code, const std::string& reason,
                  const std::string& text) {
-  const fs::path part = folder / "report.json.part";
+  const fs::path part = folder / last_words;
   const int file = open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644);
   if (file >= 0 || errno != EEXIST) {
     fmt::print(stderr, "\nsilt: {}\n", text);

@@ -9,7 +9,7 @@ namespace silt::coupler {
 
 /// Says what happened on stderr and in run.log, leaves a short report.json in the folder, and ends the whole
 /// program with MPI_Abort. Of ranks that fail alone at the same time only one speaks: the one that can create
-/// the report's file.
+/// the file `last_words`.
 [[noreturn]] void abort_alone(const Simulation&, const std::filesystem::path& folder, Exit,
                               const std::string& reason, const std::string& text);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -181,6 +182,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
 }  // namespace silt::coupler
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a write above the limit of ulimit -f then fails like another, and is told
   silt::coupler::start_mpi(&argc, &argv);
   int code = 1;
   try {

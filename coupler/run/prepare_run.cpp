@@ -119,6 +119,12 @@ std::string examine_case(const RunOptions& options) {
   return derived_table(scene) + estimate_table(estimate) + listed(warnings);
 }
 
+std::string earlier_options_text(const PreparedRun& prepared) {
+  if (prepared.earlier_options.empty()) return "";
+  return fmt::format(", where {} of the earlier run still holds, until it is set anew",
+                     prepared.earlier_options);
+}
+
 fs::path result_folder(const RunOptions& options) {
   if (options.out) return *options.out;
   const bool is_file = options.directory.extension() == ".toml";
@@ -151,6 +157,7 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
 }
 
 PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
+  require_folder(folder);
   auto there = adapters::list_checkpoints(folder);
   if (there.empty() && !options.checkpoint)
     throw std::runtime_error(

@@ -25,6 +25,9 @@ struct PreparedRun {
   std::string earlier_options;  // of the run that goes on, which still hold
 };
 
+/// Says what else than the case holds of the run that goes on, or "".
+std::string earlier_options_text(const PreparedRun&);
+
 /// Reads and judges a case without running it; returns its derived table and its warnings. CaseError.
 std::string examine_case(const RunOptions&);
 

@@ -6,8 +6,9 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <stdexcept>
+
+#include "adapters/hdf5/system_reason.hpp"
 
 namespace silt::coupler {
 
@@ -53,7 +54,8 @@ Progress::Progress(const RunExtent& run, const std::filesystem::path& log, bool 
   terminal_ = is_on_terminal();
   log_ = std::fopen(log.c_str(), "a");
   if (!log_)
-    throw std::runtime_error(fmt::format("{}: cannot be opened: {}", log.string(), std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("{}: cannot be opened: {}", log.string(), adapters::system_reason(errno)));
 }
 
 Progress::~Progress() {

@@ -23,8 +23,10 @@
 #include "coupler/results/run_series.hpp"
 #include "coupler/results/scene_output.hpp"
 #include "coupler/run/abort_alone.hpp"
+#include "coupler/run/complete_run.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
+#include "coupler/run/reunion.hpp"
 #include "coupler/run/stop_request.hpp"
 #include "cpu/isa.hpp"
 
@@ -44,16 +46,9 @@ std::string quoted(const std::string& argument) {
   return text + "'";
 }
 
-/// Says what else than the case holds of the run that goes on.
-std::string earlier_options_text(const PreparedRun& prepared) {
-  if (prepared.earlier_options.empty()) return "";
-  return fmt::format(", where {} of the earlier run still holds, until it is set anew",
-                     prepared.earlier_options);
-}
-
 class Run {
  public:
-  Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed);
+  Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, Reunion&);
   Exit go();
 
  private:
@@ -61,6 +56,8 @@ class Run {
   RunExtent extent() const;
   bool is_steady() const { return prepared_.steady && prepared_.steady->steady(); }
   bool ended() const { return simulation_.steps_done() >= setup().steps || is_steady(); }
+  const char* reason_of_end() const { return is_steady() ? "steady" : "completed"; }
+  std::string text_of_end() const { return is_steady() ? steady_text() : ""; }
   bool due(const SeriesSpec& series) const;
   void greet();
   void start_outputs();
@@ -71,10 +68,10 @@ class Run {
   void write_outputs();
   void log_departures();
   void checkpoint();
-  adapters::Json write_report_file(const std::string& reason, const std::string& text, bool sound);
   void write_report(const std::string& reason, const std::string& text, bool sound);
   Exit end(Exit, const std::string& reason, const std::string& text);
   [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
+  std::string common_text(const std::exception&);
   std::string stopped_state_text();
   std::string last_checkpoint_text() const;
 
@@ -89,6 +86,7 @@ class Run {
   const double begin_ = MPI_Wtime();
   const adapters::Provenance provenance_;
   StopRequest stop_request_;
+  Reunion& reunion_;
   std::unique_ptr<Progress> progress_;
   std::unique_ptr<BodyOutput> body_output_;
   std::unique_ptr<DepartureLog> departures_;  // on rank 0, where bodies may leave
@@ -96,7 +94,7 @@ class Run {
   std::string last_checkpoint_;
 };
 
-Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed)
+Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, Reunion& reunion)
     : prepared_(std::move(prepared)),
       simulation_(*prepared_.simulation),
       quantities_(*prepared_.quantities),
@@ -107,7 +105,8 @@ Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool 
                    (options.out ? " --out " + quoted(options.out->string()) : "")),
       first_step_(simulation_.steps_done()),
       provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
-      stop_request_(comm_, options.time_limit) {}
+      stop_request_(comm_, options.time_limit),
+      reunion_(reunion) {}
 
 RunExtent Run::extent() const {
   const auto& n = setup().cells;
@@ -127,17 +126,31 @@ Exit Run::go() {
       write_outputs();
       const std::string why = stop_request_.why(simulation_.steps_done());
       if (why.empty() || ended()) continue;
+      const std::string text = fmt::format("{} at step {}; go on with: silt resume {}", why,
+                                           simulation_.steps_done(), resume_with_);
+      write_report("interrupted", text, true);
       checkpoint();
-      return end(Exit::interrupted, "interrupted",
-                 fmt::format("{} at step {}; go on with: silt resume {}", why, simulation_.steps_done(),
-                             resume_with_));
+      return end(Exit::interrupted, "interrupted", text);
     }
-    return is_steady() ? end(Exit::done, "steady", steady_text()) : end(Exit::done, "completed", "");
+    return end(Exit::done, reason_of_end(), text_of_end());
   } catch (const GuardStop& stop) {  // every rank
     return end(Exit::guard, "guard", stop.what() + stopped_state_text() + last_checkpoint_text());
-  } catch (const std::exception& error) {  // every rank: outputs fail together
-    return end(Exit::failed, "error", error.what() + last_checkpoint_text());
+  } catch (const std::exception& error) {
+    return end(Exit::failed, "error", common_text(error) + last_checkpoint_text());
   }
+}
+
+/// Collective, if the error is every rank's: returns what it says, with the rank it comes from. Of this rank
+/// alone it ends everything.
+std::string Run::common_text(const std::exception& error) {
+  const auto* common = dynamic_cast<const adapters::CommonError*>(&error);
+  const std::string text = adapters::text_of(error);
+  const Scene& scene = simulation_.scene();
+  if (scene.ranks == 1) return text;
+  const std::string of_rank =
+      fmt::format("step {}, rank {}: {}", simulation_.steps_done(), common ? common->rank : scene.rank, text);
+  if (!reunion_.all_here()) fail_alone(Exit::failed, "error", of_rank);
+  return of_rank;
 }
 
 /// One step. What goes wrong on this rank leaves the others waiting for it: unless it is alone, that ends
@@ -240,10 +253,12 @@ void Run::write_outputs() {
   if (due(output.fields)) write_flow_fields(simulation_, output.fields, folder_, provenance_);
   for (const FieldsSpec& slice : output.slices)
     if (due(slice)) write_flow_fields(simulation_, slice, folder_, provenance_);
-  if (save && ended())
-    write_report_file("running", "", true);  // a run that is complete by its checkpoint writes none on resume
+  // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
+  if (ended() && save)
+    write_report(reason_of_end(), text_of_end(), true);
+  else if (report && !ended())
+    write_report("running", "", true);
   if (save) checkpoint();
-  if (report && !ended()) write_report("running", "", true);
 }
 
 /// Collective: what left since the last look goes to the log and to departures.csv.
@@ -276,8 +291,8 @@ std::string Run::stopped_state_text() {
     if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
     if (body_output_) body_output_->append(simulation_);
     return fmt::format("\nthe state it stopped in: {}", path.string());
-  } catch (const std::exception& error) {  // on every rank
-    return fmt::format("\nthe state it stopped in could not be written: {}", error.what());
+  } catch (const std::exception& error) {
+    return fmt::format("\nthe state it stopped in could not be written: {}", common_text(error));
   }
 }
 
@@ -308,19 +323,16 @@ void Run::greet() {
   progress_->say(fmt::format("results go to {}", folder_.string()));
 }
 
-/// Collective: writes report.json alone, and returns it.
-adapters::Json Run::write_report_file(const std::string& reason, const std::string& text, bool sound) {
-  const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
-  adapters::Json report = report_of(simulation_, quantities_, status);
-  adapters::on_rank_0(comm_, [&] { write_text(folder_ / "report.json", report.text()); });
-  return report;
-}
-
-/// Collective: writes report.json and its row of series.csv.
+/// Collective: writes report.json and, unless it is there, its row of series.csv.
 void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
-  const adapters::Json report = write_report_file(reason, text, sound);
-  adapters::on_rank_0(comm_, [&] {
-    if (series_ && sound) series_->append(report);
+  const fs::path path = folder_ / "report.json";
+  adapters::naming(path.string(), [&] {
+    const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
+    const adapters::Json report = report_of(simulation_, quantities_, status);
+    adapters::on_rank_0(comm_, [&] {
+      if (series_ && sound) series_->append(simulation_.steps_done(), report);
+      write_text(path, report.text());
+    });
   });
 }
 
@@ -334,7 +346,8 @@ Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   try {
     write_report(reason, text, code != Exit::guard);
   } catch (const std::exception& error) {
-    if (loud && error.what() != text) fmt::print(stderr, "silt: {}\n", error.what());
+    const std::string found = common_text(error);
+    if (loud && !text.starts_with(found)) fmt::print(stderr, "silt: {}\n", found);
     if (code == Exit::done) return Exit::failed;
   }
   return code;
@@ -349,33 +362,25 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   const fs::path folder = result_folder(options);
+  Reunion reunion(comm);
   PreparedRun prepared;
   try {
     prepared = prepare(options, comm, folder);
   } catch (const std::exception& error) {
-    if (rank == 0) fmt::print(stderr, "{}\n", error.what());
+    const bool alone = !reunion.all_here();
+    if (alone || rank == 0)
+      fmt::print(stderr, "{}{}\n", alone ? fmt::format("silt: rank {}: ", rank) : "",
+                 adapters::text_of(error));
+    std::fflush(stderr);
+    if (alone) MPI_Abort(comm, int(Exit::failed));
     return dynamic_cast<const FileError*>(&error) ? Exit::failed : Exit::bad_case;
   }
-  const std::int64_t step = prepared.simulation->steps_done(), steps = prepared.simulation->setup().steps;
-  if (resumed && step >= steps) {
-    if (rank == 0)
-      fmt::print(
-          "the run is complete: it has done {} of {} steps{}; to go on, raise run.steps (--set "
-          "run.steps={})\n",
-          step, steps, earlier_options_text(prepared), 2 * steps);
-    return Exit::done;
-  }
-  if (resumed && prepared.steady && prepared.steady->steady()) {
-    if (rank == 0)
-      fmt::print(
-          "the run is complete: {} was steady at step {}; to go on, lower run.steady.change (--set "
-          "run.steady.change={})\n",
-          prepared.simulation->setup().steady->quantity, step,
-          shown(prepared.simulation->setup().steady->change / 10));
-    return Exit::done;
+  if (const std::string complete = resumed ? complete_text(prepared) : ""; !complete.empty()) {
+    if (rank == 0) fmt::print("{}", complete);
+    if (!lacks_final_report(folder, *prepared.simulation)) return Exit::done;
   }
   catch_signals();  // until here there is nothing to lose, and they end the program at once
-  return Run(std::move(prepared), folder, options, resumed).go();
+  return Run(std::move(prepared), folder, options, resumed, reunion).go();
 }
 
 }  // namespace

@@ -36,9 +36,6 @@ class Proposal {
   /// folder for messages: MPI starts in 0.07 s instead of 0.5, and on 8 ranks in 0.6 instead of 0.8 (Open MPI
   /// 4.1).
   Proposal() {
-    // The usual component for shared file pointers, which nothing here uses, overflows with paths above 240
-    // bytes. It is looked up when the first file is opened: this one stays.
-    setenv("OMPI_MCA_sharedfp", "individual", 0);
     // To read another rank's memory is forbidden in most containers.
     set("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
     if (is_alone()) {

@@ -34,6 +34,17 @@ class Commands(SiltTest):
         command("clean", self.case, "--all", "--yes")
         self.assertEqual([path.name for path in self.case.iterdir()], ["case.toml"])
 
+    def test_clean_keeps_a_link(self):
+        disk = pathlib.Path(self.scratch.name) / "disk"
+        disk.mkdir()
+        self.out.symlink_to(disk)
+        for _ in range(2):
+            self.silt("run", self.case, "--steps", 1)
+        command("clean", self.case, "--yes")
+        self.assertEqual([path.name for path in disk.iterdir()], ["out.1"])
+        command("clean", self.case, "--all", "--yes")
+        self.assertEqual([path.name for path in self.out.iterdir()], [])
+
     def test_clean_leaves_a_run_alone(self):
         run = subprocess.Popen(self.command(["run", self.case, "--steps", 1000000], 1), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:

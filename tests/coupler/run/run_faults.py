@@ -3,6 +3,7 @@
 that are none, long paths. run_faults.py SILT [TEST]"""
 import os
 import pathlib
+import re
 import resource
 import shutil
 import signal
@@ -238,6 +239,87 @@ class Faults(SiltTest):
         self.silt("resume", self.case, "--set", "run.steps=30", "--out", out, ranks=3)
         self.assertEqual(self.report(out)["steps"], 30)
         self.assertIn("name too long", self.silt("run", self.case, "--out", "a" * 300, code=1).stderr)
+
+    def test_results_go_where_a_link_points(self):
+        target = pathlib.Path(self.scratch.name) / "disk" / "results"
+        target.mkdir(parents=True)
+        (target / "notes.txt").write_text("mine")
+        self.out.symlink_to("../disk/results")
+        self.silt("run", self.case, "--steps", 25)
+        first = self.report(target)
+        self.assertIn(f"the earlier results are now in {self.out / 'out.1'}", self.silt("run", self.case, "--steps", 30).stdout)
+        self.assertEqual(self.report(target / "out.1"), first)
+        self.assertEqual(self.report(target)["steps"], 30)
+        for extra, steps in ((["resume"], 35), (["run", "--overwrite"], 40), (["run"], 45)):
+            self.silt(extra[0], self.case, *extra[1:], "--set", f"run.steps={steps}", ranks=2)
+            self.assertEqual(self.report(target)["steps"], steps)
+        self.assertEqual(self.report(target / "out.1"), first)
+        self.assertEqual(self.report(target / "out.2")["steps"], 40)
+        self.assertTrue(self.out.is_symlink())
+        self.assertEqual([path.name for path in target.parent.iterdir()], ["results"])
+        self.assertEqual((target / "notes.txt").read_text(), "mine")
+        self.assertEqual(sorted(path.name for path in self.case.iterdir()), ["case.toml", "out"])
+
+    def test_links_that_lead_to_no_folder(self):
+        (self.case / "loop").symlink_to("out")
+        for target, text, ranks in (("../scratch/gone", "is a link to ../scratch/gone, which is not there: make that folder", 2),
+                                    ("loop", "is a link that leads back to itself", 1),
+                                    ("case.toml", "is a link to case.toml, a file; the results need a folder", 1),
+                                    ("/proc/self", "run.lock: cannot be made: ", 1)):
+            self.out.symlink_to(target)
+            self.assertIn(text, self.silt("run", self.case, ranks=ranks, code=1).stderr)
+            self.assertIn(f"{self.out}", self.silt("resume", self.case, code=None).stderr)
+            self.assertTrue(self.out.is_symlink())
+            self.out.unlink()
+
+    def test_results_in_a_folder_that_cannot_be_moved(self):
+        """The working folder, and a disk of its own where the test may mount one."""
+        self.out.mkdir()
+        for steps in (25, 30):
+            self.silt("run", self.case, "--out", ".", "--steps", steps, cwd=self.out)
+        self.assertEqual([self.report(self.out / below)["steps"] for below in (".", "out.1")], [30, 25])
+        mount = ["unshare", "--mount", "bash", "-c"]
+        if os.geteuid() == 0 and subprocess.run([*mount, "mount -t tmpfs tmpfs /mnt"], capture_output=True).returncode == 0:
+            volume = self.case / "volume"
+            volume.mkdir()
+            runs = " && ".join(f"mkdir -p {volume}/lost+found && {SILT} run {self.case} --out {volume} {options}"
+                               for options in ("--steps 25", "--steps 30", "--steps 35 --overwrite", "--steps 40"))
+            result = subprocess.run([*mount, f"mount -t tmpfs tmpfs {volume} && {runs} && cat {volume}/volume.1/report.json "
+                                     f"{volume}/volume.2/report.json {volume}/report.json && ls {self.case}"],
+                                    capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            self.assertEqual(re.findall(r'^  "steps": (\d+)', result.stdout, re.MULTILINE), ["25", "35", "40"])
+            self.assertNotIn("volume.", result.stdout.splitlines()[-2:])
+
+    def test_a_limit_of_file_sizes_is_told(self):
+        for limit in (0, 30000, 300000):
+            result = self.run_silt("run", self.case, "--overwrite",
+                                   preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+            self.assertEqual(result.returncode, 1, result.stderr)
+            self.assertRegex(result.stderr, rf"{self.out}/[\w.]+: .*File too large .*ulimit -f")
+
+    def test_rows_and_report_of_a_run_that_was_complete(self):
+        """As one that was killed after its last checkpoint may have left them."""
+        self.write(CASE.replace("[output]", "[output]\nreport = { every = 20 }"))
+        self.silt("run", self.case)
+        whole, rows = self.report(), (self.out / "series.csv").read_text().splitlines()
+        (self.out / "report.json").write_text((self.out / "report.json").read_text().replace('"completed"', '"running"'))
+        (self.out / "series.csv").write_text("".join(row + "\n" for row in rows[:-1]) + rows[-1][:7])
+        self.assertIn("the run is complete", self.silt("resume", self.case).stdout)
+        self.assertEqual([self.report()[key] for key in ("exit_reason", "state_hash")], ["completed", whole["state_hash"]])
+        there = (self.out / "series.csv").read_text().splitlines()
+        self.assertEqual([row.split(",")[:2] for row in there], [row.split(",")[:2] for row in rows])
+        content = (self.out / "report.json").read_text()
+        self.silt("resume", self.case)
+        self.assertEqual((self.out / "report.json").read_text(), content)
+        for begun in (None, rows[0][:30]):  # a series that was deleted, or killed in its first line
+            (self.out / "series.csv").unlink()
+            if begun:
+                (self.out / "series.csv").write_text(begun)
+            self.silt("resume", self.case, "--set", f"run.steps={80 if begun else 70}")
+            there = (self.out / "series.csv").read_text().splitlines()
+            self.assertEqual([there[0], len(there)], [rows[0], 2])
+        self.assertFalse((self.out / "series.1.csv").exists())
 
     def test_results_that_cannot_be_written(self):
         for ranks in (1, 2):

@@ -1,0 +1,39 @@
+#include "coupler/run/complete_run.hpp"
+
+#include <fmt/format.h>
+
+#include "adapters/hdf5/together.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/derived_table.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/results/report.hpp"
+
+namespace silt::coupler {
+
+std::string complete_text(const PreparedRun& prepared) {
+  const Case& setup = prepared.simulation->setup();
+  const std::int64_t step = prepared.simulation->steps_done();
+  if (step >= setup.steps)
+    return fmt::format(
+        "the run is complete: it has done {} of {} steps{}; to go on, raise run.steps (--set "
+        "run.steps={})\n",
+        step, setup.steps, earlier_options_text(prepared), 2 * setup.steps);
+  if (prepared.steady && prepared.steady->steady())
+    return fmt::format(
+        "the run is complete: {} was steady at step {}; to go on, lower run.steady.change (--set "
+        "run.steady.change={})\n",
+        setup.steady->quantity, step, shown(setup.steady->change / 10));
+  return "";
+}
+
+bool lacks_final_report(const std::filesystem::path& folder, const Simulation& simulation) {
+  const std::int64_t step = simulation.steps_done();
+  if (step > simulation.setup().steps) return false;
+  int lacks = 0;
+  adapters::on_rank_0(simulation.scene().comm,
+                      [&] { lacks = !is_final_report(folder / "report.json", step); });
+  MPI_Bcast(&lacks, 1, MPI_INT, 0, simulation.scene().comm);
+  return lacks;
+}
+
+}  // namespace silt::coupler
