@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rigid/collision/facet_curvature.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
@@ -42,6 +43,18 @@ constexpr double least_roundness = 0.02;
 
 /// Cosine of the angle up to which the normals of one gap differ.
 constexpr double same_gap = 0.95;
+
+/// Of a contact whose arms reach to either body's own surface: puts them where its impulse acts
+/// (rigid/README.md, The arms).
+void set_arms(const BodySet& bodies, const CandidatePair& p, const ContactPoint& point, Contact& c) {
+  const bool a_moves = bodies.is_dynamic(p.row_a), b_moves = bodies.is_dynamic(p.row_b);
+  if (!c.lubrication && !(a_moves && b_moves)) return;
+  const double mass_a = bodies.mass[p.row_a], mass_b = bodies.mass[p.row_b];
+  const double share = !b_moves ? 0 : !a_moves ? 1 : c.lubrication ? 0.5 : mass_a / (mass_a + mass_b);
+  const Vec3 across = point.on_b - point.on_a;
+  c.r_a += share * across;
+  c.r_b -= (1 - share) * across;
+}
 
 /// Canonical and inside the domain also where a contact point lies behind a wall.
 Vec3 into_domain(const Extent& extent, Vec3 x) {
@@ -258,10 +271,11 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
   const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
       pose_b{from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.pieces() == 1 && b.pieces() == 1, with_mesh = a.mesh || b.mesh;
-  const bool at_wall = is_wall(bodies.id[p.row_b]);
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
+  double least_gap = std::numeric_limits<double>::infinity();
+  Vec3 narrowest = Vec3::Zero();  // middle of that gap
   for (std::size_t i = 0; i < a.pieces(); ++i)
     for (std::size_t j = 0; j < b.pieces(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
@@ -270,22 +284,19 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
       collide_pieces(of_a, of_b, margin, call.backend);
       const std::size_t first_of_pieces = contacts.size();
       for (const ContactPoint& point : points_) {
-        // one common point for both, midway, so that friction keeps angular momentum; a wall has none to keep
-        const Vec3 common = at_wall ? point.on_a : Vec3(0.5 * (point.on_a + point.on_b));
         const std::uint64_t feature =
             with_mesh ? packed_mesh_feature(i + j, point.feature) : packed_feature(i, j, point.feature);
         contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, feature, point.normal, point.gap,
-                            common, common - from_a_to_b, material.restitution, material.friction});
+                            point.on_a, point.on_b - from_a_to_b, material.restitution, material.friction});
         if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
           put_lubrication(call, p, of_a, of_b, point, contacts.back());
+        set_arms(bodies, p, point, contacts.back());
+        if (point.gap < least_gap) least_gap = point.gap, narrowest = 0.5 * (point.on_a + point.on_b);
       }
       let_pass(call, p, of_a, of_b, from_a_to_b, std::span(contacts).subspan(first_of_pieces));
     }
   if (contacts.size() == first) return;
-  const Contact& deepest =
-      *std::min_element(contacts.begin() + first, contacts.end(),
-                        [](const Contact& c, const Contact& d) { return c.gap < d.gap; });
-  const Vec3 reference = into_domain(call.exchange.extent(), bodies.position[p.row_a] + deepest.r_a);
+  const Vec3 reference = into_domain(call.exchange.extent(), bodies.position[p.row_a] + narrowest);
   if (!call.exchange.owns_contact_at(reference)) contacts.resize(first);
   if (world.lubrication) count_lubrication(*world.lubrication, std::span(contacts).subspan(first));
 }

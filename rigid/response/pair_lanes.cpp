@@ -247,7 +247,9 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
   const Contact& c = p.contacts[k];
   const Mat3 response = compliance(p, c);
   const Vec3 k_normal = response * c.normal;
-  set(lanes.r, l, c.r_a);
+  // where a's mass is infinite its own points may lie apart from those on b, which are the arms of impulses
+  const Vec3 r = p.a.inverse_mass > 0 ? c.r_a : Vec3(c.r_b - (p.contacts[0].r_b - p.contacts[0].r_a));
+  set(lanes.r, l, r);
   set(lanes.normal, l, c.normal);
   set(lanes.k_normal, l, k_normal);
   lanes.normal_impulse[l] = lanes.last_normal[l] = p.impulses[k].normal;
