@@ -12,6 +12,7 @@ import os
 import pathlib
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -217,8 +218,18 @@ class Bench:
 
     def run(self, *arguments, ranks=1):
         start = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet", "-np", str(ranks)] if ranks > 1 else []
-        return subprocess.run([*start, self.silt, *map(str, arguments)], capture_output=True, text=True, timeout=LIMIT,
-                              env=ENVIRONMENT, stdin=subprocess.DEVNULL)
+        process = subprocess.Popen([*start, self.silt, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True, env=ENVIRONMENT, stdin=subprocess.DEVNULL, start_new_session=True)
+        try:
+            out, errors = process.communicate(timeout=LIMIT)
+        except subprocess.TimeoutExpired:
+            process.terminate()  # mpirun ends its ranks
+            try:
+                process.communicate(timeout=LIMIT)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+            raise
+        return subprocess.CompletedProcess(process.args, process.returncode, out, errors)
 
     def newest(self, case):
         return sorted((self.folder / (case + ".good")).glob("checkpoint_*.h5"))[-1].name
