@@ -8,6 +8,7 @@
     series.of_body(7, "velocity")               (times, values) of one body
     series.columns                              every column, by name: contact_force only where it was asked for
     series.unit("velocity")                     "m/s"
+    series.write_positions("settled.csv", "ball")    the poses of a kind at the end, as positions of another case
     series.meshes[kind]                         the surfaces of a kind's convex parts (body_shapes.Mesh)
 An append that was cut off by a killed run is left out.
 """
@@ -102,6 +103,21 @@ class BodySeries:
         """Returns the times and values of a column for one body."""
         rows = np.flatnonzero(self.columns["id"] == body)
         return np.repeat(self.time, self.count)[rows], self.columns[name][rows]
+
+    def write_positions(self, path, kind, index=-1):
+        """Writes the bodies of a kind at one time as `positions` of a [[bodies]] entry: where their centres of mass are, how
+        they are turned and how they move, each number so that it is read back to the bit."""
+        if kind not in self.kinds:
+            raise ValueError(f"there is no kind {kind}; there are {', '.join(self.kinds)}")
+        rows = self.at(index)
+        chosen = rows["kind"] == self.kinds.index(kind)
+        if not chosen.any():
+            raise ValueError(f"there is no body of the kind {kind} at time {self.time[index]:g}")
+        numbers = np.hstack([rows[name][chosen] for name in ("position", "orientation", "velocity", "angular_velocity")])
+        names = ["x", "y", "z", *(f"orientation.{a}" for a in "wxyz"), *(f"{of}.{a}" for of in ("velocity", "angular_velocity") for a in "xyz")]
+        lines = [f"# {kind!r} at step {self.step[index]}: the positions are those of centres of mass", ",".join(names),
+                 *(",".join(map(repr, row)) for row in numbers.tolist())]
+        pathlib.Path(path).write_text("\n".join(lines) + "\n")
 
     def unit(self, name):
         return text(self.units[name])

@@ -17,7 +17,94 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import silt_results  # noqa: E402
 
 
+# Bodies of several kinds come to rest on one another.
+SETTLING = """
+[units]
+system = "si"
+cell_size = 0.003
+time_step = 0.0007
+[domain]
+size = [0.096, 0.096, 0.12]
+boundary = { x = "periodic", y = "periodic", z = "no-slip" }
+[gravity]
+acceleration = [0, 0, -3.1]
+[contacts]
+friction = 0.3
+[[shapes]]
+name = "rock"
+type = "box"
+edges = [0.022, 0.022, 0.006]
+[[shapes]]
+name = "club"
+type = "compound"
+parts = [{ type = "sphere", radius = 0.01 }, { type = "box", edges = [0.04, 0.008, 0.008] }]
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 0.009
+ROCKS
+[[bodies]]
+shape = "club"
+density = 1500
+CLUBS
+[[bodies]]
+shape = "ball"
+density = 2500
+BALLS
+[run]
+steps = 600
+[output]
+bodies = { every = 200 }
+"""
+PLACES = {"ROCKS": """[[bodies]]
+shape = "rock"
+name = "rocks, \\"small\\""
+density = 2000
+positions = [[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.06, 0.06, 0.02]]
+axis = [1, 1, 3]""", "CLUBS": "positions = [[0.01, 0.03, 0.08], [0.04, 0.07, 0.06]]\nangular_velocity = [1, 2, 3]",
+          "BALLS": "positions = [[0.02, 0.08, 0.02], [0.07, 0.05, 0.05], [0.08, 0.08, 0.09]]\nvelocity = [0.1, 0.07, 0]"}
+
+
 class PositionFiles(SiltTest):
+    def test_another_case_begins_with_them(self):
+        for system in ("si", "lattice"):
+            self.write(self.text(PLACES, system))
+            self.silt("run", self.case, "--overwrite")
+            bodies = silt_results.open(self.case).bodies
+            for index in (-1, 2):
+                filed = {}
+                for number, (mark, kind) in enumerate(zip(PLACES, bodies.kinds)):
+                    bodies.write_positions(self.case / f"{number}.csv", kind, index)
+                    filed[mark] = f'positions = "{number}.csv"'
+                    if mark == "ROCKS":
+                        filed[mark] = f'[[bodies]]\nshape = "rock"\ndensity = 2000\n{filed[mark]}'
+                self.write(self.text(filed, system).replace("steps = 600", "steps = 1"))
+                for ranks in (1, 3):
+                    self.silt("run", self.case, "--out", self.case / "again", "--overwrite", ranks=ranks)
+                    self.same(bodies.at(index), silt_results.open(self.case / "again").bodies.at(0), system)
+
+    def text(self, places, system):
+        text = SETTLING
+        for mark, place in places.items():
+            text = text.replace(mark, place)
+        if system == "si":
+            return text
+        text = text.replace('"si"', '"lattice"').replace("cell_size = 0.003\ntime_step = 0.0007\n", "")
+        text = re.sub(r"density = (\d)(\d)00", r"density = \1.\2", text).replace("-3.1]", "-5e-4]").replace("velocity = [0.1, 0.07", "velocity = [0.02, 0.01")
+        text = text.replace("[1, 2, 3]", "[1e-3, 2e-3, 3e-3]")
+
+        def lengths(found):
+            return re.sub(r"\d+\.\d+", lambda m: f"{float(m[0]) / 0.003:.4g}", found[0])
+        return re.sub(r"^(size|edges|parts|radius|positions) = .*", lengths, text, flags=re.M)
+
+    def same(self, before, after, system):
+        for name in ("position", "orientation", "velocity", "angular_velocity"):
+            a, b = before[name], after[name]
+            # in SI units a number is divided and multiplied by its unit on the way, each time rounded
+            far = np.abs(a - b) > (np.spacing(np.abs(a)) if system == "si" and name != "orientation" else 0)
+            self.assertFalse(far.any(), (system, name, a[far], b[far]))
+        self.assertTrue((np.abs(before["velocity"]) > 0).any() and (np.abs(before["orientation"][:, 1:]) > 0.01).any())
+
     def test_what_cannot_be_is_refused(self):
         header = "x,y,z,velocity.x,velocity.y,velocity.z\n"
         for text, key, said in ((header + "6,8,8,1e-3,0,0\n", "velocity = [0, 0, 0]", "velocity is given, and 'p.csv' has columns of it: remove one of the two"),
