@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/explicit_limit.hpp"
 #include "coupler/case/time_step_cure.hpp"
@@ -160,15 +161,16 @@ std::string overlap_text(const Case& scene, const rigid::Contact& c, double half
   const std::string shorter = shorter_step(scene);
   const bool swept = rigid::resolver_models().front().name == scene.contacts.resolver;
   return fmt::format(
-      "step {}: bodies {} and {} overlap by {}{}, deeper than half the width of one ({}), and "
+      "step {}: {} and {} overlap by {}{}, deeper than half the width of one ({}), and "
       "contacts do not hold them; raise {}contacts.substeps (now {}){}, or use densities that differ less",
-      step, c.a, c.b, shown(-c.gap), in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width),
-      swept ? sweeps : "", scene.contacts.substeps, shorter.empty() ? "" : ", use " + shorter);
+      step, body_name(scene, c.a), body_name(scene, c.b), shown(-c.gap),
+      in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width), swept ? sweeps : "",
+      scene.contacts.substeps, shorter.empty() ? "" : ", use " + shorter);
 }
 
 std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step,
                           std::optional<int> rank) {
-  return fmt::format("step {}: a force on a body is out of range{} ({}); {}", step,
+  return fmt::format("step {}: a force is out of range{} ({}); {}", step,
                      rank ? fmt::format(" on rank {}", *rank) : "", what,
                      scene.fluid ? flow_remedy(scene) : contact_remedy(scene));
 }

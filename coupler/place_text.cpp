@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -30,7 +31,7 @@ double distance_of(const Scene& scene, std::size_t row, Vec3 point) {
 }
 
 std::string name_of(const Scene& scene, std::size_t row) {
-  return row < scene.bodies.first_wall() ? fmt::format("body {}", scene.bodies.id[row]) : "a wall";
+  return body_name(scene.setup, scene.bodies.id[row]);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/reduce.hpp"
@@ -108,7 +109,8 @@ auto Simulation::guarded(Work&& work) {
     return work();
   } catch (const ForceOutOfRange& found) {
     if (faults_.under_way()) tell(faults_.finish());  // what made it so
-    throw CommonGuardStop(overflow_text(setup(), found.what(), step_));
+    const std::string what = fmt::format("the force on {} {}", body_name(setup(), found.on), found.what());
+    throw CommonGuardStop(overflow_text(setup(), what, step_));
   }
 }
 

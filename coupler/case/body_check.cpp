@@ -129,7 +129,7 @@ void check_fill_volumes(const Case& scene, Findings& findings) {
 
 void check_fill_rooms(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.fills.size(); ++i) try {
-      const double radius = bounding_ball(scene.shapes[scene.fills[i].shape]).radius;
+      const double radius = rigid::bounding_radius(scene.shapes[scene.fills[i].shape]);
       if (scene.fills[i].arrangement == Arrangement::random)
         room_for_centres(scene, i, radius);
       else

@@ -18,9 +18,12 @@ struct BodySpec {  // one body
   std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: the case says where it is
   double density = 1;       // relative to the fluid's (lattice)
   rigid::Motion motion = rigid::Motion::free;
-  rigid::Pose pose;   // of the shape as the case gives it, not of its centre of mass
+  rigid::Pose pose;   // of the centre of mass
   bool unit = false;  // the orientation is of length 1 as it stands, to the last bit: as a file has it
+  rigid::Vec3 origin = rigid::Vec3::Zero();  // the point that a position of the case places, from the centre
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+
+  rigid::Vec3 given_position() const { return pose.to_world(origin); }
 };
 
 /// Bodies of one [[bodies]] entry whose positions stand in a file.

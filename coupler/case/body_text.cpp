@@ -8,6 +8,13 @@
 
 namespace silt::coupler {
 
+std::string body_name(const Case& scene, rigid::BodyId id) {
+  if (!rigid::is_wall(id)) return fmt::format("body {}", id);
+  if (id < rigid::first_tube_id)
+    return fmt::format("the side {}", side_names[Side(id - rigid::first_wall_id)]);
+  return fmt::format("the wall '{}'", scene.walls[id - rigid::first_tube_id].name);
+}
+
 std::string entry_key(int entry) {
   return fmt::format("bodies[{}]", entry);
 }

@@ -44,7 +44,8 @@ struct Case {
 
   // material 0 is "default": of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
-  rigid::ShapeList shapes;                      // as given (a compound need not be centred)
+  rigid::ShapeList shapes;                 // each about its centre of mass
+  std::vector<rigid::Vec3> shape_origins;  // where the origin is that the case gives each about, in its frame
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FiledBodies> filed;

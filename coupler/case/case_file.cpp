@@ -47,7 +47,7 @@ void read_sections(TableReader reader, Case& scene) {
   read_fluid(reader, scene);
   read_contacts(reader, scene);
   read_walls(reader, scene.material_names, scene.walls);
-  read_shapes(reader, scene.shape_names, scene.shapes);
+  read_shapes(reader, scene);
   read_bodies(reader, scene);
   read_fills(reader, scene);
   read_outflows(reader, scene);

@@ -18,7 +18,7 @@ void read_domain(TableReader& root, Case&);  // [domain]
 void read_fluid(TableReader& root, Case&);   // [fluid], [coupling], [gravity]
 
 // read_shapes.cpp
-void read_shapes(TableReader& root, std::vector<std::string>& names, rigid::ShapeList&);  // [[shapes]]
+void read_shapes(TableReader& root, Case&);  // [[shapes]]
 /// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);

@@ -15,7 +15,7 @@ CurvedWalls::CurvedWalls(const Case& scene) {
     if (const auto* tube = wall.tube())
       tubes_.push_back({{tube->radius}, rigid::pose_of(*tube)});
     else if (const auto* mesh = wall.mesh())
-      meshes_.push_back({mesh->mesh, mesh->motion.pose(mesh->start, 0)});
+      meshes_.push_back({mesh->mesh, mesh->pose(0)});
 }
 
 bool CurvedWalls::are_clear_of(const Vec3& centre, double radius) const {

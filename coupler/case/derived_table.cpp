@@ -64,8 +64,7 @@ void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {
   if (const auto* tube = wall.tube())
     return table.quantity("tube '" + wall.name + "', radius", tube->radius, dimension::length, "m", "cells");
   const MeshWall& mesh = *wall.mesh();
-  const rigid::BoundingBox box =
-      rigid::Mesh{mesh.mesh.surface, false}.bounding_box(mesh.motion.pose(mesh.start, 0));
+  const rigid::BoundingBox box = rigid::Mesh{mesh.mesh.surface, false}.bounding_box(mesh.pose(0));
   const auto from_to = [&](double scale) {
     std::string text;
     for (int d = 0; d < 3; ++d)
@@ -168,13 +167,13 @@ std::int64_t most_bodies_of(const Case& scene, std::size_t fill) {
   const FillSpec& spec = scene.fills[fill];
   if (spec.count > 0) return spec.count;
   return static_cast<std::int64_t>(
-      lattice_of(scene, fill, bounding_ball(scene.shapes[spec.shape]).radius).total());
+      lattice_of(scene, fill, rigid::bounding_radius(scene.shapes[spec.shape])).total());
 }
 
 /// What curved walls leave of the room for the bodies' centres, which keep clear of flat ones already.
 void add_room(const Case& scene, Table& table, std::size_t fill) {
   if (scene.walls.empty()) return;
-  const double radius = bounding_ball(scene.shapes[scene.fills[fill].shape]).radius;
+  const double radius = rigid::bounding_radius(scene.shapes[scene.fills[fill].shape]);
   const double share =
       CurvedWalls(scene).share_left(room_for_centres(scene, fill, radius), radius + scene.fills[fill].gap);
   table.line("  room for centres", fmt::format("{:.0f} % of the box: walls take the rest", 100 * share));

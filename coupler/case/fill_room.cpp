@@ -23,11 +23,6 @@ namespace {
 
 }  // namespace
 
-BoundingBall bounding_ball(const rigid::Shape& shape) {
-  const rigid::Vec3 centre = rigid::mass_properties(shape).centre;
-  return {centre, rigid::bounding_radius(rigid::recentred(shape, centre))};
-}
-
 rigid::BoundingBox room_for_centres(const Case& scene, std::size_t index, double radius) {
   const FillSpec& fill = scene.fills[index];
   const rigid::Extent extent = extent_of(scene);

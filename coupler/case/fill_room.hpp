@@ -9,13 +9,6 @@ namespace silt::coupler {
 
 struct Case;
 
-/// The sphere about the centre of mass that holds a shape.
-struct BoundingBall {
-  rigid::Vec3 centre_of_mass = rigid::Vec3::Zero();  // in the frame the case gives the shape in
-  double radius = 0;
-};
-BoundingBall bounding_ball(const rigid::Shape&);
-
 /// Returns the box of a fill less a radius, and less the gap too where a side of the box is a wall; all of
 /// [0, length] along a periodic axis that the box covers. CaseError if not one body fits.
 rigid::BoundingBox room_for_centres(const Case&, std::size_t fill, double radius);

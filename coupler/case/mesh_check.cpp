@@ -53,7 +53,7 @@ void check_features(const Case& scene, Findings& findings, std::size_t index, co
     findings.warning(
         wall_key(index, "file"),
         fmt::format("walls[{}] has {} of {} at {}, {}; use smaller cells, or a mesh without it", index, what,
-                    shown_length(scene, found.width), shown_point(scene, wall.start.to_world(found.place)),
+                    shown_length(scene, found.width), shown_point(scene, wall.pose(0).to_world(found.place)),
                     found.width < thin ? "thinner than a cell: parts of it are missing on the lattice"
                                        : "less than two cells: the flow about it is not resolved"));
   };
@@ -68,8 +68,7 @@ constexpr int looks = 1000;  // instants of a motion that is looked at
 bool check_place_at(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall,
                     double step) {
   constexpr double beyond = 3;  // cells: of the map's ghost layers
-  const rigid::BoundingBox box =
-      rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.motion.pose(wall.start, step));
+  const rigid::BoundingBox box = rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.pose(step));
   bool good = true;
   for (int d = 0; d < 3; ++d) {
     const double low = box.lower[d], high = box.upper[d], size = scene.cells[d];
@@ -101,18 +100,17 @@ void check_place(const Case& scene, Findings& findings, std::size_t index, const
     if (!check_place_at(scene, findings, index, wall, std::floor(double(scene.steps) * k / looks))) return;
 }
 
-/// Largest speed of a point at `radius` from the reference point, looked for in so many instants.
+/// Largest speed of a point of the wall, looked for in so many instants.
 double fastest(const Case& scene, const MeshWall& wall) {
   double speed = 0;
-  for (int k = 0; k <= looks; ++k) {
-    const auto v = wall.motion.velocity_at(static_cast<double>(scene.steps) * k / looks);
-    speed = std::max(speed, v.linear.norm() + v.angular.norm() * wall.mesh.surface->radius());
-  }
-  for (std::size_t k = 0; k + 1 < wall.motion.table.size(); ++k) {
-    const double middle = 0.5 * (wall.motion.table[k].time + wall.motion.table[k + 1].time);
-    const auto v = wall.motion.velocity_at(middle);
-    speed = std::max(speed, v.linear.norm() + v.angular.norm() * wall.mesh.surface->radius());
-  }
+  const double reach = wall.reach();
+  const auto look = [&](double time) {
+    const auto v = wall.motion.velocity_at(time);
+    speed = std::max(speed, v.linear.norm() + v.angular.norm() * reach);
+  };
+  for (int k = 0; k <= looks; ++k) look(static_cast<double>(scene.steps) * k / looks);
+  for (std::size_t k = 0; k + 1 < wall.motion.table.size(); ++k)
+    look(0.5 * (wall.motion.table[k].time + wall.motion.table[k + 1].time));
   return speed;
 }
 

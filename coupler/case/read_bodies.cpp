@@ -6,6 +6,7 @@
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_extent.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -186,6 +187,12 @@ std::vector<Vec3> read_positions(TableReader& table, const Units& units) {
   return positions;
 }
 
+/// The point of a shape, from its centre of mass, that positions of bodies name.
+Vec3 read_origin(TableReader& table, int shape, const Case& scene) {
+  const bool centre = table.choice("origin", {"shape", "centre"}) == "centre";
+  return centre || scene.shapes.empty() ? Vec3(Vec3::Zero()) : scene.shape_origins[shape];
+}
+
 }  // namespace
 
 int read_material_name(TableReader& table, const std::vector<std::string>& material_names) {
@@ -253,6 +260,7 @@ void read_bodies(TableReader& root, Case& scene) {
     body.density = read_density(table);
     body.motion = table.choice("motion", motion_names).value_or(body.motion);
     body.pose.orientation = read_orientation(table);
+    body.origin = read_origin(table, body.shape, scene);
     if (body.motion == rigid::Motion::fixed) {
       for (const char* key : {"velocity", "angular_velocity"})
         if (table.has(key))
@@ -270,7 +278,7 @@ void read_bodies(TableReader& root, Case& scene) {
       continue;
     }
     for (const Vec3& position : read_positions(table, scene.units)) {
-      body.pose.position = position;
+      put_at(body, position, extent_of(scene));
       scene.bodies.push_back(body);
     }
   }

@@ -96,8 +96,9 @@ MeshWall read_mesh_wall(TableReader& table) {
   with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
     const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
     wall.file = name, wall.contents = contents_of(read);
-    wall.mesh = {read.surface, hollow};
-    if (point != position) wall.mesh = wall.mesh.recentred(orientation.conjugate() * (point - position));
+    const Vec3 middle = 0.5 * (read.surface->box().lower + read.surface->box().upper);
+    wall.mesh = rigid::Mesh{read.surface, hollow}.recentred(middle);
+    wall.arm = middle - orientation.conjugate() * (point - position);
   });
   return wall;
 }

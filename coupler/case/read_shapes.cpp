@@ -8,6 +8,7 @@
 
 #include "adapters/qhull/convex_hull.hpp"
 #include "adapters/stl/stl_polyhedron.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
 #include "rigid/math/elementary.hpp"
@@ -222,11 +223,23 @@ Quat read_orientation(TableReader& table) {
   return Quat::Identity();
 }
 
-void read_shapes(TableReader& root, std::vector<std::string>& names, rigid::ShapeList& shapes) {
+namespace {
+
+/// Puts a shape about its centre of mass: however far it is from the origin that the case gives it about.
+void add_centred(const rigid::Shape& given, Case& scene) {
+  const Vec3 centre = rigid::mass_properties(given).centre;
+  scene.shapes.push_back(centre.isZero(0) ? given : rigid::recentred(given, centre));
+  scene.shape_origins.push_back(-centre);
+}
+
+}  // namespace
+
+void read_shapes(TableReader& root, Case& scene) {
   for (TableReader& table : root.tables("shapes")) {
     if (!table.has("name")) table.missing("name", "what bodies call the shape");
     if (!table.has("type")) table.missing("type", "one of " + joined(shape_types()));
     const std::string name = table.string("name").value_or("");
+    rigid::Shape shape = rigid::Sphere{1};
     if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
         table.find("type")->string == rigid::HalfSpace::name) {
       table.fail("type",
@@ -235,11 +248,12 @@ void read_shapes(TableReader& root, std::vector<std::string>& names, rigid::Shap
                              table.path("type"), joined(shape_types())));
       table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types())) {
-      shapes.push_back(read_shape(table, *type));
+      shape = read_shape(table, *type);
     } else {
       table.judge_no_keys();
     }
-    shapes.resize(names.size() + 1, rigid::Sphere{1});
+    add_centred(shape, scene);
+    std::vector<std::string>& names = scene.shape_names;
     if (std::count(names.begin(), names.end(), name))
       table.fail("name", fmt::format("{}: there already is a shape '{}'", table.path("name"), name));
     names.push_back(name);

@@ -92,9 +92,8 @@ bool fits(const Case& scene, Findings& findings, const Sized& body) {
 }
 
 void check_images(const Case& scene, Findings& findings, const Sized& body) {
-  const rigid::Shape& given = scene.shapes[body.shape];
-  const rigid::Shape centred = rigid::recentred(given, rigid::mass_properties(given).centre);
-  const double across = 2 * rigid::bounding_radius(centred), reach = across + scene.contacts.margin;
+  const double across = 2 * rigid::bounding_radius(scene.shapes[body.shape]),
+               reach = across + scene.contacts.margin;
   for (int d = 0; d < 3; ++d)
     if (scene.periodic(d) && reach > scene.cells[d])
       findings.error(

@@ -93,14 +93,15 @@ std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const
                                   double allowed) {
   for (const CurvedWall& wall : scene.walls) {
     if (const MeshWall* mesh = wall.mesh()) {
-      const rigid::Pose pose = mesh->motion.pose(mesh->start, 0);
+      const rigid::Pose pose = mesh->pose(0);
       if (!mesh->mesh.surface) continue;
-      if (mesh->mesh.contains(pose.to_body(body.pose.position)))
+      const bool is_convex = rigid::convex_parts(scene.shapes[body.shape]).size() == 1;  // no ring on a post
+      if (is_convex && mesh->mesh.contains(pose.to_body(body.pose.position)))
         return fmt::format("{} is {}: this is in the solid of the wall '{}', a mesh; move it out", key,
-                           shown_point(scene, body.pose.position), wall.name);
+                           shown_point(scene, body.given_position()), wall.name);
       if (const double depth = depth_in_mesh(scene, body, *mesh, pose); depth > allowed)
         return fmt::format("{} is {}: the body reaches at least {} into the wall '{}', a mesh; move it out",
-                           key, shown_point(scene, body.pose.position), shown_length(scene, depth),
+                           key, shown_point(scene, body.given_position()), shown_length(scene, depth),
                            wall.name);
       continue;
     }
@@ -111,7 +112,7 @@ std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const
     return fmt::format(
         "{} is {}: the body reaches {} into the wall '{}', a tube of radius {}; move it towards the tube's "
         "axis",
-        key, shown_point(scene, body.pose.position), shown_length(scene, -gap), wall.name,
+        key, shown_point(scene, body.given_position()), shown_length(scene, -gap), wall.name,
         shown_length(scene, tube.radius));
   }
   return "";

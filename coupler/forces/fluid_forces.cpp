@@ -36,8 +36,10 @@ void add_sums(const SurfaceLinks<T>& surface, bool stiffness, RowSums& sums) {
 
 ForceOutOfRange::ForceOutOfRange(rigid::BodyId id)
     : std::overflow_error(
-          "the force on body " + std::to_string(id) +
-          " is not a number or above 64 lattice units on one link: the flow around it has become unstable") {}
+          "is not a number, or is above 32 lattice units on one link, its torque included: the flow around "
+          "it "
+          "has become unstable"),
+      on(id) {}
 
 template <class T>
 FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange& exchange, int substeps,

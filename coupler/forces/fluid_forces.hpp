@@ -22,10 +22,11 @@
 
 namespace silt::coupler {
 
-/// ForceOutOfRange says that the sums of a body's links are no numbers, or beyond the range of the fixed
-/// point.
+/// ForceOutOfRange says that the sums of the links of a body or wall are no numbers, or beyond the range of
+/// the fixed point.
 struct ForceOutOfRange : std::overflow_error {
   explicit ForceOutOfRange(rigid::BodyId);
+  rigid::BodyId on;
 };
 
 /// What this rank's links did in a step.

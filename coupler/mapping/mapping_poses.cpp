@@ -85,14 +85,14 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, cons
 }
 
 WallMapping::WallMapping(const rigid::MeshWallSpec& wall, double tolerance) : wall_(wall) {
-  const double speed = wall.motion.speed_bound(wall.mesh.surface->radius());
+  const double speed = wall.motion.speed_bound(wall.reach());
   const auto most = static_cast<std::int64_t>(steps_within(held_share * tolerance, speed));
   steps_ = 1 + most - most % 2;  // odd
 }
 
 Pose WallMapping::pose(std::int64_t step) const {
   const auto first = static_cast<double>(step - step % steps_);
-  return wall_.motion.pose(wall_.start, first + 0.5 * static_cast<double>(steps_ - 1));
+  return wall_.pose(first + 0.5 * static_cast<double>(steps_ - 1));
 }
 
 }  // namespace silt::coupler

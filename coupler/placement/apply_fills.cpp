@@ -15,15 +15,15 @@
 namespace silt::coupler {
 namespace {
 
-BoundingBall ball_of_fill(const Case& scene, std::size_t fill) {
-  return bounding_ball(scene.shapes[scene.fills[fill].shape]);
+double radius_of_fill(const Case& scene, std::size_t fill) {
+  return rigid::bounding_radius(scene.shapes[scene.fills[fill].shape]);
 }
 
 /// Places of the applications, the largest bodies first: small ones still find room between them.
 std::vector<std::size_t> by_size(const Case& scene, const std::vector<FillApplication>& applications) {
   std::vector<double> radii;
   for (const FillApplication& application : applications)
-    radii.push_back(ball_of_fill(scene, application.fill).radius);
+    radii.push_back(radius_of_fill(scene, application.fill));
   std::vector<std::size_t> order(applications.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -74,16 +74,15 @@ void fill_randomly(const Case& scene, FillApplication application, double radius
 AppliedFill apply(const Case& scene, FillApplication application, Surroundings& around,
                   Obstacles& obstacles) {
   const FillSpec& spec = scene.fills[application.fill];
-  const BoundingBall ball = ball_of_fill(scene, application.fill);
+  const double radius = radius_of_fill(scene, application.fill);
   AppliedFill filled;
   filled.alike.shape = spec.shape, filled.alike.material = spec.material, filled.alike.kind = spec.kind;
   filled.alike.density = spec.density, filled.alike.velocity = spec.velocity;
-  filled.centre_of_mass = ball.centre_of_mass;
-  obstacles.begin_balls(ball.radius, spec.gap);
+  obstacles.begin_balls(radius, spec.gap);
   if (spec.arrangement == Arrangement::random)
-    fill_randomly(scene, application, ball.radius, around, obstacles, filled);
+    fill_randomly(scene, application, radius, around, obstacles, filled);
   else
-    fill_lattice(scene, application, ball.radius, around, obstacles, filled);
+    fill_lattice(scene, application, radius, around, obstacles, filled);
   const auto count = static_cast<std::uint64_t>(spec.count);
   filled.refused = count - std::min(count, filled.total);
   return filled;
@@ -94,14 +93,14 @@ AppliedFill apply(const Case& scene, FillApplication application, Surroundings& 
 BodySpec AppliedFill::spec(std::size_t i) const {
   BodySpec body = alike;
   body.pose.orientation = bodies[i].orientation;
-  body.pose.position = bodies[i].centre - body.pose.orientation * centre_of_mass;
+  body.pose.position = bodies[i].centre;
   return body;
 }
 
 double reach_of_fills(const Case& scene) {
   double radius = 0, gap = 0;
   for (std::size_t i = 0; i < scene.fills.size(); ++i) {
-    radius = std::max(radius, ball_of_fill(scene, i).radius);
+    radius = std::max(radius, radius_of_fill(scene, i));
     gap = std::max(gap, scene.fills[i].gap);
   }
   return 2 * radius + gap;

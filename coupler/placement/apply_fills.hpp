@@ -12,7 +12,6 @@ namespace silt::coupler {
 /// This rank's bodies of one application of a fill.
 struct AppliedFill {
   BodySpec alike;
-  rigid::Vec3 centre_of_mass;  // of the shape as the case gives it
   rigid::BodyId first_id = 0;
   std::uint64_t total = 0, refused = 0;  // of all ranks: placed; asked for, but without room
   std::vector<FilledBody> bodies;

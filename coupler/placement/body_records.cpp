@@ -16,11 +16,9 @@ void store(const Vec3& v, double* to) {
 
 std::vector<CentredShape> centred_shapes(const Case& scene) {
   std::vector<CentredShape> shapes;
-  for (const rigid::Shape& given : scene.shapes) {
-    const rigid::MassProperties mass = rigid::mass_properties(given);
-    CentredShape s{rigid::recentred(given, mass.centre), mass.volume, 0, mass.centre, mass.inertia};
-    s.bounding_radius = rigid::bounding_radius(s.shape);
-    shapes.push_back(std::move(s));
+  for (const rigid::Shape& shape : scene.shapes) {
+    const rigid::MassProperties mass = rigid::mass_properties(shape);
+    shapes.push_back({shape, mass.volume, rigid::bounding_radius(shape), mass.inertia});
   }
   return shapes;
 }
@@ -36,7 +34,7 @@ rigid::BodyRecord body_record(rigid::BodyId id, const BodySpec& body, const Cent
   Eigen::Map<rigid::Mat3>{r.inertia_B} = body.density * shape.inertia;
   rigid::Quat q = body.pose.orientation;
   if (!body.unit) q.normalize();
-  store(body.pose.to_world(shape.centre), r.position);
+  store(body.pose.position, r.position);
   r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
   store(body.velocity, r.velocity);
   store(body.angular_velocity, r.angular_velocity);

@@ -10,11 +10,10 @@ namespace silt::coupler {
 
 struct Case;
 
-/// A shape as the case gives it, put on its centre of mass.
+/// A shape about its centre of mass, and what follows from it.
 struct CentredShape {
   rigid::Shape shape;
   double volume = 0, bounding_radius = 0;
-  rigid::Vec3 centre = rigid::Vec3::Zero();   // of mass, in the frame the case gives the shape in
   rigid::Mat3 inertia = rigid::Mat3::Zero();  // of unit density
 };
 std::vector<CentredShape> centred_shapes(const Case&);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_extent.hpp"
 #include "coupler/exchange/reduce.hpp"
 #include "coupler/placement/first_faults.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -26,7 +27,6 @@ BodySpec spec_of(const Case& scene, const FiledBodies& filed, const Passing& bod
   const auto vector = [&](int column, Dimension dimension) -> Vec3 {
     return Eigen::Map<const Vec3>{&body.pose[column]} / scene.units.scale(dimension);
   };
-  spec.pose.position = vector(0, dimension::length);
   if (filed.contents.orientation) {
     const double* q = &body.pose[3];
     spec.pose.orientation = {q[0], q[1], q[2], q[3]};
@@ -34,6 +34,7 @@ BodySpec spec_of(const Case& scene, const FiledBodies& filed, const Passing& bod
     if (std::abs(spec.pose.orientation.squaredNorm() - 1) > rounding) spec.pose.orientation.normalize();
     spec.unit = true;
   }
+  put_at(spec, vector(0, dimension::length), extent_of(scene));
   if (filed.contents.velocity) spec.velocity = vector(7, dimension::velocity);
   if (filed.contents.angular_velocity) spec.angular_velocity = vector(10, dimension::angular_velocity);
   spec.point = body.point + 1;
@@ -85,19 +86,19 @@ Slice read_slice_here(const Case& scene, const FiledBodies& filed, Surroundings&
 }
 
 /// Whom a body concerns: the rank of its centre of mass, and those near which it reaches.
-std::vector<int> ranks_of(const Case& scene, Surroundings& around, const BodySpec& spec, const Vec3& centre) {
+std::vector<int> ranks_of(const Case& scene, Surroundings& around, const BodySpec& spec) {
   std::vector<int> ranks = around.ranks_near(rigid::bounding_box(scene.shapes[spec.shape], spec.pose));
-  const int owner = around.holders.rank_at(spec.pose.to_world(centre));
+  const int owner = around.holders.rank_at(spec.pose.position);
   if (!std::count(ranks.begin(), ranks.end(), owner)) ranks.push_back(owner);
   return ranks;
 }
 
 void send(const Case& scene, const FiledBodies& filed, Surroundings& around, const Slice& slice,
-          std::size_t from, std::size_t to, const Vec3& centre) {
+          std::size_t from, std::size_t to) {
   for (std::size_t i = from; i < std::min<std::size_t>(to, slice.size()); ++i) {
     Passing body{slice.first + i, {}};
     slice.put(i, body.pose);
-    for (const int rank : ranks_of(scene, around, spec_of(scene, filed, body), centre))
+    for (const int rank : ranks_of(scene, around, spec_of(scene, filed, body)))
       put(around.messages.to(rank), body);
   }
   around.messages.unannounced();
@@ -109,16 +110,15 @@ void add_filed_bodies(const Case& scene, Surroundings& around, std::vector<Given
                       std::size_t at_once) {
   rigid::BodyId first_id = 1 + scene.bodies.size();
   for (const FiledBodies& filed : scene.filed) {
-    const Vec3 centre = rigid::mass_properties(scene.shapes[filed.alike.shape]).centre;
     const Slice slice = read_slice_here(scene, filed, around);
     const std::size_t begin = bodies.size(), most = most_over_ranks(around.comm(), slice.size());
     for (std::size_t from = 0; from < most; from += at_once) {
-      send(scene, filed, around, slice, from, from + at_once, centre);
+      send(scene, filed, around, slice, from, from + at_once);
       for (const Messages::Message& m : around.messages.received())
         for (ByteReader reader(m.bytes); !reader.done();) {
           const auto body = reader.take<Passing>();
           const BodySpec spec = spec_of(scene, filed, body);
-          bodies.push_back({first_id + body.point, spec, around.is_here(spec.pose.to_world(centre))});
+          bodies.push_back({first_id + body.point, spec, around.is_here(spec.pose.position)});
         }
     }
     std::sort(bodies.begin() + static_cast<std::ptrdiff_t>(begin), bodies.end(),

@@ -29,12 +29,10 @@ int entry_of(const Case& scene, rigid::BodyId id) {
 }
 
 std::vector<GivenBody> given_bodies(const Case& scene, Surroundings& around) {
-  std::vector<rigid::Vec3> centres;
-  for (const rigid::Shape& shape : scene.shapes) centres.push_back(rigid::mass_properties(shape).centre);
   std::vector<GivenBody> bodies;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const BodySpec& spec = scene.bodies[i];
-    const bool own = around.is_here(spec.pose.to_world(centres[spec.shape]));
+    const bool own = around.is_here(spec.pose.position);
     const auto& near = around.ranks_near(rigid::bounding_box(scene.shapes[spec.shape], spec.pose));
     if (own || std::binary_search(near.begin(), near.end(), around.rank))
       bodies.push_back({i + 1, spec, own});

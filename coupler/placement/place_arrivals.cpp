@@ -15,12 +15,12 @@ using rigid::Vec3;
 struct Present {
   rigid::BodyId id;
   std::int64_t shape;
-  double position[3], orientation[4];  // of the shape as the case gives it; w, x, y, z
+  double position[3], orientation[4];  // w, x, y, z
 };
 
-Present present(const rigid::BodySet& bodies, std::size_t row, const Vec3& centre_of_mass) {
+Present present(const rigid::BodySet& bodies, std::size_t row) {
   const rigid::Quat& q = bodies.orientation[row];
-  const Vec3 x = bodies.position[row] - q * centre_of_mass;
+  const Vec3& x = bodies.position[row];
   return {bodies.id[row], bodies.shape[row], {x[0], x[1], x[2]}, {q.w(), q.x(), q.y(), q.z()}};
 }
 
@@ -43,10 +43,8 @@ bool concerns(const FillSpec& fill, const rigid::BoundingBox& box, double reach,
 /// The bodies near the fills' boxes that are within reach of this rank's blocks.
 std::vector<GivenBody> present_near(const Case& scene, const std::vector<FillApplication>& applications,
                                     const rigid::BodySet& bodies, double reach, Surroundings& around) {
-  std::vector<Vec3> centres;
-  for (const rigid::Shape& shape : scene.shapes) centres.push_back(rigid::mass_properties(shape).centre);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const Present body = present(bodies, row, centres[bodies.shape[row]]);
+    const Present body = present(bodies, row);
     const auto box = rigid::bounding_box(scene.shapes[bodies.shape[row]], given(body).spec.pose);
     if (std::none_of(applications.begin(), applications.end(), [&](const FillApplication& application) {
           return concerns(scene.fills[application.fill], box, reach, around.extent);

@@ -13,8 +13,8 @@ namespace silt::coupler {
 class PlacedBodies {
  public:
   std::size_t size() const;
-  /// Calls f(id, spec) in the order of ids. The poses are those of the shapes as the case gives them; those
-  /// of fills are such that the centre of mass is in the domain.
+  /// Calls f(id, spec) in the order of ids. The centres of mass of fills are
+  /// in the domain.
   template <class F>
   void for_each(F&& f) const {
     for (const GivenBody& body : given) f(body.id, body.spec);

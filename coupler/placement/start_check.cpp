@@ -22,19 +22,23 @@ namespace {
 using rigid::Motion;
 using rigid::Vec3;
 
-std::string in_the_domain(const Case& scene, const std::string& key, const Vec3& x) {
-  return fmt::format("{} is {}; it must lie in the domain, {} to {}", key, shown_point(scene, x),
-                     shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size));
+std::string in_the_domain(const Case& scene, const std::string& key, const BodySpec& body) {
+  const bool centred = body.origin.isZero(0);
+  return fmt::format(
+      "{} is {}{}; it must lie in the domain, {} to {}{}", key, shown_point(scene, body.given_position()),
+      centred ? "" : ": this puts the body's centre of mass at " + shown_point(scene, body.pose.position),
+      shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size),
+      centred ? "" : "; with origin = \"centre\" the position is that of the centre");
 }
 
-/// What is wrong with where a body is, "" if nothing: its centre must be in the domain, and if it moves it
-/// must not reach into a wall.
+/// What is wrong with where a body is, "" if nothing: its centre of mass must be in the domain, and if it
+/// moves it must not reach into a wall.
 std::string fault_of_place(const Case& scene, const BodySpec& body) {
-  const Vec3 size = extent_of(scene).size;
-  const Vec3& x = body.pose.position;
+  const Vec3 size = extent_of(scene).size, x = body.given_position();
+  const Vec3& centre = body.pose.position;
   const std::string key = position_text(scene, body);
   for (int d = 0; d < 3; ++d)
-    if (!(x[d] >= 0 && x[d] <= size[d])) return in_the_domain(scene, key, x);
+    if (!(centre[d] >= 0 && centre[d] <= size[d])) return in_the_domain(scene, key, body);
   if (body.motion == Motion::fixed) return "";
   const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
   for (int d = 0; d < 3; ++d) {
@@ -64,7 +68,7 @@ std::vector<BodyFault> faults_of_places(const Case& scene, const std::vector<Giv
 std::string text_of_overlap(const Case& scene, const BodySpec& a, const BodySpec& b, double depth) {
   return fmt::format(
       "{}: the body at {} overlaps the one at {} (entry {}) by at least {} at the start; move them apart",
-      position_text(scene, b), shown_point(scene, b.pose.position), shown_point(scene, a.pose.position),
+      position_text(scene, b), shown_point(scene, b.given_position()), shown_point(scene, a.given_position()),
       a.entry, shown_length(scene, depth));
 }
 

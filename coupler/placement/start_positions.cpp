@@ -21,9 +21,8 @@ struct Start {
 /// The starts of those bodies whose meeting place this rank is, in the order of ids.
 std::vector<Start> starts_met_here(const Case& scene, const lbm::Domain& domain, Messages& messages,
                                    int ranks) {
-  const auto shapes = centred_shapes(scene);
   place_bodies(scene, domain, messages.comm()).for_each([&](BodyId id, const BodySpec& body) {
-    const Vec3 x = body.pose.to_world(shapes[body.shape].centre);
+    const Vec3& x = body.pose.position;
     put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
   });
   messages.unannounced();

@@ -38,7 +38,7 @@ AxisOfWall axis_of(const CurvedWall& wall) {
   return {wall.tube()->point, wall.tube()->axis};
 }
 
-/// Adds the torque of what bodies did to a wall about its point.
+/// Adds the torque of what bodies did to a wall, as add_fluid_load does.
 void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
   const double steps = simulation.setup().contacts.substeps;
   for (const ContactTorque& contact : simulation.contact_torques())
@@ -63,7 +63,7 @@ void add_side_force(const Simulation& simulation, int side, int sign, std::span<
 }
 
 /// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
-/// torque about the wall's point.
+/// torque about the origin of the wall's frame.
 void add_fluid_load(const Simulation& simulation, int wall, bool torque, std::span<ExactSum> sums) {
   if (!simulation.scene().flow) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
@@ -126,22 +126,24 @@ double wall_force(const Case&, const QuantitySpec& q, std::span<const double> fo
   return force[q.axis];
 }
 
-bool add_wall_torque(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                     std::span<ExactSum> torque) {
-  if (!has_acted(simulation)) return false;
-  add_fluid_load(simulation, q.wall, true, torque);
-  add_contact_torque(simulation, q.wall, torque);
+bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h,
+                   std::span<ExactSum> load) {
+  if (!add_wall_force(simulation, q, h, load.first(3))) return false;
+  add_fluid_load(simulation, q.wall, true, load.subspan(3));
+  add_contact_torque(simulation, q.wall, load.subspan(3));
   return true;
 }
 
-double wall_torque(const Case& scene, const QuantitySpec& q, std::span<const double> torque) {
-  return vector_of(torque).dot(axis_of(scene.walls[q.wall]).along);
-}
-
-bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h,
-                   std::span<ExactSum> load) {
-  return add_wall_force(simulation, q, h, load.first(3)) &&
-         add_wall_torque(simulation, q, h, load.subspan(3));
+/// From the torque about the frame's origin to that about the point of the axis: by r x F.
+double wall_torque(const Case& scene, const QuantitySpec& q, std::int64_t step,
+                   std::span<const double> load) {
+  const CurvedWall& wall = scene.walls[q.wall];
+  Vec3 torque = vector_of(load.subspan(3));
+  if (const MeshWall* mesh = wall.mesh()) {
+    const rigid::Quat turned = mesh->motion.pose(mesh->start, static_cast<double>(step - 1)).orientation;
+    torque += (turned * mesh->arm).cross(vector_of(load.first(3)));
+  }
+  return torque.dot(axis_of(wall).along);
 }
 
 /// With the velocities that the wall had in the step.
@@ -149,7 +151,7 @@ double wall_power(const Case& scene, const QuantitySpec& q, std::int64_t step, s
   const CurvedWall& wall = scene.walls[q.wall];
   rigid::WallMotion::Velocity velocity;
   if (const MeshWall* mesh = wall.mesh())
-    velocity = mesh->motion.velocity_at(static_cast<double>(step - 1));
+    velocity = mesh->velocity(static_cast<double>(step - 1));
   else
     velocity = {wall.tube()->velocity * wall.tube()->axis, wall.tube()->angular_velocity * wall.tube()->axis};
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));

@@ -29,14 +29,13 @@ double wall_force(const Case&, const QuantitySpec&, std::span<const double> forc
 template <>
 inline constexpr Computation computation<"wall-force"> = mean_of<3, add_wall_force, wall_force>;
 
-bool add_wall_torque(const Simulation&, const QuantitySpec&, const QuantityHistory&,
-                     std::span<rigid::ExactSum> torque);
-double wall_torque(const Case&, const QuantitySpec&, std::span<const double> torque);
-template <>
-inline constexpr Computation computation<"wall-torque"> = mean_of<3, add_wall_torque, wall_torque>;
-
+/// Force, and torque about the origin of the wall's frame.
 bool add_wall_load(const Simulation&, const QuantitySpec&, const QuantityHistory&,
                    std::span<rigid::ExactSum> load);
+double wall_torque(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> load);
+template <>
+inline constexpr Computation computation<"wall-torque"> = mean_of<6, add_wall_load, wall_torque>;
+
 double wall_power(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> load);
 template <>
 inline constexpr Computation computation<"wall-power"> = mean_of<6, add_wall_load, wall_power>;

@@ -1,6 +1,7 @@
 #include "rigid/bodies/walls.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -81,9 +82,26 @@ void add_mesh_wall(BodySet& bodies, World& world, const MeshWallSpec& spec) {
 }
 
 void move_mesh_wall(BodySet& bodies, std::size_t row, const MeshWallSpec& spec, double time) {
-  const WallMotion::Velocity velocity = spec.motion.velocity_at(time);
-  bodies.set_pose(row, spec.motion.pose(spec.start, time));
+  const WallMotion::Velocity velocity = spec.velocity(time);
+  bodies.set_pose(row, spec.pose(time));
   bodies.set_velocity(row, velocity.linear, velocity.angular);
+}
+
+Pose MeshWallSpec::pose(double time) const {
+  const Pose reference = motion.pose(start, time);
+  return {reference.to_world(arm), reference.orientation};
+}
+
+WallMotion::Velocity MeshWallSpec::velocity(double time) const {
+  WallMotion::Velocity at = motion.velocity_at(time);
+  if (!at.angular.isZero(0)) at.linear += at.angular.cross(motion.pose(start, time).orientation * arm);
+  return at;
+}
+
+double MeshWallSpec::reach() const {
+  double square = 0;
+  for (const Vec3& corner : mesh.surface->vertices()) square = std::max(square, (arm + corner).squaredNorm());
+  return std::sqrt(square);
 }
 
 }  // namespace silt::rigid

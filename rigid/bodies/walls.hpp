@@ -37,13 +37,21 @@ Pose pose_of(const TubeSpec&);
 /// Appends the row of a tube, whatever there is already, adds its shape to the world, and reindexes.
 void add_tube(BodySet&, World&, const TubeSpec&);
 
-/// A wall of triangles.
+/// A wall of triangles. What moves as prescribed, and turns about itself, is its reference point, which may
+/// be far from the triangles.
 struct MeshWallSpec {
-  Mesh mesh;                  // about the point that it turns about
-  Pose start;                 // at time 0
-  Vec3 axis = Vec3::UnitZ();  // unit: its torque is that about the point along this
+  Mesh mesh;                  // about some point near it
+  Pose start;                 // of the reference point at time 0
+  Vec3 axis = Vec3::UnitZ();  // unit: of the quantity wall-torque, through the reference point
   int material = 0;
   WallMotion motion;
+  Vec3 arm = Vec3::Zero();  // from the reference point to the origin of the mesh's frame, in that frame
+
+  /// Pose and velocities of the mesh's frame.
+  Pose pose(double time) const;
+  WallMotion::Velocity velocity(double time) const;
+  /// How far its furthest corner is from the reference point.
+  double reach() const;
 };
 
 /// Appends the row of a mesh, likewise. Its pose is that of time 0.

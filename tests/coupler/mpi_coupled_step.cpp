@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "coupler/case/body_text.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/mapping/for_cells.hpp"
@@ -75,10 +76,29 @@ TEST(CoupledStep, AForceOutOfRangeStopsEveryRankOneStepLater) {
       });
     EXPECT_EQ(stop_of([&] { s.step(); }), "");
     const std::string text = stop_of([&] { look ? (void)s.look_at_flow() : s.step(); });
-    EXPECT_NE(text.find("step 1: a force on a body is out of range (the force on body "), std::string::npos)
-        << text;
+    EXPECT_NE(text.find("step 1: a force is out of range (the force on body "), std::string::npos) << text;
     EXPECT_EQ(tests::alone([&] { return std::hash<std::string>()(text); }), std::hash<std::string>()(text));
   }
+}
+
+/// A wall is told of by its name.
+TEST(CoupledStep, AForceOutOfRangeOnAWallNamesIt) {
+  CaseText c;
+  c.shapes = c.bodies = "";
+  c.rest = "[[walls]]\ntype = \"tube\"\nname = \"bore\"\nradius = 10\naxis = \"z\"\npoint = [16, 16, 0]\n";
+  Simulation s = c.start(MPI_COMM_WORLD);
+  Flow& flow = *s.scene().flow;
+  for (int b = 0; b < flow.blocks(); ++b)
+    for_cells({}, flow.block(b).size, [&](lbm::Int3 x) {
+      for (int i = 1; i < lbm::directions; ++i) flow.set_arriving(b, x, i, 100);
+    });
+  s.step();
+  const std::string text = stop_of([&] { s.step(); });
+  EXPECT_NE(text.find("step 1: a force is out of range (the force on the wall 'bore' is not a number"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(body_name(s.setup(), rigid::first_wall_id + 4), "the side z-low");
+  EXPECT_EQ(body_name(s.setup(), 7), "body 7");
 }
 
 /// Sums hashes of every body's load after every step: this rank's share.

@@ -72,6 +72,35 @@ TEST(MeshBodies, SameBitsOnAnyNumberOfRanksAndBlocks) {
     }
 }
 
+/// The origin of its file far outside the domain, or the centre in the domain's next period; placed by either
+/// point. Numbers of map coordinates keep 1e-9 of a cell.
+TEST(MeshBodies, FarFromItsFilesOriginABodyIsWhatItIsNearIt) {
+  const auto run = [&](const Vec3& off, const std::string& position) {
+    CaseText c = alone(torus_shape);
+    c.bodies =
+        body_of("body", density,
+                position + "\nvelocity = [0.03, 0.01, -0.02]\nangular_velocity = [0.004, 0.003, -0.005]");
+    Simulation s(read_with(c, {{"torus.ply", ply_of(torus.shifted(off))}}), MPI_COMM_WORLD);
+    EXPECT_TRUE(judgement(s.setup()).empty());
+    s.run(40);
+    Vec3 x = Vec3::Zero(), w = Vec3::Zero();
+    if (s.bodies().owned > 0) x = s.bodies().position[0], w = s.bodies().angular_velocity[0];
+    for (int d = 0; d < 3; ++d) x[d] = tests::sum_over_ranks(x[d]), w[d] = tests::sum_over_ranks(w[d]);
+    return std::pair(x, w);
+  };
+  const auto near = run(Vec3::Zero(), "position = [2.5, 24.25, 13.75]");
+  const std::pair<Vec3, std::string> others[] = {
+      {{4.1e5, 5.2e6, -312}, "position = [-409997.5, -5199975.75, 325.75]"},
+      {{4.1e5, 5.2e6, -312}, "origin = \"centre\"\nposition = [2.5, 24.25, 13.75]"},
+      {{20, 10, 0}, "position = [10.5, 14.25, 13.75]"},  // the centre at 30.5 of 28
+      {{-60, 0, 0}, "positions = [[6.5, 24.25, 13.75]]"}};
+  for (const auto& [off, position] : others) {
+    const auto far = run(off, position);
+    EXPECT_LT((far.first - near.first).norm(), 1e-7) << position << ": " << far.first.transpose();
+    EXPECT_LT((far.second - near.second).norm(), 1e-9) << position;
+  }
+}
+
 /// The radius of the ball's corners is such that it has the volume of the sphere.
 TEST(MeshBodies, ABallOfTrianglesMovesAsASphere) {
   const double radius = 5, volume = 4. / 3 * std::numbers::pi * radius * radius * radius;

@@ -1,5 +1,6 @@
 // A rotor of triangles: the same bits on any number of ranks, in any blocks, with its file in any order, and
 // in a run that goes on; and the power that it takes.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mpi.h>
 
@@ -108,6 +109,75 @@ TEST(MeshWalls, PowerIsTorqueTimesAngularVelocity) {
   const auto values = quantities.evaluate(simulation);
   EXPECT_LT(values[0].second, 0) << "the fluid holds it back";
   EXPECT_NEAR(values[1].second, -0.004 * values[0].second, 1e-9 * values[1].second);
+}
+
+/// Values of the quantities of a wall after some steps, and what of the fluid there is.
+struct Told {
+  double force_y = 0, force_z = 0, torque = 0;
+  std::uint64_t fluid_cells = 0;
+  rigid::Vec3 momentum;
+};
+
+/// A gear at rest in a stream, its file `off` from the origin; torques are about the x axis through `point`.
+Told stream_past_gear(const rigid::Vec3& off, const std::string& point) {
+  CaseText text =
+      mesh_case("gear.ply", fmt::format("scale = 9\nsolid = \"inside\"\nposition = [{:.17g}, {:.17g}, "
+                                        "{:.17g}]\nmotion = {{ axis = \"x\"{} }}",
+                                        15.7 - 9 * off[0], 16.2 - 9 * off[1], 16.4 - 9 * off[2], point));
+  text.domain = domain_of({32, 32, 32});
+  text.fluid = "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\nbody_force = [0, 1e-5, 2e-5]\n";
+  text.run = "[run]\nsteps = 200\n";
+  for (const char* quantity :
+       {"\"fy\"\ntype = \"wall-force\"\naxis = \"y\"", "\"fz\"\ntype = \"wall-force\"\naxis = \"z\"",
+        "\"t\"\ntype = \"wall-torque\""})
+    text.run += std::string("[[quantities]]\ntime = 100\nname = ") + quantity + "\n";
+  const rigid::TriangleMesh mesh = rigid::testing::gear_mesh(7, 3).shifted(off);
+  const Case scene = read_with(text, {{"gear.ply", ply_of(mesh)}}, {"domain.blocks=[16, 16, 16]"});
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  Quantities quantities(scene);
+  while (simulation.steps_done() < scene.steps) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  const auto values = quantities.evaluate(simulation);
+  const FlowTotals totals = simulation.look_at_flow();
+  return {values[0].second, values[1].second, values[2].second, totals.fluid_cells, totals.momentum};
+}
+
+/// Its file in map coordinates, whose numbers keep 1e-9 of a cell; the torque about the same point, and by
+/// r x F about the file's origin.
+TEST(MeshWalls, FarFromItsFilesOriginAWallIsWhatItIsNearIt) {
+  const rigid::Vec3 off(4.1e5, 5.2e6, -312);
+  const Told near = stream_past_gear(rigid::Vec3::Zero(), "");
+  const Told far = stream_past_gear(off, ", point = [15.7, 16.2, 16.4]"),
+             about_origin = stream_past_gear(off, "");
+  EXPECT_GT(std::fabs(near.torque), 1e-6);
+  EXPECT_EQ(far.fluid_cells, near.fluid_cells);
+  EXPECT_LT((far.momentum - near.momentum).norm(), 1e-6 * near.momentum.norm());
+  EXPECT_NEAR(far.force_y, near.force_y, 1e-6 * near.force_y);
+  EXPECT_NEAR(far.force_z, near.force_z, 1e-6 * near.force_z);
+  EXPECT_NEAR(far.torque, near.torque, 1e-6 * std::fabs(near.torque));
+  const double arms = 9 * (off[1] * far.force_z - off[2] * far.force_y);
+  EXPECT_NEAR(about_origin.torque, far.torque + arms, 1e-12 * std::fabs(arms));
+}
+
+/// A vane far from the point that it turns about: the power that it takes is its torque about that point
+/// times its angular velocity.
+TEST(MeshWalls, PowerOfAWallFarFromItsPointIsTorqueTimesAngularVelocity) {
+  CaseText text = rotor_case("{ angular_velocity = 1e-5, axis = \"z\", point = [4000, 16, 16] }");
+  text.run =
+      "[run]\nsteps = 60\n[[quantities]]\nname = \"t\"\ntype = \"wall-torque\"\n"
+      "[[quantities]]\nname = \"p\"\ntype = \"wall-power\"\n";
+  const Case scene = read_with(text, gear());
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  Quantities quantities(scene);
+  while (simulation.steps_done() < scene.steps) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  const auto values = quantities.evaluate(simulation);
+  EXPECT_LT(values[0].second, 0) << "the fluid holds it back";
+  EXPECT_NEAR(values[1].second, -1e-5 * values[0].second, 1e-9 * values[1].second);
 }
 
 /// Two balls at rest on a cube, one on either side of the axis, the one in a block of its own: their weights

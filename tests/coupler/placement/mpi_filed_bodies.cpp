@@ -106,6 +106,27 @@ TEST(FiledBodies, AreThoseThatACaseWouldList) {
     }
 }
 
+/// By the origin of the shape or by its centre of mass, which a given turn puts 1 to the side.
+TEST(FiledBodies, ArePlacedByTheirOriginOrCentre) {
+  const Scratch scratch;
+  write(scratch / "cloud.csv", csv_line({8, 9, 10}));
+  CaseText text;
+  text.shapes = shape_of("off", "polyhedron",
+                         "vertices = [[0, -1, -1], [0, 1, -1], [0, -1, 1], [0, 1, 1], [2, -1, -1], [2, 1, "
+                         "-1], [2, -1, 1], [2, 1, 1]]");
+  for (const bool centre : {false, true})
+    for (const char* position : {"positions = \"cloud.csv\"", "position = [8, 9, 10]"}) {
+      text.bodies = body_of("off", 1,
+                            std::string(position) + "\naxis_angle = { axis = [0, 0, 1], degrees = 90 }" +
+                                (centre ? "\norigin = \"centre\"" : ""));
+      const Case scene = read(scratch, text);
+      place(scene, MPI_COMM_WORLD).for_each([&](rigid::BodyId, const BodySpec& body) {
+        EXPECT_LT((body.pose.position - Vec3(8, centre ? 9 : 10, 10)).norm(), 1e-12) << position;
+        EXPECT_LT((body.given_position() - Vec3(8, 9, 10)).norm(), 1e-12) << position;
+      });
+    }
+}
+
 TEST(FiledBodies, InSmallRoundsAndWithOthers) {
   const Scratch scratch;
   write(scratch / "cloud.csv", csv_of(points - 1));
