@@ -66,6 +66,12 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& scene) {
   return walls;
 }
 
+/// With that point of its axis that is nearest to the middle of the domain: torques are summed about it.
+rigid::TubeSpec at_the_domain(rigid::TubeSpec tube, const rigid::Extent& extent) {
+  tube.point += tube.axis.dot(0.5 * extent.size - tube.point) * tube.axis;
+  return tube;
+}
+
 }  // namespace
 
 bool Scene::has_surfaces() const {
@@ -92,7 +98,7 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
       rigid::add_mesh_wall(bodies, world, *mesh);
       if (mesh->motion.moves()) moving_walls_.push_back({k, {*mesh, setup.coupling.remap_tolerance}});
     } else {
-      rigid::add_tube(bodies, world, *setup.walls[k].tube());
+      rigid::add_tube(bodies, world, at_the_domain(*setup.walls[k].tube(), extent_of(setup)));
     }
   }
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)

@@ -1,38 +1,22 @@
 #include "adapters/mesh/obj_triangles.hpp"
 
+#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+
+#include "adapters/mesh/polygons.hpp"
+#include "adapters/stl/number_word.hpp"
 
 namespace silt::adapters {
 
 using rigid::Vec3;
 
-void add_polygon(Soup& soup, const std::vector<std::uint32_t>& corners, const std::string& what) {
-  if (corners.size() < 3) throw std::invalid_argument(what + " has less than three corners");
-  for (const std::uint32_t c : corners)
-    if (c >= soup.points.size())
-      throw std::invalid_argument(what + " has a corner that is not one of the " +
-                                  std::to_string(soup.points.size()) + " points");
-  const auto normal = [&](std::size_t k) -> Vec3 {
-    const Vec3& a = soup.points[corners[0]];
-    return (soup.points[corners[k]] - a).cross(soup.points[corners[k + 1]] - a);
-  };
-  Vec3 whole = Vec3::Zero();
-  for (std::size_t k = 1; k + 1 < corners.size(); ++k) whole += normal(k);
-  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
-    constexpr double flat = 1e-6;
-    if (corners.size() > 3 && normal(k).dot(whole) < -flat * whole.squaredNorm())
-      throw std::invalid_argument(what + " is not convex; divide it into triangles");
-    soup.triangles.push_back({corners[0], corners[k], corners[k + 1]});
-  }
-}
-
 namespace {
 
 bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
+  return c == ' ' || c == '\t';
 }
 
 /// The words of a line, one after the other; "" at its end.
@@ -47,16 +31,17 @@ std::string_view next_word(std::string_view& line) {
 
 class ObjReader {
  public:
-  Soup read(std::string_view text) {
-    while (!text.empty()) {
-      ++number_;
-      const std::size_t end = std::min(text.find('\n'), text.size());
-      std::string_view line = text.substr(0, end);
-      text.remove_prefix(std::min(end + 1, text.size()));
+  explicit ObjReader(std::string_view text) : rest_(text) {}
+
+  Soup read() {
+    while (!rest_.empty()) {
+      std::string_view line = next_line();
       const std::string_view word = next_word(line);
-      if (word == "v") soup_.points.push_back(point(line));
-      if (word == "f") face(line);
+      if (word == "v" || word == "V") soup_.points.push_back(point(line));
+      if (word == "f" || word == "F" || word == "fo") face(line);
+      if (word == "surf") fail("it has a free-form surface ('surf'); save it as triangles");
     }
+    polygons_.cut_into(soup_, "the face in line ");
     return std::move(soup_);
   }
 
@@ -64,17 +49,38 @@ class ObjReader {
   [[noreturn]] void fail(const std::string& text) const {
     throw std::invalid_argument("line " + std::to_string(number_) + ": " + text);
   }
+  /// Without its end: a line feed, a carriage return, or both.
+  std::string_view next_piece() {
+    ++end_;
+    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    const std::string_view piece = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
+    return piece;
+  }
+  /// With those that it goes on in, where it ends with a backslash; until the next call.
+  std::string_view next_line() {
+    std::string_view line = next_piece();
+    number_ = end_;
+    if (!line.ends_with('\\')) return line;
+    joined_ = line;
+    while (joined_.ends_with('\\') && !rest_.empty()) {
+      joined_.back() = ' ';
+      joined_ += next_piece();
+    }
+    return joined_;
+  }
   Vec3 point(std::string_view line) const {
     Vec3 x;
     for (int d = 0; d < 3; ++d) {
       const std::string_view word = next_word(line);
-      const char* const begin = word.data() + (word.starts_with('+') ? 1 : 0);
-      const auto [end, error] = std::from_chars(begin, word.data() + word.size(), x[d]);
-      if (word.empty() || error != std::errc() || end != word.data() + word.size() || !std::isfinite(x[d]))
-        fail("expected three numbers, found '" + std::string(word) + "'");
+      const auto number = number_in(word);
+      if (!number) fail("expected three numbers, found " + shown_word(word));
+      x[d] = *number;
     }
     return x;
   }
+  /// Corners count from 1, or back from the last point so far.
   void face(std::string_view line) {
     corners_.clear();
     for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) {
@@ -82,23 +88,27 @@ class ObjReader {
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), n);
       const auto points = static_cast<std::int64_t>(soup_.points.size());
       const bool ended = end == word.data() + word.size() || *end == '/';
-      if (error != std::errc() || !ended || n == 0 || n > points || n < -points)
-        fail("expected the number of one of the " + std::to_string(points) + " points so far, found '" +
-             std::string(word) + "'");
+      if (error != std::errc() || !ended || n == 0 || n > std::numeric_limits<std::uint32_t>::max() ||
+          n < -points)
+        fail("expected the number of one of the points, or one of the " + std::to_string(points) +
+             " so far, negative, counted back from here; found '" + std::string(word) + "'");
       corners_.push_back(static_cast<std::uint32_t>(n > 0 ? n - 1 : points + n));
     }
-    add_polygon(soup_, corners_, "the face in line " + std::to_string(number_));
+    polygons_.add(corners_, number_);
   }
 
+  std::string_view rest_;
+  std::string joined_;
   Soup soup_;
+  Polygons polygons_;
   std::vector<std::uint32_t> corners_;
-  std::size_t number_ = 0;
+  std::size_t number_ = 0, end_ = 0;  // of the line; of the last that it goes on in
 };
 
 }  // namespace
 
 Soup obj_triangles(std::string_view text) {
-  return ObjReader().read(text);
+  return ObjReader(text).read();
 }
 
 }  // namespace silt::adapters

@@ -7,8 +7,9 @@
 namespace silt::adapters {
 
 /// Reads the lines `v` and `f`: corners by their numbers, from 1, or back from the last one, with or without
-/// /texture/normal; polygons become fans. All other lines are skipped. Numbers are double, which Debian's
-/// tinyobjloader's are not. std::invalid_argument says where it goes wrong.
+/// /texture/normal; polygons become triangles. All other lines are skipped but those of free-form surfaces,
+/// which are refused. Numbers are double, which Debian's tinyobjloader's are not. std::invalid_argument says
+/// where it goes wrong.
 Soup obj_triangles(std::string_view text);
 
 }  // namespace silt::adapters

@@ -1,22 +1,34 @@
 #include "adapters/mesh/ply_triangles.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <string>
+
+#include "adapters/mesh/polygons.hpp"
+#include "adapters/stl/number_word.hpp"
 
 namespace silt::adapters {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary PLY is read as it stands");
+static_assert(std::endian::native == std::endian::little, "binary PLY is turned from big-endian");
 
 using rigid::Vec3;
 
+enum class Form { text, little_endian, big_endian };
 enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+std::optional<Form> form_named(std::string_view name) {
+  if (name == "ascii") return Form::text;
+  if (name == "binary_little_endian") return Form::little_endian;
+  if (name == "binary_big_endian") return Form::big_endian;
+  return {};
+}
 
 std::optional<Type> type_named(std::string_view name) {
   constexpr std::pair<std::string_view, Type> names[] = {
@@ -35,21 +47,36 @@ struct Property {
   std::string name;
   Type type;
   std::optional<Type> count;  // of a list
+
+  bool is_corners() const { return count && (name == "vertex_indices" || name == "vertex_index"); }
+  /// 0 to 2 for x, y and z.
+  std::optional<int> axis() const {
+    return !count && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z' ? std::optional(name[0] - 'x')
+                                                                          : std::nullopt;
+  }
 };
 
 struct Element {
   std::string name;
   std::uint64_t count;
   std::vector<Property> properties;
+
+  bool is_vertex() const { return name == "vertex"; }
+  bool is_face() const { return name == "face"; }
+  bool is_strips() const { return name == "tristrips"; }
 };
 
-/// What follows the header, value by value; in either form.
+bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+/// What follows the header, value by value; in any form.
 class Values {
  public:
-  Values(std::string_view bytes, bool is_text) : bytes_(bytes), is_text_(is_text) {}
+  Values(std::string_view bytes, Form form) : bytes_(bytes), form_(form) {}
 
   double next(Type type) {
-    if (is_text_) return word();
+    if (form_ == Form::text) return word();
     switch (type) {
       case Type::int8:
         return take<std::int8_t>();
@@ -71,8 +98,8 @@ class Values {
     return 0;
   }
   /// A number that counts or points to something: 0 to 2^32 - 1.
-  std::uint32_t next_index(Type type) {
-    const double x = next(type);
+  std::uint32_t next_index(Type type) { return index_of(next(type)); }
+  static std::uint32_t index_of(double x) {
     if (!(x >= 0 && x <= 4294967295.0) || x != std::floor(x))
       throw std::invalid_argument("a count or the number of a vertex is not a whole number from 0 on");
     return static_cast<std::uint32_t>(x);
@@ -84,27 +111,28 @@ class Values {
   }
   template <class Number>
   double take() {
-    if (bytes_.size() < sizeof(Number)) cut_off();
-    Number x;
-    std::memcpy(&x, bytes_.data(), sizeof x);
-    bytes_.remove_prefix(sizeof x);
-    return static_cast<double>(x);
+    std::array<char, sizeof(Number)> stored;
+    if (bytes_.size() < stored.size()) cut_off();
+    std::copy_n(bytes_.begin(), stored.size(), stored.begin());
+    bytes_.remove_prefix(stored.size());
+    if (form_ == Form::big_endian) std::reverse(stored.begin(), stored.end());
+    return static_cast<double>(std::bit_cast<Number>(stored));
   }
   double word() {
-    const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
-    while (!bytes_.empty() && is_space(bytes_.front())) bytes_.remove_prefix(1);
+    bytes_.remove_prefix(
+        static_cast<std::size_t>(std::find_if_not(bytes_.begin(), bytes_.end(), is_space) - bytes_.begin()));
     if (bytes_.empty()) cut_off();
-    double x = 0;
-    const char* const last = bytes_.data() + bytes_.size();
-    const auto [end, error] = std::from_chars(bytes_.data(), last, x);
-    if (error != std::errc() || (end != last && !is_space(*end)))
-      throw std::invalid_argument("expected a number, found '" + std::string(bytes_.substr(0, 16)) + "'");
-    bytes_.remove_prefix(static_cast<std::size_t>(end - bytes_.data()));
-    return x;
+    const auto length =
+        static_cast<std::size_t>(std::find_if(bytes_.begin(), bytes_.end(), is_space) - bytes_.begin());
+    const std::string_view word = bytes_.substr(0, length);
+    const auto x = number_in(word);
+    if (!x) throw std::invalid_argument("expected a number, found " + shown_word(word));
+    bytes_.remove_prefix(length);
+    return *x;
   }
 
   std::string_view bytes_;
-  bool is_text_;
+  Form form_;
 };
 
 class PlyReader {
@@ -113,43 +141,47 @@ class PlyReader {
 
   Soup read() {
     read_header();
-    Values values(rest_, is_text_);
+    Values values(rest_, form_);
     for (const Element& element : elements_) {
       if (element.properties.empty()) continue;
       for (std::uint64_t n = 0; n < element.count; ++n) read_one(element, n, values);
     }
+    faces_.cut_into(soup_, "face ");
+    strips_.cut_into(soup_, "a triangle of strip ");
     return std::move(soup_);
   }
 
  private:
+  /// Lines end as the first one does: with a line feed, a carriage return, or both.
   std::vector<std::string> next_line() {
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest_.find(line_end_);
     if (end == rest_.npos) throw std::invalid_argument("its header has no line 'end_header'");
-    std::vector<std::string> words;
-    std::string word;
-    for (const char c : rest_.substr(0, end + 1)) {
-      if (c != ' ' && c != '\t' && c != '\r' && c != '\n') {
-        word += c;
-      } else if (!word.empty()) {
-        words.push_back(std::move(word));
-        word.clear();
-      }
+    std::vector<std::string> words(1);
+    for (const char c : rest_.substr(0, end)) {
+      if (!is_space(c))
+        words.back() += c;
+      else if (!words.back().empty())
+        words.emplace_back();
     }
-    rest_.remove_prefix(end + 1);
+    if (words.back().empty()) words.pop_back();
+    rest_.remove_prefix(end + line_end_.size());
     return words;
   }
 
   void read_header() {
-    if (next_line() != std::vector<std::string>{"ply"})
+    if (const std::size_t end = rest_.find_first_of("\r\n"); end != rest_.npos && rest_[end] == '\r')
+      line_end_ = rest_.substr(end, 2) == "\r\n" ? "\r\n" : "\r";
+    if (!rest_.starts_with("ply") || next_line() != std::vector<std::string>{"ply"})
       throw std::invalid_argument("it is no PLY: its first line is not 'ply'");
     bool has_format = false;
     for (auto words = next_line(); words != std::vector<std::string>{"end_header"}; words = next_line()) {
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "format" && words.size() >= 2) {
-        is_text_ = words[1] == "ascii", has_format = true;
-        if (!is_text_ && words[1] != "binary_little_endian")
+        const auto form = form_named(words[1]);
+        if (!form)
           throw std::invalid_argument("its format is '" + words[1] +
-                                      "'; it must be ascii or binary_little_endian: save it as one of them");
+                                      "'; it must be ascii, binary_little_endian or binary_big_endian");
+        form_ = *form, has_format = true;
       } else if (words[0] == "element" && words.size() == 3) {
         elements_.push_back({words[1], count_of(words[2]), {}});
       } else if (words[0] == "property" && !elements_.empty()) {
@@ -160,6 +192,20 @@ class PlyReader {
       }
     }
     if (!has_format) throw std::invalid_argument("its header has no line 'format'");
+    for (const Element& element : elements_) check(element);
+  }
+  void check(const Element& element) {
+    int axes = 0;
+    bool has_corners = false;
+    for (const Property& p : element.properties) {
+      axes += p.axis().has_value(), has_corners |= p.is_corners();
+      soup_.is_single |= element.is_vertex() && p.axis() && p.type == Type::float32;
+    }
+    if (element.is_vertex() && axes != 3)
+      throw std::invalid_argument("its vertices have no properties x, y and z");
+    if ((element.is_face() || element.is_strips()) && element.count > 0 && !has_corners)
+      throw std::invalid_argument("its element " + element.name +
+                                  " has no list vertex_indices (or vertex_index)");
   }
   static std::uint64_t count_of(const std::string& word) {
     std::uint64_t n = 0;
@@ -174,40 +220,49 @@ class PlyReader {
     const auto count = is_list ? type_named(words[2]) : std::nullopt;
     if ((!is_list && words.size() != 3) || !type || (is_list && !count))
       throw std::invalid_argument(
-          "its header has a property that is not 'type name' or 'list type type name'");
+          "its header has a property '" + words.back() +
+          "' that is not 'type name' or 'list type type name', or of a type it does not know");
     return {words.back(), *type, count};
   }
 
   void read_one(const Element& element, std::uint64_t n, Values& values) {
-    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
     Vec3 x = Vec3::Zero();
     corners_.clear();
     for (const Property& p : element.properties) {
       if (p.count) {
-        const bool wanted = is_face && (p.name == "vertex_indices" || p.name == "vertex_index");
+        const bool of_face = p.is_corners() && element.is_face(),
+                   of_strip = p.is_corners() && element.is_strips();
         const std::uint32_t count = values.next_index(*p.count);
         for (std::uint32_t k = 0; k < count; ++k) {
-          if (wanted)
-            corners_.push_back(values.next_index(p.type));
-          else
-            values.next(p.type);
+          const double value = values.next(p.type);
+          if (of_strip) add_to_strip(value, n);
+          if (of_face) corners_.push_back(Values::index_of(value));
         }
       } else {
         const double value = values.next(p.type);
-        if (is_vertex && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
-          x[p.name[0] - 'x'] = value;
+        if (p.axis()) x[*p.axis()] = value;
       }
     }
-    if (is_vertex) soup_.points.push_back(x);
-    if (is_face) add_polygon(soup_, corners_, "face " + std::to_string(n));
-    if (is_vertex && !x.allFinite())
-      throw std::invalid_argument("vertex " + std::to_string(n) + " has a coordinate that is not finite");
+    if (element.is_face()) faces_.add(corners_, n);
+    if (element.is_vertex()) soup_.points.push_back(x);
+  }
+  /// The corners of a strip, each a triangle with the two before it, every other one turned over; -1 ends it.
+  void add_to_strip(double value, std::uint64_t n) {
+    if (value == -1) return corners_.clear();
+    corners_.push_back(Values::index_of(value));
+    const std::size_t k = corners_.size();
+    if (k < 3) return;
+    const std::uint32_t a = corners_[k - 3], b = corners_[k - 2], c = corners_[k - 1];
+    if (a == b || b == c || c == a) return;  // as where strips are joined
+    strips_.add(k % 2 ? std::vector{a, b, c} : std::vector{b, a, c}, n);
   }
 
   std::string_view rest_;
-  bool is_text_ = false;
+  std::string line_end_ = "\n";
+  Form form_ = Form::text;
   std::vector<Element> elements_;
   Soup soup_;
+  Polygons faces_, strips_;
   std::vector<std::uint32_t> corners_;
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -94,21 +93,7 @@ std::size_t leave_out_degenerate(std::vector<Triangle>& triangles) {
                        [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
-std::size_t leave_out_duplicates(std::vector<Triangle>& triangles) {
-  const auto sorted = [](Triangle t) {
-    std::sort(t.begin(), t.end());
-    return t;
-  };
-  for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-  std::sort(triangles.begin(), triangles.end(), [&](const Triangle& a, const Triangle& b) {
-    return std::tuple(sorted(a), a) < std::tuple(sorted(b), b);
-  });
-  const std::size_t before = triangles.size();
-  triangles.erase(std::unique(triangles.begin(), triangles.end(),
-                              [&](const Triangle& a, const Triangle& b) { return sorted(a) == sorted(b); }),
-                  triangles.end());
-  return before - triangles.size();
-}
+}  // namespace
 
 void leave_out_unused(Soup& soup) {
   std::vector<char> used(soup.points.size(), 0);
@@ -123,15 +108,13 @@ void leave_out_unused(Soup& soup) {
     for (std::uint32_t& k : t) k = number[k];
 }
 
-}  // namespace
-
 WeldCounts weld(Soup& soup, double distance) {
   const std::vector<std::uint32_t> number = welded_numbers(soup.points, distance);
   for (Triangle& t : soup.triangles)
     for (std::uint32_t& k : t) k = number[k];
   WeldCounts counts;
   counts.degenerate = leave_out_degenerate(soup.triangles);
-  counts.duplicate = leave_out_duplicates(soup.triangles);
+  counts.coincident = leave_out_coincident(soup.triangles);
   leave_out_unused(soup);
   return counts;
 }

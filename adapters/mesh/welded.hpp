@@ -1,13 +1,12 @@
 #pragma once
 // Points of a soup that are the same become one.
-#include <cstddef>
-
-#include "adapters/mesh/soup.hpp"
+#include "adapters/mesh/coincident.hpp"
 
 namespace silt::adapters {
 
 struct WeldCounts {
-  std::size_t degenerate = 0, duplicate = 0;  // triangles left out
+  std::size_t degenerate = 0;  // triangles left out
+  CoincidentCounts coincident;
 };
 
 /// Points closer than `distance` (and chains of such) become the first of them in lexicographic order, points

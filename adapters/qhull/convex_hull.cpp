@@ -21,42 +21,49 @@ namespace {
 using rigid::Mat3;
 using rigid::Vec3;
 
+/// In its own coordinates the points are of size about 1.
 struct Frame {
   Vec3 centre = Vec3::Zero();
-  double size = 0;  // the largest extent along an axis
+  Mat3 to_frame = Mat3::Identity();
 };
 
-Frame frame_of(std::span<const Vec3> points) {
-  Vec3 lower = points[0], upper = points[0];
-  for (const Vec3& p : points) lower = lower.cwiseMin(p), upper = upper.cwiseMax(p);
-  return {0.5 * (lower + upper), (upper - lower).maxCoeff()};
+Vec3 extents(std::span<const Vec3> points, const Mat3& axes) {
+  Vec3 lower = axes * points[0], upper = lower;
+  for (const Vec3& p : points) lower = lower.cwiseMin(axes * p), upper = upper.cwiseMax(axes * p);
+  return upper - lower;
 }
 
-/// The thickness along the direction in which the points spread least.
-double thickness(std::span<const Vec3> points, const Vec3& about) {
+/// Rows: the directions in which the points spread, the least first.
+Mat3 principal_axes(std::span<const Vec3> points, const Vec3& about) {
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += (p - about) / double(points.size());
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : points) spread += (p - about - mean) * (p - about - mean).transpose();
-  const Vec3 least = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(0);
-  double low = 0, high = 0;
-  for (const Vec3& p : points) {
-    const double at = least.dot(p - about - mean);
-    low = std::min(low, at), high = std::max(high, at);
-  }
-  return high - low;
+  return Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().transpose();
 }
 
-void check(std::span<const Vec3> points) {
+/// A hull and a stretched one have the same corners: of slender points that of the stretched ones is found,
+/// for flatness is relative to the size.
+Frame frame_of(std::span<const Vec3> points) {
+  constexpr double slender = 0.1;
   if (points.size() < 4)
     throw std::invalid_argument("a convex hull needs at least 4 points, there are " +
                                 std::to_string(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite()) throw std::invalid_argument("point " + std::to_string(i) + " is not finite");
-  const Frame frame = frame_of(points);
-  if (!(frame.size > 0)) throw std::invalid_argument("all points are the same");
-  if (!(thickness(points, frame.centre) > 10 * hull_flatness * frame.size))
+  Vec3 lower = points[0], upper = points[0];
+  for (const Vec3& p : points) lower = lower.cwiseMin(p), upper = upper.cwiseMax(p);
+  const double size = (upper - lower).maxCoeff();
+  if (!(size > 0)) throw std::invalid_argument("all points are the same");
+  Frame frame{0.5 * (lower + upper), Mat3::Identity() / size};
+  std::vector<Vec3> about_centre;
+  for (const Vec3& p : points) about_centre.push_back(p - frame.centre);
+  const Mat3 axes = principal_axes(points, frame.centre);
+  const Vec3 along = extents(about_centre, axes);
+  if (!(along[0] > 10 * hull_flatness * size))
     throw std::invalid_argument("all points lie in one plane, or nearly: they enclose no volume");
+  if (along.minCoeff() < slender * size) frame.to_frame = along.cwiseInverse().asDiagonal() * axes;
+  return frame;
 }
 
 /// qhull's state and what it says, both given back at the end. Its errors jump to the end of qh_new_qhull,
@@ -64,10 +71,10 @@ void check(std::span<const Vec3> points) {
 class Qhull {
  public:
   /// Finds the hull of n points, x y z each, of size about 1.
-  Qhull(double* coordinates, int n) : said_(open_memstream(&text_, &length_)) {
+  Qhull(double* coordinates, int n, double flatness) : said_(open_memstream(&text_, &length_)) {
     qh_zero(&state_, said_);
     char command[64];
-    std::snprintf(command, sizeof command, "qhull C-%g", hull_flatness);
+    std::snprintf(command, sizeof command, "qhull C-%g", flatness);
     code_ = qh_new_qhull(&state_, 3, n, coordinates, False, command, nullptr, said_);
   }
   ~Qhull() {
@@ -126,20 +133,28 @@ void put_in_order(std::vector<int>& corners, std::span<const Vec3> points, const
 
 }  // namespace
 
-ConvexHull convex_hull(std::span<const Vec3> points) {
-  check(points);
+std::vector<HullFace> hull_faces(std::span<const Vec3> points, double flatness) {
   const Frame frame = frame_of(points);
   std::vector<Vec3> scaled;
-  for (const Vec3& p : points) scaled.push_back((p - frame.centre) / frame.size);
-  Qhull qhull(scaled[0].data(), static_cast<int>(scaled.size()));
+  for (const Vec3& p : points) scaled.push_back(frame.to_frame * (p - frame.centre));
+  Qhull qhull(scaled[0].data(), static_cast<int>(scaled.size()), flatness);
   qhull.require_success();
-
-  std::vector<std::vector<int>> faces;
-  std::map<int, int> vertex_of;  // of a point
+  std::vector<HullFace> faces;
+  const bool is_mirrored = frame.to_frame.determinant() < 0;
   for (auto& facet : qhull.facets()) {
     put_in_order(facet.corners, scaled, facet.normal);
-    for (const int c : facet.corners) vertex_of[c] = 0;
-    faces.push_back(std::move(facet.corners));
+    if (is_mirrored) std::reverse(facet.corners.begin(), facet.corners.end());
+    faces.push_back({std::move(facet.corners), (frame.to_frame.transpose() * facet.normal).normalized()});
+  }
+  return faces;
+}
+
+ConvexHull convex_hull(std::span<const Vec3> points) {
+  std::vector<std::vector<int>> faces;
+  std::map<int, int> vertex_of;  // of a point
+  for (HullFace& face : hull_faces(points, hull_flatness)) {
+    for (const int c : face.corners) vertex_of[c] = 0;
+    faces.push_back(std::move(face.corners));
   }
   ConvexHull hull;
   std::vector<Vec3> vertices;

@@ -62,6 +62,7 @@ struct Case {
   std::int64_t balance_every = 0;  // steps between two looks at how the work is shared; 0: none
   OutputSpec output;
   std::vector<QuantitySpec> quantities;
+  std::vector<Diagnostic> warnings;     // of its readers
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
   /// Where a key stands; if it is not in the file, where the table that would hold it does.
   Place place(std::string path) const;

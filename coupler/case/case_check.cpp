@@ -195,6 +195,7 @@ void check_quantities(const Case& scene, Findings& findings) {
 
 std::vector<Diagnostic> check_case(const Case& scene) {
   Findings findings(scene);
+  findings.list = scene.warnings;
   check_domain(scene, findings);
   find_boundary_faults(scene, findings);
   find_fluid_faults(scene, findings);

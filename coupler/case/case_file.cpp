@@ -105,6 +105,7 @@ Case read_case(CaseSource& source, const std::vector<std::string>& overrides) {
   read_sections({context, &root, "", Place{source.file}}, scene);
   context.report_unread(root, "");
   if (!context.errors.empty()) throw CaseError(std::move(context.errors));
+  scene.warnings = std::move(context.warnings);
   scene.places = std::move(context.places);
   scene.files = std::move(context.files);
   scene.text = source.text;

@@ -54,7 +54,7 @@ struct ReadContext {
   std::vector<std::string> files;  // that the case names: AttachedFile::fingerprint of each, in its order
   Units units;
   bool units_known = true;  // else nothing that depends on a scale is judged
-  std::vector<Diagnostic> errors;
+  std::vector<Diagnostic> errors, warnings;
   std::map<const Node*, std::vector<std::string>>
       known_keys;                       // of each table, in the order they were asked for
   std::set<const Node*> unjudged;       // tables whose unread keys are no errors
@@ -113,6 +113,9 @@ class TableReader {
   /// Reports "fluid.density is -1; it must be above 0".
   void refuse(std::string_view key, std::string_view must);
   void fail(std::string_view key, const std::string& text) { context_->fail(place(key), text); }
+  void warn(std::string_view key, const std::string& text) {
+    context_->warnings.push_back({Diagnostic::Severity::warning, place(key), text});
+  }
   /// Requires that exactly one (or, unless required, at most one) of the keys is given; returns the one, or
   /// "".
   std::string one_of(std::initializer_list<const char*> keys, bool required, std::string_view what);

@@ -6,6 +6,7 @@
 #include "coupler/case/case_reader.hpp"
 #include "coupler/case/output_spec.hpp"
 #include "coupler/case/quantity_spec.hpp"
+#include "rigid/shapes/polyhedron_mesh.hpp"
 #include "rigid/shapes/shape_list.hpp"
 
 namespace silt::coupler {
@@ -37,6 +38,8 @@ rigid::Vec3 read_axis(TableReader&, std::string_view what);
 MeshWall read_mesh_wall(TableReader&);
 /// Reads the shape of a body of type "mesh"; a sphere if its file is no good (reported).
 rigid::Shape read_mesh_body(TableReader&);
+/// Reads the polyhedron of a file; none if it is no good (reported).
+std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader&);
 
 // read_bodies.cpp
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]

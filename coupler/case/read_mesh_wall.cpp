@@ -1,10 +1,11 @@
-// [[walls]] of type "mesh": their surface and where it goes; and [[shapes]] of it.
+// Surfaces in files: [[walls]] of type "mesh" and where they go; and [[shapes]] of them.
 #include <fmt/format.h>
 
 #include <numbers>
 #include <stdexcept>
 
 #include "adapters/mesh/read_mesh.hpp"
+#include "adapters/mesh/read_polyhedron.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/case_source.hpp"
 #include "coupler/case/motion_file.hpp"
@@ -39,7 +40,8 @@ std::string contents_of(const adapters::ReadMesh& read) {
   };
   add(read.closed.hollows, "of them hollows");
   add(read.welded.degenerate, "degenerate triangles left out");
-  add(read.welded.duplicate, "duplicate triangles left out");
+  add(read.welded.coincident.duplicate, "duplicate triangles left out");
+  add(read.welded.coincident.thin, "triangles of fins and membranes left out");
   add(read.closed.turned, "triangles turned over");
   return text;
 }
@@ -54,6 +56,17 @@ void read_oscillation(TableReader table, rigid::WallMotion& motion) {
 }
 
 const char* const file_doc = "the name of an STL, OBJ or PLY file in the directory of the case";
+
+/// Of a file whose numbers do not keep its surface: its origin is far away.
+void warn_of_steps(TableReader& table, const std::string& name, double coordinate_step) {
+  constexpr double enough = 0.1;  // cells
+  if (!(coordinate_step > enough)) return;
+  table.warn("file",
+             fmt::format("{}: '{}' keeps its coordinates in single precision, which are {} cells apart so "
+                         "far from its origin; save it in double precision or as text, or with its origin "
+                         "near the surface",
+                         table.path("file"), name, shown(coordinate_step)));
+}
 
 /// Lattice units in one of the file's.
 double read_scale(TableReader& table) {
@@ -95,6 +108,7 @@ MeshWall read_mesh_wall(TableReader& table) {
   wall.start = {point, orientation};
   with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
     const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
+    warn_of_steps(table, name, read.coordinate_step);
     wall.file = name, wall.contents = contents_of(read);
     const Vec3 middle = 0.5 * (read.surface->box().lower + read.surface->box().upper);
     wall.mesh = rigid::Mesh{read.surface, hollow}.recentred(middle);
@@ -108,12 +122,25 @@ rigid::Shape read_mesh_body(TableReader& table) {
   const double scale = read_scale(table);
   rigid::Shape shape = rigid::Sphere{1};
   with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
-    const rigid::Mesh mesh{adapters::read_mesh(name, bytes, scale).surface, false};
+    const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
+    warn_of_steps(table, name, read.coordinate_step);
+    const rigid::Mesh mesh{read.surface, false};
     if (!(mesh.mass_properties().volume > 0))
       throw std::invalid_argument("it encloses no volume: a body needs some");
     shape = mesh;
   });
   return shape;
+}
+
+std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& table) {
+  const double scale = read_scale(table);
+  std::shared_ptr<const rigid::PolyhedronMesh> mesh;
+  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
+    const adapters::ReadPolyhedron read = adapters::read_polyhedron(name, bytes, scale);
+    warn_of_steps(table, name, read.coordinate_step);
+    mesh = read.mesh;
+  });
+  return mesh;
 }
 
 }  // namespace silt::coupler

@@ -7,10 +7,8 @@
 #include <stdexcept>
 
 #include "adapters/qhull/convex_hull.hpp"
-#include "adapters/stl/stl_polyhedron.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/case_source.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/math/rotation_between.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -81,31 +79,17 @@ Hull hull_of_vertices(TableReader& table, const Units& units) {
   return hull.mesh;
 }
 
-Hull body_of_file(TableReader& table) {
-  const auto name = table.string("file");
-  const double scale = table.number("scale", range::above(0)).value_or(1);
-  if (!name) return {};
-  ReadContext& context = table.context();
-  try {
-    const AttachedFile& file = context.source->file_named(*name);
-    context.files.push_back(file.fingerprint);
-    return adapters::stl_polyhedron(file.bytes, scale / context.units.cell_size);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("'{}': {}", *name, error.what()));
-  }
-}
-
 /// A polyhedron has no sizes, but corners.
 rigid::ConvexShape read_polyhedron(TableReader& table) {
-  const std::string given =
-      table.one_of({"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL file");
+  const std::string given = table.one_of(
+      {"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL, OBJ or PLY file");
   if (given != "file" && table.has("scale"))
     table.fail("scale", fmt::format("{} goes with a file; the vertices are in the units of the case already",
                                     table.path("scale")));
   Hull mesh;
   try {
     if (given == "vertices") mesh = hull_of_vertices(table, table.context().units);
-    if (given == "file") mesh = body_of_file(table);
+    if (given == "file") mesh = read_polyhedron_file(table);
   } catch (const std::invalid_argument& error) {
     table.fail(given, fmt::format("{}: {}", table.path(given), error.what()));
   }

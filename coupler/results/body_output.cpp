@@ -23,34 +23,17 @@ adapters::BodyColumns columns_of(const Simulation& simulation) {
   return {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts};
 }
 
-/// Describes each kind by its first entry (the entries of a kind have the same shape).
 adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   const Case& scene = simulation.setup();
-  const rigid::World& world = simulation.scene().world;
   adapters::BodySeriesInfo info;
   info.columns = columns_of(simulation);
-  const double cell = scene.units.cell_size;
-  for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * cell;
+  for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * scene.units.cell_size;
   if (scene.units.si) {
     info.length = std::string("m");
     info.time = std::string("s");
     info.mass = std::string("kg");
   }
-  info.kinds.resize(scene.kind_names.size());
-  const auto describe = [&](int kind, int shape, double density) {
-    adapters::BodyKind& k = info.kinds[kind];
-    if (!k.parts.empty()) return;
-    k.name = scene.kind_names[kind];
-    k.bounding_radius = cell * world.bounding_radii[shape];
-    k.density = scene.units.physical(density, dimension::density);
-    for (const rigid::Part& part : rigid::convex_parts(world.shapes[shape]))
-      k.parts.push_back(tessellation(part, cell));
-    if (const auto* mesh = std::get_if<rigid::Mesh>(&world.shapes[shape]))
-      k.parts.push_back(tessellation(*mesh->surface, cell));
-  };
-  scene.for_each_given(
-      [&](const BodySpec& body, std::uint64_t) { describe(body.kind, body.shape, body.density); });
-  for (const FillSpec& fill : scene.fills) describe(fill.kind, fill.shape, fill.density);
+  info.kinds = drawn_kinds(scene);
   return info;
 }
 
@@ -81,6 +64,26 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
 }
 
 }  // namespace
+
+std::vector<adapters::BodyKind> drawn_kinds(const Case& scene) {
+  const double cell = scene.units.cell_size;
+  std::vector<adapters::BodyKind> kinds(scene.kind_names.size());
+  const auto describe = [&](int kind, const rigid::Shape& shape, double density) {
+    adapters::BodyKind& k = kinds[kind];
+    if (!k.parts.empty()) return;  // the entries of a kind have the same shape
+    k.name = scene.kind_names[kind];
+    k.bounding_radius = cell * rigid::bounding_radius(shape);
+    k.density = scene.units.physical(density, dimension::density);
+    for (const rigid::Part& part : rigid::convex_parts(shape)) k.parts.push_back(tessellation(part, cell));
+    if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))
+      k.parts.push_back(tessellation(*mesh->surface, cell));
+  };
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
+    describe(body.kind, scene.shapes[body.shape], body.density);
+  });
+  for (const FillSpec& fill : scene.fills) describe(fill.kind, scene.shapes[fill.shape], fill.density);
+  return kinds;
+}
 
 BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path& folder,
                        const adapters::Provenance& provenance, bool resumed)

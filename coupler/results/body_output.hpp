@@ -2,11 +2,15 @@
 // The series of the bodies, bodies.h5, which a run writes while it goes on.
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "adapters/hdf5/body_series.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {
+
+/// Returns the kinds of bodies of a case with their surfaces, as the series holds them.
+std::vector<adapters::BodyKind> drawn_kinds(const Case&);
 
 /// BodyOutput writes the series of the bodies of a run, in the units of the case.
 class BodyOutput {

@@ -38,7 +38,8 @@ void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall
   wall.amplitude = physical(motion.amplitude, dimension::length);
   wall.frequency = physical(motion.frequency, dimension::angular_velocity);
   wall.phase = motion.phase;
-  for (const Vec3& x : mesh.mesh.surface->vertices()) wall.vertices.push_back(physical(x, dimension::length));
+  for (const Vec3& x : mesh.mesh.surface->vertices())
+    wall.vertices.push_back(physical(Vec3(mesh.arm + x), dimension::length));
   const auto triangles = mesh.mesh.surface->triangles();
   wall.triangles.assign(triangles.begin(), triangles.end());
   for (const rigid::MotionRow& row : motion.table) {

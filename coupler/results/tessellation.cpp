@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "adapters/qhull/convex_hull.hpp"
 
@@ -9,17 +10,25 @@ namespace silt::coupler {
 
 namespace {
 
+using adapters::HullFace;
 using rigid::ConvexShape;
-using rigid::PolyhedronMesh;
 using rigid::Vec3;
+
+double width_of(const ConvexShape& shape, const Vec3& n) {
+  return n.dot(rigid::support(shape, n) - rigid::support(shape, -n));
+}
+
+Vec3 half_extents(const ConvexShape& shape) {
+  return 0.5 *
+         Vec3(width_of(shape, Vec3::UnitX()), width_of(shape, Vec3::UnitY()), width_of(shape, Vec3::UnitZ()));
+}
 
 /// Points of the surface that the support function names, each once.
 class SurfacePoints {
  public:
-  explicit SurfacePoints(const ConvexShape& shape) : shape_(shape) {
-    for (int d = 0; d < 3; ++d) half_[d] = 0.5 * width(Vec3::Unit(d));
-    nearest_ = 1e-5 * half_.minCoeff();
-    Vec3 sorted = half_;
+  SurfacePoints(const ConvexShape& shape, const Vec3& half_extents) : shape_(shape) {
+    nearest_ = 1e-5 * half_extents.minCoeff();
+    Vec3 sorted = half_extents;
     std::sort(sorted.begin(), sorted.end());
     middle_ = sorted[1];
   }
@@ -36,13 +45,15 @@ class SurfacePoints {
   }
 
   /// Says whether the surface stands off from a face of the points' hull by more than the tolerance.
-  bool stands_off(const PolyhedronMesh::Face& face) const {
-    const double gap = face.normal.dot(rigid::support(shape_, face.normal)) - face.offset;
+  bool stands_off(const HullFace& face) const {
+    double gap = std::numeric_limits<double>::infinity();
+    const Vec3 furthest = rigid::support(shape_, face.normal);
+    for (const int c : face.corners) gap = std::min(gap, face.normal.dot(furthest - points_[c]));
     return gap > tessellation_tolerance * std::min(0.5 * width(face.normal), middle_);
   }
 
  private:
-  double width(const Vec3& n) const { return n.dot(rigid::support(shape_, n) - rigid::support(shape_, -n)); }
+  double width(const Vec3& n) const { return width_of(shape_, n); }
   void add_point(const Vec3& point) {
     const bool known = std::any_of(points_.begin(), points_.end(),
                                    [&](const Vec3& p) { return (p - point).norm() < nearest_; });
@@ -51,45 +62,73 @@ class SurfacePoints {
 
   const ConvexShape& shape_;
   std::vector<Vec3> points_;
-  Vec3 half_;       // of the extents along x, y and z
-  double middle_;   // the middle one of them
+  double middle_;   // of half the extents along x, y and z
   double nearest_;  // points closer than this are one
 };
+
+struct Surface {
+  std::vector<Vec3> vertices;
+  std::vector<HullFace> faces;
+};
+
+/// Leaves out vertices that no face has.
+void leave_out_unused(Surface& surface) {
+  std::vector<int> number(surface.vertices.size(), -1);
+  for (const HullFace& face : surface.faces)
+    for (const int c : face.corners) number[c] = 0;
+  int next = 0;
+  for (std::size_t k = 0; k < number.size(); ++k)
+    if (number[k] == 0) surface.vertices[next] = surface.vertices[k], number[k] = next++;
+  surface.vertices.resize(next);
+  for (HullFace& face : surface.faces)
+    for (int& c : face.corners) c = number[c];
+}
 
 /// Returns the hull of points of the surface: where the surface stands off from a face, its furthest point
 /// there is added, until it does so nowhere (the estimate refinement method: Kamenev, Comput. Math. Math.
 /// Phys. 32 (1992) 114).
-std::shared_ptr<const PolyhedronMesh> inscribed_polyhedron(const ConvexShape& shape) {
-  if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) return polyhedron->mesh;
-  SurfacePoints points(shape);
+Surface inscribed_surface(const ConvexShape& shape) {
+  if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) {
+    Surface surface{polyhedron->mesh->vertices, {}};
+    for (const auto& face : polyhedron->mesh->faces) surface.faces.push_back({face.corners, face.normal});
+    return surface;
+  }
+  constexpr double flatness = 1e-12;  // rounding: where corners are close, faces between them are not flat
+  SurfacePoints points(shape, half_extents(shape));
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
       for (int z = -1; z <= 1; ++z)
         if (x || y || z) points.add(Vec3(x, y, z).normalized());
   for (;;) {
-    const auto hull = adapters::convex_hull(points.all()).mesh;
+    const auto faces = adapters::hull_faces(points.all(), flatness);
     const std::size_t before = points.all().size();
-    for (const PolyhedronMesh::Face& face : hull->faces)
+    for (const HullFace& face : faces)
       if (points.stands_off(face)) points.add(face.normal);
-    if (points.all().size() == before) return hull;
+    if (points.all().size() > before) continue;
+    Surface surface{points.all(), faces};
+    leave_out_unused(surface);
+    return surface;
   }
 }
 
 /// Returns the outward unit normal of the surface at a vertex; where an edge or a corner has many, one near
 /// the face's. A normal n belongs to the vertex v if no point s of the surface lies further along n, so n is
 /// moved across the half-spaces n . (s - v) <= 0 that it violates (the relaxation method: Agmon, Can. J.
-/// Math. 6 (1954) 382).
-Vec3 normal_at(const ConvexShape& shape, const Vec3& vertex, const Vec3& face_normal, double size) {
-  constexpr int most = 300;           // few on a round surface, a hundred at the rim of a flat ellipsoid
+/// Math. 6 (1954) 382); as seen of the surface squeezed to half extents of 1, however slender it is.
+Vec3 normal_at(const ConvexShape& shape, const Vec3& half, const Vec3& vertex, const Vec3& face_normal) {
+  constexpr int most = 300;           // few on a round surface
   constexpr double relaxation = 1.5;  // 1 to the boundary, 2 to the mirror image
-  Vec3 n = face_normal;
+  const auto outward = [&](const Vec3& squeezed) -> Vec3 {
+    return squeezed.cwiseQuotient(half).normalized();
+  };
+  Vec3 n = face_normal.cwiseProduct(half).normalized();
   for (int i = 0; i < most; ++i) {
-    const Vec3 beyond = rigid::support(shape, n) - vertex;
+    const Vec3 beyond = (rigid::support(shape, outward(n)) - vertex).cwiseQuotient(half);
     const double excess = n.dot(beyond);
-    if (excess <= 1e-9 * size) break;
+    if (excess <= 1e-9) break;
     n = (n - relaxation * excess / beyond.squaredNorm() * beyond).normalized();
   }
-  return n;
+  return outward(n);
 }
 
 /// Returns the index of a vertex's normal in the table; normals that differ by less than 0.01 rad are one.
@@ -108,17 +147,17 @@ std::array<double, 3> array_of(const Vec3& v) {
 }  // namespace
 
 adapters::TriangleMesh tessellation(const rigid::Part& part, double unit) {
-  const auto polyhedron = inscribed_polyhedron(part.shape);
-  const double size = rigid::reach({part.shape, rigid::Pose{}});
+  const Surface surface = inscribed_surface(part.shape);
+  const Vec3 half = half_extents(part.shape);
   adapters::TriangleMesh mesh;
-  for (const Vec3& v : polyhedron->vertices) mesh.vertices.push_back(array_of(unit * part.pose.to_world(v)));
+  for (const Vec3& v : surface.vertices) mesh.vertices.push_back(array_of(unit * part.pose.to_world(v)));
 
   std::vector<Vec3> normals;
-  std::vector<std::vector<int>> normals_of_vertex(polyhedron->vertices.size());
-  for (const PolyhedronMesh::Face& face : polyhedron->faces) {
+  std::vector<std::vector<int>> normals_of_vertex(surface.vertices.size());
+  for (const HullFace& face : surface.faces) {
     std::vector<int> normal_of_corner;
     for (const int c : face.corners) {
-      const Vec3 normal = normal_at(part.shape, polyhedron->vertices[c], face.normal, size);
+      const Vec3 normal = normal_at(part.shape, half, surface.vertices[c], face.normal);
       normal_of_corner.push_back(index_of_normal(normal, normals_of_vertex[c], normals));
     }
     for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {

@@ -11,6 +11,7 @@
 #include "coupler/case/derived_table.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/placement/start_check.hpp"
+#include "coupler/results/body_output.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/run_estimate.hpp"
 
@@ -112,6 +113,8 @@ std::string examine_case(const RunOptions& options) {
   make_domain(scene, ranks);  // throws if it cannot be cut for them
   const lbm::Domain domain = make_domain(scene, 1);
   require_sound_start(scene, domain, MPI_COMM_SELF);
+  const Quantities quantities(scene);
+  if (scene.output.bodies.every > 0) drawn_kinds(scene);
   const RunEstimate estimate = estimate_run(scene, place_bodies(scene, domain, MPI_COMM_SELF), ranks);
   if (const auto found = time_warning(scene, estimate)) warnings.push_back(*found);
   if (const auto found = disk_warning(scene, estimate.disk, result_folder(options)))

@@ -81,7 +81,7 @@ TEST(MeshBodies, FarFromItsFilesOriginABodyIsWhatItIsNearIt) {
         body_of("body", density,
                 position + "\nvelocity = [0.03, 0.01, -0.02]\nangular_velocity = [0.004, 0.003, -0.005]");
     Simulation s(read_with(c, {{"torus.ply", ply_of(torus.shifted(off))}}), MPI_COMM_WORLD);
-    EXPECT_TRUE(judgement(s.setup()).empty());
+    EXPECT_EQ(fault_of(s.setup()), "");
     s.run(40);
     Vec3 x = Vec3::Zero(), w = Vec3::Zero();
     if (s.bodies().owned > 0) x = s.bodies().position[0], w = s.bodies().angular_velocity[0];

@@ -68,6 +68,14 @@ Load load_of_fluid(const Simulation& simulation) {
 
 constexpr double radii[] = {5.3, 7.45, 10.6, 14.9};
 
+TEST(Tube, ItsPointMayBeFarAlongItsAxis) {
+  const CaseText text = pipe(7.45, "angular_velocity = 0.002", 1e-5, 1);
+  Simulation near = text.start(MPI_COMM_SELF),
+             far = text.start(MPI_COMM_SELF, {"walls[0].point=[-1e8, 9.13, 8.71]"});
+  near.run(20), far.run(20);
+  EXPECT_EQ(near.hash(), far.hash());
+}
+
 TEST(Tube, PoiseuilleIsOfSecondOrder) {
   std::vector<double> errors;
   for (const double radius : radii) {

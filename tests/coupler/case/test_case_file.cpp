@@ -172,8 +172,8 @@ TEST(CaseFile, BodiesFromStlFilesBesideTheCase) {
   EXPECT_EQ(
       error_of([&] { read_case(folder); }),
       (folder / "case.toml").string() +
-          ":14:1: shapes[0].file: 'rocks/a.stl': the surface is not closed: 4 open edges, the first from "
-          "[0, 0, 0] to [0, 0, 5]; close its holes");
+          ":14:1: shapes[0].file: 'rocks/a.stl': the surface is not closed: one triangle only has 4 edges, "
+          "the first from [0, 0, 0] to [0, 0, 5]; close its holes");
   std::filesystem::remove_all(folder);
 }
 

@@ -41,6 +41,21 @@ std::vector<Solid> solids() {
           {rigid::testing::tetrahedron({0.5, 0.2, 0.1}, {1.8, 0.3, 0}, {0.7, 1.9, 0.4}, {1, 1, 1.6}), false}};
 }
 
+/// Needles and discs, as long as thick up to 1000 times.
+std::vector<ConvexShape> slender_solids() {
+  std::vector<ConvexShape> all;
+  for (const double thin : {1 / 24., 1e-2, 1 / 200., 1e-3})
+    for (const double side : {thin, 1.}) {
+      const double along = side == 1 ? thin : 1;  // a needle or a disc
+      all.insert(all.end(),
+                 {rigid::Ellipsoid{{side, side, along}}, rigid::Ellipsoid{{side, std::sqrt(thin), along}},
+                  rigid::Cylinder{side, along}, rigid::Cone{side, along}, rigid::Box{{side, side, along}},
+                  rigid::testing::octahedron({side, side, along})});
+      if (along == 1) all.push_back(rigid::Capsule{side, along});
+    }
+  return all;
+}
+
 rigid::Shape shape_of(const ConvexShape& convex) {
   return std::visit([](const auto& s) -> rigid::Shape { return s; }, convex);
 }
@@ -98,6 +113,25 @@ TEST(Tessellation, has_the_volume_of_the_shape) {
     const double relative = volume_of(mesh_of(solid.shape)) / exact - 1;
     EXPECT_GT(relative, solid.curved ? -0.01 : -1e-12);
     EXPECT_LT(relative, 1e-12);  // inscribed
+  }
+}
+
+TEST(Tessellation, slender_solids_are_closed_and_have_their_volume) {
+  for (const ConvexShape& solid : slender_solids()) {
+    const Vec3 half = 0.5 * (rigid::bounding_box(shape_of(solid), Pose{}).upper -
+                             rigid::bounding_box(shape_of(solid), Pose{}).lower);
+    SCOPED_TRACE(name_of(solid) + " of half extents " +
+                 ::testing::PrintToString(std::vector(half.begin(), half.end())));
+    const auto mesh = mesh_of(solid);
+    std::map<std::pair<int, int>, int> uses;
+    for (const auto& t : mesh.triangles)
+      for (int k = 0; k < 3; ++k) ++uses[{t[k], t[(k + 1) % 3]}];
+    std::size_t open = 0;
+    for (const auto& [edge, count] : uses) open += count != 1 || uses.count({edge.second, edge.first}) != 1;
+    EXPECT_EQ(open, 0u);
+    const double relative = volume_of(mesh) / rigid::mass_properties(shape_of(solid)).volume - 1;
+    EXPECT_GT(relative, -0.012);
+    EXPECT_LT(relative, 1e-9);
   }
 }
 
