@@ -105,7 +105,7 @@ class BodySeries:
         return np.repeat(self.time, self.count)[rows], self.columns[name][rows]
 
     def write_positions(self, path, kind, index=-1):
-        """Writes the bodies of a kind at one time as `positions` of a [[bodies]] entry: where their centres of mass are, how
+        """Writes the bodies of a kind at one time as `positions` of a [[bodies]] entry with origin = "centre": where they are, how
         they are turned and how they move, each number so that it is read back to the bit."""
         if kind not in self.kinds:
             raise ValueError(f"there is no kind {kind}; there are {', '.join(self.kinds)}")
@@ -115,7 +115,7 @@ class BodySeries:
             raise ValueError(f"there is no body of the kind {kind} at time {self.time[index]:g}")
         numbers = np.hstack([rows[name][chosen] for name in ("position", "orientation", "velocity", "angular_velocity")])
         names = ["x", "y", "z", *(f"orientation.{a}" for a in "wxyz"), *(f"{of}.{a}" for of in ("velocity", "angular_velocity") for a in "xyz")]
-        lines = [f"# {kind!r} at step {self.step[index]}: the positions are those of centres of mass", ",".join(names),
+        lines = [f"# {kind!r} at step {self.step[index]}: the positions are those of centres of mass (origin = \"centre\")", ",".join(names),
                  *(",".join(map(repr, row)) for row in numbers.tolist())]
         pathlib.Path(path).write_text("\n".join(lines) + "\n")
 

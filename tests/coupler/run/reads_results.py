@@ -4,6 +4,7 @@ import contextlib
 import io
 import pathlib
 import re
+import subprocess
 import sys
 import unittest
 
@@ -17,7 +18,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import silt_results  # noqa: E402
 
 
-# Bodies of several kinds come to rest on one another.
+# Bodies whose file's or parts' origin is not their centre of mass come to rest on one another.
 SETTLING = """
 [units]
 system = "si"
@@ -32,12 +33,13 @@ acceleration = [0, 0, -3.1]
 friction = 0.3
 [[shapes]]
 name = "rock"
-type = "box"
-edges = [0.022, 0.022, 0.006]
+type = "mesh"
+file = "rock.obj"
+scale = 0.011
 [[shapes]]
 name = "club"
 type = "compound"
-parts = [{ type = "sphere", radius = 0.01 }, { type = "box", edges = [0.04, 0.008, 0.008] }]
+parts = [{ type = "sphere", radius = 0.01, position = [0.03, 0, 0] }, { type = "box", edges = [0.03, 0.008, 0.008], position = [0.015, 0, 0] }]
 [[shapes]]
 name = "ball"
 type = "sphere"
@@ -67,6 +69,11 @@ axis = [1, 1, 3]""", "CLUBS": "positions = [[0.01, 0.03, 0.08], [0.04, 0.07, 0.0
 
 class PositionFiles(SiltTest):
     def test_another_case_begins_with_them(self):
+        scripts = ROOT / "scripts"
+        subprocess.run([scripts / "make_mesh", "gear", self.case / "rock.obj"], check=True, stdout=subprocess.DEVNULL)
+        corners = (self.case / "rock.obj").read_text().splitlines()
+        corners = [f"v {float(w[1]) + 1.5} {float(w[2]) - 0.7} {w[3]}" if w[0] == "v" else " ".join(w) for w in map(str.split, corners)]
+        (self.case / "rock.obj").write_text("\n".join(corners) + "\n")
         for system in ("si", "lattice"):
             self.write(self.text(PLACES, system))
             self.silt("run", self.case, "--overwrite")
@@ -75,7 +82,7 @@ class PositionFiles(SiltTest):
                 filed = {}
                 for number, (mark, kind) in enumerate(zip(PLACES, bodies.kinds)):
                     bodies.write_positions(self.case / f"{number}.csv", kind, index)
-                    filed[mark] = f'positions = "{number}.csv"'
+                    filed[mark] = f'positions = "{number}.csv"\norigin = "centre"'
                     if mark == "ROCKS":
                         filed[mark] = f'[[bodies]]\nshape = "rock"\ndensity = 2000\n{filed[mark]}'
                 self.write(self.text(filed, system).replace("steps = 600", "steps = 1"))
@@ -95,7 +102,7 @@ class PositionFiles(SiltTest):
 
         def lengths(found):
             return re.sub(r"\d+\.\d+", lambda m: f"{float(m[0]) / 0.003:.4g}", found[0])
-        return re.sub(r"^(size|edges|parts|radius|positions) = .*", lengths, text, flags=re.M)
+        return re.sub(r"^(size|scale|parts|radius|positions) = .*", lengths, text, flags=re.M)
 
     def same(self, before, after, system):
         for name in ("position", "orientation", "velocity", "angular_velocity"):
