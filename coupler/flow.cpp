@@ -74,6 +74,7 @@ class FlowOf final : public Flow {
   }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
+    counted_.reset();
     renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
@@ -84,6 +85,7 @@ class FlowOf final : public Flow {
   }
   void stream_collide(StepClock& clock) override {
     settle();
+    counted_.reset();
     if (corrects_mass_) fluid_.set_mass_correction(correction_.take_surplus());
     if (world_.shapes.empty()) return fluid_.stream_collide();
     fluid_.stream_collide([&](int b, int part) {
@@ -99,6 +101,7 @@ class FlowOf final : public Flow {
 
   void evaluate_forces(rigid::BodySet& bodies) override {
     stepped_ = true;
+    counted_.reset();
     leave_under_way(forces_.finish(fluid_, links_, bodies));
   }
 
@@ -122,10 +125,14 @@ class FlowOf final : public Flow {
     return first;
   }
   void set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) override {
+    counted_.reset();
     fluid_.set_equilibrium(b, x, rho, u);
   }
   double arriving(int b, Int3 x, int i) const override { return fluid_.arriving(b, x, i); }
-  void set_arriving(int b, Int3 x, int i, double g) override { fluid_.arriving(b, x, i) = T(g); }
+  void set_arriving(int b, Int3 x, int i, double g) override {
+    counted_.reset();
+    fluid_.arriving(b, x, i) = T(g);
+  }
   std::size_t bytes() const override { return fluid_.bytes(); }
   MappingCounts mapping() const override { return counts_; }
   const MassCorrectionState& mass_correction() const override {
@@ -139,14 +146,20 @@ class FlowOf final : public Flow {
   }
 
   void start(rigid::BodySet& bodies) override {
+    counted_.reset();
     map_(bodies);
     rebuild_links(bodies);
     if (restarted_) return;
     forces_.start(map_.blocks(), bodies);
-    if (corrects_mass_) correction_.recount(totals());
+    if (!corrects_mass_) return;
+    FluidMass all = fluid_mass<T>(fluid_, map_.blocks());
+    sum_over_ranks(fluid_.comm(), std::span(&all.cells, 1));
+    sum_over_ranks(fluid_.comm(), std::span(&all.mass, 1));
+    correction_.recount(all);
   }
 
   void take_over(const Flow& other) override {
+    counted_.reset();
     lbm::move_populations(static_cast<const FlowOf&>(other).fluid_, fluid_);
     brought_ = other.momentum_brought();
     set_mass_correction(other.mass_correction());
@@ -158,7 +171,7 @@ class FlowOf final : public Flow {
 
   FlowTotals totals() const override {
     settle();
-    return flow_totals<T>(fluid_, map_.blocks());
+    return counted().over_ranks(fluid_.comm());
   }
   std::uint64_t hash() const override { return hash_fluid<T>(fluid_, map_.blocks()); }
   std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
@@ -174,6 +187,12 @@ class FlowOf final : public Flow {
   }
 
  private:
+  /// The cells of this rank, added up once between two changes.
+  const FlowSums& counted() const {
+    if (!counted_) counted_ = flow_sums<T>(fluid_, map_.blocks());
+    return *counted_;
+  }
+
   /// Starts the sums that the next step begins with: the mass gained, how many ranks have a body whose sums
   /// are out of range, and in some steps the cells and the mass of all fluid.
   void leave_under_way(const LinkOutcome& links) {
@@ -186,9 +205,9 @@ class FlowOf final : public Flow {
     put(gain.link_mass);
     put(gain.cell_mass);
     if (corrects_mass_ && correction_.recount_is_due()) {
-      const FlowSums now = flow_sums<T>(fluid_, map_.blocks());
-      put(now.mass());
-      mine.push_back(std::int64_t(now.count()));
+      const FluidMass now = fluid_mass<T>(fluid_, map_.blocks());
+      put(now.mass);
+      mine.push_back(std::int64_t(now.cells));
     }
     sums_.start(fluid_.comm(), std::move(mine));
   }
@@ -205,10 +224,7 @@ class FlowOf final : public Flow {
     };
     correction_.end_step({sum_at(2), sum_at(6), all[1]});
     if (all.size() == 10) return;
-    FlowTotals counted;
-    counted.mass_deviation = double(sum_at(10)) * lbm::mass_quantum;
-    counted.fluid_cells = std::uint64_t(all[14]);
-    correction_.recount(counted);
+    correction_.recount({std::uint64_t(all[14]), sum_at(10)});
   }
 
   /// Cells that changed sides, and links.
@@ -322,6 +338,7 @@ class FlowOf final : public Flow {
   // settled whenever one of them is asked for
   mutable MassCorrection correction_;
   mutable SumsUnderWay sums_;
+  mutable std::optional<FlowSums> counted_;
   rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
 };
 

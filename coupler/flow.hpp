@@ -73,6 +73,11 @@ class Flow {
   /// lbm::speed_of_sound when it began; of several the first, z before y before x.
   virtual std::optional<Fast> too_fast() const = 0;
   std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, body_force_); }
+  /// Returns the sum of the velocities of the fluid cells.
+  rigid::Vec3 velocity_sum(const FlowTotals& t) const {
+    return rigid::Vec3(t.momentum.data()) +
+           0.5 * static_cast<double>(t.fluid_cells) * rigid::Vec3(body_force_.data());
+  }
   virtual void set_equilibrium(int b, lbm::Int3 local_cell, double density_deviation,
                                const std::array<double, 3>& velocity) = 0;
   /// Population i arriving at a cell, whatever the parity: for checkpoints. Exact in double for either
@@ -91,7 +96,8 @@ class Flow {
   virtual void take_over(const Flow&) = 0;
   /// Adds the work that the bodies of a set make in the blocks of this rank, as they are mapped.
   virtual void add_work(const rigid::BodySet&, const WorkCosts&, WorkMap&) const = 0;
-  virtual FlowTotals totals() const = 0;  // collective; ForceOutOfRange as of stream_collide
+  /// Collective; ForceOutOfRange as of stream_collide. Cells are added up once between two changes.
+  virtual FlowTotals totals() const = 0;
   /// hash_fluid of this rank (state_hash.hpp).
   virtual std::uint64_t hash() const = 0;
   /// side_force of this rank (side_force.hpp).

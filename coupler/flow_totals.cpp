@@ -13,38 +13,58 @@ namespace silt::coupler {
 using lbm::Int3;
 
 void FlowSums::add(Int3 g, const lbm::Moments& m, const std::array<double, 3>& u) {
-  constexpr double no_flow_is_so_fast = 1e3;
-  const std::int64_t index = (std::int64_t(g.z) * cells_.y + g.y) * cells_.x + g.x;
-  const double speed = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-  if (!std::isfinite(m.density_deviation) || !(speed < no_flow_is_so_fast)) {
-    first_bad_ = std::min(first_bad_, index);
+  using lbm::CellTotals;
+  constexpr double no_flow_is_so_fast = 1e3;  // to be told as what it is, not as no number
+  const auto quanta = [](double x, double quantum) { return std::int64_t(std::llrint(x / quantum)); };
+  CellTotals t;
+  t.speed_squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+  if (!std::isfinite(m.density_deviation) || !(t.speed_squared < no_flow_is_so_fast * no_flow_is_so_fast)) {
+    first_bad_ = std::min(first_bad_, index_of(g));
     return;
   }
-  ++count_;
-  sums_[0] += std::llrint(m.density_deviation / lbm::mass_quantum);
-  for (int d = 0; d < 3; ++d) sums_[1 + d] += std::llrint(m.momentum[d] / lbm::mass_quantum);
-  speed_.see(speed, index);
-  deficit_.see(-m.density_deviation, index);
-  max_excess_ = std::max(max_excess_, m.density_deviation);
+  t.mass = quanta(m.density_deviation, lbm::mass_quantum);
+  for (int d = 0; d < 3; ++d) t.momentum[d] = quanta(m.momentum[d], CellTotals::momentum_quantum);
+  t.energy = quanta(0.5 * t.speed_squared, CellTotals::energy_quantum);
+  t.energy_rest = quanta(0.5 * t.speed_squared - double(t.energy) * CellTotals::energy_quantum,
+                         CellTotals::energy_rest_quantum);
+  t.least_deviation = t.most_deviation = m.density_deviation;
+  add(1, t);
+  see(g, t);
+}
+
+void FlowSums::add(int cells, const lbm::CellTotals& t) {
+  count_ += std::uint64_t(cells);
+  mass_ += t.mass;
+  for (int d = 0; d < 3; ++d) momentum_[d] += t.momentum[d];
+  energy_ += t.energy, energy_rest_ += t.energy_rest;
+  max_excess_ = std::max(max_excess_, t.most_deviation);
+}
+
+void FlowSums::see(Int3 g, const lbm::CellTotals& t) {
+  speed_squared_.see(t.speed_squared, index_of(g));
+  deficit_.see(-t.least_deviation, index_of(g));
 }
 
 FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
+  using lbm::CellTotals;
   std::uint64_t count = count_;
-  rigid::FixedSum sums[4] = {sums_[0], sums_[1], sums_[2], sums_[3]};
-  Extreme speed = speed_, deficit = deficit_;
+  rigid::FixedSum sums[6] = {mass_, momentum_[0], momentum_[1], momentum_[2], energy_, energy_rest_};
+  Extreme speed_squared = speed_squared_, deficit = deficit_;
   sum_over_ranks(comm, std::span(&count, 1));
   sum_over_ranks(comm, sums);
-  speed.over_ranks(comm);
+  speed_squared.over_ranks(comm);
   deficit.over_ranks(comm);
   const auto bad = std::int64_t(least_over_ranks(comm, std::uint64_t(first_bad_)));
   FlowTotals t;
   t.fluid_cells = count;
   t.mass_deviation = double(sums[0]) * lbm::mass_quantum;
-  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[1 + d]) * lbm::mass_quantum;
-  t.max_speed = std::max(speed.value, 0.0), t.min_density = 1 - deficit.value;
+  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[1 + d]) * CellTotals::momentum_quantum;
+  t.energy = double(sums[4]) * CellTotals::energy_quantum + double(sums[5]) * CellTotals::energy_rest_quantum;
+  t.max_speed = std::sqrt(std::max(speed_squared.value, 0.0)), t.min_density = 1 - deficit.value;
   t.max_density = 1 + max_over_ranks(comm, max_excess_);
   t.finite = bad == none;
-  t.bad_cell = cell_at(bad), t.fastest_cell = cell_at(speed.cell), t.thinnest_cell = cell_at(deficit.cell);
+  t.bad_cell = cell_at(bad), t.fastest_cell = cell_at(speed_squared.cell);
+  t.thinnest_cell = cell_at(deficit.cell);
   return t;
 }
 
@@ -59,28 +79,92 @@ lbm::Int3 FlowSums::cell_at(std::int64_t index) const {
   return {int(index % cells_.x), int(index / cells_.x % cells_.y), int(index / cells_.x / cells_.y)};
 }
 
+namespace {
+
+/// The fluid cells of a block, added up in runs; the first runs that hold its fastest and its thinnest cell
+/// are looked at once more.
+template <class T>
+class BlockSums {
+ public:
+  BlockSums(const lbm::Fluid<T>& fluid, int b, FlowSums& sums)
+      : fluid_(fluid), block_(b), lower_(fluid.blocks()[b].box().lower), sums_(sums) {}
+
+  void add(const BlockMap& map) {
+    for_fluid_runs(map, CellTotals::most_cells, [&](Int3 first, int cells, int rows) {
+      const Run run{first, cells, rows};
+      const CellTotals t = fluid_.totals(block_, first, cells, rows);
+      if (!t.sound) return for_cells_of(run, [&](Int3 x) { add_cell(x); });
+      sums_.add(cells * rows, t);
+      if (t.speed_squared > extremes_.speed_squared)
+        extremes_.speed_squared = t.speed_squared, fastest_ = run;
+      if (t.least_deviation < extremes_.least_deviation)
+        extremes_.least_deviation = t.least_deviation, thinnest_ = run;
+    });
+    see(fastest_, &CellTotals::speed_squared), see(thinnest_, &CellTotals::least_deviation);
+  }
+
+ private:
+  using CellTotals = lbm::CellTotals;
+  struct Run {
+    Int3 first;
+    int cells = 0, rows = 0;
+  };
+
+  template <class Visit>
+  void for_cells_of(const Run& run, Visit&& visit) const {
+    for_cells(run.first, run.first + Int3{run.cells, run.rows, 1}, visit);
+  }
+  void add_cell(Int3 x) {
+    const CellTotals t = fluid_.totals(block_, x, 1);
+    const lbm::Moments m = fluid_.moments(block_, x);
+    if (!t.sound) return sums_.add(lower_ + x, m, fluid_.velocity(m));
+    sums_.add(1, t);
+    sums_.see(lower_ + x, t);
+  }
+  /// The first cell of a run that has an extreme of it.
+  void see(const Run& run, double CellTotals::*extreme) {
+    const double value = extremes_.*extreme;
+    for (Int3 x = run.first; x.y < run.first.y + run.rows; ++x.y) {
+      if (fluid_.totals(block_, x, run.cells).*extreme != value) continue;
+      CellTotals t = fluid_.totals(block_, x, 1);
+      while (t.*extreme != value) ++x.x, t = fluid_.totals(block_, x, 1);
+      return sums_.see(lower_ + x, t);
+    }
+  }
+
+  const lbm::Fluid<T>& fluid_;
+  const int block_;
+  const Int3 lower_;
+  FlowSums& sums_;
+  Run fastest_, thinnest_;
+  CellTotals extremes_;
+};
+
+}  // namespace
+
 template <class T>
 FlowSums flow_sums(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
   FlowSums sums(fluid.domain().cells());
-  for (std::size_t b = 0; b < maps.size(); ++b) {
-    lbm::MomentsByRow moments(fluid, int(b), 0, maps[b].box.size.x);
-    for_fluid_cells(maps.subspan(b, 1), [&](int, Int3 x) {
-      const lbm::Moments m = moments(x);
-      sums.add(maps[b].box.lower + x, m, fluid.velocity(m));
-    });
-  }
+  for (int b = 0; b < int(maps.size()); ++b) BlockSums<T>(fluid, b, sums).add(maps[b]);
   return sums;
 }
 
 template <class T>
-FlowTotals flow_totals(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
-  return flow_sums(fluid, maps).over_ranks(fluid.comm());
+FluidMass fluid_mass(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
+  FluidMass all;
+  for (int b = 0; b < int(maps.size()); ++b) {
+    lbm::MomentsByRow moments(fluid, b, 0, maps[b].box.size.x);
+    for_fluid_cells(maps.subspan(b, 1), [&](int, Int3 x) {
+      ++all.cells;
+      all.mass += std::llrint(moments(x).density_deviation / lbm::mass_quantum);
+    });
+  }
+  return all;
 }
 
+template FluidMass fluid_mass(const lbm::Fluid<float>&, std::span<const BlockMap>);
+template FluidMass fluid_mass(const lbm::Fluid<double>&, std::span<const BlockMap>);
 template FlowSums flow_sums(const lbm::Fluid<float>&, std::span<const BlockMap>);
 template FlowSums flow_sums(const lbm::Fluid<double>&, std::span<const BlockMap>);
-
-template FlowTotals flow_totals(const lbm::Fluid<float>&, std::span<const BlockMap>);
-template FlowTotals flow_totals(const lbm::Fluid<double>&, std::span<const BlockMap>);
 
 }  // namespace silt::coupler

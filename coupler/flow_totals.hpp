@@ -7,13 +7,12 @@
 #include <limits>
 #include <span>
 
-#include "lbm/lattice.hpp"
+#include "lbm/moments.hpp"
 #include "rigid/math/fixed_point.hpp"
 
 namespace silt::lbm {
 template <class T>
 class Fluid;
-struct Moments;
 }  // namespace silt::lbm
 
 namespace silt::coupler {
@@ -26,24 +25,25 @@ struct FlowTotals {
   std::uint64_t fluid_cells = 0;
   double mass_deviation = 0;         // sum of density deviations
   std::array<double, 3> momentum{};  // sum of c g (no half force)
+  double energy = 0;                 // kinetic, of density 1
   double max_speed = 0, min_density = 0, max_density = 0;
   bool finite = true;  // false: some value is not a number (global cell in bad_cell)
   // global; of several the first
   lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{};
 };
 
-/// Adds up cells. A cell is rounded once to lbm::mass_quantum (2^-40); the sums have 128 bits, where 64 would
-/// end at 2^23 lattice units, the momentum of 300^3 cells.
+/// Adds up cells. A cell is rounded once to whole quanta (lbm::CellTotals); the sums have 128 bits, where 64
+/// would end at 2^23 lattice units, the momentum of 300^3 cells.
 class FlowSums {
  public:
   /// `cells` are those of the domain.
   explicit FlowSums(lbm::Int3 cells) : cells_(cells) {}
   void add(lbm::Int3 global_cell, const lbm::Moments&, const std::array<double, 3>& velocity);
+  /// Adds many that are sound, but for where the fastest and the thinnest are: that is to be seen.
+  void add(int cells, const lbm::CellTotals&);
+  void see(lbm::Int3 global_cell, const lbm::CellTotals& of_the_cell);
   /// Collective.
   FlowTotals over_ranks(MPI_Comm) const;
-  /// Of what has been added here: the cells, and the mass in quanta.
-  std::uint64_t count() const { return count_; }
-  rigid::FixedSum mass() const { return sums_[0]; }
 
  private:
   static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
@@ -58,21 +58,29 @@ class FlowSums {
     }
     void over_ranks(MPI_Comm);
   };
+  std::int64_t index_of(lbm::Int3 cell) const {
+    return (std::int64_t(cell.z) * cells_.y + cell.y) * cells_.x + cell.x;
+  }
   lbm::Int3 cell_at(std::int64_t index) const;
 
   lbm::Int3 cells_;
   std::uint64_t count_ = 0;
-  rigid::FixedSum sums_[4] = {};         // mass, momentum
-  Extreme speed_{-1}, deficit_{lowest};  // deficit and excess of the density
+  rigid::FixedSum mass_ = 0, momentum_[3] = {}, energy_ = 0, energy_rest_ = 0;
+  Extreme speed_squared_{-1}, deficit_{lowest};  // deficit and excess of the density
   double max_excess_ = lowest;
   std::int64_t first_bad_ = none;  // index of a global cell
 };
 
-/// Adds up the fluid cells of this rank.
+/// Adds up the fluid cells of this rank, each in the precision of its populations.
 template <class T>
 FlowSums flow_sums(const lbm::Fluid<T>&, std::span<const BlockMap>);
-/// Collective.
-template <class T>
-FlowTotals flow_totals(const lbm::Fluid<T>&, std::span<const BlockMap>);
 
+/// The fluid cells of this rank and their mass in quanta, each cell in double precision; takes several times
+/// as long as the sums above.
+struct FluidMass {
+  std::uint64_t cells = 0;
+  rigid::FixedSum mass = 0;
+};
+template <class T>
+FluidMass fluid_mass(const lbm::Fluid<T>&, std::span<const BlockMap>);
 }  // namespace silt::coupler

@@ -53,9 +53,9 @@ void MassCorrection::end_step(const Gain& of_all) {
   ++state_.steps;
 }
 
-void MassCorrection::recount(const FlowTotals& now) {
-  state_.surplus = to_quanta(now.mass_deviation);
-  state_.fluid_cells = std::int64_t(now.fluid_cells);
+void MassCorrection::recount(const FluidMass& now) {
+  state_.surplus = now.mass;
+  state_.fluid_cells = std::int64_t(now.cells);
 }
 
 }  // namespace silt::coupler

@@ -7,7 +7,7 @@
 
 namespace silt::coupler {
 
-struct FlowTotals;
+struct FluidMass;
 
 /// What the correction remembers between steps; masses in lbm::mass_quantum, in 128 bits: those of 1e12 cells
 /// a thousandth off are 1e9, where 64 bits end at 8e6. The same on every rank.
@@ -44,7 +44,7 @@ class MassCorrection {
   void end_step(const Gain& of_all);
   /// Sets the account to what there is. Populations in single precision round, so what is known differs from
   /// it by some 1e-13 a cell and step.
-  void recount(const FlowTotals&);
+  void recount(const FluidMass&);
 
  private:
   MassCorrectionState state_;

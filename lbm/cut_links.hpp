@@ -17,6 +17,7 @@
 
 #include "lbm/block.hpp"
 #include "lbm/force_form.hpp"
+#include "lbm/moments.hpp"
 #include "lbm/prefetch.hpp"
 #include "lbm/wall_formula.hpp"
 
@@ -114,6 +115,8 @@ struct LinkSlots {
   std::int32_t back[32] = {};  // f_opp(x, t + 1): what the surface returns
   std::int32_t step[32] = {};  // from a cell to the next along c_i
 };
+/// Offsets of 32 bits reach over 9 directions of a block.
+inline constexpr std::int64_t most_cells_with_links = 220'000'000;
 /// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
 /// large for offsets of 32 bits.
 template <class T>
@@ -126,8 +129,8 @@ struct SurfaceMotion {
 };
 
 /// Sums are in fixed point, so that they do not depend on the order or the partition of links (README.md,
-/// "Forces and sums"). These are the quanta of force and torque, and of mass, in lattice units.
-inline constexpr double link_quantum = 0x1p-44, mass_quantum = 0x1p-40;
+/// "Forces and sums"). This is the quantum of force and torque in lattice units; that of mass: moments.hpp.
+inline constexpr double link_quantum = 0x1p-44;
 
 /// The sums of the momentum exchange on one surface in one step (README.md, equation 22).
 struct LinkSums {

@@ -130,6 +130,13 @@ void Fluid<T>::moments(int b, Int3 first, int cells, MomentsRow& row) const {
 }
 
 template <class T>
+CellTotals Fluid<T>::totals(int b, Int3 first, int cells, int rows) const {
+  const CellRows all{cells, rows, blocks_[b].row_stride()};
+  return for_arriving(b, first,
+                      [&](const T* const(&g)[directions]) { return cell_totals(g, all, spec_.force); });
+}
+
+template <class T>
 void Fluid<T>::prefetch(int b, Int3 x) const {
   for (int i = 0; i < directions; ++i)
     prefetch_to_read(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));

@@ -82,6 +82,8 @@ class Fluid {
   Moments moments(int b, Int3 local_cell) const;
   /// Those of cells that follow each other along x.
   void moments(int b, Int3 first_local_cell, int cells, MomentsRow&) const;
+  /// What they, and as many in the rows after theirs, hold together.
+  CellTotals totals(int b, Int3 first_local_cell, int cells, int rows = 1) const;
   /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
   void prefetch(int b, Int3 local_cell) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }

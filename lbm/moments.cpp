@@ -5,16 +5,35 @@
 
 namespace silt::lbm {
 
+namespace {
+
+template <class T>
+const MomentsKernels<T>& kernels() {
+  static const MomentsKernels<T> all =
+      chosen(portable::moments_kernels<T>, avx2::moments_kernels<T>, avx512::moments_kernels<T>)();
+  return all;
+}
+
+}  // namespace
+
 template <class T>
 void MomentsRow::sum(const T* const (&g)[directions], int cells) {
-  static const SumMoments<T> sum_moments =
-      chosen(portable::moments_kernel<T>, avx2::moments_kernel<T>, avx512::moments_kernel<T>)();
   cells_ = cells;
   values_.resize(std::size_t(count) * cells);
-  sum_moments(g, cells, values_.data());
+  kernels<T>().sum(g, cells, values_.data());
+}
+
+template <class T>
+CellTotals cell_totals(const T* const (&g)[directions], const CellRows& rows,
+                       const std::array<double, 3>& force) {
+  return kernels<T>().total(g, rows, force);
 }
 
 template void MomentsRow::sum(const float* const (&)[directions], int);
 template void MomentsRow::sum(const double* const (&)[directions], int);
+template CellTotals cell_totals(const float* const (&)[directions], const CellRows&,
+                                const std::array<double, 3>&);
+template CellTotals cell_totals(const double* const (&)[directions], const CellRows&,
+                                const std::array<double, 3>&);
 
 }  // namespace silt::lbm

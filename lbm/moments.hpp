@@ -1,7 +1,9 @@
 #pragma once
-// The moments of the populations that arrive at a cell, and those of the cells of a row.
+// The moments of the populations that arrive at a cell, those of the cells of a row, and their totals.
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lbm/lattice.hpp"
@@ -19,6 +21,29 @@ struct Moments {
 inline std::array<double, 3> velocity_of(const Moments& m, const std::array<double, 3>& force) {
   return {m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]};
 }
+
+/// The quantum of sums of mass in lattice units.
+inline constexpr double mass_quantum = 0x1p-40;
+
+/// What cells hold together, in whole quanta, so that sums depend on no order, and their extremes: mass (of
+/// the deviations of density), momentum (without the half force) and kinetic energy (with it).
+struct CellTotals {
+  static constexpr double momentum_quantum = 0x1p-48, energy_quantum = 0x1p-47, energy_rest_quantum = 0x1p-96;
+  static constexpr int most_cells = 1 << 14;  // at a time: the sums fit 64 bits
+  static constexpr double no_flow_is_so_fast = 1, no_fluid_is_so_dense = 2;
+
+  std::int64_t mass = 0, momentum[3] = {};
+  std::int64_t energy = 0, energy_rest = 0;  // what whole quanta leave of a cell is in finer ones
+  double speed_squared = -1;                 // the largest
+  double least_deviation = std::numeric_limits<double>::max(), most_deviation = -least_deviation;
+  bool sound = true;  // false: a cell is not a number or beyond the limits, and the sums mean nothing
+};
+
+/// Cells that follow each other along x, and rows of them so far apart in memory.
+struct CellRows {
+  int cells, rows = 1;
+  std::ptrdiff_t stride = 0;
+};
 
 /// An array a moment, so that vectors of cells can be summed at a time.
 class MomentsRow {
@@ -53,6 +78,11 @@ class MomentsByRow {
   Int3 begin_{-1, -1, -1};  // of the row at hand
   MomentsRow row_;
 };
+
+/// Returns the totals of cells: g[i][k] is population i that arrives at the k-th of the first row,
+/// `force` the body force. A cell's are rounded as its populations are stored.
+template <class T>
+CellTotals cell_totals(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
 
 /// Returns the moments of one cell, where g[i][k] is the population i that arrives at it.
 template <class T>

@@ -1,5 +1,11 @@
-// Built once an instruction set: the moments of a row of cells.
+// Built once an instruction set: the moments of a row of cells, and their totals.
 #include "lbm/moments_kernel.hpp"
+
+#include <bit>
+#include <cstring>
+#include <limits>
+
+#include "lbm/isa_vector.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -15,13 +21,116 @@ void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, double* 
   }
 }
 
+/// Totals of which each of n lanes has its own: a cell's in its own precision, their sums in quanta.
+template <class T, int n>
+class LaneTotals {
+ public:
+  [[gnu::always_inline]] void add(const T* const (&g)[directions], std::ptrdiff_t k,
+                                  const std::array<T, 3>& half_force) {
+    V deviation = load(g[0] + k), momentum[3]{};
+#pragma GCC unroll 9
+    for (int i = 1; i < directions; i += 2) {  // opposite ones follow each other
+      const V along = load(g[i] + k), against = load(g[i + 1] + k), difference = along - against;
+      deviation += along + against;
+#pragma GCC unroll 3
+      for (int d = 0; d < 3; ++d)
+        if (c[i][d]) momentum[d] = c[i][d] > 0 ? momentum[d] + difference : momentum[d] - difference;
+    }
+    V square{};
+    for (int d = 0; d < 3; ++d) square += (momentum[d] + half_force[d]) * (momentum[d] + half_force[d]);
+#pragma GCC unroll 2
+    for (int part = 0; part < parts; ++part) {
+      mass_ += last_places(wide(deviation, part), mass_quantum);
+      for (int d = 0; d < 3; ++d)
+        momentum_[d] += last_places(wide(momentum[d], part), CellTotals::momentum_quantum);
+      const W energy = 0.5 * wide(square, part), large = W{} + large_of(CellTotals::energy_quantum);
+      energy_ += last_places(energy, CellTotals::energy_quantum);
+      energy_rest_ += last_places(energy - ((energy + large) - large), CellTotals::energy_rest_quantum);
+    }
+    numbers_ += square + deviation;
+    square_ = square > square_ ? square : square_;
+    most_ = deviation > most_ ? deviation : most_;
+    least_ = deviation < least_ ? deviation : least_;
+  }
+
+  /// Of so many cells.
+  void give(std::ptrdiff_t cells, CellTotals& t) const {
+    t.mass += quanta(mass_, cells, mass_quantum);
+    for (int d = 0; d < 3; ++d) t.momentum[d] += quanta(momentum_[d], cells, CellTotals::momentum_quantum);
+    t.energy += quanta(energy_, cells, CellTotals::energy_quantum);
+    t.energy_rest += quanta(energy_rest_, cells, CellTotals::energy_rest_quantum);
+    double numbers = 0;
+    for (int lane = 0; lane < n; ++lane) {
+      numbers += numbers_[lane];
+      t.speed_squared = square_[lane] > t.speed_squared ? square_[lane] : t.speed_squared;
+      t.most_deviation = most_[lane] > t.most_deviation ? most_[lane] : t.most_deviation;
+      t.least_deviation = least_[lane] < t.least_deviation ? least_[lane] : t.least_deviation;
+    }
+    constexpr double fast = CellTotals::no_flow_is_so_fast, dense = CellTotals::no_fluid_is_so_dense;
+    t.sound &= numbers - numbers == 0 && t.speed_squared < fast * fast && t.most_deviation < dense &&
+               t.least_deviation > -dense;
+  }
+
+ private:
+  static constexpr int parts = n > 1 ? int(sizeof(double) / sizeof(T)) : 1;  // that fill a vector of doubles
+  using V = typename VectorOf<T, n>::type;
+  using W = typename VectorOf<double, n / parts>::type;
+  using I = typename VectorOf<std::uint64_t, n / parts>::type;
+
+  [[gnu::always_inline]] static V load(const T* from) {
+    V values;
+    std::memcpy(&values, from, sizeof values);
+    return values;
+  }
+  [[gnu::always_inline]] static W wide(const V& v, int part) {
+    struct Parts {
+      typename VectorOf<T, n / parts>::type part[parts];
+    };
+    return __builtin_convertvector(std::bit_cast<Parts>(v).part[part], W);
+  }
+  /// Added to this a number has its whole quanta in its last places: integers, whose sums may wrap.
+  static constexpr double large_of(double quantum) {
+    return 0x1.8p52 * quantum;
+  }
+  [[gnu::always_inline]] static I last_places(W x, double quantum) {
+    return std::bit_cast<I>(x + large_of(quantum));
+  }
+  static std::int64_t quanta(const I& places, std::ptrdiff_t cells, double quantum) {
+    std::uint64_t sum = 0;
+    for (int lane = 0; lane < n / parts; ++lane) sum += places[lane];
+    return std::int64_t(sum - std::uint64_t(cells) * std::bit_cast<std::uint64_t>(large_of(quantum)));
+  }
+
+  I mass_{}, momentum_[3]{}, energy_{}, energy_rest_{};  // last places
+  V numbers_{};                                          // numbers if all are
+  V square_ = V{} - 1, most_ = V{} + std::numeric_limits<T>::lowest(),
+    least_ = V{} + std::numeric_limits<T>::max();
+};
+
+template <class T>
+CellTotals total(const T* const (&g)[directions], const CellRows& rows, const std::array<double, 3>& force) {
+  constexpr int lanes = vector_bytes / int(sizeof(T));
+  const std::array<T, 3> half_force = {T(0.5 * force[0]), T(0.5 * force[1]), T(0.5 * force[2])};
+  LaneTotals<T, lanes> many;
+  LaneTotals<T, 1> single;
+  const int rest = rows.cells % lanes, most = rows.cells - rest;
+  for (std::ptrdiff_t row = 0; row < rows.rows; ++row) {
+    const std::ptrdiff_t begin = row * rows.stride;
+    for (int k = 0; k < most; k += lanes) many.add(g, begin + k, half_force);
+    for (int k = most; k < rows.cells; ++k) single.add(g, begin + k, half_force);
+  }
+  CellTotals all;
+  many.give(std::int64_t(most) * rows.rows, all), single.give(std::int64_t(rest) * rows.rows, all);
+  return all;
+}
+
 }  // namespace
 
 template <class T>
-SumMoments<T> moments_kernel() {
-  return sum_moments<T>;
+MomentsKernels<T> moments_kernels() {
+  return {sum_moments<T>, total<T>};
 }
-template SumMoments<float> moments_kernel<float>();
-template SumMoments<double> moments_kernel<double>();
+template MomentsKernels<float> moments_kernels<float>();
+template MomentsKernels<double> moments_kernels<double>();
 
 }  // namespace silt::lbm::SILT_ISA

@@ -1,24 +1,27 @@
 #pragma once
-// The kernel of rows of moments as each of its builds offers it (moments_kernel.cpp).
+// The kernels of rows of cells as each of their builds offers them (moments_kernel.cpp).
 #include "lbm/moments.hpp"
 
 namespace silt::lbm {
 
-/// Writes moment j of the k-th cell to moments[j * cells + k], in the order of MomentsRow.
 template <class T>
-using SumMoments = void (*)(const T* const (&g)[directions], std::ptrdiff_t cells, double* moments);
+struct MomentsKernels {
+  /// Writes moment j of the k-th cell to moments[j * cells + k], in the order of MomentsRow.
+  void (*sum)(const T* const (&g)[directions], std::ptrdiff_t cells, double* moments);
+  CellTotals (*total)(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
+};
 
 namespace portable {
 template <class T>
-SumMoments<T> moments_kernel();
+MomentsKernels<T> moments_kernels();
 }
 namespace avx2 {
 template <class T>
-SumMoments<T> moments_kernel();
+MomentsKernels<T> moments_kernels();
 }
 namespace avx512 {
 template <class T>
-SumMoments<T> moments_kernel();
+MomentsKernels<T> moments_kernels();
 }
 
 }  // namespace silt::lbm

@@ -30,13 +30,14 @@ void WorkMap::add(const rigid::Vec3& x, std::int64_t work) {
   add(Int3{cell_along(0, x[0]), cell_along(1, x[1]), cell_along(2, x[2])}, work);
 }
 
-/// Points half a tile apart at most stand for the box, each with its share of the work.
+/// Points half a tile apart stand for the box, of a large one so many along an edge, each with its share.
 void WorkMap::add(const rigid::BoundingBox& box, std::int64_t work) {
+  constexpr double most_points = 32;
   std::array<int, 3> points;
   rigid::Vec3 step;
   for (int d = 0; d < 3; ++d) {
     const double length = std::min(box.upper[d] - box.lower[d], double(cells_[d]));
-    points[d] = std::max(1, static_cast<int>(std::ceil(2 * length / tile)));
+    points[d] = static_cast<int>(std::clamp(std::ceil(2 * length / tile), 1., most_points));
     step[d] = length / points[d];
   }
   const std::int64_t all = std::int64_t(points[0]) * points[1] * points[2];

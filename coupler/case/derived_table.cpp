@@ -170,13 +170,20 @@ std::int64_t most_bodies_of(const Case& scene, std::size_t fill) {
       lattice_of(scene, fill, rigid::bounding_radius(scene.shapes[spec.shape])).total());
 }
 
-/// What curved walls leave of the room for the bodies' centres, which keep clear of flat ones already.
+/// What of the box, as far as it lies in the domain, is left for the bodies' centres.
 void add_room(const Case& scene, Table& table, std::size_t fill) {
-  if (scene.walls.empty()) return;
-  const double radius = rigid::bounding_radius(scene.shapes[scene.fills[fill].shape]);
-  const double share =
-      CurvedWalls(scene).share_left(room_for_centres(scene, fill, radius), radius + scene.fills[fill].gap);
-  table.line("  room for centres", fmt::format("{:.0f} % of the box: walls take the rest", 100 * share));
+  const FillSpec& spec = scene.fills[fill];
+  const double radius = rigid::bounding_radius(scene.shapes[spec.shape]);
+  const rigid::BoundingBox room = room_for_centres(scene, fill, radius);
+  double share = scene.walls.empty() ? 1 : CurvedWalls(scene).share_left(room, radius + spec.gap);
+  for (int d = 0; d < 3; ++d) {
+    const double length = scene.cells[d];
+    const double box = scene.periodic(d) ? std::min(spec.upper[d] - spec.lower[d], length)
+                                         : std::min(spec.upper[d], length) - std::max(spec.lower[d], 0.);
+    share *= (room.upper[d] - room.lower[d]) / box;
+  }
+  table.line("  room for centres",
+             fmt::format("{:.0f} % of the box: its faces and walls take the rest", 100 * share));
 }
 
 /// How often a fill is applied again, and what that comes to if there is always room.

@@ -1,7 +1,6 @@
 #include "coupler/case/fluid_check.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/choose_collision.hpp"
@@ -19,10 +18,6 @@ constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model
 constexpr double most_magic = 1e3;
 // m2/s: of fluids from liquid metal to honey
 constexpr double thinnest = 5e-8, thickest = 0.5;
-
-double memory_here() {
-  return 1. * sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGE_SIZE);
-}
 
 const char* viscosity_key(const Case& scene) {
   return scene.fluid->kinematic_viscosity > 0 && scene.places.count("fluid.kinematic_viscosity")
@@ -97,19 +92,13 @@ void check_cell_reynolds(const Case& scene, Findings& findings) {
                     lbm::model_of(model).has_eddies() ? "" : "fluid.collision = \"regularised\" or "));
 }
 
-void check_memory(const Case& scene, Findings& findings) {
+void check_cells(const Case& scene, Findings& findings) {
   constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
-  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2], needed = fluid_memory(scene);
+  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
   if (cells > most_cells)
     findings.error("domain.size",
                    fmt::format("the domain has {} cells; at most {} are possible: use larger cells",
                                shown(cells), shown(most_cells)));
-  else if (const double here = memory_here(); needed > here)
-    findings.warning(
-        "domain.size",
-        fmt::format("the fluid needs {:.0f} GB, this machine has {:.0f} GB: use larger cells, or several "
-                    "machines",
-                    needed / 1e9, here / 1e9));
 }
 
 void check_magic(const Case& scene, Findings& findings) {
@@ -137,7 +126,7 @@ void check_initial(const Case& scene, Findings& findings) {
 
 void find_fluid_faults(const Case& scene, Findings& findings) {
   if (!scene.fluid) return;
-  check_memory(scene, findings);
+  check_cells(scene, findings);
   check_relaxation(scene, findings);
   check_viscosity(scene, findings);
   check_cell_reynolds(scene, findings);

@@ -1,5 +1,6 @@
 #pragma once
 // Which cells of a block are solid, and the bodies that make them so, each with the bits of its own.
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -75,6 +76,36 @@ void for_fluid_cells(std::span<const BlockMap> maps, Visit&& visit) {
     for_cells({}, maps[b].box.size, [&](lbm::Int3 x) {
       if (!maps[b].solid.test(x)) visit(b, x);
     });
+}
+
+/// Calls visit(first local cell, cells, rows) for runs of at most so many fluid cells along x inside a block,
+/// of whole rows without a solid cell for several at a time.
+template <class Visit>
+void for_fluid_runs(const BlockMap& map, int most_cells, Visit&& visit) {
+  const lbm::Int3 size = map.box.size;
+  const auto next = [&](lbm::Int3 x, bool solid) {  // such cell of the row, or its end
+    for (; x.x < size.x; x.x += 64) {
+      const std::uint64_t cells = map.solid.from(x.x, x.y, x.z) ^ (solid ? 0 : ~std::uint64_t{0});
+      if (cells) return std::min(x.x + __builtin_ctzll(cells), size.x);
+    }
+    return size.x;
+  };
+  const int most_rows = most_cells / size.x;  // 0: rows are too long
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y;) {
+      int rows = 0;
+      while (rows < most_rows && y + rows < size.y && next({0, y + rows, z}, true) == size.x) ++rows;
+      if (rows > 0) {
+        visit(lbm::Int3{0, y, z}, size.x, rows);
+        y += rows;
+        continue;
+      }
+      for (lbm::Int3 x{0, y++, z}; (x.x = next(x, false)) < size.x;) {
+        const int end = std::min(next(x, true), x.x + most_cells);
+        visit(x, end - x.x, 1);
+        x.x = end;
+      }
+    }
 }
 
 }  // namespace silt::coupler

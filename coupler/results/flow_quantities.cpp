@@ -25,12 +25,10 @@ using rigid::to_fixed;
 /// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const Flow& flow = *simulation.scene().flow;
-  FixedSum sum = 0;
-  for_each_fluid_cell(
-      flow, [&](lbm::Int3, const lbm::Moments& m) { sum += to_fixed(flow.velocity(m)[axis] - frame); });
-  sum_over_ranks(simulation.scene().comm, std::span(&sum, 1));
+  const FlowTotals totals = flow.totals();
   const auto& n = simulation.setup().cells;
-  return from_fixed(sum) / (double(n[0]) * n[1] * n[2]);
+  return (flow.velocity_sum(totals)[axis] - static_cast<double>(totals.fluid_cells) * frame) /
+         (double(n[0]) * n[1] * n[2]);
 }
 
 struct VortexSums {
@@ -84,37 +82,21 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   return force / (6 * std::numbers::pi * viscosity * radius * speed);
 }
 
-namespace {
-
-/// Mean over the fluid cells of what of(moments) gives.
-template <class Of>
-double mean_over_fluid(const Simulation& simulation, Of&& of) {
-  const Flow& flow = *simulation.scene().flow;
-  FixedSum sums[2] = {};  // of the values, of cells
-  for_each_fluid_cell(flow, [&](lbm::Int3, const lbm::Moments& m) {
-    sums[0] += to_fixed(of(m));
-    sums[1] += to_fixed(1);
-  });
-  sum_over_ranks(simulation.scene().comm, sums);
-  return sums[1] > 0 ? from_fixed(sums[0]) / from_fixed(sums[1]) : no_value;
-}
-
-}  // namespace
-
 double kinetic_energy(const Simulation& simulation) {
-  const Flow& flow = *simulation.scene().flow;
-  return mean_over_fluid(simulation, [&](const lbm::Moments& m) {
-    const auto u = flow.velocity(m);
-    return 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-  });
+  const FlowTotals totals = simulation.scene().flow->totals();
+  return totals.fluid_cells > 0 ? totals.energy / static_cast<double>(totals.fluid_cells) : no_value;
 }
 
 double dissipation(const Simulation& simulation) {
   const Flow& flow = *simulation.scene().flow;
   const FluidSpec& fluid = *simulation.setup().fluid;
-  return 2 * fluid.kinematic_viscosity * mean_over_fluid(simulation, [&](const lbm::Moments& m) {
-           return strain_rate_squared(flow, m, fluid);
-         });
+  FixedSum sums[2] = {};  // of the squares, of cells
+  for_each_fluid_cell(flow, [&](lbm::Int3, const lbm::Moments& m) {
+    sums[0] += to_fixed(strain_rate_squared(flow, m, fluid));
+    sums[1] += to_fixed(1);
+  });
+  sum_over_ranks(simulation.scene().comm, sums);
+  return sums[1] > 0 ? 2 * fluid.kinematic_viscosity * from_fixed(sums[0]) / from_fixed(sums[1]) : no_value;
 }
 
 double superficial_velocity(const Simulation& simulation, const QuantitySpec& q) {

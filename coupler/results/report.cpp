@@ -279,7 +279,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["units"] = scene.setup.units.si ? "si" : "lattice";
   report["overrides"] = Json::array_of(scene.setup.overrides);
   add_scene(simulation, report);
-  report["state_hash"] = status.state_is_sound ? Json(hex(simulation.hash())) : Json();
+  report["state_hash"] = status.state_is_sound && status.at_end ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);
   add_parallel(simulation, status, report);
   report["skipped"] = skipped_passes(scene, scene.setup.fluid, scene.setup.output);

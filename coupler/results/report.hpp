@@ -17,6 +17,7 @@ struct RunStatus {
   std::int64_t first_step = 0;          // where this start began: above 0 after a resume
   double wall_seconds = 0;              // since this start
   bool state_is_sound = true;           // false: no hash, no quantities
+  bool at_end = true;                   // false: no hash, which takes as long as some steps
 };
 
 /// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <thread>
+
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "adapters/hdf5/together.hpp"
@@ -14,6 +17,7 @@
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/run_estimate.hpp"
+#include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
 
@@ -28,14 +32,22 @@ int ranks_of(MPI_Comm comm) {
 }
 
 /// Throws what building the scene would throw, while all ranks still hear of it.
-void require_buildable(const Case& scene, MPI_Comm comm) {
-  make_domain(scene, ranks_of(comm));
+void require_buildable(const Case& scene, int ranks) {
+  const lbm::Domain domain = make_domain(scene, ranks);
+  for (int b = 0; scene.fluid && scene.has_surfaces() && b < domain.blocks(); ++b)
+    if (domain.block(b).box.cells() > lbm::most_cells_with_links)
+      throw CaseError(
+          scene.place(scene.block_cells ? "domain.blocks" : "domain.size"),
+          fmt::format(
+              "a block of {} cells has bodies or walls in it; at most {} are possible: use more ranks, "
+              "or smaller domain.blocks",
+              domain.block(b).box.cells(), lbm::most_cells_with_links));
   adapters::make_backend(scene.contacts.backend);
   adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
 }
 
-/// Collective. Throws CaseError on every rank for a fluid that the machines of the ranks have no memory for.
-void require_memory(const Case& scene, MPI_Comm comm) {
+/// Collective. Returns the memory of the machines of the ranks, in bytes.
+double memory_of_machines(MPI_Comm comm) {
   MPI_Comm machine;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   int rank = 0;
@@ -43,12 +55,23 @@ void require_memory(const Case& scene, MPI_Comm comm) {
   MPI_Comm_free(&machine);
   double here = rank == 0 ? 1. * sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGE_SIZE) : 0;
   MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return here;
+}
+
+/// Throws CaseError for a fluid that so much memory has no room for.
+void require_memory(const Case& scene, double here) {
   if (fluid_memory(scene) > here)
     throw CaseError(
         scene.place("domain.size"),
         fmt::format("the fluid needs {:.0f} GB, and the machines of this run have {:.0f} GB together: "
                     "use larger cells, or more machines",
                     fluid_memory(scene) / 1e9, here / 1e9));
+}
+
+/// How many machines like this one a check on so many ranks is about: one has a rank a core.
+double machines_for(int ranks) {
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  return ranks > ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
 }
 
 /// Collective. Reads a case on rank 0, whose files then go to all, and there from what came.
@@ -110,7 +133,8 @@ std::string examine_case(const RunOptions& options) {
   const Case scene = read_case(options.directory, options.overrides);
   auto warnings = require_runnable(scene);
   const int ranks = options.ranks > 0 ? options.ranks : ranks_of(MPI_COMM_WORLD);
-  make_domain(scene, ranks);  // throws if it cannot be cut for them
+  require_memory(scene, memory_of_machines(MPI_COMM_WORLD) * machines_for(ranks));
+  require_buildable(scene, ranks);
   const lbm::Domain domain = make_domain(scene, 1);
   require_sound_start(scene, domain, MPI_COMM_SELF);
   const Quantities quantities(scene);
@@ -143,8 +167,8 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
     prepared.quantities = std::make_unique<Quantities>(*scene);
     if (scene->steady) prepared.steady.emplace(scene->steady->change);
   });
-  require_memory(*scene, comm);
-  adapters::together(comm, [&] { require_buildable(*scene, comm); });
+  require_memory(*scene, memory_of_machines(comm));
+  adapters::together(comm, [&] { require_buildable(*scene, ranks_of(comm)); });
   require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
   return prepared;
@@ -182,8 +206,8 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
     prepared.quantities->set_history(read_history(reader, *scene));
     prepared.steady = read_steady_watch(reader, *scene);
   });
-  require_memory(*scene, comm);
-  adapters::together(comm, [&] { require_buildable(*scene, comm); });
+  require_memory(*scene, memory_of_machines(comm));
+  adapters::together(comm, [&] { require_buildable(*scene, ranks_of(comm)); });
   const SavedState state = read_state(reader, *scene);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm, state);
   prepared.folder = std::move(ready);

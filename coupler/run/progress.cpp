@@ -81,18 +81,18 @@ void Progress::log(const std::string& text) {
   std::fflush(log_);
 }
 
-void Progress::step(std::int64_t step) {
+void Progress::step(std::int64_t step, double seconds_in_steps) {
   if (!loud_) return;
   const auto now = Clock::now();
-  if (seconds(now - shown_) >= (terminal_ ? terminal_interval : log_interval)) show(step);
-  if (seconds(now - logged_) >= log_interval) {
-    log(line(step));
-    logged_ = now;
-  }
+  const bool shows = seconds(now - shown_) >= (terminal_ ? terminal_interval : log_interval);
+  const bool logs = seconds(now - logged_) >= log_interval;
+  if (!shows && !logs) return;
+  const std::string text = line(step, seconds_in_steps);
+  if (shows) show(text);
+  if (logs) log(text), logged_ = now;
 }
 
-void Progress::show(std::int64_t step) {
-  const std::string text = line(step);
+void Progress::show(const std::string& text) {
   if (terminal_) {
     std::fputs(fmt::format("\r{:<{}}", text, width_).c_str(), stdout);
     width_ = std::max(width_, text.size());
@@ -103,25 +103,26 @@ void Progress::show(std::int64_t step) {
   shown_ = Clock::now();
 }
 
-void Progress::finish(std::int64_t step) {
+void Progress::finish(std::int64_t step, double seconds_in_steps) {
   if (!loud_) return;
-  show(step);
+  const std::string text = line(step, seconds_in_steps);
+  show(text);
   if (terminal_) std::puts("");
   width_ = 0;
-  log(line(step));
+  log(text);
 }
 
-std::string Progress::line(std::int64_t step) const {
-  const double elapsed = seconds(Clock::now() - begin_);
-  const double done = double(step - run_.first_step), rate = elapsed > 0 ? done / elapsed : 0;
+std::string Progress::line(std::int64_t step, double seconds_in_steps) const {
+  const double elapsed = seconds(Clock::now() - begin_), done = double(step - run_.first_step);
+  const double speed = seconds_in_steps > 0 ? done / seconds_in_steps : 0;
   std::string text =
       fmt::format("step {}/{} ({:.1f} %)", step, run_.steps, 100. * double(step) / double(run_.steps));
   if (run_.units.si) text += fmt::format("  {:.4g} s simulated", double(step) * run_.units.time_step);
-  text += run_.fluid_cells > 0 ? fmt::format("  {:.2f} MLUPS", rate * run_.fluid_cells * 1e-6)
-                               : fmt::format("  {:.4g} steps/s", rate);
+  text += run_.fluid_cells > 0 ? fmt::format("  {:.2f} MLUPS", speed * run_.fluid_cells * 1e-6)
+                               : fmt::format("  {:.4g} steps/s", speed);
   text += fmt::format("  {} elapsed", duration_text(elapsed));
-  if (step < run_.steps && rate > 0)
-    text += fmt::format(", {} left", duration_text(double(run_.steps - step) / rate));
+  if (step < run_.steps && done > 0)
+    text += fmt::format(", {} left", duration_text(double(run_.steps - step) / done * elapsed));
   return text;
 }
 

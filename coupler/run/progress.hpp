@@ -30,15 +30,15 @@ class Progress {
   void say(const std::string&);
   /// Writes a line to the log only.
   void log(const std::string&);
-  /// Is called after a step; prints now and then.
-  void step(std::int64_t step);
+  /// Is called after a step; prints now and then. Of `seconds_in_steps` it has the speed, as the report has.
+  void step(std::int64_t step, double seconds_in_steps);
   /// Prints the last state of the line.
-  void finish(std::int64_t step);
+  void finish(std::int64_t step, double seconds_in_steps);
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string line(std::int64_t step) const;
-  void show(std::int64_t step);
+  std::string line(std::int64_t step, double seconds_in_steps) const;
+  void show(const std::string& line);
   void clear_line();
 
   const RunExtent run_;

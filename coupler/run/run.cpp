@@ -6,12 +6,14 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
+#include "coupler/exchange/reduce.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/build_info.hpp"
@@ -92,6 +94,7 @@ class Run {
   std::unique_ptr<DepartureLog> departures_;  // on rank 0, where bodies may leave
   std::unique_ptr<RunSeries> series_;         // on rank 0, where the case asks for reports
   std::string last_checkpoint_;
+  double reported_ = -std::numeric_limits<double>::infinity();  // when report.json was written, on rank 0
 };
 
 Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, Reunion& reunion)
@@ -174,7 +177,7 @@ void Run::advance() {
     fail_alone(Exit::failed, "error",
                fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
   }
-  progress_->step(simulation_.steps_done());
+  progress_->step(simulation_.steps_done(), simulation_.step_seconds());
 }
 
 /// Collective: looks whether the flow has become steady, where the case asks for it and it is time to.
@@ -323,15 +326,20 @@ void Run::greet() {
   progress_->say(fmt::format("results go to {}", folder_.string()));
 }
 
-/// Collective: writes report.json and, unless it is there, its row of series.csv.
+/// Collective: writes report.json, at most once a second while the run goes on but with each checkpoint, and,
+/// unless it is there, its row of series.csv.
 void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
   const fs::path path = folder_ / "report.json";
   adapters::naming(path.string(), [&] {
-    const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound};
+    const bool at_end = ended() || reason != "running";
+    const double now = MPI_Wtime();
+    const RunStatus status{reason, text, first_step_, now - begin_, sound, at_end};
     const adapters::Json report = report_of(simulation_, quantities_, status);
     adapters::on_rank_0(comm_, [&] {
       if (series_ && sound) series_->append(simulation_.steps_done(), report);
+      if (!at_end && !due(setup().output.checkpoint) && now - reported_ < 1) return;
       write_text(path, report.text());
+      reported_ = now;
     });
   });
 }
@@ -339,7 +347,8 @@ void Run::write_report(const std::string& reason, const std::string& text, bool 
 /// The end that every rank comes to.
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
-  if (progress_) progress_->finish(simulation_.steps_done());
+  const double in_steps = max_over_ranks(comm_, simulation_.step_seconds());
+  if (progress_) progress_->finish(simulation_.steps_done(), in_steps);
   if (progress_ && code != Exit::failed && code != Exit::guard) judge_sweeps();
   if (!text.empty() && progress_) code == Exit::done ? progress_->say(text) : progress_->log(text);
   if (!text.empty() && loud && code != Exit::done) fmt::print(stderr, "silt: {}\n", text);

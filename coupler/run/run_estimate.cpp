@@ -25,8 +25,16 @@ constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        //
 constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
-                 checkpoint_of_a_body = 600;                    // bytes
-constexpr double multireflection_link = 1.27;                   // over one of the other schemes
+                 checkpoint_of_a_body = 600;   // bytes
+constexpr double multireflection_link = 1.27;  // over one of the other schemes
+// What writing takes, in steps of a cell in single precision: of a cell of a field, of each of its numbers,
+// of one that is a derivative, of packing one and a level of it; of a population in a checkpoint with its
+// checksum, of a body there, of a row of bodies.h5; of a cell of a report's pass over the fluid, of one of a
+// quantity that looks at the flow by itself, of the hash at the end; of a byte touched for the first time.
+constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_packing = 12,
+                 of_a_level = 3, of_a_population = 2, of_a_saved_body = 600, of_a_row = 300,
+                 of_a_report_cell = 0.7, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
+constexpr double seconds_of_a_report = 0.3e-3, seconds_of_a_file = 2e-3;  // besides
 constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
 
 /// What a contact of a shape costs over one of a sphere: convex parts meet one by one, flat faces in four
@@ -118,6 +126,41 @@ double bytes_of_fields(const FieldsSpec& fields) {
   return cells * of_a_cell;
 }
 
+double seconds_of_fields(const FieldsSpec& fields, double cell) {
+  double cells = 1, steps = 0;
+  for (int d = 0; d < 3; ++d) cells *= fields.upper[d] - fields.lower[d];
+  const double packing = fields.compression > 0 ? of_packing + fields.compression * of_a_level : 0;
+  for (const Field field : fields.quantities) {
+    const int numbers = field == Field::velocity || field == Field::vorticity ? 3 : 1;
+    steps +=
+        of_a_field_cell + numbers * ((field == Field::vorticity ? of_a_derivative : of_a_number) + packing);
+  }
+  return seconds_of_a_file + cells * steps * cell;
+}
+
+/// What one rank that has everything to itself takes for all that is written; `cell` is what a step of a cell
+/// in single precision takes.
+double seconds_of_output(const Case& scene, double bodies, double cell) {
+  const OutputSpec& output = scene.output;
+  const double cells = scene.fluid ? 1. * scene.cells[0] * scene.cells[1] * scene.cells[2] : 0;
+  const int words = scene.fluid && scene.fluid->precision == Precision::double_ ? 2 : 1;
+  double report_cell = words * of_a_report_cell;
+  for (const QuantitySpec& q : scene.quantities)
+    if (q.type == "profile-error" || q.type == "dissipation" || q.type.starts_with("taylor-green"))
+      report_cell += of_a_flow_cell;
+  const double checkpoint =
+      seconds_of_a_file + (cells * 19 * words * of_a_population + bodies * of_a_saved_body) * cell;
+  double seconds =
+      times(output.report, scene.steps, true) * (seconds_of_a_report + cells * report_cell * cell) +
+      cells * of_a_hashed_cell * cell + times(output.bodies, scene.steps, true) * bodies * of_a_row * cell +
+      times(output.checkpoint, scene.steps, false) * checkpoint;
+  if (scene.fluid)
+    seconds += times(output.fields, scene.steps, true) * seconds_of_fields(output.fields, cell);
+  for (const FieldsSpec& slice : output.slices)
+    seconds += times(slice, scene.steps, true) * seconds_of_fields(slice, cell);
+  return seconds;
+}
+
 std::string bytes_text(double bytes) {
   if (bytes >= 1e12) return fmt::format("{:.2g} TB", bytes / 1e12);
   return bytes >= 1e9 ? fmt::format("{:.2g} GB", bytes / 1e9)
@@ -150,8 +193,6 @@ RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int rank
   add_surfaces(all.bodies, all.world, costs, work);
   add_contacts(scene, all, costs, work);
   const double wall_links = links_of_walls(scene);
-  const rigid::Vec3 size(scene.cells[0], scene.cells[1], scene.cells[2]);
-  work.add(rigid::BoundingBox{rigid::Vec3::Zero(), size}, std::llround(wall_links * double(costs.link)));
   const auto items = work.items();
   const lbm::Domain domain = make_domain(scene, ranks);
   WorkShares shares = shares_of(domain, costs.cell, items);
@@ -159,13 +200,20 @@ RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int rank
     const WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);
     if (better.largest < shares.largest) shares = better;
   }
+  const double of_walls = wall_links * double(costs.link) / ranks;  // wherever they are
+  shares.largest += of_walls, shares.mean += of_walls;
   RunEstimate estimate;
   estimate.ranks = ranks;
   estimate.largest_over_mean = shares.largest_over_mean();
   const double cores = std::max(1u, std::thread::hardware_concurrency());
-  estimate.seconds_a_step = shares.largest / 10 * cell * std::max(1., ranks / cores) + overhead_of_a_step +
-                            (ranks > 1 ? overhead_of_ranks : 0);
-  estimate.seconds = estimate.seconds_a_step * static_cast<double>(scene.steps);
+  const double crowd = std::max(1., ranks / cores);
+  estimate.seconds_a_step =
+      shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
+  estimate.seconds_of_output =
+      seconds_of_output(scene, static_cast<double>(placed.size()), cell) * crowd / ranks;
+  const double start = fluid_memory(scene) * of_a_new_byte * cell * crowd / ranks;
+  estimate.seconds =
+      start + estimate.seconds_a_step * static_cast<double>(scene.steps) + estimate.seconds_of_output;
   estimate.memory = fluid_memory(scene) + memory_of_a_rank * ranks +
                     memory_of_a_body * static_cast<double>(placed.size()) +
                     memory_of_a_link * (wall_links + links_of_bodies(scene, all));
@@ -194,6 +242,8 @@ std::string estimate_table(const RunEstimate& e) {
     text += fmt::format("  {:<24}  {}\n", name, value);
   };
   line("time", fmt::format("{}, {:.2g} s a step", seconds_text(e.seconds), e.seconds_a_step));
+  line("  of it for output", fmt::format("{} ({:.0f} %)", seconds_text(e.seconds_of_output),
+                                         100 * e.seconds_of_output / e.seconds));
   line("memory", bytes_text(e.memory));
   line("disk", bytes_text(e.disk));
   if (e.ranks > 1) line("work, largest over mean", fmt::format("{:.2f}", e.largest_over_mean));

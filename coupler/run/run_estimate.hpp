@@ -13,10 +13,10 @@ struct Case;
 
 struct RunEstimate {
   int ranks = 1;
-  double seconds = 0, seconds_a_step = 0;  // in steps; files not counted
-  double memory = 0;                       // bytes of all ranks
-  double disk = 0;                         // bytes of all files at the end
-  double largest_over_mean = 1;            // of the work of a rank
+  double seconds = 0, seconds_a_step = 0, seconds_of_output = 0;  // the first is that of all
+  double memory = 0;                                              // bytes of all ranks
+  double disk = 0;                                                // bytes of all files at the end
+  double largest_over_mean = 1;                                   // of the work of a rank
 };
 
 /// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it

@@ -18,19 +18,14 @@ rigid::FixedSum quanta(double mass) {
 /// 2^63 quanta are 8.4e6: 64 bits would have turned the sign.
 TEST(MassCorrection, TakesOutASurplusOfAThousandthOfATrillionCells) {
   MassCorrection correction;
-  FlowTotals totals;
-  totals.fluid_cells = all_cells;
-  totals.mass_deviation = 1e9;
-  correction.recount(totals);
+  correction.recount({all_cells, quanta(1e9)});
   EXPECT_DOUBLE_EQ(correction.take_surplus(), -1e-3);
   EXPECT_EQ(correction.state().surplus, 0);
 }
 
 TEST(MassCorrection, SumsWhatLinksAndCellsOfATrillionBring) {
   MassCorrection correction;
-  FlowTotals totals;
-  totals.fluid_cells = all_cells;
-  correction.recount(totals);
+  correction.recount({all_cells, 0});
   correction.end_step({quanta(3e8), quanta(-1e8), -1'000'000'000});
   EXPECT_EQ(correction.state().surplus, quanta(2e8));
   EXPECT_EQ(correction.state().fluid_cells, std::int64_t(all_cells) - 1'000'000'000);

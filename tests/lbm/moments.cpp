@@ -1,9 +1,12 @@
-// The moments of a row of cells against sums over the directions, one cell after the other.
+// The moments of a row of cells, and its totals, against sums over the directions, one cell after the other.
 #include "lbm/moments.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <random>
+#include <tuple>
 
 #include "lbm/fluid.hpp"
 
@@ -63,6 +66,55 @@ TYPED_TEST(RowsOf, AreSummedAnewWhenAnotherRowIsAskedFor) {
   MomentsByRow moments(this->fluid, 0, 4, 30);
   for (const Int3 cell : {Int3{4, 0, 0}, Int3{29, 0, 0}, Int3{4, 1, 0}, Int3{12, 0, 1}, Int3{13, 0, 0}})
     this->expect_equal(moments(cell), this->summed(cell));
+}
+
+/// Each cell's to the precision of its populations; and what many cells hold is what each of them does, to
+/// the quantum.
+TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
+  constexpr double near = 4 * double(std::numeric_limits<TypeParam>::epsilon());  // of sums of 19 up to 0.1
+  this->set_at_random(11);
+  for (const auto& [first, count, rows] : {std::tuple(0, 37, 3), {5, 1, 1}, {3, 30, 1}, {0, 16, 2}}) {
+    const CellTotals found = this->fluid.totals(0, {first, 0, 1}, count, rows);
+    CellTotals sum;
+    for (int cell = 0; cell < count * rows; ++cell) {
+      const Int3 x{first + cell % count, cell / count, 1};
+      const CellTotals t = this->fluid.totals(0, x, 1);
+      const Moments m = this->summed(x);
+      const auto u = this->fluid.velocity(m);
+      const double square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+      EXPECT_NEAR(double(t.mass) * mass_quantum, m.density_deviation, near + mass_quantum);
+      for (int d = 0; d < 3; ++d)
+        EXPECT_NEAR(double(t.momentum[d]) * CellTotals::momentum_quantum, m.momentum[d], near + 4e-15);
+      EXPECT_NEAR(double(t.energy) * CellTotals::energy_quantum +
+                      double(t.energy_rest) * CellTotals::energy_rest_quantum,
+                  square / 2, near);
+      EXPECT_NEAR(t.speed_squared, square, near);
+      EXPECT_NEAR(t.least_deviation, m.density_deviation, near);
+      sum.mass += t.mass, sum.energy += t.energy, sum.energy_rest += t.energy_rest;
+      for (int d = 0; d < 3; ++d) sum.momentum[d] += t.momentum[d];
+      sum.speed_squared = std::max(sum.speed_squared, t.speed_squared);
+      sum.least_deviation = std::min(sum.least_deviation, t.least_deviation);
+      sum.most_deviation = std::max(sum.most_deviation, t.most_deviation);
+    }
+    EXPECT_TRUE(found.sound);
+    EXPECT_EQ(found.mass, sum.mass);
+    for (int d = 0; d < 3; ++d) EXPECT_EQ(found.momentum[d], sum.momentum[d]);
+    EXPECT_EQ(found.energy, sum.energy);
+    EXPECT_EQ(found.energy_rest, sum.energy_rest);
+    EXPECT_EQ(found.speed_squared, sum.speed_squared);
+    EXPECT_EQ(found.least_deviation, sum.least_deviation);
+    EXPECT_EQ(found.most_deviation, sum.most_deviation);
+  }
+}
+
+TYPED_TEST(RowsOf, WithACellThatIsNoFlowAreNotSound) {
+  for (const double wrong : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e4, -1e4})
+    for (const int cell : {0, 7, 36}) {
+      this->set_at_random(13);
+      this->fluid.arriving(0, {cell, 1, 0}, 3) = TypeParam(wrong);
+      EXPECT_FALSE(this->fluid.totals(0, {0, 1, 0}, 37).sound) << wrong << " in cell " << cell;
+      EXPECT_TRUE(this->fluid.totals(0, {0, 0, 0}, 37).sound);
+    }
 }
 
 }  // namespace

@@ -48,5 +48,16 @@ TEST(WorkMap, ABoxIsSpreadOut) {
   for (const WorkItem& item : items) EXPECT_NEAR(double(item.work), 250, 16);
 }
 
+TEST(WorkMap, ALargeBoxIsNotWalkedCellByCell) {
+  WorkMap map(lbm::Domain(lbm::equal_cut({10000, 10000, 10000}, 1), {}, 1));
+  map.add(rigid::BoundingBox{{0, 0, 0}, {10000, 10000, 10000}}, 1'000'000'000'000);
+  EXPECT_EQ(total(map), 1'000'000'000'000);
+  const auto items = map.items();
+  EXPECT_LE(items.size(), 40000u);
+  std::int64_t lower_half = 0;
+  for (const WorkItem& item : items) lower_half += item.box.lower.z < 5000 ? item.work : 0;
+  EXPECT_NEAR(double(lower_half), 5e11, 1e9);
+}
+
 }  // namespace
 }  // namespace silt::coupler

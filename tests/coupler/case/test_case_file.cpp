@@ -321,6 +321,22 @@ TEST(DerivedTable, ColumnsStandApartHoweverLongTheyAre) {
   EXPECT_NE(tube.find("tube 'a pipe of some length', radius  0.0151"), std::string::npos) << tube;
 }
 
+/// Walls across z leave centres of balls of radius 4 the middle 24 of 32 cells; a gap, and faces of a box,
+/// less.
+TEST(DerivedTable, SaysWhatSidesAndFacesLeaveOfABox) {
+  for (const auto& [lines, percent] : {std::pair{"", 75},
+                                       {"gap = 1", 69},
+                                       {"box = [[0, 0, 0], [32, 32, 16]]", 50},
+                                       {"box = [[0, 0, -9], [32, 32, 99]]", 75},
+                                       {"box = [[8, 0, 0], [24, 32, 32]]", 38}}) {
+    CaseText c;
+    c.bodies = fill_of("ball", 1.2, 1, std::string(lines) + "\n");
+    const std::string table = derived_table(c.read());
+    EXPECT_NE(table.find(" " + std::to_string(percent) + " % of the box"), std::string::npos)
+        << lines << table;
+  }
+}
+
 TEST(DerivedTable, TerminalVelocityFollowsStokesWhenSlow) {
   const double diameter = 2, density = 1.01, gravity = 1e-6, nu = 1;
   const double stokes = (density - 1) * gravity * diameter * diameter / (18 * nu);

@@ -123,9 +123,15 @@ class Faults(SiltTest):
             self.assertIn(text, errors)
             self.assertIn(f"--set {setting}: ", errors)  # its place
         self.assertIn("1 time", self.silt("check", self.case, "--set", "output.checkpoint.every=9223372036854775807").stdout)
+        large = ["--set", "domain.size=[20000,20000,20000]", "--unset", "domain.blocks"]
         for ranks in (1, 2):
-            errors = self.silt("run", self.case, "--set", "domain.size=[20000,20000,20000]", ranks=ranks, code=2).stderr
-            self.assertRegex(errors, r"the fluid needs \d+ GB, and the machines of this run have \d+ GB together")
+            for command in ("run", "check"):
+                errors = self.silt(command, self.case, *large, ranks=ranks, code=2).stderr
+                self.assertRegex(errors, r"the fluid needs \d+ GB, and the machines of this run have \d+ GB together")
+        # with more ranks than one machine has cores, on as many machines like this one as it takes
+        large[1] = "domain.size=[5000,5000,5000]"
+        self.assertIn("the fluid needs", self.silt("check", self.case, *large, code=2).stderr)
+        self.assertIn("estimate", self.silt("check", self.case, *large, "-n", 100000).stdout)
         self.write(CASE.replace("density = 1.5", "density = 1e30"))
         self.assertIn("bodies[0].density is 1e+30 times", self.silt("check", self.case, code=2).stderr)
         self.write(CASE)
