@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -94,7 +93,7 @@ class Run {
   std::unique_ptr<DepartureLog> departures_;  // on rank 0, where bodies may leave
   std::unique_ptr<RunSeries> series_;         // on rank 0, where the case asks for reports
   std::string last_checkpoint_;
-  double reported_ = -std::numeric_limits<double>::infinity();  // when report.json was written, on rank 0
+  double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
 };
 
 Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, Reunion& reunion)
@@ -332,14 +331,13 @@ void Run::write_report(const std::string& reason, const std::string& text, bool 
   const fs::path path = folder_ / "report.json";
   adapters::naming(path.string(), [&] {
     const bool at_end = ended() || reason != "running";
-    const double now = MPI_Wtime();
-    const RunStatus status{reason, text, first_step_, now - begin_, sound, at_end};
+    const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound, at_end};
     const adapters::Json report = report_of(simulation_, quantities_, status);
     adapters::on_rank_0(comm_, [&] {
       if (series_ && sound) series_->append(simulation_.steps_done(), report);
-      if (!at_end && !due(setup().output.checkpoint) && now - reported_ < 1) return;
+      if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
       write_text(path, report.text());
-      reported_ = now;
+      reported_ = status.wall_seconds;
     });
   });
 }
@@ -347,8 +345,8 @@ void Run::write_report(const std::string& reason, const std::string& text, bool 
 /// The end that every rank comes to.
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
-  const double in_steps = max_over_ranks(comm_, simulation_.step_seconds());
-  if (progress_) progress_->finish(simulation_.steps_done(), in_steps);
+  if (progress_)
+    progress_->finish(simulation_.steps_done(), max_over_ranks(comm_, simulation_.step_seconds()));
   if (progress_ && code != Exit::failed && code != Exit::guard) judge_sweeps();
   if (!text.empty() && progress_) code == Exit::done ? progress_->say(text) : progress_->log(text);
   if (!text.empty() && loud && code != Exit::done) fmt::print(stderr, "silt: {}\n", text);
