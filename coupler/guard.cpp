@@ -156,16 +156,20 @@ std::string motion_text(const Case& scene, rigid::BodyId id, double speed, doubl
 }
 
 std::string overlap_text(const Case& scene, const rigid::Contact& c, double half_width, std::int64_t step) {
-  const std::string sweeps =
-      fmt::format("contacts.sweeps (now {}) or ", scene.contacts.resolver_settings.max_sweeps);
-  const std::string shorter = shorter_step(scene);
-  const bool swept = rigid::resolver_models().front().name == scene.contacts.resolver;
+  std::string remedy = contact_remedy(scene);
+  if (!rigid::resolver_model(scene.contacts.resolver).makes_energy) {
+    const std::string shorter = shorter_step(scene);
+    remedy = fmt::format(
+        "raise contacts.sweeps (now {}) or contacts.substeps (now {}){}, or use densities that "
+        "differ less",
+        scene.contacts.resolver_settings.max_sweeps, scene.contacts.substeps,
+        shorter.empty() ? "" : ", use " + shorter);
+  }
   return fmt::format(
-      "step {}: {} and {} overlap by {}{}, deeper than half the width of one ({}), and "
-      "contacts do not hold them; raise {}contacts.substeps (now {}){}, or use densities that differ less",
+      "step {}: {} and {} overlap by {}{}, deeper than half the width of one ({}), and contacts do not hold "
+      "them; {}",
       step, body_name(scene, c.a), body_name(scene, c.b), shown(-c.gap),
-      in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width), swept ? sweeps : "",
-      scene.contacts.substeps, shorter.empty() ? "" : ", use " + shorter);
+      in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width), remedy);
 }
 
 std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step,

@@ -1,12 +1,14 @@
 #include "adapters/hdf5/file.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <new>
 
 #include "adapters/hdf5/journal.hpp"
 #include "adapters/hdf5/system_reason.hpp"
@@ -40,8 +42,19 @@ void quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+/// Throws std::bad_alloc where there is no room for what HDF5 has of an open file: it follows null pointers
+/// there.
+void expect_memory() {
+  constexpr std::size_t of_a_file = 8 << 20;  // bytes
+  void* const room = mmap(nullptr, of_a_file, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  munmap(room, of_a_file);
+}
+
+/// Returns the properties with which a file is opened or made next.
 Handle access_list(const Path& file) {
   quiet();
+  expect_memory();
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
   H5Pset_fclose_degree(list, H5F_CLOSE_STRONG);  // else a group that is still open keeps the file so
   return list;

@@ -140,6 +140,15 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   }
 }
 
+/// A point near both bodies, however deep they overlap: the middle of a gap, the surface of the smaller body
+/// in an overlap. Whoever looks at it holds both.
+Vec3 DetectContacts::point_near_both(const BodySet& bodies, const CandidatePair& p,
+                                     const ContactPoint& point) const {
+  if (point.gap >= 0) return 0.5 * (point.on_a + point.on_b);
+  const bool a_is_smaller = is_wall(bodies.id[p.row_b]) || reach_[p.row_a].radius <= reach_[p.row_b].radius;
+  return a_is_smaller ? point.on_a : point.on_b;
+}
+
 double DetectContacts::pair_margin(const World& world, const BodySet& bodies, const CandidatePair& p,
                                    const Vec3& shift, double dt) const {
   const bool wall = is_wall(bodies.id[p.row_b]);
@@ -275,7 +284,7 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   double least_gap = std::numeric_limits<double>::infinity();
-  Vec3 narrowest = Vec3::Zero();  // middle of that gap
+  Vec3 narrowest = Vec3::Zero();  // there
   for (std::size_t i = 0; i < a.pieces(); ++i)
     for (std::size_t j = 0; j < b.pieces(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
@@ -291,7 +300,7 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
         if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
           put_lubrication(call, p, of_a, of_b, point, contacts.back());
         set_arms(bodies, p, point, contacts.back());
-        if (point.gap < least_gap) least_gap = point.gap, narrowest = 0.5 * (point.on_a + point.on_b);
+        if (point.gap < least_gap) least_gap = point.gap, narrowest = point_near_both(bodies, p, point);
       }
       let_pass(call, p, of_a, of_b, from_a_to_b, std::span(contacts).subspan(first_of_pieces));
     }

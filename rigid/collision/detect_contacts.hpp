@@ -26,10 +26,10 @@ class DetectContacts {
   explicit DetectContacts(std::unique_ptr<BroadPhase> = std::make_unique<UniformGrid>());
   DetectContacts(DetectContacts&&) noexcept;
   ~DetectContacts();
-  /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at the pair's
-  /// deepest contact point. Every point with a gap up to the pair's margin: how far the surfaces may approach
-  /// in dt, at most world.contact_margin; at least as far as a lubrication film reaches where one may form
-  /// (between a smooth surface and another, a mesh or a tube).
+  /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at a point
+  /// near both bodies where they are nearest, or deepest in each other. Every point with a gap up to the
+  /// pair's margin: how far the surfaces may approach in dt, at most world.contact_margin; at least as far as
+  /// a lubrication film reaches where one may form (between a smooth surface and another, a mesh or a tube).
   /// Returns the number of candidate pairs.
   std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
                          std::vector<Contact>& contacts);
@@ -54,6 +54,7 @@ class DetectContacts {
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
   double pair_margin(const World&, const BodySet&, const CandidatePair&, const Vec3& shift, double dt) const;
+  Vec3 point_near_both(const BodySet&, const CandidatePair&, const ContactPoint&) const;
   void add_mesh_walls(const Call&);
   bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
   Vec3 displacement_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
