@@ -32,7 +32,7 @@ constexpr double multireflection_link = 1.27;  // over one of the other schemes
 // checksum, of a body there, of a row of bodies.h5; of a cell of a report's pass over the fluid, of one of a
 // quantity that looks at the flow by itself, of the hash at the end; of a byte touched for the first time.
 constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_packing = 12,
-                 of_a_level = 3, of_a_population = 3.5, of_a_saved_body = 600, of_a_row = 300,
+                 of_a_level = 3, of_a_population = 5, of_a_saved_body = 600, of_a_row = 300,
                  of_a_report_cell = 0.7, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
 constexpr double seconds_of_a_report = 0.3e-3, seconds_of_a_file = 2e-3;  // besides
 constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
