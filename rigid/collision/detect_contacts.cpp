@@ -284,7 +284,7 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   double least_gap = std::numeric_limits<double>::infinity();
-  Vec3 narrowest = Vec3::Zero();  // there
+  Vec3 narrowest = Vec3::Zero();  // a point near both bodies at the least gap
   for (std::size_t i = 0; i < a.pieces(); ++i)
     for (std::size_t j = 0; j < b.pieces(); ++j) {
       if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;

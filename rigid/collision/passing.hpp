@@ -25,11 +25,12 @@ struct Passing {
 /// Returns the plane between two parts that pass each other; nothing where they meet. Two convex parts pass
 /// each other if some direction separates them at both poses: the one of closest approach after the step,
 /// else the one in which the hull of both poses of a is nearest to b (as seen from b; a turn by an angle
-/// theta bulges out of this hull by 1 - cos theta/2 of its arm). Parts that touch, up to 1e-9 of their size,
+/// theta bulges out of this hull by 1 - cos theta/2 of its arm). Parts that touch, up to 1e-7 of their size,
 /// do not meet.
 ///
-/// Of a mesh only what a contact lies on is looked at: the triangles at the corner, edge or facet of that
-/// code, no further than `reach` (lattice units) from the point `near` before the step.
+/// Of a mesh only what a contact lies on is looked at: the facets at the corner or edge of that code, or the
+/// facet, and those that go on from them at a small angle, no further than `reach` (lattice units) from the
+/// point `near` before the step.
 std::optional<Passing> passing(const MovingPart& a, std::uint32_t code_a, const MovingPart& b,
                                std::uint32_t code_b, const Vec3& near, double reach);
 
