@@ -6,9 +6,12 @@
 #include <limits>
 
 #include "lbm/isa_vector.hpp"
+#include "lbm/prefetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
+
+constexpr int prefetch_bytes = 256;
 
 template <class T>
 void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, double* moments) {
@@ -25,9 +28,13 @@ void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, double* 
 template <class T, int n>
 class LaneTotals {
  public:
+  /// The cells from k on, the first `seen` of which have been added before.
+  template <bool some_seen>
   [[gnu::always_inline]] void add(const T* const (&g)[directions], std::ptrdiff_t k,
-                                  const std::array<T, 3>& half_force) {
+                                  const std::array<T, 3>& half_force, int seen = 0) {
     V deviation = load(g[0] + k), momentum[3]{};
+#pragma GCC unroll 19
+    for (int i = 0; i < directions; ++i) prefetch_to_read(g[i] + k + prefetch_bytes / sizeof(T));
 #pragma GCC unroll 9
     for (int i = 1; i < directions; i += 2) {  // opposite ones follow each other
       const V along = load(g[i] + k), against = load(g[i + 1] + k), difference = along - against;
@@ -38,6 +45,16 @@ class LaneTotals {
     }
     V square{};
     for (int d = 0; d < 3; ++d) square += (momentum[d] + half_force[d]) * (momentum[d] + half_force[d]);
+    numbers_ += square + deviation;
+    square_ = square > square_ ? square : square_;
+    most_ = deviation > most_ ? deviation : most_;
+    least_ = deviation < least_ ? deviation : least_;
+    if constexpr (some_seen) {
+      V share;
+      for (int lane = 0; lane < n; ++lane) share[lane] = lane >= seen;
+      deviation *= share, square *= share;
+      for (int d = 0; d < 3; ++d) momentum[d] *= share;
+    }
 #pragma GCC unroll 2
     for (int part = 0; part < parts; ++part) {
       mass_ += last_places(wide(deviation, part), mass_quantum);
@@ -47,13 +64,9 @@ class LaneTotals {
       energy_ += last_places(energy, CellTotals::energy_quantum);
       energy_rest_ += last_places(energy - ((energy + large) - large), CellTotals::energy_rest_quantum);
     }
-    numbers_ += square + deviation;
-    square_ = square > square_ ? square : square_;
-    most_ = deviation > most_ ? deviation : most_;
-    least_ = deviation < least_ ? deviation : least_;
   }
 
-  /// Of so many cells.
+  /// Of so many cells, those seen before among them.
   void give(std::ptrdiff_t cells, CellTotals& t) const {
     t.mass += quanta(mass_, cells, mass_quantum);
     for (int d = 0; d < 3; ++d) t.momentum[d] += quanta(momentum_[d], cells, CellTotals::momentum_quantum);
@@ -83,6 +96,14 @@ class LaneTotals {
     return values;
   }
   [[gnu::always_inline]] static W wide(const V& v, int part) {
+#if defined(SILT_ISA_avx512)  // the compiler converts halves of a vector and joins them
+    if constexpr (parts == 2) {
+      struct Halves {
+        __m256 half[2];
+      };
+      return std::bit_cast<W>(_mm512_cvtps_pd(std::bit_cast<Halves>(v).half[part]));
+    }
+#endif
     struct Parts {
       typename VectorOf<T, n / parts>::type part[parts];
     };
@@ -111,16 +132,22 @@ template <class T>
 CellTotals total(const T* const (&g)[directions], const CellRows& rows, const std::array<double, 3>& force) {
   constexpr int lanes = vector_bytes / int(sizeof(T));
   const std::array<T, 3> half_force = {T(0.5 * force[0]), T(0.5 * force[1]), T(0.5 * force[2])};
+  CellTotals all;
+  if (rows.cells < lanes) {
+    LaneTotals<T, 1> single;
+    for (std::ptrdiff_t row = 0; row < rows.rows; ++row)
+      for (int k = 0; k < rows.cells; ++k) single.template add<false>(g, row * rows.stride + k, half_force);
+    single.give(std::int64_t(rows.cells) * rows.rows, all);
+    return all;
+  }
   LaneTotals<T, lanes> many;
-  LaneTotals<T, 1> single;
   const int rest = rows.cells % lanes, most = rows.cells - rest;
   for (std::ptrdiff_t row = 0; row < rows.rows; ++row) {
     const std::ptrdiff_t begin = row * rows.stride;
-    for (int k = 0; k < most; k += lanes) many.add(g, begin + k, half_force);
-    for (int k = most; k < rows.cells; ++k) single.add(g, begin + k, half_force);
+    for (int k = 0; k < most; k += lanes) many.template add<false>(g, begin + k, half_force);
+    if (rest > 0) many.template add<true>(g, begin + rows.cells - lanes, half_force, lanes - rest);
   }
-  CellTotals all;
-  many.give(std::int64_t(most) * rows.rows, all), single.give(std::int64_t(rest) * rows.rows, all);
+  many.give(std::int64_t(most + (rest > 0 ? lanes : 0)) * rows.rows, all);
   return all;
 }
 

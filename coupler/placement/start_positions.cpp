@@ -8,20 +8,17 @@
 #include "coupler/placement/place_bodies.hpp"
 
 namespace silt::coupler {
-namespace {
 
 using rigid::BodyId;
 using rigid::Vec3;
 
-struct Start {
-  BodyId id;
-  double position[3];
-};
-
-/// The starts of those bodies whose meeting place this rank is, in the order of ids.
-std::vector<Start> starts_met_here(const Case& scene, const lbm::Domain& domain, Messages& messages,
-                                   int ranks) {
-  place_bodies(scene, domain, messages.comm()).for_each([&](BodyId id, const BodySpec& body) {
+/// The starts of those bodies whose meeting place this rank is.
+std::vector<StartPositions::Start> StartPositions::met_here(const Case& scene, const lbm::Domain& domain,
+                                                            MPI_Comm comm) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  Messages messages(comm);
+  place_bodies(scene, domain, comm).for_each([&](BodyId id, const BodySpec& body) {
     const Vec3& x = body.pose.position;
     put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
   });
@@ -33,27 +30,25 @@ std::vector<Start> starts_met_here(const Case& scene, const lbm::Domain& domain,
   return starts;
 }
 
-Start found(const std::vector<Start>& starts, BodyId id) {
+StartPositions::Start StartPositions::found(const std::vector<Start>& starts, BodyId id) {
   constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
   const auto at = std::lower_bound(starts.begin(), starts.end(), id,
                                    [](const Start& s, BodyId wanted) { return s.id < wanted; });
   return at != starts.end() && at->id == id ? *at : Start{id, {nowhere, nowhere, nowhere}};
 }
 
-}  // namespace
-
-std::vector<Vec3> start_positions(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
-                                  std::span<const BodyId> ids) {
+std::vector<Vec3> StartPositions::of(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
+                                     std::span<const BodyId> ids) const {
+  if (!starts_) starts_ = met_here(scene, domain, comm);
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
   Messages messages(comm);
-  const std::vector<Start> starts = starts_met_here(scene, domain, messages, ranks);
   for (const BodyId id : ids) put(messages.to(static_cast<int>(id % ranks)), id);
   messages.unannounced();
   std::vector<std::pair<int, BodyId>> asked;
   for (const Messages::Message& m : messages.received())
     for (ByteReader reader(m.bytes); !reader.done();) asked.emplace_back(m.rank, reader.take<BodyId>());
-  for (const auto& [rank, id] : asked) put(messages.to(rank), found(starts, id));
+  for (const auto& [rank, id] : asked) put(messages.to(rank), found(*starts_, id));
   messages.unannounced();
   std::vector<Start> answers;
   for (const Messages::Message& m : messages.received())

@@ -2,6 +2,7 @@
 // Where bodies were at the start, asked by whoever has them now: the case tells, not memory.
 #include <mpi.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,10 +13,24 @@ namespace silt::coupler {
 
 struct Case;
 
-/// Collective. Returns the centres of mass at the start, not wrapped, of bodies by their ids; NaN for one
-/// that was not there. Ranks that placed bodies and those that ask meet at the rank id modulo ranks: none
-/// holds more than its share.
-std::vector<rigid::Vec3> start_positions(const Case&, const lbm::Domain&, MPI_Comm,
-                                         std::span<const rigid::BodyId>);
+/// Ranks that placed bodies and those that ask meet at the rank id modulo ranks: none holds more than its
+/// share, from the first question on.
+class StartPositions {
+ public:
+  /// Collective. Returns the centres of mass at the start, not wrapped, of bodies by their ids; NaN for one
+  /// that was not there.
+  std::vector<rigid::Vec3> of(const Case&, const lbm::Domain&, MPI_Comm,
+                              std::span<const rigid::BodyId>) const;
+
+ private:
+  struct Start {
+    rigid::BodyId id;
+    double position[3];
+  };
+  static std::vector<Start> met_here(const Case&, const lbm::Domain&, MPI_Comm);
+  static Start found(const std::vector<Start>&, rigid::BodyId);
+
+  mutable std::optional<std::vector<Start>> starts_;  // in the order of ids
+};
 
 }  // namespace silt::coupler

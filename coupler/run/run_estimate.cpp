@@ -33,8 +33,11 @@ constexpr double multireflection_link = 1.27;  // over one of the other schemes
 // quantity that looks at the flow by itself, of the hash at the end; of a byte touched for the first time.
 constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_packing = 12,
                  of_a_level = 3, of_a_population = 5, of_a_saved_body = 600, of_a_row = 300,
-                 of_a_report_cell = 0.7, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
-constexpr double seconds_of_a_report = 0.3e-3, seconds_of_a_file = 2e-3;  // besides
+                 of_a_report_cell = 1.2, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
+// Besides, in seconds: of a body in a report and in each of its quantities, of one whose volume is sampled.
+constexpr double seconds_of_a_start = 0.1, seconds_of_a_report = 0.1e-3, seconds_of_a_file = 2e-3,
+                 seconds_of_all_rows = 1e-3, seconds_of_a_checkpoint = 20e-3;
+constexpr double seconds_of_a_reported_body = 0.3e-6, seconds_of_a_sampled_body = 3e-6;
 constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
 
 /// What a contact of a shape costs over one of a sphere: convex parts meet one by one, flat faces in four
@@ -144,16 +147,20 @@ double seconds_of_output(const Case& scene, double bodies, double cell) {
   const OutputSpec& output = scene.output;
   const double cells = scene.fluid ? 1. * scene.cells[0] * scene.cells[1] * scene.cells[2] : 0;
   const int words = scene.fluid && scene.fluid->precision == Precision::double_ ? 2 : 1;
-  double report_cell = words * of_a_report_cell;
-  for (const QuantitySpec& q : scene.quantities)
+  double report_cell = words * of_a_report_cell, report_body = seconds_of_a_reported_body;
+  for (const QuantitySpec& q : scene.quantities) {
     if (q.type == "profile-error" || q.type == "dissipation" || q.type.starts_with("taylor-green"))
       report_cell += of_a_flow_cell;
+    report_body += q.type == "packing-fraction" ? seconds_of_a_sampled_body : seconds_of_a_reported_body;
+  }
+  const double report = seconds_of_a_report + bodies * report_body + cells * report_cell * cell;
   const double checkpoint =
-      seconds_of_a_file + (cells * 19 * words * of_a_population + bodies * of_a_saved_body) * cell;
-  double seconds =
-      times(output.report, scene.steps, true) * (seconds_of_a_report + cells * report_cell * cell) +
-      cells * of_a_hashed_cell * cell + times(output.bodies, scene.steps, true) * bodies * of_a_row * cell +
-      times(output.checkpoint, scene.steps, false) * checkpoint;
+      seconds_of_a_checkpoint + (cells * 19 * words * of_a_population + bodies * of_a_saved_body) * cell;
+  double seconds = times(output.report, scene.steps, true) * report + cells * of_a_hashed_cell * cell +
+                   times(output.checkpoint, scene.steps, false) * checkpoint;
+  if (bodies > 0)
+    seconds +=
+        times(output.bodies, scene.steps, true) * (seconds_of_all_rows + bodies * of_a_row * cell);
   if (scene.fluid)
     seconds += times(output.fields, scene.steps, true) * seconds_of_fields(output.fields, cell);
   for (const FieldsSpec& slice : output.slices)
@@ -211,7 +218,8 @@ RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int rank
       shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
   estimate.seconds_of_output =
       seconds_of_output(scene, static_cast<double>(placed.size()), cell) * crowd / ranks;
-  const double start = fluid_memory(scene) * of_a_new_byte * cell * crowd / ranks;
+  const double start =
+      seconds_of_a_start + fluid_memory(scene) * of_a_new_byte * cell * crowd / ranks;
   estimate.seconds =
       start + estimate.seconds_a_step * static_cast<double>(scene.steps) + estimate.seconds_of_output;
   estimate.memory = fluid_memory(scene) + memory_of_a_rank * ranks +
