@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "adapters/hdf5/describe_file.hpp"
+#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/results/build_info.hpp"
@@ -48,7 +49,7 @@ Exit check(const CommandLine& line, bool loud) {
     if (loud) fmt::print("{}", found);
     return Exit::done;
   } catch (const std::exception& error) {
-    if (loud) fmt::print(stderr, "{}\n", error.what());
+    if (loud) fmt::print(stderr, "{}\n", adapters::text_of(error));
     return Exit::bad_case;
   }
 }
@@ -62,7 +63,7 @@ Exit info(const CommandLine& line, bool loud) {
     fmt::print("{}", is_case ? describe_case(line.file) : adapters::describe_file(line.file));
     return Exit::done;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    fmt::print(stderr, "{}\n", adapters::text_of(error));
     return Exit::bad_case;
   }
 }
@@ -188,7 +189,7 @@ int main(int argc, char** argv) {
   try {
     code = int(silt::coupler::main_on(MPI_COMM_WORLD, argc, argv));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "silt: {}\n", error.what());
+    fmt::print(stderr, "silt: {}\n", silt::adapters::text_of(error));
     std::fflush(nullptr);
     MPI_Abort(MPI_COMM_WORLD, code);
   }

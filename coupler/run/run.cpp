@@ -173,8 +173,9 @@ void Run::advance() {
     fail_alone(Exit::guard, "guard", text);
   } catch (const std::exception& error) {
     if (simulation_.scene().ranks == 1) throw;
-    fail_alone(Exit::failed, "error",
-               fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, error.what()));
+    fail_alone(
+        Exit::failed, "error",
+        fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, adapters::text_of(error)));
   }
   progress_->step(simulation_.steps_done(), simulation_.step_seconds());
 }

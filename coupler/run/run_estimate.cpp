@@ -159,8 +159,7 @@ double seconds_of_output(const Case& scene, double bodies, double cell) {
   double seconds = times(output.report, scene.steps, true) * report + cells * of_a_hashed_cell * cell +
                    times(output.checkpoint, scene.steps, false) * checkpoint;
   if (bodies > 0)
-    seconds +=
-        times(output.bodies, scene.steps, true) * (seconds_of_all_rows + bodies * of_a_row * cell);
+    seconds += times(output.bodies, scene.steps, true) * (seconds_of_all_rows + bodies * of_a_row * cell);
   if (scene.fluid)
     seconds += times(output.fields, scene.steps, true) * seconds_of_fields(output.fields, cell);
   for (const FieldsSpec& slice : output.slices)
@@ -218,8 +217,7 @@ RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int rank
       shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
   estimate.seconds_of_output =
       seconds_of_output(scene, static_cast<double>(placed.size()), cell) * crowd / ranks;
-  const double start =
-      seconds_of_a_start + fluid_memory(scene) * of_a_new_byte * cell * crowd / ranks;
+  const double start = seconds_of_a_start + fluid_memory(scene) * of_a_new_byte * cell * crowd / ranks;
   estimate.seconds =
       start + estimate.seconds_a_step * static_cast<double>(scene.steps) + estimate.seconds_of_output;
   estimate.memory = fluid_memory(scene) + memory_of_a_rank * ranks +

@@ -273,8 +273,7 @@ Row no_outputs() {
     fs::remove_all(folder);
     if (exit != coupler::Exit::done) throw std::runtime_error("the run without outputs did not end well");
   };
-  return {"outputs", "outputs: steps without the program around them", whole_program,
-          repeated([steps_alone] {
+  return {"outputs", "outputs: steps without the program around them", whole_program, repeated([steps_alone] {
             for (int k = 0; k < many; ++k) steps_alone->step();
           }),
           false};

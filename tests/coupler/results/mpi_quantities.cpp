@@ -107,8 +107,8 @@ TEST(Quantities, PackingFraction) {
 /// What two balls have in common counts once, in a box all round them and in one that cuts them in the middle
 /// of the line between them.
 TEST(Quantities, PackingFractionOfACompound) {
-  CaseText pair = dry("position = [20, 3, 16]\norientation = [0.9, 0.1, 0.3, 0.3]",
-                      "type = \"packing-fraction\"", 1);
+  CaseText pair =
+      dry("position = [20, 3, 16]\norientation = [0.9, 0.1, 0.3, 0.3]", "type = \"packing-fraction\"", 1);
   pair.shapes = shape_of("ball", "compound",
                          "parts = [{ type = \"sphere\", radius = 4, position = [0, 0, 2] }, "
                          "{ type = \"sphere\", radius = 4, position = [0, 0, -2] }]");
