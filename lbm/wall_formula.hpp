@@ -20,8 +20,6 @@ void with_scheme(WallScheme scheme, F&& f) {
   switch (scheme) {
     case cli:
       return f(std::integral_constant<WallScheme, cli>{});
-    case bouzidi:
-      return f(std::integral_constant<WallScheme, bouzidi>{});
     case parabolic:
       return f(std::integral_constant<WallScheme, parabolic>{});
     case multireflection:
@@ -125,9 +123,6 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
     return central(q, V(wanted > least ? wanted : least), weight6, fluid);
   } else if constexpr (scheme == WallScheme::multireflection) {
     return multireflection(q, least, weight6, fluid);
-  } else if constexpr (scheme == WallScheme::bouzidi) {
-    const V near = T(2) * q, s = T(1) / (near < T(1) ? one : near);  // q < 1/2: s = 1
-    return {near < T(1) ? near : s, near < T(1) ? T(1) - near : none, T(1) - s, weight6 * s};
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     return {one, none, none, weight6 * T(0.5) / gap_distance<T>(q)};
   } else {

@@ -11,23 +11,15 @@ namespace silt::lbm {
 
 /// `bounce_back` is equation 5 of Goetz et al. with rho_w = 1: the surface is taken to be half-way.
 /// `cli` is the central linear interpolation of Ginzburg, Verhaeghe, d'Humieres 2008.
-/// `bouzidi` is the linear upwind interpolation of Bouzidi, Firdaouss, Lallemand 2001.
 /// `parabolic` is central too, with the curvature of the flow at the wall (README.md, equation 14).
 /// `multireflection` reads one cell further and holds the parabola in flow at any angle (README.md, equations
 /// 19 and 20).
 /// `single_cell_gap` reads the cell alone: for links of the others whose cell behind is not fluid (README.md,
 /// equations 15 and 16); no case can choose it.
-enum class WallScheme : std::uint8_t {
-  bounce_back,
-  cli,
-  bouzidi,
-  parabolic,
-  multireflection,
-  single_cell_gap
-};
+enum class WallScheme : std::uint8_t { bounce_back, cli, parabolic, multireflection, single_cell_gap };
 /// The schemes that a case can choose, in the order of the enumerators.
-inline constexpr std::array<std::string_view, 5> wall_scheme_names = {"bounce-back", "cli", "bouzidi",
-                                                                      "parabolic", "multireflection"};
+inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "parabolic",
+                                                                      "multireflection"};
 
 /// How much of what a scheme has beyond linear interpolation is left where the fluid is hardly viscous
 /// (README.md, equation 20a).
@@ -52,17 +44,12 @@ constexpr double best_magic(WallScheme scheme, double tau) {
 
 /// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.
 constexpr bool reads_behind(WallScheme scheme) {
-  return scheme == WallScheme::cli || scheme == WallScheme::bouzidi || scheme == WallScheme::parabolic ||
+  return scheme == WallScheme::cli || scheme == WallScheme::parabolic ||
          scheme == WallScheme::multireflection;
 }
-/// Whether it reads f*_i(x - c_i) at the wall distance q.
-constexpr bool reads_behind(WallScheme scheme, double q) {
-  return scheme == WallScheme::bouzidi ? q < 0.5 : reads_behind(scheme);
-}
-/// Whether links of the scheme may be given other distances than those they were built with: the others take
-/// none, or read by it.
+/// Whether links of the scheme have a distance, and may be given another than the one they were built with.
 constexpr bool follows_distance(WallScheme scheme) {
-  return scheme != WallScheme::bounce_back && scheme != WallScheme::bouzidi;
+  return scheme != WallScheme::bounce_back;
 }
 /// Whether links of a single-cell gap are told of the surface on its other side (README.md, equation 16).
 constexpr bool knows_opposite_wall(WallScheme scheme) {

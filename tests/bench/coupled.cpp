@@ -46,7 +46,7 @@ struct Plan {
     std::vector<Layers> all;
     for (const char name : {'a', 'b'}) {
       for (const int edge : {large, 80, 40})
-        for (const char* scheme : {"multireflection", "cli", "parabolic", "bouzidi", "bounce-back"}) {
+        for (const char* scheme : {"multireflection", "cli", "parabolic", "bounce-back"}) {
           all.push_back({name, "d6", edge, scheme});
           if (edge == large) all.push_back({name, "d6", edge, scheme, "explicit"});
         }

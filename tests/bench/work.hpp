@@ -50,7 +50,6 @@ inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t by
   const double coefficients = beyond                  ? operations_of_coefficients<multireflection>()
                               : scheme == "cli"       ? operations_of_coefficients<cli>()
                               : scheme == "parabolic" ? operations_of_coefficients<parabolic>()
-                              : scheme == "bouzidi"   ? operations_of_coefficients<bouzidi>()
                                                       : operations_of_coefficients<bounce_back>();
   constexpr double arm = 2, velocity = 12, along = 5, weight = 5, back = 3, from_behind = 15, exchange = 12,
                    torque = 9, sums = 8, in_range = 1, change = 2, mass = 2;

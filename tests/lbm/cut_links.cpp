@@ -57,7 +57,7 @@ ShearErrors oblique_shear(WallScheme scheme) {
 }
 
 TEST(CutLinks, ShearObliqueToTheLatticeIsExact) {
-  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi, WallScheme::parabolic}) {
+  for (const auto scheme : {WallScheme::cli, WallScheme::parabolic}) {
     const ShearErrors e = oblique_shear(scheme);
     EXPECT_LT(e.velocity, 1e-5) << wall_scheme_names[int(scheme)];
     EXPECT_LT(e.force, 1e-5) << wall_scheme_names[int(scheme)];
@@ -78,19 +78,16 @@ WalledScene one_cell(double below, double above) {
 
 TEST(CutLinks, ShearInAGapOfOneCellIsExact) {
   constexpr double speed = 1e-5;
-  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi})
-    for (const double below : {0.51, 0.7, 0.99})
-      for (const double above : {0.51, 0.8}) {
-        const double tau = 0.7, nu = (tau - 0.5) / 3;
-        WalledBox flow(one_cell(below, above), scheme, {tau, 1.0 / 6, Collision::trt, {}});
-        EXPECT_EQ(flow.gap_links() > 0, scheme == WallScheme::cli);
-        flow.motions[1].v[0] = speed;
-        for (int t = 0; t < 2000; ++t) flow.step();
-        EXPECT_NEAR(flow.velocity({1, 0, 2})[0], speed * below / (below + above), 1e-9 * speed);
-        if (scheme == WallScheme::cli) {
-          EXPECT_NEAR(flow.force(1, 0) * (below + above) / (-nu * speed * 16), 1, 1e-6);
-        }
-      }
+  for (const double below : {0.51, 0.7, 0.99})
+    for (const double above : {0.51, 0.8}) {
+      const double tau = 0.7, nu = (tau - 0.5) / 3;
+      WalledBox flow(one_cell(below, above), WallScheme::cli, {tau, 1.0 / 6, Collision::trt, {}});
+      EXPECT_GT(flow.gap_links(), 0);
+      flow.motions[1].v[0] = speed;
+      for (int t = 0; t < 2000; ++t) flow.step();
+      EXPECT_NEAR(flow.velocity({1, 0, 2})[0], speed * below / (below + above), 1e-9 * speed);
+      EXPECT_NEAR(flow.force(1, 0) * (below + above) / (-nu * speed * 16), 1, 1e-6);
+    }
 }
 
 /// A gap of one cell driven by a force: nu u / (g H^2) in the middle of the true flow is 1/8. One cell cannot
@@ -150,7 +147,7 @@ double pipe_error(WallScheme scheme, double radius) {
 }
 
 TEST(CutLinks, PipeConvergesWithSecondOrder) {
-  for (const auto scheme : {WallScheme::cli, WallScheme::bouzidi}) {
+  for (const auto scheme : {WallScheme::cli, WallScheme::multireflection}) {
     const double coarse = pipe_error(scheme, 5.3), fine = pipe_error(scheme, 21.2);
     const double order = std::log(coarse / fine) / std::log(4.0);
     printf("pipe, %s: error %.2e at radius 5.3, %.2e at 21.2, order %.2f\n",
@@ -195,7 +192,6 @@ TEST(CutLinks, CoefficientsAreConsistent) {
   for (const double tau : {0.501, 0.51, 1.0, 2.0, 10.0}) {
     const WallFluid<double> fluid(CollisionSpec{tau, 1.0 / 6, Collision::trt, {}});
     check(std::integral_constant<WallScheme, WallScheme::cli>{}, fluid);
-    check(std::integral_constant<WallScheme, WallScheme::bouzidi>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::parabolic>{}, fluid);
     check(std::integral_constant<WallScheme, WallScheme::multireflection>{}, fluid);
   }

@@ -65,8 +65,8 @@ void expect_slope_of_force(WallScheme scheme) {
 }
 
 TEST(LinkStiffness, IsHowTheForceFallsWithTheVelocity) {
-  for (const WallScheme scheme : {WallScheme::bounce_back, WallScheme::cli, WallScheme::bouzidi,
-                                  WallScheme::parabolic, WallScheme::multireflection}) {
+  for (const WallScheme scheme :
+       {WallScheme::bounce_back, WallScheme::cli, WallScheme::parabolic, WallScheme::multireflection}) {
     SCOPED_TRACE(wall_scheme_names[int(scheme)]);
     expect_slope_of_force<double>(scheme);
     expect_slope_of_force<float>(scheme);

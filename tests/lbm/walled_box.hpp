@@ -88,7 +88,7 @@ class WalledBox {
         const Hit h = scene_.hit(p, c[i]);
         if (h.q >= 1 || h.surface != surface) continue;
         const Link link{link_place({x.x, x.y, 0}, i), h.q};
-        if (reads_behind(scheme, h.q) && !is_fluid(x - c[i]))
+        if (reads_behind(scheme) && !is_fluid(x - c[i]))
           single_cell.push_back(link);
         else if (reads_beyond(scheme) && !is_fluid(x - c[i] - c[i]))
           two_cell.push_back(link);

@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
 from case_text import case_text  # noqa: E402
 
 EDGE = 16
-SCHEMES = ("bounce-back", "bouzidi", "cli", "parabolic", "multireflection")
+SCHEMES = ("bounce-back", "cli", "parabolic", "multireflection")
 MODELS = ("trt", "regularised", "bgk")
 RELAXATION_TIMES = (0.502, 0.51, 0.55, 0.7, 1, 3)
 BODIES = 14

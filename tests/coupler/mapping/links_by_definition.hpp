@@ -194,12 +194,11 @@ void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>
   }
 }
 
-/// The scheme of a link at the distance q: in a gap of one or two cells it is another than the case's.
-inline WallScheme scheme_at(const Geometry& geometry, Int3 cell, int i, WallScheme scheme, double q) {
+/// The scheme of a link: in a gap of one or two cells it is another than the case's.
+inline WallScheme scheme_at(const Geometry& geometry, Int3 cell, int i, WallScheme scheme) {
   const auto fluid = [&](Int3 x) { return geometry.owner(x) == -1; };
   const Int3 behind = cell - lbm::c[i];
-  const bool reads = scheme == WallScheme::bouzidi ? q < 0.5 : scheme != WallScheme::bounce_back;
-  if (reads && !fluid(behind)) return WallScheme::single_cell_gap;
+  if (scheme != WallScheme::bounce_back && !fluid(behind)) return WallScheme::single_cell_gap;
   return scheme == WallScheme::multireflection && !fluid(behind - lbm::c[i]) ? WallScheme::cli : scheme;
 }
 
@@ -242,8 +241,8 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
           }
           if (link.crossing) {
             EXPECT_EQ(link.scheme, scheme == WallScheme::multireflection ? WallScheme::cli : scheme);
-          } else if (scheme != WallScheme::bouzidi || std::fabs(q - 0.5) > rounding) {
-            EXPECT_EQ(link.scheme, scheme_at(geometry, cell, i, scheme, q));
+          } else {
+            EXPECT_EQ(link.scheme, scheme_at(geometry, cell, i, scheme));
           }
           const bool across =
               link.scheme == WallScheme::multireflection && !inside.contains(at_block - lbm::c[i]);
