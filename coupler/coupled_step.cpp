@@ -1,11 +1,11 @@
 #include "coupler/coupled_step.hpp"
 
-#include "coupler/exchange/traffic.hpp"
+#include "parallel/traffic.hpp"
 
 namespace silt::coupler {
 
 CoupledStep::CoupledStep(const SceneParts& scene)
-    : scene_(scene), clock_([] { return coupler::traffic(); }) {}
+    : scene_(scene), clock_([] { return parallel::traffic(); }) {}
 
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const BodyChanges& changes) {
   if (Flow* const flow = scene_.flow) {

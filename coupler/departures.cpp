@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "coupler/case/case.hpp"
+#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 
@@ -36,17 +37,7 @@ std::string outside_text(const Case& scene, rigid::BodyId id, bool free, int sid
 }
 
 std::vector<Departure> gathered(MPI_Comm comm, const std::vector<Departure>& mine) {
-  int rank = 0, ranks = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks);
-  const int bytes = static_cast<int>(mine.size() * sizeof(Departure));
-  std::vector<int> sizes(rank == 0 ? ranks : 0), begins(sizes.size());
-  MPI_Gather(&bytes, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, comm);
-  int all = 0;
-  for (std::size_t r = 0; r < sizes.size(); ++r) begins[r] = all, all += sizes[r];
-  std::vector<Departure> departures(static_cast<std::size_t>(all) / sizeof(Departure));
-  MPI_Gatherv(mine.data(), bytes, MPI_BYTE, departures.data(), sizes.data(), begins.data(), MPI_BYTE, 0,
-              comm);
+  auto departures = parallel::gathered(comm, std::span(mine), parallel::Told::rank_0);
   std::sort(departures.begin(), departures.end(), [](const Departure& a, const Departure& b) {
     return std::tie(a.step, a.id) < std::tie(b.step, b.id);
   });

@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <functional>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/scene.hpp"
 
@@ -80,10 +77,7 @@ EnergyGuard::EnergyGuard(const Case& scene) : watched_(!scene.fluid && !is_drive
 void EnergyGuard::look(const Scene& scene, FixedSum brought, std::int64_t step) {
   if (!watched_) return;
   const Energies here = energies_of(scene);
-  std::vector<std::int64_t> mine;
-  for (const FixedSum sum : {here.mechanical - brought, here.kinetic, here.lift})
-    for (const std::uint64_t limb : limbs_of(sum)) mine.push_back(std::bit_cast<std::int64_t>(limb));
-  sums_.start(scene.comm, std::move(mine));
+  sums_.start(scene.comm, {here.mechanical - brought, here.kinetic, here.lift});
   step_ = step;
   first_ = fresh_;
   fresh_ = false;
@@ -91,14 +85,9 @@ void EnergyGuard::look(const Scene& scene, FixedSum brought, std::int64_t step) 
 
 void EnergyGuard::finish(const Case& scene) {
   if (!sums_.under_way()) return;
-  const std::vector<std::int64_t>& all = sums_.finish();
-  const auto sum = [&](std::size_t which) {
-    Limbs limbs;
-    for (std::size_t k = 0; k < limbs.size(); ++k)
-      limbs[k] = std::bit_cast<std::uint64_t>(all[which * limbs.size() + k]);
-    return rigid::from_fixed(sum_of(limbs));
-  };
-  const double energy = sum(0), kinetic = sum(1), lift = sum(2);
+  const Sums& all = sums_.finish();
+  const double energy = rigid::from_fixed(all.energy.value()),
+               kinetic = rigid::from_fixed(all.kinetic.value()), lift = rigid::from_fixed(all.lift.value());
   if (first_) start_ = energy, start_step_ = step_, largest_kinetic_ = kinetic;
   largest_kinetic_ = std::max(largest_kinetic_, kinetic);
   const double gain = energy - start_, allowed = share_of_motion * largest_kinetic_ + lift;

@@ -8,7 +8,7 @@
 // started at the end of a step and waited for at the end of the next one. Lattice units.
 #include <cstdint>
 
-#include "coupler/exchange/sums_under_way.hpp"
+#include "parallel/sums_under_way.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/math/fixed_point.hpp"
 
@@ -48,7 +48,10 @@ class EnergyGuard {
  private:
   bool watched_;
   bool fresh_ = true, first_ = true;  // of the next look; of the one under way
-  SumsUnderWay sums_;
+  struct Sums {
+    parallel::WideSum energy, kinetic, lift;  // lift: by each body's bounding radius
+  };
+  parallel::SumsUnderWay<Sums> sums_;
   std::int64_t step_ = 0, start_step_ = 0;
   double start_ = 0, largest_kinetic_ = 0;
 };

@@ -7,9 +7,10 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/motion_limits.hpp"
 #include "coupler/departures.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/scene.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
@@ -133,34 +134,34 @@ void FaultWatch::start(MPI_Comm comm) {
 
 FaultWatch::Found FaultWatch::finish() {
   if (!sums_.under_way()) return {};
-  const std::vector<std::int64_t>& all = sums_.finish();
-  return {all[0] > 0, all[1] > 0, all[2] > 0};
+  const Ranks& all = sums_.finish();
+  return {all.fluid > 0, all.body > 0, all.overlap > 0};
 }
 
 std::string FaultWatch::body_fault(MPI_Comm comm) const {
   constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
-  const std::uint64_t moment = least_over_ranks(comm, body_ ? body_->moment : none);
+  const std::uint64_t moment = parallel::least_over_ranks(comm, body_ ? body_->moment : none);
   const bool mine = body_ && body_->moment == moment;
-  const std::uint64_t id = least_over_ranks(comm, mine ? std::uint64_t(body_->id) : none);
-  return text_of_one(comm, mine && body_->id == id ? body_->text : "");
+  const std::uint64_t id = parallel::least_over_ranks(comm, mine ? std::uint64_t(body_->id) : none);
+  return parallel::text_of_first(comm, mine && body_->id == id ? body_->text : "");
 }
 
 std::string FaultWatch::overlap_fault(MPI_Comm comm) const {
   constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
-  const std::uint64_t moment = least_over_ranks(comm, overlap_ ? overlap_->moment : none);
+  const std::uint64_t moment = parallel::least_over_ranks(comm, overlap_ ? overlap_->moment : none);
   const bool first = overlap_ && overlap_->moment == moment;
-  const double share = max_over_ranks(comm, first ? overlap_->share : -1);
+  const double share = parallel::max_over_ranks(comm, first ? overlap_->share : -1);
   const bool mine = first && overlap_->share == share;
-  const std::uint64_t a = least_over_ranks(comm, mine ? std::uint64_t(overlap_->a) : none);
-  return text_of_one(comm, mine && overlap_->a == a ? overlap_->text : "");
+  const std::uint64_t a = parallel::least_over_ranks(comm, mine ? std::uint64_t(overlap_->a) : none);
+  return parallel::text_of_first(comm, mine && overlap_->a == a ? overlap_->text : "");
 }
 
 std::string FaultWatch::fluid_fault(MPI_Comm comm) const {
-  const double speed = max_over_ranks(comm, fluid_ ? fluid_->speed : -1);
+  const double speed = parallel::max_over_ranks(comm, fluid_ ? fluid_->speed : -1);
   const bool mine = fluid_ && fluid_->speed == speed;
   const std::uint64_t cell =
-      least_over_ranks(comm, mine ? fluid_->cell : std::numeric_limits<std::uint64_t>::max());
-  return text_of_one(comm, mine && fluid_->cell == cell ? fluid_->text : "");
+      parallel::least_over_ranks(comm, mine ? fluid_->cell : std::numeric_limits<std::uint64_t>::max());
+  return parallel::text_of_first(comm, mine && fluid_->cell == cell ? fluid_->text : "");
 }
 
 }  // namespace silt::coupler

@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
-#include "coupler/exchange/sums_under_way.hpp"
 #include "coupler/flow.hpp"
+#include "parallel/sums_under_way.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
 
@@ -79,7 +79,10 @@ class FaultWatch {
   };
   std::optional<OverlapFault> overlap_;
   std::uint64_t moment_ = 0;
-  SumsUnderWay sums_;
+  struct Ranks {  // that have seen one
+    std::int64_t fluid, body, overlap;
+  };
+  parallel::SumsUnderWay<Ranks> sums_;
 };
 
 }  // namespace silt::coupler

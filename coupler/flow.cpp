@@ -9,8 +9,6 @@
 #include "coupler/balance/body_work.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
-#include "coupler/exchange/reduce.hpp"
-#include "coupler/exchange/sums_under_way.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/body_changes.hpp"
@@ -24,6 +22,8 @@
 #include "lbm/cut_links.hpp"
 #include "lbm/move_populations.hpp"
 #include "lbm/pairs_across.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
 
@@ -53,6 +53,20 @@ std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
   for (const auto& b : fluid.blocks()) all.push_back(b.box());
   return all;
 }
+
+/// What the step leaves for the next one to begin with, summed over the ranks.
+struct StepSums {
+  std::int64_t ranks_out_of_range;  // that have a body whose sums are
+  std::int64_t cells_gained;
+  parallel::WideSum link_mass, cell_mass;  // gained
+  struct Recount {                         // of all fluid, in some steps
+    std::int64_t ranks = 0, cells = 0;
+    parallel::WideSum quanta;
+    Recount() = default;
+    Recount(const FluidMass& m) : ranks(1), cells(std::int64_t(m.cells)), quanta(m.mass) {}
+    FluidMass mass() const { return {std::uint64_t(cells), quanta.value()}; }
+  } recount;
+};
 
 template <class T>
 class FlowOf final : public Flow {
@@ -152,10 +166,9 @@ class FlowOf final : public Flow {
     if (restarted_) return;
     forces_.start(map_.blocks(), bodies);
     if (!corrects_mass_) return;
-    FluidMass all = fluid_mass<T>(fluid_, map_.blocks());
-    sum_over_ranks(fluid_.comm(), std::span(&all.cells, 1));
-    sum_over_ranks(fluid_.comm(), std::span(&all.mass, 1));
-    correction_.recount(all);
+    const auto all =
+        parallel::sum_over_ranks(fluid_.comm(), StepSums::Recount(fluid_mass<T>(fluid_, map_.blocks())));
+    correction_.recount(all.mass());
   }
 
   void take_over(const Flow& other) override {
@@ -193,38 +206,24 @@ class FlowOf final : public Flow {
     return *counted_;
   }
 
-  /// Starts the sums that the next step begins with: the mass gained, how many ranks have a body whose sums
-  /// are out of range, and in some steps the cells and the mass of all fluid.
+  /// Starts the sums that the next step begins with.
   void leave_under_way(const LinkOutcome& links) {
     out_of_range_ = links.out_of_range;
     const MassCorrection::Gain gain = correction_.take_gain(links.mass_gain);
-    std::vector<std::int64_t> mine = {links.out_of_range != LinkOutcome::nobody, gain.cells};
-    const auto put = [&](rigid::FixedSum sum) {
-      for (const std::uint64_t limb : limbs_of(sum)) mine.push_back(std::int64_t(limb));
-    };
-    put(gain.link_mass);
-    put(gain.cell_mass);
-    if (corrects_mass_ && correction_.recount_is_due()) {
-      const FluidMass now = fluid_mass<T>(fluid_, map_.blocks());
-      put(now.mass);
-      mine.push_back(std::int64_t(now.cells));
-    }
-    sums_.start(fluid_.comm(), std::move(mine));
+    StepSums mine{links.out_of_range != LinkOutcome::nobody, gain.cells, gain.link_mass, gain.cell_mass, {}};
+    if (corrects_mass_ && correction_.recount_is_due()) mine.recount = fluid_mass<T>(fluid_, map_.blocks());
+    sums_.start(fluid_.comm(), mine);
   }
 
   /// Takes what the last step left under way.
   void settle() const {
     if (!sums_.under_way()) return;
-    const std::vector<std::int64_t>& all = sums_.finish();
-    if (all[0] > 0) throw ForceOutOfRange(least_over_ranks(fluid_.comm(), out_of_range_));
+    const StepSums& all = sums_.finish();
+    if (all.ranks_out_of_range > 0)
+      throw ForceOutOfRange(parallel::least_over_ranks(fluid_.comm(), out_of_range_));
     if (!corrects_mass_) return;
-    const auto sum_at = [&](std::size_t k) {
-      return sum_of({std::uint64_t(all[k]), std::uint64_t(all[k + 1]), std::uint64_t(all[k + 2]),
-                     std::uint64_t(all[k + 3])});
-    };
-    correction_.end_step({sum_at(2), sum_at(6), all[1]});
-    if (all.size() == 10) return;
-    correction_.recount({std::uint64_t(all[14]), sum_at(10)});
+    correction_.end_step({all.link_mass.value(), all.cell_mass.value(), all.cells_gained});
+    if (all.recount.ranks > 0) correction_.recount(all.recount.mass());
   }
 
   /// Cells that changed sides, and links.
@@ -337,7 +336,7 @@ class FlowOf final : public Flow {
   bool corrects_mass_, restarted_ = false, stepped_ = false;
   // settled whenever one of them is asked for
   mutable MassCorrection correction_;
-  mutable SumsUnderWay sums_;
+  mutable parallel::SumsUnderWay<StepSums> sums_;
   mutable std::optional<FlowSums> counted_;
   rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
 };

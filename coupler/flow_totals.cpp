@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
+#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 
@@ -47,21 +47,27 @@ void FlowSums::see(Int3 g, const lbm::CellTotals& t) {
 
 FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   using lbm::CellTotals;
-  std::uint64_t count = count_;
-  rigid::FixedSum sums[6] = {mass_, momentum_[0], momentum_[1], momentum_[2], energy_, energy_rest_};
+  struct Sums {
+    std::uint64_t cells;
+    parallel::WideSum mass, momentum[3], energy, energy_rest;
+  };
+  const Sums sums = parallel::sum_over_ranks(
+      comm, Sums{count_, mass_, {momentum_[0], momentum_[1], momentum_[2]}, energy_, energy_rest_});
+  const auto in_all = [](const parallel::WideSum& sum, double quantum) {
+    return double(sum.value()) * quantum;
+  };
   Extreme speed_squared = speed_squared_, deficit = deficit_;
-  sum_over_ranks(comm, std::span(&count, 1));
-  sum_over_ranks(comm, sums);
   speed_squared.over_ranks(comm);
   deficit.over_ranks(comm);
-  const auto bad = std::int64_t(least_over_ranks(comm, std::uint64_t(first_bad_)));
+  const auto bad = std::int64_t(parallel::least_over_ranks(comm, std::uint64_t(first_bad_)));
   FlowTotals t;
-  t.fluid_cells = count;
-  t.mass_deviation = double(sums[0]) * lbm::mass_quantum;
-  for (int d = 0; d < 3; ++d) t.momentum[d] = double(sums[1 + d]) * CellTotals::momentum_quantum;
-  t.energy = double(sums[4]) * CellTotals::energy_quantum + double(sums[5]) * CellTotals::energy_rest_quantum;
+  t.fluid_cells = sums.cells;
+  t.mass_deviation = in_all(sums.mass, lbm::mass_quantum);
+  for (int d = 0; d < 3; ++d) t.momentum[d] = in_all(sums.momentum[d], CellTotals::momentum_quantum);
+  t.energy = in_all(sums.energy, CellTotals::energy_quantum) +
+             in_all(sums.energy_rest, CellTotals::energy_rest_quantum);
   t.max_speed = std::sqrt(std::max(speed_squared.value, 0.0)), t.min_density = 1 - deficit.value;
-  t.max_density = 1 + max_over_ranks(comm, max_excess_);
+  t.max_density = 1 + parallel::max_over_ranks(comm, max_excess_);
   t.finite = bad == none;
   t.bad_cell = cell_at(bad), t.fastest_cell = cell_at(speed_squared.cell);
   t.thinnest_cell = cell_at(deficit.cell);
@@ -69,8 +75,8 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
 }
 
 void FlowSums::Extreme::over_ranks(MPI_Comm comm) {
-  const double largest = max_over_ranks(comm, value);
-  cell = std::int64_t(least_over_ranks(comm, std::uint64_t(value == largest ? cell : none)));
+  const double largest = parallel::max_over_ranks(comm, value);
+  cell = std::int64_t(parallel::least_over_ranks(comm, std::uint64_t(value == largest ? cell : none)));
   value = largest;
 }
 

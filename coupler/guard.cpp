@@ -11,10 +11,11 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/explicit_limit.hpp"
 #include "coupler/case/time_step_cure.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/flow_totals.hpp"
 #include "coupler/place_text.hpp"
 #include "coupler/scene.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
@@ -127,7 +128,7 @@ void check_flow(const Scene& scene, const FlowTotals& totals, std::int64_t step)
   if (!fault) return;
   const std::string here =
       holds(*scene.flow, fault->cell) ? fluid_text(scene, fault->cell, fault->what, totals.max_speed) : "";
-  throw CommonGuardStop(fmt::format("step {}: {}", step, text_of_one(scene.comm, here)));
+  throw CommonGuardStop(fmt::format("step {}: {}", step, parallel::text_of_first(scene.comm, here)));
 }
 
 std::string contact_remedy(const Case& scene) {

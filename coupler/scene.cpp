@@ -9,12 +9,12 @@
 #include "coupler/case/motion_limits.hpp"
 #include "coupler/case/sleep.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/bodies/walls.hpp"
 
 namespace silt::coupler {
@@ -33,12 +33,6 @@ constexpr double dry_slack = 1e-3;
 double rim_of(const Case& scene) {
   return scene.contacts.margin / 2 +
          (scene.fluid ? ghost_layers + furthest_motion : scene.contacts.margin / 2 + dry_slack);
-}
-
-int size_of(MPI_Comm comm) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  return ranks;
 }
 
 rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shapes) {
@@ -82,9 +76,9 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
     : own_setup_(std::make_shared<const Case>(std::move(scene))),
       setup(*own_setup_),
       comm(communicator),
-      ranks(size_of(communicator)),
+      ranks(parallel::ranks_of(communicator)),
       domain(make_domain(setup, ranks)) {
-  MPI_Comm_rank(comm, &rank);
+  rank = parallel::rank_of(comm);
   const auto shapes = centred_shapes(setup);
   world = make_world(setup, shapes);
   if (saved)
@@ -154,7 +148,7 @@ void Scene::cut_anew(const lbm::CutTree& tree) {
 }
 
 void Scene::take_saved_bodies(const SavedBodies& saved) {
-  Messages messages(comm);
+  parallel::Messages messages(comm);
   send_home(messages, Holders(domain, 0), saved, bodies);
 }
 
@@ -178,11 +172,14 @@ void Scene::set_placed(std::size_t row, rigid::BodyId id, const BodySpec& body, 
 
 void Scene::count_bodies() {
   const auto first = bodies.motion.begin(), last = first + static_cast<std::ptrdiff_t>(bodies.owned);
-  std::uint64_t counts[2] = {
-      bodies.owned, std::any_of(first, last, [](rigid::Motion m) { return m != rigid::Motion::fixed; })};
-  sum_over_ranks(comm, std::span(counts));
-  body_count = counts[0];
-  anything_moves = counts[1] > 0 || setup.bodies_come();
+  struct Counts {
+    std::uint64_t bodies, ranks_where_one_moves;
+  };
+  const auto counts = parallel::sum_over_ranks(
+      comm, Counts{bodies.owned,
+                   std::any_of(first, last, [](rigid::Motion m) { return m != rigid::Motion::fixed; })});
+  body_count = counts.bodies;
+  anything_moves = counts.ranks_where_one_moves > 0 || setup.bodies_come();
 }
 
 SceneParts Scene::parts() {

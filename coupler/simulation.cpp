@@ -9,7 +9,6 @@
 #include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/guard.hpp"
@@ -17,6 +16,7 @@
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/response/warm_start.hpp"
 
 namespace silt::coupler {
@@ -174,8 +174,8 @@ void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
   balance_work();
   const BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
-  const Traffic before = traffic();
-  begin_step_of_traffic();
+  const parallel::Traffic before = parallel::traffic();
+  parallel::begin_step_of_traffic();
   scene_.move_walls(step_);
   wall_impulses_.clear();
   if (!scene_.flow && setup().output.body_contacts) forget_contact_loads(scene_.bodies);
@@ -193,7 +193,7 @@ void Simulation::step() {
   energy_.finish(setup());  // of the step before
   if (scene_.anything_moves && step_ % EnergyGuard::interval == 0)
     energy_.look(scene_, turnover_.energy_brought(), step_);
-  traffic_ += traffic() - before;
+  traffic_ += parallel::traffic() - before;
   step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -242,8 +242,8 @@ RunCounters over_ranks(RunCounters c, MPI_Comm comm) {
   std::vector<std::uint64_t> sums;
   std::vector<double> largest;
   visit_counters(c, Gather{sums, largest});
-  sum_over_ranks(comm, sums);
-  max_over_ranks(comm, largest);
+  parallel::sum_over_ranks(comm, std::span(sums));
+  parallel::max_over_ranks(comm, largest);
   visit_counters(c, Scatter{sums.data(), largest.data()});
   return c;
 }
@@ -268,7 +268,7 @@ void Simulation::require_movable(BodyId id) const {
   const std::size_t row = bodies.row_of(id);
   double found[2] = {0, 0};  // there, not fixed
   if (row < bodies.owned) found[0] = 1, found[1] = bodies.motion[row] != rigid::Motion::fixed;
-  max_over_ranks(scene_.comm, found);
+  parallel::max_over_ranks(scene_.comm, found);
   if (found[0] == 0) throw std::invalid_argument(fmt::format("there is no body {}", id));
   if (found[1] == 0) throw std::invalid_argument(fmt::format("body {} is fixed", id));
 }
@@ -328,7 +328,7 @@ Balance Simulation::balance() const {
     p += impulse_debt(bodies, row) + pending_impact(bodies, row);
     for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
   }
-  sum_over_ranks(scene_.comm, sums);
+  parallel::sum_over_ranks(scene_.comm, sums);
   const rigid::FixedVec3 brought = momentum_brought();
   for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d] - brought.q[d]);
   b.momentum_scale = rigid::from_fixed(sums[3]);
@@ -346,14 +346,13 @@ Balance Simulation::balance() const {
 rigid::FixedVec3 Simulation::momentum_brought() const {
   rigid::FixedVec3 brought = turnover_.momentum_brought();
   if (scene_.flow) brought.add(scene_.flow->momentum_brought());
-  sum_over_ranks(scene_.comm, std::span(brought.q));
+  parallel::sum_over_ranks(scene_.comm, std::span(brought.q));
   return brought;
 }
 
 std::uint64_t Simulation::links() const {
   std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->mapping().links : 0;
-  sum_over_ranks(scene_.comm, std::span(&n, 1));
-  return n;
+  return parallel::sum_over_ranks(scene_.comm, n);
 }
 
 std::uint64_t Simulation::body_count() const {
@@ -364,14 +363,11 @@ std::uint64_t Simulation::bodies_asleep() const {
   const rigid::BodySet& bodies = scene_.bodies;
   std::uint64_t n = 0;
   for (std::size_t row = 0; row < bodies.owned; ++row) n += bodies.is_at_rest(row);
-  sum_over_ranks(scene_.comm, std::span(&n, 1));
-  return n;
+  return parallel::sum_over_ranks(scene_.comm, n);
 }
 
 std::uint64_t Simulation::contacts_now() const {
-  std::uint64_t n = last_contacts_;
-  sum_over_ranks(scene_.comm, std::span(&n, 1));
-  return n;
+  return parallel::sum_over_ranks(scene_.comm, std::uint64_t(last_contacts_));
 }
 
 std::vector<BodyLoad> Simulation::last_loads() const {

@@ -14,13 +14,13 @@
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/motion_limits.hpp"
 #include "coupler/energy_guard.hpp"
-#include "coupler/exchange/traffic.hpp"
 #include "coupler/fault_watch.hpp"
 #include "coupler/forces/contact_torque.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/noted_loads.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
+#include "parallel/traffic.hpp"
 
 namespace silt::coupler {
 
@@ -101,7 +101,7 @@ class Simulation {
   BalanceRecord balance_record() const;
   StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
   StageTraffic stage_traffic() const { return coupled_step_.traffic(); }  // local: with other ranks
-  const Traffic& traffic_in_steps() const { return traffic_; }            // local: of all steps
+  const parallel::Traffic& traffic_in_steps() const { return traffic_; }  // local: of all steps
   double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
@@ -144,7 +144,7 @@ class Simulation {
   FaultWatch faults_;
   EnergyGuard energy_;
   double fluid_speed_ = 0, step_seconds_ = 0;
-  Traffic traffic_;
+  parallel::Traffic traffic_;
   BalanceRecord balance_;
   std::vector<ContactTorque> contact_torques_;
   std::vector<WallImpulse> wall_impulses_;

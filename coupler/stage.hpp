@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "rigid/bodies/traffic.hpp"
+#include "parallel/traffic.hpp"
 #include "rigid/math/stage_clock.hpp"
 
 namespace silt::coupler {
@@ -24,7 +24,7 @@ inline constexpr std::array<std::string_view, int(Stage::count)> stage_names = {
     "object mapping", "LBM communication",   "stream collide",   "force evaluation",
     "integrate",      "collision detection", "contact response", "body synchronisation"};
 
-using StepClock = rigid::StageClock<Stage, rigid::Traffic>;
+using StepClock = rigid::StageClock<Stage, parallel::Traffic>;
 using StageSeconds = StepClock::Seconds;
 using StageTraffic = StepClock::Readings;
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/fluid.hpp"
+#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 
@@ -79,9 +79,7 @@ template std::uint64_t hash_fluid(const lbm::Fluid<float>&, std::span<const Bloc
 template std::uint64_t hash_fluid(const lbm::Fluid<double>&, std::span<const BlockMap>);
 
 std::uint64_t state_hash(MPI_Comm comm, const Flow* flow, const rigid::BodySet& bodies) {
-  std::uint64_t sum = hash_bodies(bodies) + (flow ? flow->hash() : 0);
-  sum_over_ranks(comm, std::span(&sum, 1));
-  return sum;
+  return parallel::sum_over_ranks(comm, hash_bodies(bodies) + (flow ? flow->hash() : 0));
 }
 
 std::string hex(std::uint64_t x) {

@@ -5,14 +5,14 @@
 #include "lbm/collision.hpp"
 #include "lbm/prefetch.hpp"
 #include "lbm/stream_collide.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
 namespace {
 template <class T>
 std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   std::vector<Block<T>> blocks;
   for (const BlockPlace& place : domain.blocks_of(rank)) blocks.emplace_back(place.box);
   return blocks;
@@ -37,8 +37,7 @@ ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
 
 template <class T>
 std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   std::vector<PassOrder> orders;
   for (const BlockPlace& place : domain.blocks_of(rank))
     orders.emplace_back(place.box.size, sizeof(T), shell_of(domain, place));

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <type_traits>
 
 #include "lbm/prefetch.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
@@ -99,11 +99,6 @@ void add_row_ends(const Domain& domain, Block<T>& block) {
 template <class T>
 inline void copy_slots(const T* from, T* to, std::uint32_t length) {
   for (std::uint32_t n = 0; n < length; ++n) to[n] = from[n];
-}
-
-template <class T>
-MPI_Datatype type_of() {
-  return std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
 }
 
 /// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
@@ -234,14 +229,12 @@ struct Halo<T>::Builder {
 template <class T>
 Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
               std::span<const PassOrder> orders, const std::array<double, 3>& force)
-    : comm_(comm), force_(force) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+    : transfers_(comm, 1), force_(force) {
+  const int rank = parallel::rank_of(comm);
   Builder builder{*this, domain, rank, {}, orders, {}, {}, {}, {}};
   for (auto& b : blocks) builder.layout.push_back(&b);
   builder.build();
   for (Block<T>& block : blocks) add_row_ends(domain, block);
-  requests_.resize(2 * peers_.size(), MPI_REQUEST_NULL);
 }
 
 template <class T>
@@ -274,8 +267,7 @@ void Halo<T>::send(std::span<const Block<T>> blocks, Parity parity, std::size_t 
     copy_slots(blocks[run.block].data() + run.slot, to, run.length);
     to += run.length;
   }
-  MPI_Isend(outgoing.data(), int(outgoing.size()), type_of<T>(), p.rank, 1, comm_,
-            &requests_[peers_.size() + peer]);
+  transfers_.send(p.rank, std::span<const T>(outgoing));
 }
 
 template <class T>
@@ -283,24 +275,17 @@ void Halo<T>::start(std::span<const Block<T>> blocks, Parity parity) {
   const bool fill = parity == Parity::crossed;
   for (std::size_t k = 0; k < peers_.size(); ++k) {
     auto& incoming = fill ? peers_[k].ghost_buffer : peers_[k].home_buffer;
-    MPI_Irecv(incoming.data(), int(incoming.size()), type_of<T>(), peers_[k].rank, 1, comm_, &requests_[k]);
+    transfers_.receive(peers_[k].rank, std::span<T>(incoming));
   }
   for (std::size_t k = 0; k < peers_.size(); ++k)
     if (peers_[k].early) send(blocks, parity, k);
 }
 
 template <class T>
-void Halo<T>::progress() {
-  if (requests_.empty()) return;
-  int done = 0;
-  MPI_Testall(int(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE);
-}
-
-template <class T>
 void Halo<T>::finish_peers(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
   for (std::size_t k = 0; k < peers_.size(); ++k)
     if (!peers_[k].early) send(std::span<const Block<T>>(blocks), parity, k);
-  MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  transfers_.wait();
   const bool fill = parity == Parity::crossed;
   for (Peer& p : peers_) {
     const T* from = (fill ? p.ghost_buffer : p.home_buffer).data();

@@ -22,6 +22,7 @@
 
 #include "lbm/domain.hpp"
 #include "lbm/pass_order.hpp"
+#include "parallel/transfers.hpp"
 
 namespace silt::lbm {
 
@@ -36,7 +37,7 @@ class Halo {
   /// blocks after the dense pass.
   void start(std::span<const Block<T>> blocks, Parity parity);
   /// Gives the messages under way a chance to move.
-  void progress();
+  void progress() { transfers_.progress(); }
   /// Call when the pass is done. Nothing moves into an idle block, nor from it to another of this rank: its
   /// slots mean nothing, and cut links cover every way into it.
   void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
@@ -86,13 +87,12 @@ class Halo {
   void finish_peers(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
   void apply_outlet(Block<T>&, const Outlet&, Parity) const;
 
-  MPI_Comm comm_;
+  parallel::Transfers transfers_;
   std::array<double, 3> force_;
   std::vector<Copy> copies_;
   std::vector<Wall> walls_;
   std::vector<Outlet> outlets_;
   std::vector<Peer> peers_;
-  std::vector<MPI_Request> requests_;  // receives, then sends
 };
 
 }  // namespace silt::lbm

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <tuple>
-#include <type_traits>
+
+#include "parallel/communicator.hpp"
+#include "parallel/transfers.hpp"
 
 namespace silt::lbm {
 
@@ -78,25 +80,19 @@ std::vector<Parcel<T>> parcels(const SharedWith& shared) {
 
 template <class T>
 void move_populations(const Fluid<T>& from, Fluid<T>& to) {
-  int rank = 0;
-  MPI_Comm_rank(to.comm(), &rank);
+  const int rank = parallel::rank_of(to.comm());
   const SharedWith kept_there = shared_cells(from.domain(), to.domain(), rank);
   const SharedWith kept_here = shared_cells(to.domain(), from.domain(), rank);
   auto outgoing = parcels<T>(kept_there), incoming = parcels<T>(kept_here);
-  const MPI_Datatype type = std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
-  constexpr int tag = 4;
+  parallel::Transfers transfers(to.comm(), 4);
   for (int i = 0; i < directions; ++i) {
-    std::vector<MPI_Request> requests;
-    for (Parcel<T>& p : incoming)
-      MPI_Irecv(p.buffer.data(), int(p.buffer.size()), type, p.rank, tag, to.comm(),
-                &requests.emplace_back());
+    for (Parcel<T>& p : incoming) transfers.receive(p.rank, std::span(p.buffer));
     for (Parcel<T>& p : outgoing) {
       T* out = p.buffer.data();
       for_rows(from, *p.cells, i, [&](const T* row, int cells) { out = std::copy_n(row, cells, out); });
-      MPI_Isend(p.buffer.data(), int(p.buffer.size()), type, p.rank, tag, to.comm(),
-                &requests.emplace_back());
+      transfers.send(p.rank, std::span(p.buffer));
     }
-    MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    transfers.wait();
     for (const Parcel<T>& p : incoming) {
       const T* in = p.buffer.data();
       for_rows(to, *p.cells, i, [&](T* row, int cells) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <type_traits>
 
 #include "lbm/places_across.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
@@ -116,9 +116,8 @@ struct PairsAcross<T>::Builder {
 
 template <class T>
 PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const Block<T>> blocks)
-    : comm_(comm), pairs_(blocks.size()) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+    : pairs_(blocks.size()), transfers_(comm, 3) {
+  const int rank = parallel::rank_of(comm);
   Builder builder{*this, domain, blocks, rank, {}};
   builder.build();
   choose_lines([](const Line& line, auto&& visit) {
@@ -147,18 +146,12 @@ void PairsAcross<T>::fill(const BeyondPair<T>* from, const Places& fills) {
 
 template <class T>
 void PairsAcross<T>::start_messages(std::span<const Block<T>> blocks, Parity parity) {
-  const MPI_Datatype type = std::is_same_v<T, float> ? MPI_FLOAT : MPI_DOUBLE;
-  constexpr int tag = 3;
-  requests_.clear();
   for (Peer& peer : peers_)
-    if (!peer.incoming.empty())
-      MPI_Irecv(peer.incoming.data(), 2 * int(peer.incoming.size()), type, peer.rank, tag, comm_,
-                &requests_.emplace_back());
+    if (!peer.incoming.empty()) transfers_.receive(peer.rank, std::span(peer.incoming));
   for (Peer& peer : peers_) {
     if (peer.outgoing.empty()) continue;
     read(blocks, peer.reads, parity, peer.outgoing.data());
-    MPI_Isend(peer.outgoing.data(), 2 * int(peer.outgoing.size()), type, peer.rank, tag, comm_,
-              &requests_.emplace_back());
+    transfers_.send(peer.rank, std::span(peer.outgoing));
   }
 }
 
@@ -167,7 +160,7 @@ void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
   start_messages(blocks, parity);
   read(blocks, copied_, parity, copying_.data());
   fill(copying_.data(), copied_to_);
-  MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  transfers_.wait();
   for (const Peer& peer : peers_) fill(peer.incoming.data(), peer.fills);
 }
 

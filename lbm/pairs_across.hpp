@@ -15,6 +15,7 @@
 
 #include "lbm/cut_links.hpp"
 #include "lbm/domain.hpp"
+#include "parallel/transfers.hpp"
 
 namespace silt::lbm {
 
@@ -107,14 +108,13 @@ class PairsAcross {
   void fill(const BeyondPair<T>* from, const Places&);
   void start_messages(std::span<const Block<T>> blocks, Parity);
 
-  MPI_Comm comm_;
   std::vector<std::vector<BeyondPair<T>>> pairs_;  // of the blocks
   std::vector<Copy> copies_;
   Reads copied_;  // the chosen ones of copies_, and where they go
   Places copied_to_;
   std::vector<BeyondPair<T>> copying_;
   std::vector<Peer> peers_;
-  std::vector<MPI_Request> requests_;
+  parallel::Transfers transfers_;
 };
 
 template <class T>

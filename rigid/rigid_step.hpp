@@ -2,6 +2,7 @@
 // One step of the bodies: Algorithm 1 of Goetz et al., SC10.
 #include <functional>
 
+#include "parallel/traffic.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
@@ -15,7 +16,7 @@ namespace silt::rigid {
 
 /// RigidStage lists the paper's parts of the physics engine.
 enum class RigidStage { integrate, collision_detection, contact_response, synchronisation, count };
-using RigidClock = StageClock<RigidStage, Traffic>;
+using RigidClock = StageClock<RigidStage, parallel::Traffic>;
 
 struct RigidStepReport {
   ResolverStatistics resolver;

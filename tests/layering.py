@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""The dependency rule, read from the includes: cpu -> (std); lbm -> (cpu, MPI, std); rigid -> (cpu, Eigen, std); adapters -> rigid or lbm
-types, never the coupler; engine headers only inside their adapter's folder; a coupler includes factory headers. And no function
-of the C library whose last bit depends on the machine; and no two types of one name in headers of one namespace, which files
+"""The dependency rule, read from the includes: cpu -> (std); parallel -> (MPI, std); lbm -> (cpu, parallel, std);
+rigid -> (cpu, Eigen, std, the counts of parallel/traffic.hpp); adapters -> rigid or lbm types, never the coupler; engine headers only inside their adapter's folder; a coupler includes factory headers. And no function
+of the C library whose last bit depends on the machine; no message between ranks but by parallel/; and no two types of one name in headers of one namespace, which files
 that see one of them each would take for the same."""
 import pathlib
 import re
@@ -9,9 +9,10 @@ import sys
 
 ENGINES = r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/|hdf5|H5|toml|libqhull|pybind11)"
 FORBIDDEN = {  # folder: pattern of includes it must not have
-    "cpu": rf"(lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
+    "cpu": rf"(parallel/|lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
+    "parallel": rf"(cpu/|lbm/|rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
     "lbm": rf"(rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
-    "rigid": rf"(lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
+    "rigid": rf"(parallel/(?!traffic\.hpp)|lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "adapters": r"coupler/",
     "coupler": ENGINES,
     "tests": r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/)",
@@ -37,12 +38,25 @@ ONLY_SAID = {f"coupler/case/{name}.cpp" for name in ("contact_check", "derived_t
 
 
 def calls_of_unequal(root):
-    for folder in ("lbm", "rigid", "adapters", "coupler"):
+    for folder in ("parallel", "lbm", "rigid", "adapters", "coupler"):
         for file in sorted((root / folder).rglob("*.[hc]pp")):
             name = str(file.relative_to(root))
             for number, line in enumerate(file.read_text().splitlines(), 1):
                 if name not in ONLY_SAID and (call := re.search(UNEQUAL, line)):
                     yield f"{name}:{number}: {call[0]}...) rounds otherwise on other machines: rigid/math/elementary.hpp has it"
+
+
+# What says something to another rank, or waits for one. parallel/ counts it (parallel/traffic.hpp).
+MESSAGES = r"P?MPI_(I?[bsr]?send|I?m?recv|I?m?probe|Sendrecv|Wait|Test|Start|Barrier|Ibarrier|Bcast|Ibcast|Put|Get\(|Accumulate|" \
+    r"I?(all)?(reduce|gather|scatter|toall)|I?(ex)?scan|Neighbor|Ineighbor)"
+
+
+def messages_elsewhere(root):
+    for folder in ("lbm", "rigid", "adapters", "coupler"):
+        for file in sorted((root / folder).rglob("*.[hc]pp")):
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                if call := re.search(MESSAGES, line.split("//")[0], re.IGNORECASE):
+                    yield f"{file.relative_to(root)}:{number}: {call[0]}... is a message that nobody counts: use parallel/"
 
 
 TYPE = re.compile(r"(?:struct|class|enum class|enum|union) (?:alignas\([^)]*\) )?(\w+)(?: final)?(?: :[^:].*)? ?\{")
@@ -69,7 +83,7 @@ def files_seen(root):
 
 
 root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-found = [*violations(root), *calls_of_unequal(root), *types_of_one_name(root)]
+found = [*violations(root), *messages_elsewhere(root), *calls_of_unequal(root), *types_of_one_name(root)]
 print("\n".join(found))
 if not files_seen(root):
     sys.exit("layering: no sources found under " + str(root))

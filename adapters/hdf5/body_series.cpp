@@ -5,7 +5,7 @@
 
 #include "adapters/hdf5/order_by_id.hpp"
 #include "adapters/hdf5/table.hpp"
-#include "adapters/hdf5/together.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters {
 namespace {
@@ -76,12 +76,6 @@ void resize(File& file, hid_t dataset, hsize_t rows) {
   if (shape[0] == rows) return;
   shape[0] = rows;
   file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
-}
-
-int rank_of(MPI_Comm comm) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  return rank;
 }
 
 void write_meanings(File& file, BodyColumns with) {
@@ -180,14 +174,14 @@ struct BodySeries::Open {
 
 BodySeries BodySeries::create(MPI_Comm comm, const std::filesystem::path& path, const BodySeriesInfo& info,
                               const Provenance& provenance) {
-  on_rank_0(comm, [&] { create_series(path, info, provenance); });
+  parallel::on_rank_0(comm, [&] { create_series(path, info, provenance); });
   return BodySeries(comm, path, info.columns);
 }
 
 BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::path& path, std::int64_t step,
                                        BodyColumns with) {
   BodySeries series(comm, path, with);
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     File file = File::open_journaled(path);
     require_columns(file, path, with);
     auto table = whole_times(file, with);
@@ -208,8 +202,8 @@ BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::pat
 void BodySeries::append(std::int64_t step, double time, std::size_t n,
                         const std::function<BodyRow(std::size_t)>& row) {
   std::vector<std::uint64_t> ids;
-  together(comm_, [&] {
-    if (rank_of(comm_) == 0 && step <= last_step_)
+  parallel::together(comm_, [&] {
+    if (parallel::rank_of(comm_) == 0 && step <= last_step_)
       throw hdf5::Error(path_.string() + ": step " + std::to_string(step) + " does not come after step " +
                         std::to_string(last_step_));
     for (std::size_t i = 0; i < n; ++i) ids.push_back(row(i).id);
@@ -220,16 +214,16 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
                       std::to_string(step));
   const hdf5::SliceExchange slices(comm_, order.total, order.places);
   std::shared_ptr<Open> open = std::move(open_);  // kept if all goes well
-  on_rank_0(comm_, [&] {
+  parallel::on_rank_0(comm_, [&] {
     if (!open) open.reset(new Open(path_, with_));
     hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(order.total));
   });
   const auto columns = body_columns(with_);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Column& c = columns[k];
-    on_rank_0(comm_, [&] { resize(open->file, open->bodies[k], rows_ + order.total); });
+    parallel::on_rank_0(comm_, [&] { resize(open->file, open->bodies[k], rows_ + order.total); });
     std::vector<std::byte> mine;
-    together(comm_, [&] {
+    parallel::together(comm_, [&] {
       mine = hdf5::gather_column<BodyRow>(c, n, [&](std::size_t r) { return row(order.rows[r]); });
     });
     slices.hand_to_rank_0(c.bytes(), slices.to_slice(c.bytes(), std::move(mine)),
@@ -237,7 +231,7 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
                             hdf5::write_rows(open->file, open->bodies[k], c, rows_ + first, count, values);
                           });
   }
-  on_rank_0(comm_, [&] {
+  parallel::on_rank_0(comm_, [&] {
     open->append_time({time, step, rows_, order.total}, times_);
     open->file.commit();
     open_ = open;

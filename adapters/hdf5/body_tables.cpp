@@ -8,7 +8,8 @@
 #include "adapters/hdf5/checksum.hpp"
 #include "adapters/hdf5/order_by_id.hpp"
 #include "adapters/hdf5/shared_file.hpp"
-#include "adapters/hdf5/together.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters::hdf5 {
 
@@ -62,7 +63,7 @@ const std::string bodies_group = "/bodies", impulses_group = "/impulses";
 
 IdOrder order_of(MPI_Comm comm, const Path& path, const OwnedRows& owned) {
   std::vector<std::uint64_t> ids;
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     for (std::size_t i = 0; i < owned.n; ++i) ids.push_back(owned.record(i).id);
   });
   IdOrder order = order_by_id(comm, ids);
@@ -93,19 +94,18 @@ ImpulseOrder impulse_order_of(MPI_Comm comm, const OwnedRows& owned, const IdOrd
   constexpr std::size_t width = sizeof(std::uint64_t);
   std::vector<std::byte> bytes;
   std::vector<std::uint64_t> slice;
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     for (const std::size_t i : order.rows) impulses.counts.push_back(owned.impulses(i).size());
     bytes = as_bytes(impulses.counts);
   });
   bytes = bodies.to_slice(width, std::move(bytes));
-  together(comm, [&] { slice = as_numbers(bytes); });
-  std::uint64_t mine = std::accumulate(slice.begin(), slice.end(), std::uint64_t{0}), before = 0;
-  MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, comm);
-  MPI_Allreduce(&mine, &impulses.total, 1, MPI_UINT64_T, MPI_SUM, comm);
-  std::exclusive_scan(slice.begin(), slice.end(), slice.begin(), before);
-  together(comm, [&] { bytes = as_bytes(slice); });
+  parallel::together(comm, [&] { slice = as_numbers(bytes); });
+  const std::uint64_t mine = std::accumulate(slice.begin(), slice.end(), std::uint64_t{0});
+  impulses.total = parallel::sum_over_ranks(comm, mine);
+  std::exclusive_scan(slice.begin(), slice.end(), slice.begin(), parallel::sum_of_ranks_before(comm, mine));
+  parallel::together(comm, [&] { bytes = as_bytes(slice); });
   bytes = bodies.from_slice(width, bytes);
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     const auto first = as_numbers(bytes);
     for (std::size_t k = 0; k < first.size(); ++k)
       if (impulses.counts[k] > 0) impulses.places.push_back({first[k], impulses.counts[k]});
@@ -162,15 +162,15 @@ class ColumnWriter {
  public:
   ColumnWriter(MPI_Comm comm, const Path& path, std::vector<std::uint64_t> places)
       : comm_(comm), places_(std::move(places)) {
-    together(comm_, [&] { file_.emplace(path); });
+    parallel::together(comm_, [&] { file_.emplace(path); });
   }
   /// make() gives this rank's values.
   template <class Make>
   void write(const std::string& group, const Column& c, const SliceExchange& slices, Make&& make) {
     std::vector<std::byte> values;
-    together(comm_, [&] { values = make(); });
+    parallel::together(comm_, [&] { values = make(); });
     const auto slice = slices.to_slice(c.bytes(), std::move(values));
-    together(comm_, [&] {
+    parallel::together(comm_, [&] {
       file_->write(places_[names_.size()] + slices.slice_begin() * c.bytes(), slice);
       names_.push_back(group + '/' + c.name);
       sums_.push_back(run_checksum(c.value_bytes(), slice.data(), slices.slice_size() * c.components,
@@ -178,14 +178,10 @@ class ColumnWriter {
     });
   }
   std::map<std::string, std::uint64_t> close() {
-    std::vector<std::uint64_t> all;
-    together(comm_, [&] {
-      file_->close();
-      all.resize(sums_.size());
-    });
-    MPI_Reduce(sums_.data(), all.data(), static_cast<int>(all.size()), MPI_UINT64_T, MPI_SUM, 0, comm_);
+    parallel::together(comm_, [&] { file_->close(); });
+    parallel::sum_over_ranks(comm_, std::span(sums_));
     std::map<std::string, std::uint64_t> checksums;
-    for (std::size_t k = 0; k < all.size(); ++k) checksums[names_[k]] = all[k];
+    for (std::size_t k = 0; k < sums_.size(); ++k) checksums[names_[k]] = sums_[k];
     return checksums;
   }
 
@@ -209,18 +205,18 @@ std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path
   const SliceExchange impulses(comm, impulse_order.total, impulse_order.places);
   std::vector<Column> columns;
   std::vector<std::uint64_t> places;
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     columns = record_columns(holder);
     places.resize(columns.size() + 1 + impulse_columns().size());
   });
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     std::vector<Column> of_bodies = columns;
     of_bodies.push_back(impulse_count_column());
     File file = open(bytes_of(of_bodies, order.total) + bytes_of(impulse_columns(), impulse_order.total));
     places = create_tables(file, of_bodies, order.total, impulse_order.total);
     file.close();
   });
-  MPI_Bcast(places.data(), static_cast<int>(places.size()), MPI_UINT64_T, 0, comm);
+  parallel::broadcast(comm, std::span(places));
   ColumnWriter writer(comm, path, std::move(places));
   for (const Column& c : columns)
     writer.write(bodies_group, c, bodies, [&] {
@@ -313,33 +309,30 @@ std::uint64_t sum_of_counts(const std::vector<std::uint64_t>& counts, std::uint6
 CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
                                           std::span<const HolderColumn> holder) {
   CheckpointReader::Bodies found;
-  int rank = 0, ranks = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks);
+  const int rank = parallel::rank_of(comm), ranks = parallel::ranks_of(comm);
   std::vector<std::uint64_t> counts;
-  std::uint64_t n[2] = {0, 0}, first[2] = {0, 0}, all = 0;  // bodies, impulses
-  together(comm, [&] {
+  std::uint64_t n = 0, impulses = 0;
+  parallel::together(comm, [&] {
     const std::uint64_t total = rows_in(file, bodies_group, impulse_count_column());
-    first[0] = total * rank / ranks;
-    n[0] = total * (rank + 1) / ranks - first[0];
-    found.records.resize(n[0]);
-    read_columns(file, bodies_group, record_columns(holder), total, first[0], n[0],
+    found.first_body = total * rank / ranks;
+    n = total * (rank + 1) / ranks - found.first_body;
+    found.records.resize(n);
+    read_columns(file, bodies_group, record_columns(holder), total, found.first_body, n,
                  [&](const Column& c, const auto& values) {
                    scatter_column(c, values, found.records.data(), sizeof(rigid::BodyRecord));
                  });
-    read_columns(file, bodies_group, {impulse_count_column()}, total, first[0], n[0],
+    read_columns(file, bodies_group, {impulse_count_column()}, total, found.first_body, n,
                  [&](const Column&, const auto& values) { counts = as_numbers(values); });
-    require_rising_ids(file, found.records, first[0]);
-    n[1] = sum_of_counts(counts, rows_in(file, impulses_group, impulse_columns()[0]), file.path());
+    require_rising_ids(file, found.records, found.first_body);
+    impulses = sum_of_counts(counts, rows_in(file, impulses_group, impulse_columns()[0]), file.path());
   });
-  MPI_Exscan(&n[1], &first[1], 1, MPI_UINT64_T, MPI_SUM, comm);
-  MPI_Allreduce(&n[1], &all, 1, MPI_UINT64_T, MPI_SUM, comm);
-  together(comm, [&] {
+  found.first_impulse = parallel::sum_of_ranks_before(comm, impulses);
+  const std::uint64_t all = parallel::sum_over_ranks(comm, impulses);
+  parallel::together(comm, [&] {
     if (all != rows_in(file, impulses_group, impulse_columns()[0]))
       throw Error(file.path().string() + ": bodies and impulses do not fit together");
-    found.impulses = read_impulses(file, counts, first[1], n[1]);
+    found.impulses = read_impulses(file, counts, found.first_impulse, impulses);
   });
-  found.first_body = first[0], found.first_impulse = first[1];
   return found;
 }
 

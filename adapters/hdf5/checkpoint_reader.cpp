@@ -3,8 +3,8 @@
 
 #include "adapters/hdf5/body_tables.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
-#include "adapters/hdf5/together.hpp"
 #include "adapters/hdf5/verify_checkpoint.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters {
 
@@ -77,10 +77,10 @@ CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& p
   state_->path = path;
   try {
     hdf5::verify_checkpoint(comm, path);
-    together(comm, [&] { state_->file.emplace(File::open(path, false)); });
-  } catch (const CommonError& error) {  // on every rank
-    const CommonError advised(error.rank, with_advice(path, error.what()));
-    throw_together(comm, &advised);
+    parallel::together(comm, [&] { state_->file.emplace(File::open(path, false)); });
+  } catch (const parallel::CommonError& error) {  // on every rank
+    const parallel::CommonError advised(error.rank, with_advice(path, error.what()));
+    parallel::throw_together(comm, &advised);
   }
 }
 
@@ -146,21 +146,21 @@ void CheckpointReader::cells(const std::string& name, const std::vector<CellBox>
   const MPI_Comm comm = state_->comm;
   std::array<int, 3> cells{};
   int n = 0;
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     cells = lattice(name);
     n = components(name);
     if (!is_stored_as<T>(state_->file->dataset(full)))
       refuse(full + " was stored in another precision than asked for");
   });
   Handle dataset, type;
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     dataset = state_->file->dataset(full);
     type = Handle(H5Dget_type(dataset), H5Tclose, state_->path, "type of " + full);
   });
   const SlabExchange slabs(comm, cells, boxes);
   for (int q = 0; q < n; ++q) {
     const auto packed = slabs.read(*state_->file, dataset, type, n > 1 ? q : -1, sizeof(T));
-    together(comm, [&] {
+    parallel::together(comm, [&] {
       slabs.unpack(packed, sizeof(T),
                    [&](std::size_t box, const void* in) { take(q, box, static_cast<const T*>(in)); });
     });

@@ -3,8 +3,9 @@
 
 #include "adapters/hdf5/body_tables.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
-#include "adapters/hdf5/together.hpp"
 #include "adapters/hdf5/verify_checkpoint.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters {
 
@@ -28,10 +29,9 @@ struct CheckpointWriter::State {
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path,
                                    const Provenance& provenance) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   state_.reset(new State{comm, path, {path.string() + ".part", rank == 0}, {}});
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     hdf5::reserve(state_->part(), hdf5::metadata_room + provenance.case_text.size());
     File file = File::create(state_->part(), hdf5::Format::checked);
     const Handle root = file.group("/", false);
@@ -53,7 +53,7 @@ CheckpointWriter::~CheckpointWriter() = default;
 
 template <class T>
 void CheckpointWriter::set_any(const std::string& name, const T& value) {
-  on_rank_0(state_->comm, [&] {
+  parallel::on_rank_0(state_->comm, [&] {
     File file = state_->open_to_add(0);
     file.attribute(file.group("/state", false), name, value);
     file.close();
@@ -108,21 +108,21 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
   const std::string full = "/cells/" + name;
   const std::uint64_t bytes = std::uint64_t(n[0]) * n[1] * n[2] * sizeof(T);  // of a component
   std::uint64_t place = 0;
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     std::vector<hsize_t> shape{hsize_t(n[2]), hsize_t(n[1]), hsize_t(n[0])};
     if (components > 1) shape.insert(shape.begin(), components);
     File file = state_->open_to_add(components * bytes);
     place = file.place_of(file.create_contiguous(full, cell_type<T>(), shape));
     file.close();
   });
-  MPI_Bcast(&place, 1, MPI_UINT64_T, 0, comm);
+  parallel::broadcast(comm, place);
   const SlabExchange slabs(comm, n, boxes);
   std::optional<hdf5::SharedFile> file;
-  together(comm, [&] { file.emplace(state_->part()); });
-  std::uint64_t mine = 0, sum = 0;
+  parallel::together(comm, [&] { file.emplace(state_->part()); });
+  std::uint64_t mine = 0;
   for (int q = 0; q < components; ++q) {
     std::vector<std::byte> packed;
-    together(comm, [&] {
+    parallel::together(comm, [&] {
       packed = slabs.pack(sizeof(T), [&](std::size_t box, void* out) {
         fill(q, box, static_cast<T*>(out));
         mine += box_checksum(boxes[box], n, q, sizeof(T), out);
@@ -130,9 +130,8 @@ void CheckpointWriter::cells(const std::string& name, std::array<int, 3> n, int 
     });
     slabs.write(*file, place + q * bytes, sizeof(T), std::move(packed));
   }
-  together(comm, [&] { file->close(); });
-  MPI_Reduce(&mine, &sum, 1, MPI_UINT64_T, MPI_SUM, 0, comm);
-  state_->checksums[full] = sum;
+  parallel::together(comm, [&] { file->close(); });
+  state_->checksums[full] = parallel::sum_over_ranks(comm, mine);
 }
 
 template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, int,
@@ -151,7 +150,7 @@ void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const HolderColu
 }
 
 void CheckpointWriter::commit(int keep, const std::vector<std::filesystem::path>& before) {
-  on_rank_0(state_->comm, [&] {
+  parallel::on_rank_0(state_->comm, [&] {
     for (const auto& path : before)
       if (std::filesystem::exists(path)) hdf5::sync_to_disk(path);
     File file = state_->open_to_add(0);
@@ -162,7 +161,7 @@ void CheckpointWriter::commit(int keep, const std::vector<std::filesystem::path>
     hdf5::sync_to_disk(state_->part());
   });
   hdf5::verify_checkpoint(state_->comm, state_->part());
-  on_rank_0(state_->comm, [&] {
+  parallel::on_rank_0(state_->comm, [&] {
     state_->temporary.rename_to(state_->path);
     drop_old_checkpoints(state_->path, keep);
   });

@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "adapters/hdf5/packed_chunks.hpp"
-#include "adapters/hdf5/together.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters {
 namespace {
@@ -145,31 +146,31 @@ std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuant
 
 void write_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
                   const FieldSnapshot& snapshot, std::vector<std::uint64_t> places) {
-  MPI_Bcast(places.data(), static_cast<int>(places.size()), MPI_UINT64_T, 0, comm);
+  parallel::broadcast(comm, std::span(places));
   const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
   std::optional<hdf5::SharedFile> file;
-  together(comm, [&] { file.emplace(path); });
+  parallel::together(comm, [&] { file.emplace(path); });
   for (std::size_t k = 0; k < places.size(); ++k) {
     const FieldQuantity& q = snapshot.quantities[k];
     std::vector<std::byte> values;
-    together(comm, [&] { values = packed_values(slabs, q); });
+    parallel::together(comm, [&] { values = packed_values(slabs, q); });
     slabs.write(*file, places[k], cell_bytes(q), std::move(values));
   }
-  together(comm, [&] { file->close(); });
+  parallel::together(comm, [&] { file->close(); });
 }
 
 void write_packed_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
                          const FieldSnapshot& snapshot) {
   const SlabExchange slabs(comm, snapshot.grid.cells, boxes, rows_of_a_chunk(snapshot));
   std::optional<File> file;
-  on_rank_0(comm, [&] { file.emplace(File::open(path, true)); });
+  parallel::on_rank_0(comm, [&] { file.emplace(File::open(path, true)); });
   for (const FieldQuantity& q : snapshot.quantities) {
     std::vector<std::byte> values;
-    together(comm, [&] { values = packed_values(slabs, q); });
+    parallel::together(comm, [&] { values = packed_values(slabs, q); });
     hdf5::write_packed(comm, slabs, file ? &*file : nullptr, dataset_name(q), packing_of(snapshot),
                        cell_bytes(q) / q.components, cell_bytes(q), std::move(values));
   }
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     file->close();
     hdf5::sync_to_disk(path);
   });
@@ -229,11 +230,10 @@ std::filesystem::path field_path(const std::filesystem::path& folder, const std:
 
 void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
                   const FieldSnapshot& snapshot, const Provenance& provenance) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   hdf5::TemporaryFile part(path.string() + ".part", rank == 0);
   std::vector<std::uint64_t> places(snapshot.quantities.size());
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     hdf5::reserve(part.path(), expected_size(snapshot, provenance));
     places = create_file(part.path(), snapshot, provenance);
     hdf5::reserve(part.path(), snapshot.compression > 0 ? expected_size(snapshot, provenance)
@@ -243,7 +243,7 @@ void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::v
     write_packed_values(comm, part.path(), boxes, snapshot);
   else
     write_values(comm, part.path(), boxes, snapshot, std::move(places));
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     part.rename_to(path);
     update_series(path, snapshot.time);
   });

@@ -4,7 +4,8 @@
 
 #include <new>
 
-#include "adapters/hdf5/together.hpp"
+#include "parallel/together.hpp"
+#include "parallel/transfers.hpp"
 
 namespace silt::adapters::hdf5 {
 
@@ -51,21 +52,24 @@ class ChunkWriter {
   std::vector<hsize_t> at_;
 };
 
-constexpr int chunks_tag = 3;  // SliceExchange has those below
+constexpr int chunks_tag = 1;  // SliceExchange has 0
 
-void send_to_rank_0(MPI_Comm comm, const std::vector<std::vector<std::byte>>& chunks) {
-  for (const auto& chunk : chunks)
-    MPI_Send(chunk.data(), static_cast<int>(chunk.size()), MPI_BYTE, 0, chunks_tag, comm);
-  MPI_Send(nullptr, 0, MPI_BYTE, 0, chunks_tag, comm);
+void send_to_rank_0(parallel::Transfers& transfers, const std::vector<std::vector<std::byte>>& chunks) {
+  for (const auto& chunk : chunks) {
+    transfers.send(0, std::span(chunk));
+    transfers.wait();
+  }
+  transfers.send(0, std::span<const std::byte>());
+  transfers.wait();
 }
 
 /// Calls take(chunk, bytes) for the chunks that a rank sends. `room` has space for any of them.
 template <class Take>
-void receive_from(MPI_Comm comm, int rank, std::vector<std::byte>& room, Take&& take) {
-  for (int bytes = -1; bytes != 0;) {
-    MPI_Status status;
-    MPI_Recv(room.data(), static_cast<int>(room.size()), MPI_BYTE, rank, chunks_tag, comm, &status);
-    MPI_Get_count(&status, MPI_BYTE, &bytes);
+void receive_from(parallel::Transfers& transfers, int rank, std::vector<std::byte>& room, Take&& take) {
+  for (std::size_t bytes = 1; bytes > 0;) {
+    transfers.receive(rank, std::span(room));
+    transfers.wait();
+    bytes = transfers.bytes_received(0);
     if (bytes > 0) take(room.data(), bytes);
   }
 }
@@ -92,22 +96,23 @@ Handle create_packed(const File& file, const std::string& name, hid_t type, cons
 void write_packed(MPI_Comm comm, const SlabExchange& slabs, const File* file, const std::string& name,
                   Packing packing, std::size_t value_bytes, std::size_t element,
                   std::vector<std::byte> values) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = parallel::ranks_of(comm);
   const std::size_t chunk_bytes = slabs.group_cells() * element;
   std::vector<std::byte> slab = slabs.slab(element, std::move(values)), room;
   std::vector<std::vector<std::byte>> chunks;
   std::optional<ChunkWriter> writer;
-  together(comm, [&] {
+  parallel::Transfers transfers(slabs.comm(), chunks_tag);
+  parallel::together(comm, [&] {
     for (std::size_t first = 0; first < slab.size(); first += chunk_bytes)
       chunks.push_back(packed_chunk(slab.data() + first, chunk_bytes, value_bytes, packing.level));
     std::vector<std::byte>().swap(slab);
+    transfers.reserve(1);
     if (!file) return;
     room.resize(compressBound(chunk_bytes));
     writer.emplace(*file, name, packing.chunk_rows);
   });
-  if (!file) send_to_rank_0(slabs.comm(), chunks);
-  together(comm, [&] {
+  if (!file) send_to_rank_0(transfers, chunks);
+  parallel::together(comm, [&] {
     std::exception_ptr failed;
     const auto write = [&](const std::byte* chunk, std::size_t bytes) {
       if (failed) return;  // the others are still sending
@@ -119,7 +124,7 @@ void write_packed(MPI_Comm comm, const SlabExchange& slabs, const File* file, co
     };
     if (!file) return;
     for (const auto& chunk : chunks) write(chunk.data(), chunk.size());
-    for (int from = 1; from < ranks; ++from) receive_from(slabs.comm(), from, room, write);
+    for (int from = 1; from < ranks; ++from) receive_from(transfers, from, room, write);
     if (failed) std::rethrow_exception(failed);
   });
 }

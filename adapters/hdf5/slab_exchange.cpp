@@ -4,7 +4,7 @@
 #include <cstring>
 #include <tuple>
 
-#include "adapters/hdf5/together.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters::hdf5 {
 
@@ -16,7 +16,7 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<
       plane_rows_((cells[1] + group_rows - 1) / group_rows * group_rows),
       boxes_(std::move(boxes)) {
   std::vector<SliceExchange::Run> mine;
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     list_rows();
     mine = runs();
   });
@@ -107,13 +107,13 @@ void SlabExchange::for_pieces(const File& file, hid_t dataset, int leading, Act&
 void SlabExchange::write(SharedFile& file, std::uint64_t place, std::size_t element,
                          std::vector<std::byte> packed) const {
   const auto values = slab(element, std::move(packed));
-  together(comm_, [&] { file.write(place + slices_->slice_begin() * element, values); });
+  parallel::together(comm_, [&] { file.write(place + slices_->slice_begin() * element, values); });
 }
 
 std::vector<std::byte> SlabExchange::read(const File& file, hid_t dataset, hid_t type, int leading,
                                           std::size_t element) const {
   std::vector<std::byte> slab;
-  together(comm_, [&] {
+  parallel::together(comm_, [&] {
     slab.resize(slices_->slice_size() * element);
     for_pieces(file, dataset, leading, [&](hid_t memory, hid_t space, std::size_t first) {
       file.check(H5Dread(dataset, type, memory, space, H5P_DEFAULT, slab.data() + first * element),

@@ -6,12 +6,13 @@
 #include <limits>
 #include <stdexcept>
 
-#include "adapters/hdf5/together.hpp"
+#include "parallel/together.hpp"
+#include "parallel/transfers.hpp"
 
 namespace silt::adapters::hdf5 {
 
 namespace {
-constexpr int values_tag = 2;  // SparseMessages has 0 and 1
+constexpr int values_tag = 0;
 }
 
 int SliceExchange::slice_of(std::uint64_t element) const {
@@ -24,17 +25,18 @@ std::uint64_t SliceExchange::begin_of(int rank) const {
 
 SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::vector<Run>& runs,
                              std::uint64_t grain)
-    : messages_(comm), groups_(elements / grain), grain_(grain) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks_);
+    : comm_(comm), ranks_(parallel::ranks_of(comm)), groups_(elements / grain), grain_(grain) {
+  const int rank = parallel::rank_of(comm);
   begin_ = begin_of(rank);
   size_ = begin_of(rank + 1) - begin_;
-  std::vector<SparseMessages::Message> asked;
-  together(comm, [&] { asked = split(runs); });
-  const auto received = messages_.swap(asked);
-  together(comm, [&] {
-    add_pieces(received);
+  parallel::Messages messages(comm);
+  parallel::together(comm, [&] {
+    split(runs, messages);
+    messages.make_room();
+  });
+  parallel::together(comm, [&] {
+    messages.unannounced();
+    add_pieces(messages);
     for (const auto* partners : {&slices_, &holders_})
       for (const Partner& p : *partners)
         if (p.count > std::size_t{std::numeric_limits<int>::max()})
@@ -44,32 +46,26 @@ SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::v
 }
 
 /// Tells each rank which parts of the runs lie in its slice.
-std::vector<SparseMessages::Message> SliceExchange::split(const std::vector<Run>& runs) {
-  std::vector<SparseMessages::Message> asked;
+void SliceExchange::split(const std::vector<Run>& runs, parallel::Messages& asked) {
   std::size_t n = 0;
   for (Run run : runs)
     while (run.length > 0) {
       const int to = slice_of(run.first);
       const std::uint64_t here = std::min(run.length, begin_of(to + 1) - run.first);
-      if (asked.empty() || asked.back().rank != to) {
-        asked.push_back({to, {}});
-        slices_.push_back({to, n, 0});
-      }
-      put(asked.back().bytes, Run{run.first, here});
+      if (slices_.empty() || slices_.back().rank != to) slices_.push_back({to, n, 0});
+      parallel::put(asked.to(to), Run{run.first, here});
       slices_.back().count += here;
       n += here;
       run = {run.first + here, run.length - here};
     }
-  return asked;
 }
 
-void SliceExchange::add_pieces(const std::vector<SparseMessages::Message>& received) {
+void SliceExchange::add_pieces(const parallel::Messages& messages) {
   std::size_t n = 0;
-  for (const auto& m : received) {
+  for (const auto& m : messages.received()) {
     holders_.push_back({m.rank, n, 0});
-    for (std::size_t at = 0; at < m.bytes.size(); at += sizeof(Run)) {
-      Run run;
-      std::memcpy(&run, m.bytes.data() + at, sizeof run);
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
+      const Run run = reader.take<Run>();
       pieces_.push_back({run.first - begin_, run.length});
       holders_.back().count += run.length;
     }
@@ -81,22 +77,14 @@ std::vector<std::byte> SliceExchange::swap(std::size_t element, const std::vecto
                                            const std::vector<Partner>& to,
                                            const std::vector<std::byte>& values) const {
   std::vector<std::byte> swapped;
-  std::vector<MPI_Request> requests;
-  together(messages_.comm(), [&] {
+  parallel::Transfers transfers(comm_, values_tag);
+  parallel::together(comm_, [&] {
     swapped.resize(to.empty() ? 0 : (to.back().first + to.back().count) * element);
-    requests.reserve(from.size() + to.size());
+    transfers.reserve(from.size() + to.size());
   });
-  MPI_Datatype type;
-  MPI_Type_contiguous(static_cast<int>(element), MPI_BYTE, &type);
-  MPI_Type_commit(&type);
-  for (const Partner& p : to)
-    MPI_Irecv(swapped.data() + p.first * element, static_cast<int>(p.count), type, p.rank, values_tag,
-              messages_.comm(), &requests.emplace_back());
-  for (const Partner& p : from)
-    MPI_Isend(values.data() + p.first * element, static_cast<int>(p.count), type, p.rank, values_tag,
-              messages_.comm(), &requests.emplace_back());
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-  MPI_Type_free(&type);
+  for (const Partner& p : to) transfers.receive(p.rank, swapped.data() + p.first * element, p.count, element);
+  for (const Partner& p : from) transfers.send(p.rank, values.data() + p.first * element, p.count, element);
+  transfers.wait();
   return swapped;
 }
 
@@ -110,7 +98,7 @@ std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<
   const auto arrived = swap(element, slices_, holders_, values);
   std::vector<std::byte>().swap(values);  // the memory goes to the slice
   std::vector<std::byte> slice;
-  together(messages_.comm(), [&] { slice.resize(size_ * element); });
+  parallel::together(comm_, [&] { slice.resize(size_ * element); });
   const std::byte* in = arrived.data();
   for (const Run& p : pieces_) {
     std::memcpy(slice.data() + p.first * element, in, p.length * element);
@@ -122,7 +110,7 @@ std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<
 std::vector<std::byte> SliceExchange::from_slice(std::size_t element,
                                                  const std::vector<std::byte>& slice) const {
   std::vector<std::byte> leaving;
-  together(messages_.comm(), [&] {
+  parallel::together(comm_, [&] {
     leaving.reserve(holders_.empty() ? 0 : (holders_.back().first + holders_.back().count) * element);
   });
   for (const Run& p : pieces_) {
@@ -134,26 +122,31 @@ std::vector<std::byte> SliceExchange::from_slice(std::size_t element,
 
 void SliceExchange::hand_to_rank_0(std::size_t element, const std::vector<std::byte>& slice, const Take& take,
                                    std::uint64_t piece) const {
-  int rank = 0;
-  MPI_Comm_rank(messages_.comm(), &rank);
+  const int rank = parallel::rank_of(comm_);
   std::exception_ptr failed;
   std::vector<std::byte> values;
-  together(messages_.comm(), [&] { values.reserve(std::min(piece, groups_ * grain_) * element); });
+  parallel::Transfers transfers(comm_, values_tag);
+  parallel::together(comm_, [&] {
+    values.reserve(std::min(piece, groups_ * grain_) * element);
+    transfers.reserve(1);
+  });
   for (int from = rank; from < (rank == 0 ? ranks_ : rank + 1); ++from) {
     const std::uint64_t begin = begin_of(from), end = begin_of(from + 1);
     for (std::uint64_t first = begin; first < end; first += piece) {
       const std::uint64_t n = std::min(piece, end - first);
       const auto* own = slice.data() + (first - begin) * element;
-      const int bytes = static_cast<int>(n * element);
       if (rank > 0) {
-        MPI_Send(own, bytes, MPI_BYTE, 0, values_tag, messages_.comm());
+        transfers.send(0, own, n, element);
+        transfers.wait();
         continue;
       }
-      if (from == 0)
-        values.assign(own, own + bytes);
-      else
-        values.resize(bytes),
-            MPI_Recv(values.data(), bytes, MPI_BYTE, from, values_tag, messages_.comm(), MPI_STATUS_IGNORE);
+      if (from == 0) {
+        values.assign(own, own + n * element);
+      } else {
+        values.resize(n * element);
+        transfers.receive(from, values.data(), n, element);
+        transfers.wait();
+      }
       if (failed) continue;  // the others are still sending
       try {
         take(first, n, values);
@@ -162,7 +155,7 @@ void SliceExchange::hand_to_rank_0(std::size_t element, const std::vector<std::b
       }
     }
   }
-  together(messages_.comm(), [&] {
+  parallel::together(comm_, [&] {
     if (failed) std::rethrow_exception(failed);
   });
 }

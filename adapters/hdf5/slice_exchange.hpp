@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "adapters/hdf5/sparse_messages.hpp"
+#include "parallel/messages.hpp"
 
 namespace silt::adapters::hdf5 {
 
@@ -22,7 +22,7 @@ class SliceExchange {
   /// that has no memory: all throw.
   SliceExchange(MPI_Comm, std::uint64_t elements, const std::vector<Run>& runs, std::uint64_t grain = 1);
 
-  MPI_Comm comm() const { return messages_.comm(); }
+  MPI_Comm comm() const { return comm_; }
   std::uint64_t slice_begin() const { return begin_; }
   std::uint64_t slice_size() const { return size_; }
 
@@ -46,12 +46,12 @@ class SliceExchange {
   bool is_alone() const;
   int slice_of(std::uint64_t element) const;
   std::uint64_t begin_of(int rank) const;
-  std::vector<SparseMessages::Message> split(const std::vector<Run>& runs);
-  void add_pieces(const std::vector<SparseMessages::Message>&);
+  void split(const std::vector<Run>& runs, parallel::Messages& asked);
+  void add_pieces(const parallel::Messages&);
   std::vector<std::byte> swap(std::size_t element, const std::vector<Partner>& from,
                               const std::vector<Partner>& to, const std::vector<std::byte>& values) const;
 
-  SparseMessages messages_;
+  parallel::OwnCommunicator comm_;
   int ranks_ = 1;
   std::uint64_t groups_, grain_, begin_ = 0, size_ = 0;
   std::vector<Partner> slices_, holders_;  // that have slices of the runs here; runs of the slice here

@@ -4,7 +4,8 @@
 #include <optional>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
-#include "adapters/hdf5/together.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::adapters::hdf5 {
 
@@ -179,11 +180,9 @@ class PieceSums {
 }  // namespace
 
 void verify_checkpoint(MPI_Comm comm, const Path& path) {
-  int rank = 0, ranks = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks);
+  const int rank = parallel::rank_of(comm), ranks = parallel::ranks_of(comm);
   std::optional<File> file;
-  on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     if (!std::filesystem::exists(path)) throw Error(path.string() + ": there is no such file");
     file.emplace(File::open(path, false));
     verify_head(*file);
@@ -191,21 +190,20 @@ void verify_checkpoint(MPI_Comm comm, const Path& path) {
     verify_metadata(*file);
     verify_case_text(*file);
   });
-  together(comm, [&] {
+  parallel::together(comm, [&] {
     if (!file) file.emplace(File::open(path, false));
   });
   std::vector<std::string> names;
-  std::vector<std::uint64_t> mine, sums;
-  together(comm, [&] {
+  std::vector<std::uint64_t> sums;
+  parallel::together(comm, [&] {
     for (const char* group : {"/cells", "/bodies", "/impulses"})
       for (const std::string& name : dataset_names(*file, group))
         names.push_back(std::string(group) + '/' + name);
     PieceSums pieces(*file, rank, ranks);
-    for (const std::string& name : names) mine.push_back(pieces.of(name));
+    for (const std::string& name : names) sums.push_back(pieces.of(name));
   });
-  sums.resize(mine.size());
-  MPI_Reduce(mine.data(), sums.data(), static_cast<int>(mine.size()), MPI_UINT64_T, MPI_SUM, 0, comm);
-  on_rank_0(comm, [&] {
+  parallel::sum_over_ranks(comm, std::span(sums));
+  parallel::on_rank_0(comm, [&] {
     for (std::size_t k = 0; k < names.size(); ++k) {
       const Handle dataset = file->dataset(names[k]);
       if (!file->has_attribute(dataset, "checksum") || sums[k] != file->uint_attribute(dataset, "checksum"))

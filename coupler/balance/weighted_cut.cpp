@@ -1,9 +1,9 @@
 #include "coupler/balance/weighted_cut.hpp"
 
 #include "coupler/balance/best_plane.hpp"
-#include "coupler/exchange/messages.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "lbm/equal_cut.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/messages.hpp"
 
 namespace silt::coupler {
 
@@ -24,7 +24,7 @@ class Bisection {
   Bisection& operator=(const Bisection&) = delete;
 
   void go() {
-    for (int ranks = size(); ranks > 1; ranks = size()) cut(ranks);
+    for (int ranks; (ranks = parallel::ranks_of(group_)) > 1;) cut(ranks);
   }
 
   /// The node that this rank tells of: that of the cut above which it is the first rank. None: of rank 0.
@@ -40,21 +40,10 @@ class Bisection {
   }
 
  private:
-  int size() const {
-    int n = 1;
-    MPI_Comm_size(group_, &n);
-    return n;
-  }
-  int rank() const {
-    int r = 0;
-    MPI_Comm_rank(group_, &r);
-    return r;
-  }
-
   /// The work of each layer of cells across each axis, one axis after the other.
   std::vector<std::uint64_t> layers() const {
     std::vector<std::uint64_t> work = work_of_layers(box_, items_);
-    sum_over_ranks(group_, std::span(work));
+    parallel::sum_over_ranks(group_, std::span(work));
     add_cells(box_, work_of_a_cell_, work);
     return work;
   }
@@ -62,7 +51,7 @@ class Bisection {
   void cut(int ranks) {
     const lbm::CutRoom room = lbm::room_to_cut(box_.size, ranks);
     const CutPlane best = best_plane(box_, room, layers(), nearly_as_well(work_of_a_cell_));
-    const int here = rank(), at = box_.lower[best.axis] + best.below;
+    const int here = parallel::rank_of(group_), at = box_.lower[best.axis] + best.below;
     const bool upper = here >= room.lower_leaves;
     if (here == room.lower_leaves) node_ = {number_, {best.axis, at, room.lower_leaves}};
     number_ += upper ? room.lower_leaves : 1;
@@ -81,18 +70,18 @@ class Bisection {
 
   /// Keeps what is on this rank's side of a plane and sends the rest to a rank of the other side.
   void divide_items(int axis, int at, bool upper, int partner) {
-    Messages messages(group_);
+    parallel::Messages messages(group_);
     std::vector<WorkItem> kept, given;
     for (const WorkItem& item : items_) {
       const auto [below, above] = parted(item, axis, at);
       if (below.work > 0) (upper ? given : kept).push_back(below);
       if (above.work > 0) (upper ? kept : given).push_back(above);
     }
-    if (!given.empty()) put(messages.to(partner), std::span<const WorkItem>(given));
+    if (!given.empty()) parallel::put(messages.to(partner), std::span<const WorkItem>(given));
     messages.unannounced();
     items_ = std::move(kept);
-    for (const Messages::Message& m : messages.received())
-      for (ByteReader reader(m.bytes); !reader.done();) items_.push_back(reader.take<WorkItem>());
+    for (const parallel::Messages::Message& m : messages.received())
+      for (parallel::ByteReader reader(m.bytes); !reader.done();) items_.push_back(reader.take<WorkItem>());
   }
 
   MPI_Comm group_ = MPI_COMM_NULL;
@@ -104,11 +93,9 @@ class Bisection {
 };
 
 WeightedCut with_work(MPI_Comm comm, lbm::CutTree tree, std::int64_t mine) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  std::uint64_t sum = std::uint64_t(mine);
-  sum_over_ranks(comm, std::span(&sum, 1));
-  return {std::move(tree), max_over_ranks(comm, double(mine)), double(sum) / ranks};
+  const int ranks = parallel::ranks_of(comm);
+  const std::int64_t sum = parallel::sum_over_ranks(comm, mine);
+  return {std::move(tree), parallel::max_over_ranks(comm, double(mine)), double(sum) / ranks};
 }
 
 }  // namespace
@@ -117,21 +104,17 @@ WeightedCut weighted_cut(MPI_Comm comm, Int3 cells, std::int64_t work_of_a_cell,
                          std::vector<WorkItem> items) {
   Bisection bisection(comm, cells, work_of_a_cell, std::move(items));
   bisection.go();
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  std::vector<Bisection::Node> all(ranks);
-  MPI_Allgather(&bisection.node(), sizeof(Bisection::Node), MPI_BYTE, all.data(), sizeof(Bisection::Node),
-                MPI_BYTE, comm);
+  const int ranks = parallel::ranks_of(comm);
   std::vector<lbm::Cut> nodes(ranks - 1);
-  for (const Bisection::Node& node : all)
+  for (const Bisection::Node& node :
+       parallel::gathered(comm, std::span(&bisection.node(), 1), parallel::Told::everybody))
     if (node.number >= 0) nodes[node.number] = node.cut;
   return with_work(comm, {cells, std::move(nodes)}, bisection.work());
 }
 
 WeightedCut present_cut(MPI_Comm comm, const lbm::Domain& domain, std::int64_t work_of_a_cell,
                         const std::vector<WorkItem>& items) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   std::int64_t mine = 0;
   for (const lbm::BlockPlace& place : domain.blocks_of(rank)) mine += work_of_a_cell * place.box.cells();
   for (const WorkItem& item : items) mine += item.work;

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::coupler {
 
@@ -38,16 +40,6 @@ std::string text_of(const fs::path& directory, const fs::path& file) {
                   names.empty() ? "" : suggestion(directory.filename().string(), names)));
 }
 
-/// From rank 0; in pieces, for MPI counts in int.
-void broadcast(MPI_Comm comm, std::string& text) {
-  constexpr std::uint64_t piece = 1 << 30;
-  std::uint64_t size = text.size();
-  MPI_Bcast(&size, 1, MPI_UINT64_T, 0, comm);
-  text.resize(size);
-  for (std::uint64_t done = 0; done < size; done += piece)
-    MPI_Bcast(text.data() + done, static_cast<int>(std::min(piece, size - done)), MPI_CHAR, 0, comm);
-}
-
 }  // namespace
 
 const AttachedFile& CaseSource::file_named(const std::string& name) {
@@ -72,13 +64,13 @@ CaseSource read_source(const fs::path& directory) {
 }
 
 void broadcast(MPI_Comm comm, CaseSource& source) {
+  using parallel::broadcast;
   broadcast(comm, source.file);
   broadcast(comm, source.text);
   std::uint64_t files = source.attached.size();
-  MPI_Bcast(&files, 1, MPI_UINT64_T, 0, comm);
+  broadcast(comm, files);
   auto next = source.attached.begin();
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   for (std::uint64_t i = 0; i < files; ++i) {
     std::string name;
     AttachedFile file;
@@ -86,7 +78,7 @@ void broadcast(MPI_Comm comm, CaseSource& source) {
     broadcast(comm, name);
     broadcast(comm, file.bytes);
     broadcast(comm, file.fingerprint);
-    MPI_Bcast(&file.positions, sizeof file.positions, MPI_BYTE, 0, comm);
+    broadcast(comm, file.positions);
     if (rank != 0) source.attached[name] = std::move(file);
   }
 }

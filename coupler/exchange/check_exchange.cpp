@@ -9,6 +9,8 @@
 #include <tuple>
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
@@ -88,43 +90,24 @@ struct Finding {
 
 /// Throws the same on every rank, if any of them found something.
 void throw_first(MPI_Comm comm, Finding found, std::int64_t step) {
-  std::uint64_t least = 0;
-  MPI_Allreduce(&found.id, &least, 1, MPI_UINT64_T, MPI_MIN, comm);
+  const rigid::BodyId least = parallel::least_over_ranks(comm, found.id);
   if (least == Finding::nobody) return;
-  int rank = 0, speaker = 0;
-  MPI_Comm_rank(comm, &rank);
-  const int mine = found.id == least ? rank : std::numeric_limits<int>::max();
-  MPI_Allreduce(&mine, &speaker, 1, MPI_INT, MPI_MIN, comm);
-  int size = static_cast<int>(found.text.size());
-  MPI_Bcast(&size, 1, MPI_INT, speaker, comm);
-  found.text.resize(size);
-  MPI_Bcast(found.text.data(), size, MPI_CHAR, speaker, comm);
   throw std::logic_error(
-      (step < 0 ? "" : "step " + std::to_string(step) + ": ") + found.text +
+      (step < 0 ? "" : "step " + std::to_string(step) + ": ") +
+      parallel::text_of_first(comm, found.id == least ? found.text : "") +
       "; the exchange of bodies between ranks is at fault: please report this with its case");
 }
 
 /// The ids that all ranks own, in the order of ranks, and where those of each rank begin.
 struct AllIds {
+  std::vector<std::size_t> first;
   std::vector<rigid::BodyId> ids;
-  std::vector<int> first;
 
-  AllIds(MPI_Comm comm, const rigid::BodySet& bodies) {
-    int ranks = 1;
-    MPI_Comm_size(comm, &ranks);
-    std::vector<int> counts(ranks);
-    const int mine = static_cast<int>(bodies.owned);
-    MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-    first.assign(ranks + 1, 0);
-    std::partial_sum(counts.begin(), counts.end(), first.begin() + 1);
-    ids.resize(first.back());
-    MPI_Allgatherv(bodies.id.data(), mine, MPI_UINT64_T, ids.data(), counts.data(), first.data(),
-                   MPI_UINT64_T, comm);
-  }
+  AllIds(MPI_Comm comm, const rigid::BodySet& bodies)
+      : ids(parallel::gathered(comm, std::span<const rigid::BodyId>(bodies.id.data(), bodies.owned),
+                               parallel::Told::everybody, &first)) {}
   int owner(std::size_t place) const {
-    return static_cast<int>(std::upper_bound(first.begin(), first.end(), static_cast<int>(place)) -
-                            first.begin()) -
-           1;
+    return static_cast<int>(std::upper_bound(first.begin(), first.end(), place) - first.begin()) - 1;
   }
 };
 
@@ -240,27 +223,20 @@ OwnedBodies ExpectedBodies::excess(const rigid::BodySet& bodies) const {
 }
 
 std::uint64_t ExpectedBodies::count(MPI_Comm comm) const {
-  std::uint64_t count = share_.count;
-  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_UINT64_T, MPI_SUM, comm);
-  return count;
+  return parallel::sum_over_ranks(comm, share_.count);
 }
 
 OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
-  const OwnedBodies here = owned_here(bodies);
-  const std::uint64_t mine[2] = {here.count, here.ids};
-  std::uint64_t all[2];
-  MPI_Allreduce(mine, all, 2, MPI_UINT64_T, MPI_SUM, comm);
-  return {all[0], all[1]};
+  return parallel::sum_over_ranks(comm, owned_here(bodies));
 }
 
 std::uint64_t records_hash(MPI_Comm comm, const rigid::BodySet& bodies, bool stored_impulses) {
-  std::uint64_t mine = 0, all = 0;
+  std::uint64_t mine = 0;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     mine += hash_of(bodies.record(row));
     if (stored_impulses) mine += hash_of(bodies.stored_impulses[row]) ^ bodies.id[row];
   }
-  MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
-  return all;
+  return parallel::sum_over_ranks(comm, mine);
 }
 
 void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
@@ -277,18 +253,16 @@ void CheckUnderWay::start(const ParallelBodyExchange& exchange, const rigid::Bod
   const Finding differs = copies_that_differ(exchange, bodies);
   if (differs.id < found.id) found = differs;
   bad_ = found.id, text_ = found.text, step_ = step;
-  const OwnedBodies excess = expected.excess(bodies);
-  sums_.start(exchange.comm(), {std::bit_cast<std::int64_t>(excess.count),
-                                std::bit_cast<std::int64_t>(excess.ids), found.id != Finding::nobody});
+  sums_.start(exchange.comm(), {expected.excess(bodies), found.id != Finding::nobody});
 }
 
 void CheckUnderWay::finish(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
                            const ExpectedBodies& expected) {
   if (!sums_.under_way()) return;
-  const std::vector<std::int64_t>& all = sums_.finish();
-  if (all[0] != 0 || all[1] != 0)
+  const Sums& all = sums_.finish();
+  if (all.excess != OwnedBodies{})
     throw_first(exchange.comm(), lost_or_doubled(exchange, bodies, expected.count(exchange.comm())), step_);
-  if (all[2] > 0) throw_first(exchange.comm(), {bad_, text_}, step_);
+  if (all.findings > 0) throw_first(exchange.comm(), {bad_, text_}, step_);
 }
 
 }  // namespace silt::coupler

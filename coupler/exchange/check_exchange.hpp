@@ -7,7 +7,7 @@
 #include <string>
 
 #include "coupler/exchange/parallel_body_exchange.hpp"
-#include "coupler/exchange/sums_under_way.hpp"
+#include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
 
@@ -59,7 +59,11 @@ class CheckUnderWay {
   void finish(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
 
  private:
-  SumsUnderWay sums_;
+  struct Sums {
+    OwnedBodies excess;     // over those expected
+    std::int64_t findings;  // ranks that found something else
+  };
+  parallel::SumsUnderWay<Sums> sums_;
   rigid::BodyId bad_ = 0;  // on this rank, and what is wrong with it
   std::string text_;
   std::int64_t step_ = 0;

@@ -19,14 +19,14 @@ struct Owned {
   std::vector<rigid::StoredImpulse> impulses;
 };
 
-void put_owned(Bytes& to, const BodySet& bodies, std::size_t row) {
-  put(to, bodies.record(row));
-  put(to, bodies.force[row].q);
-  put(to, bodies.torque[row].q);
+void put_owned(parallel::Bytes& to, const BodySet& bodies, std::size_t row) {
+  parallel::put(to, bodies.record(row));
+  parallel::put(to, bodies.force[row].q);
+  parallel::put(to, bodies.torque[row].q);
   put_impulses(to, bodies.stored_impulses[row]);
 }
 
-Owned take_owned(ByteReader& from) {
+Owned take_owned(parallel::ByteReader& from) {
   Owned body;
   body.record = from.take<BodyRecord>();
   body.force.q = from.take<decltype(body.force.q)>();
@@ -68,8 +68,8 @@ void ParallelBodyExchange::Distribution::deal_out(BodySet& bodies) {
       put_owned(messages.to(owner), bodies, row);
   }
   messages.unannounced();
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) own.push_back(take_owned(reader));
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) own.push_back(take_owned(reader));
   bodies = made_anew(own, bodies);
   held_by.clear();
   owner_of.clear();

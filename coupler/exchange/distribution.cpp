@@ -146,13 +146,13 @@ void ParallelBodyExchange::Distribution::sum_to_owners(const BodySet& bodies, st
   for (const Tie& t : ties)
     for (const BodyId id : t.taken) {
       const std::span<std::int64_t> values = row_of(rows, bodies.row_of(id), width);
-      put(messages.to(t.rank), std::span<const std::int64_t>(values));
+      parallel::put(messages.to(t.rank), std::span<const std::int64_t>(values));
       std::fill(values.begin(), values.end(), 0);
     }
   messages.with_partners(those_that(&Tie::given));
   std::vector<std::int64_t> values(width);
-  for (const Messages::Message& m : messages.received()) {
-    ByteReader reader(m.bytes);
+  for (const parallel::Messages::Message& m : messages.received()) {
+    parallel::ByteReader reader(m.bytes);
     const auto t = std::find_if(ties.begin(), ties.end(), [&](const Tie& t) { return t.rank == m.rank; });
     for (const BodyId id : t->given) {
       reader.take(std::span(values));
@@ -170,10 +170,11 @@ void ParallelBodyExchange::Distribution::share_with_copies(const BodySet& bodies
     return row < bodies.size() ? row_of(rows, row, width) : std::span(none);
   };
   for (const Tie& t : ties)
-    for (const BodyId id : t.given) put(messages.to(t.rank), std::span<const double>(values_of(id)));
+    for (const BodyId id : t.given)
+      parallel::put(messages.to(t.rank), std::span<const double>(values_of(id)));
   messages.with_partners(those_that(&Tie::taken));
-  for (const Messages::Message& m : messages.received()) {
-    ByteReader reader(m.bytes);
+  for (const parallel::Messages::Message& m : messages.received()) {
+    parallel::ByteReader reader(m.bytes);
     const auto t = std::find_if(ties.begin(), ties.end(), [&](const Tie& t) { return t.rank == m.rank; });
     for (const BodyId id : t->taken) reader.take(values_of(id));
   }

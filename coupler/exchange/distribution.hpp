@@ -11,8 +11,9 @@
 #include <unordered_map>
 
 #include "coupler/exchange/holders.hpp"
-#include "coupler/exchange/messages.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "parallel/messages.hpp"
+#include "parallel/transfers.hpp"
 
 namespace silt::coupler {
 
@@ -71,7 +72,7 @@ struct ParallelBodyExchange::Distribution {
   const int rank;
   const rigid::World& world;
   Holders holders, owners;  // within the rim of a block; within a step's motion of it
-  Messages messages;
+  parallel::Messages messages;
   const double largest_radius;  // of a body
   const double reach;           // cells around the blocks of a rank
   const std::vector<int>
@@ -95,7 +96,7 @@ struct ParallelBodyExchange::Distribution {
                              // of ids
     int rank;
     std::vector<std::size_t> given, taken;
-    Bytes outgoing, incoming;
+    parallel::Bytes outgoing, incoming;
   };
   struct Arrivals;
   void announce(rigid::BodySet&, Owners);
@@ -118,9 +119,8 @@ struct ParallelBodyExchange::Distribution {
   std::vector<std::size_t> departures_;              // owned rows that are handed over
   std::vector<VelocityMessages> velocity_messages_;  // by rank
   std::vector<std::pair<rigid::BodyId, rigid::BodyId>>
-      crossing_;                             // pairs in contact, not both owned, and those received
-  std::vector<MPI_Request> share_requests_;  // scratch, as its statuses
-  std::vector<MPI_Status> share_statuses_;
+      crossing_;  // pairs in contact, not both owned, and those received
+  parallel::Transfers sharing_{messages.comm(), 3};
 };
 
 }  // namespace silt::coupler

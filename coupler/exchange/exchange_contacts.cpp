@@ -99,8 +99,8 @@ void ParallelBodyExchange::Distribution::send_contact(const BodySet& bodies, con
     if (rigid::is_wall(id) || bodies.row_of(id) < bodies.owned) continue;
     const int to = owner(id);
     if (to != sent_to) {
-      put(messages.to(to), ContactItem::contact);
-      put(messages.to(to), packed(c));
+      parallel::put(messages.to(to), ContactItem::contact);
+      parallel::put(messages.to(to), packed(c));
     }
     sent_to = to;
     if (new_pair && !rigid::is_wall(partner)) send_partner(bodies, partner, to);
@@ -116,17 +116,17 @@ void ParallelBodyExchange::Distribution::send_partner(const BodySet& bodies, Bod
     const auto held = held_by.find(partner);
     if (held != held_by.end() && held->second.has(to)) return;
   }
-  Bytes& message = messages.to(to);
-  put(message, ContactItem::partner);
-  put(message, bodies.record(row));
-  put(message, partners_owner);
+  parallel::Bytes& message = messages.to(to);
+  parallel::put(message, ContactItem::partner);
+  parallel::put(message, bodies.record(row));
+  parallel::put(message, partners_owner);
 }
 
 /// Contacts are appended; partners that are not here yet become visitors, sorted by id.
 void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
   std::map<BodyId, BodyRecord> visitors;
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) {
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       if (reader.take<ContactItem>() == ContactItem::contact) {
         const Contact& c = contacts.emplace_back(unpacked(reader.take<PackedContact>()));
         if (!rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});
@@ -185,30 +185,22 @@ std::vector<int> ParallelBodyExchange::Distribution::partners() const {
 void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width,
                                                std::span<const rigid::RankCluster::Word> said,
                                                std::span<rigid::RankCluster::Word> heard, bool changed) {
-  constexpr int tag = 3;
-  std::vector<MPI_Request>& requests = share_requests_;
-  requests.clear();
   for (VelocityMessages& with : velocity_messages_) {
     with.incoming.resize(said.size_bytes() + with.taken.size() * width * sizeof(double));
-    MPI_Irecv(with.incoming.data(), static_cast<int>(with.incoming.size()), MPI_BYTE, with.rank, tag,
-              messages.comm(), &requests.emplace_back());
+    sharing_.receive(with.rank, std::span(with.incoming));
   }
   for (VelocityMessages& with : velocity_messages_) {
     with.outgoing.clear();
-    put(with.outgoing, said);
+    parallel::put(with.outgoing, said);
     if (changed)
       for (const std::size_t row : with.given)
-        put(with.outgoing, std::span<const double>(rows.subspan(row * width, width)));
-    MPI_Isend(with.outgoing.data(), static_cast<int>(with.outgoing.size()), MPI_BYTE, with.rank, tag,
-              messages.comm(), &requests.emplace_back());
+        parallel::put(with.outgoing, std::span<const double>(rows.subspan(row * width, width)));
+    sharing_.send(with.rank, std::span(with.outgoing));
   }
-  share_statuses_.resize(requests.size());
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), share_statuses_.data());
+  sharing_.wait();
   for (std::size_t k = 0; k < velocity_messages_.size(); ++k) {
     const VelocityMessages& with = velocity_messages_[k];
-    int size = 0;
-    MPI_Get_count(&share_statuses_[k], MPI_BYTE, &size);
-    ByteReader reader(std::span(with.incoming).first(size));
+    parallel::ByteReader reader(std::span(with.incoming).first(sharing_.bytes_received(k)));
     if (!heard.empty()) reader.take(heard.subspan(k, 1));
     if (reader.done()) continue;
     for (const std::size_t row : with.taken) reader.take(rows.subspan(row * width, width));

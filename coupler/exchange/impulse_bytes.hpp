@@ -2,7 +2,7 @@
 // Stored impulses of a body as bytes of a message.
 #include <vector>
 
-#include "coupler/exchange/messages.hpp"
+#include "parallel/messages.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
@@ -15,18 +15,18 @@ struct PackedImpulse {
   std::int8_t unused[3];
 };
 
-inline void put_impulses(Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
-  put(to, static_cast<std::uint64_t>(impulses.size()));
+inline void put_impulses(parallel::Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
+  parallel::put(to, static_cast<std::uint64_t>(impulses.size()));
   for (const rigid::StoredImpulse& s : impulses)
-    put(to, PackedImpulse{s.partner,
-                          s.feature,
-                          {s.impulse[0], s.impulse[1], s.impulse[2]},
-                          {s.image.x, s.image.y, s.image.z},
-                          s.held,
-                          {}});
+    parallel::put(to, PackedImpulse{s.partner,
+                                    s.feature,
+                                    {s.impulse[0], s.impulse[1], s.impulse[2]},
+                                    {s.image.x, s.image.y, s.image.z},
+                                    s.held,
+                                    {}});
 }
 
-inline std::vector<rigid::StoredImpulse> take_impulses(ByteReader& from) {
+inline std::vector<rigid::StoredImpulse> take_impulses(parallel::ByteReader& from) {
   std::vector<rigid::StoredImpulse> impulses(from.take<std::uint64_t>());
   for (rigid::StoredImpulse& s : impulses) {
     const auto p = from.take<PackedImpulse>();

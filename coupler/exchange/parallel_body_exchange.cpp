@@ -2,7 +2,7 @@
 
 #include "coupler/exchange/check_exchange.hpp"
 #include "coupler/exchange/distribution.hpp"
-#include "coupler/exchange/traffic.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::coupler {
 
@@ -28,8 +28,8 @@ constexpr bool asserts = false;
 ParallelBodyExchange::ParallelBodyExchange(MPI_Comm comm, const lbm::Domain& domain,
                                            const rigid::World& world, double rim)
     : rigid::BodyExchange(extent_of(domain)), comm_(comm), domain_(domain), world_(world), rim_(rim) {
-  MPI_Comm_rank(comm_, &rank_);
-  MPI_Comm_size(comm_, &ranks_);
+  rank_ = parallel::rank_of(comm_);
+  ranks_ = parallel::ranks_of(comm_);
   if (ranks_ > 1) distribution_ = std::make_shared<Distribution>(comm_, rank_, domain_, world_, rim_);
 }
 
@@ -122,10 +122,6 @@ void ParallelBodyExchange::sum_to_owners(const rigid::BodySet& bodies, std::span
 void ParallelBodyExchange::share_with_copies(const rigid::BodySet& bodies, std::span<double> rows,
                                              int width) const {
   if (distribution_) distribution_->share_with_copies(bodies, rows, width);
-}
-
-rigid::Traffic ParallelBodyExchange::traffic() const {
-  return coupler::traffic();
 }
 
 const ExchangeCounters& ParallelBodyExchange::counters() const {

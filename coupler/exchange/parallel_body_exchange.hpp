@@ -37,7 +37,6 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   void share(rigid::BodySet&, std::span<double> rows, int width,
              std::span<const rigid::RankCluster::Word> said = {},
              std::span<rigid::RankCluster::Word> heard = {}, bool changed = true) override;
-  rigid::Traffic traffic() const override;
 
   MPI_Comm comm() const { return comm_; }
   const rigid::World& world() const { return world_; }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "coupler/exchange/impulse_bytes.hpp"
-#include "coupler/exchange/reduce.hpp"
+#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -17,11 +17,10 @@ void add(rigid::BodySet& bodies, const BodyRecord& record, std::vector<rigid::St
 
 }  // namespace
 
-void send_home(Messages& messages, const Holders& holders, const SavedBodies& saved, rigid::BodySet& bodies,
-               std::size_t at_once) {
-  int rank = 0;
-  MPI_Comm_rank(messages.comm(), &rank);
-  const std::size_t n = saved.records.size(), most = most_over_ranks(messages.comm(), n);
+void send_home(parallel::Messages& messages, const Holders& holders, const SavedBodies& saved,
+               rigid::BodySet& bodies, std::size_t at_once) {
+  const int rank = parallel::rank_of(messages.comm());
+  const std::size_t n = saved.records.size(), most = parallel::most_over_ranks(messages.comm(), n);
   for (std::size_t first = 0; first < most; first += at_once) {
     for (std::size_t i = first; i < std::min(first + at_once, n); ++i) {
       const BodyRecord& record = saved.records[i];
@@ -30,12 +29,12 @@ void send_home(Messages& messages, const Holders& holders, const SavedBodies& sa
         add(bodies, record, saved.impulses[i]);
         continue;
       }
-      put(messages.to(owner), record);
+      parallel::put(messages.to(owner), record);
       put_impulses(messages.to(owner), saved.impulses[i]);
     }
     messages.unannounced();
-    for (const Messages::Message& m : messages.received())
-      for (ByteReader reader(m.bytes); !reader.done();) {
+    for (const parallel::Messages::Message& m : messages.received())
+      for (parallel::ByteReader reader(m.bytes); !reader.done();) {
         const auto record = reader.take<BodyRecord>();
         add(bodies, record, take_impulses(reader));
       }

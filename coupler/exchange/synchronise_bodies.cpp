@@ -57,19 +57,19 @@ void assign(BodySet& bodies, std::size_t row, const State& s) {
   bodies.motion[row] = rigid::Motion(s.motion);
 }
 
-void put_handover(Bytes& to, const BodySet& bodies, std::size_t row, const std::vector<int>& holders,
-                  int owner) {
-  put(to, bodies.force[row].q);
-  put(to, bodies.torque[row].q);
+void put_handover(parallel::Bytes& to, const BodySet& bodies, std::size_t row,
+                  const std::vector<int>& holders, int owner) {
+  parallel::put(to, bodies.force[row].q);
+  parallel::put(to, bodies.torque[row].q);
   std::vector<int> others;
   for (const int r : holders)
     if (r != owner) others.push_back(r);
-  put(to, static_cast<std::uint64_t>(others.size()));
-  put(to, std::span<const int>(others));
+  parallel::put(to, static_cast<std::uint64_t>(others.size()));
+  parallel::put(to, std::span<const int>(others));
   put_impulses(to, bodies.stored_impulses[row]);
 }
 
-void take_handover(ByteReader& from, Traveller& t) {
+void take_handover(parallel::ByteReader& from, Traveller& t) {
   t.force.q = from.take<decltype(t.force.q)>();
   t.torque.q = from.take<decltype(t.torque.q)>();
   t.holders.resize(from.take<std::uint64_t>());
@@ -199,16 +199,16 @@ void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, st
   for (const int to : ranks_) {
     if (to == rank) continue;
     if (owners != Owners::anywhere) require_around(id, to);
-    Bytes& message = messages.to(to);
+    parallel::Bytes& message = messages.to(to);
     const bool has_copy = known != held_by.end() && known->second.has(to);
     if (to != owner && has_copy) {
-      put(message, BodyItem::update);
-      put(message, state_of(record, owner));
+      parallel::put(message, BodyItem::update);
+      parallel::put(message, state_of(record, owner));
       continue;
     }
-    put(message, to == owner ? BodyItem::handover : BodyItem::copy);
-    put(message, record);
-    put(message, owner);
+    parallel::put(message, to == owner ? BodyItem::handover : BodyItem::copy);
+    parallel::put(message, record);
+    parallel::put(message, owner);
     if (to == owner) put_handover(message, bodies, row, ranks_, owner);
   }
   if (owner != rank) {
@@ -227,18 +227,18 @@ void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) 
     if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
     const int to = owner(bodies.id[row]);
     require_around(bodies.id[row], to);
-    Bytes& message = messages.to(to);
-    put(message, BodyItem::force);
-    put(message, bodies.id[row]);
-    put(message, bodies.force[row].q);
-    put(message, bodies.torque[row].q);
+    parallel::Bytes& message = messages.to(to);
+    parallel::put(message, BodyItem::force);
+    parallel::put(message, bodies.id[row]);
+    parallel::put(message, bodies.force[row].q);
+    parallel::put(message, bodies.torque[row].q);
     bodies.force[row] = bodies.torque[row] = {};
   }
 }
 
 void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrivals) {
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) {
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       const auto item = reader.take<BodyItem>();
       if (item == BodyItem::update) {
         const auto state = reader.take<State>();

@@ -7,6 +7,9 @@
 #include <map>
 #include <tuple>
 
+#include "parallel/communicator.hpp"
+#include "parallel/transfers.hpp"
+
 namespace silt::coupler {
 
 using lbm::Int3;
@@ -59,10 +62,9 @@ class RemoteMoments {
  public:
   RemoteMoments(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells)
       : fluid_(fluid), domain_(fluid.domain()) {
-    int ranks = 1;
-    MPI_Comm_size(fluid.comm(), &ranks);
+    const int ranks = parallel::ranks_of(fluid.comm());
     if (ranks == 1) return;
-    MPI_Comm_rank(fluid.comm(), &rank_);
+    rank_ = parallel::rank_of(fluid.comm());
     std::map<int, std::map<MomentsKey, Packed>> outgoing;
     std::map<int, std::vector<MomentsKey>> wanted;
     for (int b = 0; b < int(maps.size()); ++b) offer(b, maps[b], outgoing);
@@ -103,20 +105,18 @@ class RemoteMoments {
 
   void exchange(std::map<int, std::map<MomentsKey, Packed>>& outgoing,
                 std::map<int, std::vector<MomentsKey>>& wanted) {
-    std::vector<MPI_Request> requests;
+    parallel::Transfers transfers(fluid_.comm(), 2);
     std::map<int, std::vector<Packed>> in, out;
     for (auto& [rank, keys] : wanted) {
       std::sort(keys.begin(), keys.end());
       in[rank].resize(keys.size());
-      MPI_Irecv(in[rank].data(), int(10 * keys.size()), MPI_DOUBLE, rank, 2, fluid_.comm(),
-                &requests.emplace_back());
+      transfers.receive(rank, std::span(in[rank]));
     }
     for (auto& [rank, values] : outgoing) {
       for (auto& [key, value] : values) out[rank].push_back(value);
-      MPI_Isend(out[rank].data(), int(10 * out[rank].size()), MPI_DOUBLE, rank, 2, fluid_.comm(),
-                &requests.emplace_back());
+      transfers.send(rank, std::span(out[rank]));
     }
-    MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    transfers.wait();
     for (auto& [rank, keys] : wanted)
       for (std::size_t n = 0; n < keys.size(); ++n) received_[keys[n]] = in[rank][n];
   }
@@ -203,8 +203,7 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
   const RemoteMoments<T> remote(fluid, maps, cells);
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
-  int rank = 0;
-  MPI_Comm_rank(fluid.comm(), &rank);
+  const int rank = parallel::rank_of(fluid.comm());
   std::vector<Average> averages;
   averages.reserve(cells.uncovered.size());
   constexpr std::size_t ahead = 3;  // cells: far enough for memory to answer, few enough to stay in cache

@@ -7,8 +7,8 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/placement/first_faults.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -64,15 +64,18 @@ Slice read_slice_here(const Case& scene, const FiledBodies& filed, Surroundings&
     unreadable.push_back({rigid::BodyId(around.rank), 0, error.what()});
   }
   throw_fault(scene, filed, around, unreadable);
-  const std::uint64_t n = slice.size(), mine[2] = {n, slice.lines};
-  std::uint64_t before[2] = {0, 0};  // bodies and lines
-  MPI_Exscan(mine, before, 2, MPI_UINT64_T, MPI_SUM, around.comm());
+  struct Counts {
+    std::uint64_t bodies, lines;
+  };
+  const std::uint64_t n = slice.size();
+  const Counts before = parallel::sum_of_ranks_before(around.comm(), Counts{n, slice.lines});
   std::vector<BodyFault> bad;
   if (!slice.fault.empty()) {
     const bool has_lines = filed.positions.dataset.empty();
-    bad.push_back({before[0] + n, 0,
-                   fmt::format("{} {} of {} {}", has_lines ? "line" : "point",
-                               has_lines ? before[1] + slice.lines : before[0] + n + 1, name, slice.fault)});
+    bad.push_back(
+        {before.bodies + n, 0,
+         fmt::format("{} {} of {} {}", has_lines ? "line" : "point",
+                     has_lines ? before.lines + slice.lines : before.bodies + n + 1, name, slice.fault)});
   }
   throw_fault(scene, filed, around, bad);
   const std::uint64_t all = around.sum(n);
@@ -82,7 +85,7 @@ Slice read_slice_here(const Case& scene, const FiledBodies& filed, Surroundings&
         fmt::format("{} has {} points now, and had {} a moment ago: it is being written; wait, and "
                     "start again",
                     name, all, filed.contents.points));
-  return {std::move(slice), before[0]};
+  return {std::move(slice), before.bodies};
 }
 
 /// Whom a body concerns: the rank of its centre of mass, and those near which it reaches.
@@ -99,7 +102,7 @@ void send(const Case& scene, const FiledBodies& filed, Surroundings& around, con
     Passing body{slice.first + i, {}};
     slice.put(i, body.pose);
     for (const int rank : ranks_of(scene, around, spec_of(scene, filed, body)))
-      put(around.messages.to(rank), body);
+      parallel::put(around.messages.to(rank), body);
   }
   around.messages.unannounced();
 }
@@ -111,11 +114,11 @@ void add_filed_bodies(const Case& scene, Surroundings& around, std::vector<Given
   rigid::BodyId first_id = 1 + scene.bodies.size();
   for (const FiledBodies& filed : scene.filed) {
     const Slice slice = read_slice_here(scene, filed, around);
-    const std::size_t begin = bodies.size(), most = most_over_ranks(around.comm(), slice.size());
+    const std::size_t begin = bodies.size(), most = parallel::most_over_ranks(around.comm(), slice.size());
     for (std::size_t from = 0; from < most; from += at_once) {
       send(scene, filed, around, slice, from, from + at_once);
-      for (const Messages::Message& m : around.messages.received())
-        for (ByteReader reader(m.bytes); !reader.done();) {
+      for (const parallel::Messages::Message& m : around.messages.received())
+        for (parallel::ByteReader reader(m.bytes); !reader.done();) {
           const auto body = reader.take<Passing>();
           const BodySpec spec = spec_of(scene, filed, body);
           bodies.push_back({first_id + body.point, spec, around.is_here(spec.pose.position)});

@@ -75,11 +75,11 @@ void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& aroun
     obstacles.add_ball(body.centre);
     for (const int rank : around.ranks_near({body.centre, body.centre}))
       if (rank != around.rank)
-        for (int d = 0; d < 3; ++d) put(around.messages.to(rank), body.centre[d]);
+        for (int d = 0; d < 3; ++d) parallel::put(around.messages.to(rank), body.centre[d]);
   }
   around.messages.unannounced();
-  for (const Messages::Message& m : around.messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) {
+  for (const parallel::Messages::Message& m : around.messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       Vec3 centre;
       for (int d = 0; d < 3; ++d) centre[d] = reader.take<double>();
       obstacles.add_ball(centre);

@@ -3,13 +3,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "coupler/exchange/messages.hpp"
+#include "parallel/messages.hpp"
 
 namespace silt::coupler {
 
 /// Collective. Returns for each of this rank's keys, which are sorted, below `range` and unlike all others on
 /// any rank, how many keys of all ranks are smaller. Each rank counts a slice of the range: none holds more
 /// than that.
-std::vector<std::uint64_t> number_off(Messages&, const std::vector<std::uint64_t>& keys, std::uint64_t range);
+std::vector<std::uint64_t> number_off(parallel::Messages&, const std::vector<std::uint64_t>& keys,
+                                      std::uint64_t range);
 
 }  // namespace silt::coupler

@@ -50,14 +50,14 @@ std::vector<GivenBody> present_near(const Case& scene, const std::vector<FillApp
           return concerns(scene.fills[application.fill], box, reach, around.extent);
         }))
       continue;
-    put(around.messages.to(around.rank), body);
+    parallel::put(around.messages.to(around.rank), body);
     for (const int rank : around.ranks_near(box))
-      if (rank != around.rank) put(around.messages.to(rank), body);
+      if (rank != around.rank) parallel::put(around.messages.to(rank), body);
   }
   around.messages.unannounced();
   std::vector<GivenBody> near;
-  for (const Messages::Message& m : around.messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) near.push_back(given(reader.take<Present>()));
+  for (const parallel::Messages::Message& m : around.messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) near.push_back(given(reader.take<Present>()));
   return near;
 }
 

@@ -10,6 +10,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
 #include "coupler/placement/rain.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
@@ -172,11 +173,11 @@ void RandomFill::tell_neighbours() {
     for (const int rank : around_.ranks_near({p.centre, p.centre})) {
       if (rank == around_.rank) continue;
       p.shared = true;
-      put(around_.messages.to(rank), Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
+      parallel::put(around_.messages.to(rank), Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
     }
   around_.messages.unannounced();
-  for (const Messages::Message& m : around_.messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) {
+  for (const parallel::Messages::Message& m : around_.messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       const auto seen = reader.take<Seen>();
       points_.push_back({seen.number, Eigen::Map<const Vec3>{seen.centre}, false});
     }
@@ -208,7 +209,7 @@ void RandomFill::decide_what_can_be(const NeighbourGrid& grid) {
     p.told = true;
     for (const int rank : around_.ranks_near({p.centre, p.centre}))
       if (rank != around_.rank)
-        put(around_.messages.to(rank), Decided{p.number, p.state == PointState::stays});
+        parallel::put(around_.messages.to(rank), Decided{p.number, p.state == PointState::stays});
   }
 }
 
@@ -232,8 +233,8 @@ PointState RandomFill::judge(DrawnPoint& p, const NeighbourGrid& grid) {
 
 void RandomFill::hear_decisions() {
   around_.messages.unannounced();
-  for (const Messages::Message& m : around_.messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) {
+  for (const parallel::Messages::Message& m : around_.messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       const auto decided = reader.take<Decided>();
       const auto at =
           std::lower_bound(points_.begin(), points_.end(), decided.number,
@@ -243,10 +244,9 @@ void RandomFill::hear_decisions() {
 }
 
 RandomFill::Tally RandomFill::tally() const {
-  std::uint64_t counts[2] = {fallen_, 0};
-  for (const DrawnPoint& p : points_) counts[1] += p.own && p.state == PointState::stays;
-  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_UINT64_T, MPI_SUM, around_.comm());
-  return {counts[0], counts[1]};
+  Tally mine{fallen_, 0};
+  for (const DrawnPoint& p : points_) mine.stay += p.own && p.state == PointState::stays;
+  return parallel::sum_over_ranks(around_.comm(), mine);
 }
 
 /// The time at which the wanted number has been placed, of the points of this batch, on all ranks: its bytes
@@ -259,7 +259,7 @@ std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
       if (const std::uint64_t t = rain_.time_of(p.number);
           p.own && p.state == PointState::stays && (t & known) == time)
         ++counts[t >> shift & 255];
-    MPI_Allreduce(MPI_IN_PLACE, counts.data(), 256, MPI_UINT64_T, MPI_SUM, around_.comm());
+    parallel::sum_over_ranks(around_.comm(), std::span(counts));
     std::uint64_t byte = 0;
     for (; counts[byte] < wanted; ++byte) wanted -= counts[byte];
     time |= byte << shift;

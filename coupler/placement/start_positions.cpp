@@ -6,6 +6,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::coupler {
 
@@ -15,17 +16,16 @@ using rigid::Vec3;
 /// The starts of those bodies whose meeting place this rank is.
 std::vector<StartPositions::Start> StartPositions::met_here(const Case& scene, const lbm::Domain& domain,
                                                             MPI_Comm comm) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  Messages messages(comm);
+  const int ranks = parallel::ranks_of(comm);
+  parallel::Messages messages(comm);
   place_bodies(scene, domain, comm).for_each([&](BodyId id, const BodySpec& body) {
     const Vec3& x = body.pose.position;
-    put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
+    parallel::put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
   });
   messages.unannounced();
   std::vector<Start> starts;
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) starts.push_back(reader.take<Start>());
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) starts.push_back(reader.take<Start>());
   std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
   return starts;
 }
@@ -40,19 +40,19 @@ StartPositions::Start StartPositions::found(const std::vector<Start>& starts, Bo
 std::vector<Vec3> StartPositions::of(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
                                      std::span<const BodyId> ids) const {
   if (!starts_) starts_ = met_here(scene, domain, comm);
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  Messages messages(comm);
-  for (const BodyId id : ids) put(messages.to(static_cast<int>(id % ranks)), id);
+  const int ranks = parallel::ranks_of(comm);
+  parallel::Messages messages(comm);
+  for (const BodyId id : ids) parallel::put(messages.to(static_cast<int>(id % ranks)), id);
   messages.unannounced();
   std::vector<std::pair<int, BodyId>> asked;
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) asked.emplace_back(m.rank, reader.take<BodyId>());
-  for (const auto& [rank, id] : asked) put(messages.to(rank), found(*starts_, id));
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();)
+      asked.emplace_back(m.rank, reader.take<BodyId>());
+  for (const auto& [rank, id] : asked) parallel::put(messages.to(rank), found(*starts_, id));
   messages.unannounced();
   std::vector<Start> answers;
-  for (const Messages::Message& m : messages.received())
-    for (ByteReader reader(m.bytes); !reader.done();) answers.push_back(reader.take<Start>());
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) answers.push_back(reader.take<Start>());
   std::sort(answers.begin(), answers.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
   std::vector<Vec3> positions;
   for (const BodyId id : ids) positions.push_back(Eigen::Map<const Vec3>{found(answers, id).position});

@@ -1,15 +1,17 @@
 #include "coupler/placement/surroundings.hpp"
 
 #include "coupler/case/case_extent.hpp"
-#include "coupler/exchange/reduce.hpp"
+#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 
 Surroundings::Surroundings(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, double reach)
-    : domain(domain), extent(extent_of(scene)), holders(domain, reach), messages(comm) {
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks);
-}
+    : domain(domain),
+      extent(extent_of(scene)),
+      holders(domain, reach),
+      messages(comm),
+      rank(parallel::rank_of(comm)),
+      ranks(parallel::ranks_of(comm)) {}
 
 const std::vector<int>& Surroundings::ranks_near(const rigid::BoundingBox& box) {
   holders.ranks_of(box, near_);
@@ -17,8 +19,7 @@ const std::vector<int>& Surroundings::ranks_near(const rigid::BoundingBox& box) 
 }
 
 std::uint64_t Surroundings::sum(std::uint64_t mine) const {
-  sum_over_ranks(comm(), std::span(&mine, 1));
-  return mine;
+  return parallel::sum_over_ranks(comm(), mine);
 }
 
 }  // namespace silt::coupler

@@ -1,7 +1,7 @@
 #pragma once
 // A rank that places bodies: its part of the domain, and the ranks about it.
 #include "coupler/exchange/holders.hpp"
-#include "coupler/exchange/messages.hpp"
+#include "parallel/messages.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 
 namespace silt::coupler {
@@ -21,8 +21,8 @@ struct Surroundings {
   const lbm::Domain& domain;
   const rigid::Extent extent;
   const Holders holders;
-  Messages messages;
-  int rank = 0, ranks = 1;
+  parallel::Messages messages;
+  const int rank, ranks;
 
  private:
   std::vector<int> near_;

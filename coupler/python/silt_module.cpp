@@ -16,6 +16,7 @@
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/run/start_mpi.hpp"
 #include "coupler/state_hash.hpp"
+#include "parallel/communicator.hpp"
 
 namespace py = pybind11;
 
@@ -326,8 +327,7 @@ void join_mpi() {
       MPI_Finalized(&ended);
       if (!ended) MPI_Finalize();
     }));
-  int ranks = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const int ranks = parallel::ranks_of(MPI_COMM_WORLD);
   if (ranks > 1) end_all_by_an_error();
 }
 

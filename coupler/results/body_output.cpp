@@ -2,9 +2,10 @@
 
 #include <limits>
 
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/results/tessellation.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -90,7 +91,7 @@ BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path
     : path_(folder / "bodies.h5") {
   const MPI_Comm comm = simulation.scene().comm;
   int there = resumed && std::filesystem::exists(path_);
-  MPI_Bcast(&there, 1, MPI_INT, 0, comm);
+  parallel::broadcast(comm, there);
   if (there)
     series_ =
         adapters::BodySeries::open_for_append(comm, path_, simulation.steps_done(), columns_of(simulation));
@@ -104,7 +105,7 @@ void BodyOutput::append(const Simulation& simulation) {
   const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads();
   const Vec3& gravity = simulation.scene().world.gravity;
   const std::int64_t step = simulation.steps_done();
-  adapters::naming(path_.string(), [&] {
+  parallel::naming(path_.string(), [&] {
     series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
       return body_row(bodies, row, loads[row], contacts[row], gravity, units);
     });

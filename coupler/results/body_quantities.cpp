@@ -8,9 +8,9 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_extent.hpp"
 #include "coupler/energy_guard.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -38,7 +38,7 @@ template <int N, class Terms>
 std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
   std::array<ExactSum, N> sums;
   add_terms(bodies, q, terms, sums);
-  sum_over_ranks(comm, sums);
+  parallel::sum_over_ranks(comm, std::span(sums));
   std::array<double, N> result{};
   for (int k = 0; k < N; ++k) result[k] = sums[k].value();
   return result;
@@ -235,7 +235,7 @@ double drift(const Simulation& simulation, const QuantitySpec& q) {
   double furthest = not_yet;
   for_each_displacement(simulation, q,
                         [&](std::size_t, const Vec3& moved) { furthest = std::max(furthest, moved.norm()); });
-  furthest = max_over_ranks(simulation.scene().comm, furthest);
+  furthest = parallel::max_over_ranks(simulation.scene().comm, furthest);
   return furthest == not_yet ? no_value : furthest;
 }
 
@@ -310,8 +310,7 @@ double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
     const auto x = bodies.position[row].array();
     inside += q.is_about(bodies.kind[row]) && (x >= q.lower.array()).all() && (x <= q.upper.array()).all();
   }
-  sum_over_ranks(simulation.scene().comm, std::span(&inside, 1));
-  return static_cast<double>(inside);
+  return static_cast<double>(parallel::sum_over_ranks(simulation.scene().comm, inside));
 }
 
 double packing_fraction(const Simulation& simulation, const QuantitySpec& q) {

@@ -4,8 +4,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "coupler/exchange/messages.hpp"
 #include "lbm/fluid.hpp"
+#include "parallel/messages.hpp"
 
 namespace silt::coupler {
 
@@ -38,13 +38,14 @@ std::vector<lbm::BlockPlace> blocks_near(const lbm::Domain& domain, const CellBo
 
 CellVelocities::CellVelocities(const Flow& flow, MPI_Comm comm, Int3 lower, Int3 upper)
     : flow_(flow), lower_(lower), upper_(upper) {
-  MPI_Comm_rank(comm, &rank_);
+  rank_ = parallel::rank_of(comm);
   if (flow.domain().ranks() == 1) return;
-  Messages messages(comm);
+  parallel::Messages messages(comm);
   send(messages);
   messages.unannounced();
-  for (const Messages::Message& message : messages.received())
-    for (ByteReader reader(message.bytes); !reader.done();) from_others_.push_back(reader.take<Known>());
+  for (const parallel::Messages::Message& message : messages.received())
+    for (parallel::ByteReader reader(message.bytes); !reader.done();)
+      from_others_.push_back(reader.take<Known>());
   std::sort(from_others_.begin(), from_others_.end(),
             [](const Known& a, const Known& b) { return a.cell < b.cell; });
 }
@@ -79,7 +80,7 @@ void CellVelocities::for_cells_around(const CellBox& box, Visit&& visit) const {
 }
 
 /// To each rank what it has to know of this one's cells, each cell once.
-void CellVelocities::send(Messages& messages) const {
+void CellVelocities::send(parallel::Messages& messages) const {
   const lbm::Domain& domain = flow_.domain();
   std::set<std::pair<int, std::int64_t>> sent;
   for (int b = 0; b < flow_.blocks(); ++b) {
@@ -90,7 +91,7 @@ void CellVelocities::send(Messages& messages) const {
         if (!box.contains(cell) || !sent.insert({place.rank, index(cell)}).second) return;
         const auto u = here(b, cell - box.lower);
         const Vec3 v = u.value_or(Vec3::Zero());
-        put(messages.to(place.rank), Known{index(cell), u.has_value(), {v[0], v[1], v[2]}});
+        parallel::put(messages.to(place.rank), Known{index(cell), u.has_value(), {v[0], v[1], v[2]}});
       });
     }
   }

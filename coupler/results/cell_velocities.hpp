@@ -8,9 +8,11 @@
 
 #include "coupler/flow.hpp"
 
-namespace silt::coupler {
-
+namespace silt::parallel {
 class Messages;
+}  // namespace silt::parallel
+
+namespace silt::coupler {
 
 class CellVelocities {
  public:
@@ -34,7 +36,7 @@ class CellVelocities {
   lbm::CellBox in_box(const lbm::CellBox& block) const;
   template <class Visit>
   void for_cells_around(const lbm::CellBox&, Visit&&) const;
-  void send(Messages&) const;
+  void send(parallel::Messages&) const;
   std::int64_t index(lbm::Int3 cell) const;
   std::optional<rigid::Vec3> here(int block, lbm::Int3 local_cell) const;
 

@@ -7,11 +7,11 @@
 #include <limits>
 #include <sstream>
 
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/check_state.hpp"
 #include "coupler/results/flow_fields.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
@@ -222,7 +222,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
                                        const adapters::Provenance& provenance,
                                        const std::optional<SteadyWatch>& steady) {
   const auto path = adapters::checkpoint_path(folder, simulation.steps_done());
-  adapters::naming(path.string(), [&] { write_state(simulation, quantities, path, provenance, steady); });
+  parallel::naming(path.string(), [&] { write_state(simulation, quantities, path, provenance, steady); });
   return path;
 }
 
@@ -231,7 +231,7 @@ std::filesystem::path write_stopped_state(const Simulation& simulation, const Qu
                                           const adapters::Provenance& provenance,
                                           const std::optional<SteadyWatch>& steady) {
   const auto path = folder / fmt::format("stopped_{:012}.h5", simulation.steps_done());
-  adapters::naming(path.string(), [&] { write_state(simulation, quantities, path, provenance, steady); });
+  parallel::naming(path.string(), [&] { write_state(simulation, quantities, path, provenance, steady); });
   return path;
 }
 
@@ -252,7 +252,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   state.fluid_speed = read_number(reader, "fluid_speed", 0);
   auto bodies = reader.bodies(coupling_columns);
   try {
-    adapters::together(reader.comm(), [&] { require_possible(scene, bodies, state.next_id); });
+    parallel::together(reader.comm(), [&] { require_possible(scene, bodies, state.next_id); });
   } catch (const std::runtime_error& error) {  // on every rank
     reader.refuse(error.what());
   }

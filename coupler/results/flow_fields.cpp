@@ -5,13 +5,13 @@
 #include <limits>
 
 #include "adapters/hdf5/field_file.hpp"
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/for_cells.hpp"
 #include "coupler/results/strain_rate.hpp"
 #include "coupler/results/vorticity.hpp"
 #include "lbm/fluid.hpp"
+#include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -340,7 +340,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     boxes.push_back(box);
   }
   const auto path = adapters::field_path(folder, spec.name, snapshot.step);
-  adapters::naming(path.string(), [&] {
+  parallel::naming(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, boxes, snapshot, provenance);
   });
 }

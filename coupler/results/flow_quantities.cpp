@@ -6,11 +6,11 @@
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/for_each_cell.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/strain_rate.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -52,7 +52,7 @@ VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
     }
     for (int k = 0; k < 4; ++k) sums[k] += to_fixed(terms[k]);
   });
-  sum_over_ranks(simulation.scene().comm, sums);
+  parallel::sum_over_ranks(simulation.scene().comm, sums);
   return {from_fixed(sums[0]), from_fixed(sums[1]), from_fixed(sums[2]), from_fixed(sums[3])};
 }
 
@@ -73,7 +73,7 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
     sums[1] += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
     sums[2] += to_fixed(1);
   }
-  sum_over_ranks(simulation.scene().comm, sums);
+  parallel::sum_over_ranks(simulation.scene().comm, sums);
   const double speed = superficial_velocity(simulation, q.axis, 0),
                viscosity = scene.fluid->kinematic_viscosity;
   if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return no_value;
@@ -95,7 +95,7 @@ double dissipation(const Simulation& simulation) {
     sums[0] += to_fixed(strain_rate_squared(flow, m, fluid));
     sums[1] += to_fixed(1);
   });
-  sum_over_ranks(simulation.scene().comm, sums);
+  parallel::sum_over_ranks(simulation.scene().comm, sums);
   return sums[1] > 0 ? 2 * fluid.kinematic_viscosity * from_fixed(sums[0]) / from_fixed(sums[1]) : no_value;
 }
 
@@ -114,7 +114,7 @@ double profile_error(const Simulation& simulation, const QuantitySpec& q) {
         (rigid::Vec3(u[0], u[1], u[2]) - exact->velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
     if (!(e <= error)) error = e;  // a NaN stays
   });
-  return max_over_ranks(simulation.scene().comm, error) / exact->largest();
+  return parallel::max_over_ranks(simulation.scene().comm, error) / exact->largest();
 }
 
 double vortex_velocity_error(const Simulation& simulation) {

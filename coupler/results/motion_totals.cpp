@@ -1,6 +1,7 @@
 #include "coupler/results/motion_totals.hpp"
 
-#include "coupler/exchange/reduce.hpp"
+#include "parallel/collectives.hpp"
+#include "rigid/math/exact_sum.hpp"
 
 namespace silt::coupler {
 
@@ -15,7 +16,7 @@ MotionTotals motion_totals(const Simulation& simulation) {
     for (int d = 0; d < 3; ++d) sums[d].add(rows.mass[row] * rows.velocity[row][d]);
     sums[3].add(rows.kinetic_energy(row));
   }
-  sum_over_ranks(scene.comm, sums);
+  parallel::sum_over_ranks(scene.comm, std::span(sums));
   MotionTotals totals;
   for (int d = 0; d < 3; ++d) totals.bodies_momentum[d] = sums[d].value();
   totals.bodies_energy = sums[3].value();

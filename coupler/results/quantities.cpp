@@ -6,11 +6,11 @@
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/quantity_types.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/results/bed_quantities.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/flow_quantities.hpp"
 #include "coupler/results/wall_quantities.hpp"
+#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 
@@ -86,7 +86,7 @@ std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) c
   sums_.settle(simulation.scene().comm, fold(simulation.setup()));
   std::vector<double> flat;
   for (const QuantityHistory& h : history_) flat.insert(flat.end(), h.begin(), h.end());
-  max_over_ranks(simulation.scene().comm, flat);
+  parallel::max_over_ranks(simulation.scene().comm, flat);
   std::vector<QuantityHistory> all(history_.size());
   for (std::size_t i = 0; i < all.size(); ++i)
     std::copy_n(flat.begin() + i * all[i].size(), all[i].size(), all[i].begin());

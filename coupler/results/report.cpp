@@ -12,13 +12,13 @@
 #include "coupler/case/choose_collision.hpp"
 #include "coupler/case/quantity_types.hpp"
 #include "coupler/departures.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/motion_totals.hpp"
 #include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -37,10 +37,9 @@ struct Spread {
 
 Spread spread(const Simulation& simulation, double mine) {
   const MPI_Comm comm = simulation.scene().comm;
-  double most[2] = {mine, -mine}, sum = mine;
-  max_over_ranks(comm, most);
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
-  return {-most[1], sum / simulation.scene().ranks, most[0]};
+  double most[2] = {mine, -mine};
+  parallel::max_over_ranks(comm, most);
+  return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks, most[0]};
 }
 
 Json stage_seconds(const Simulation& simulation) {
@@ -178,7 +177,7 @@ void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& 
 
 void add_times(const Simulation& simulation, const RunStatus& status, Json& report) {
   const Scene& scene = simulation.scene();
-  const double in_steps = max_over_ranks(scene.comm, simulation.step_seconds());
+  const double in_steps = parallel::max_over_ranks(scene.comm, simulation.step_seconds());
   const double steps = double(simulation.steps_done() - status.first_step);
   const double cells = double(scene.setup.cells[0]) * scene.setup.cells[1] * scene.setup.cells[2];
   report["mlups"] = scene.flow && in_steps > 0 ? steps * cells / in_steps * 1e-6 : scene.flow ? 0.0 : unknown;
@@ -188,7 +187,7 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
 }
 
 /// A rank and step, since this start: the mean over the ranks, of the collectives the most.
-Json traffic_of(const Simulation& simulation, const Traffic& mine, double steps) {
+Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, double steps) {
   const auto a_step = [&](std::uint64_t n) { return spread(simulation, steps > 0 ? double(n) / steps : 0); };
   return Json::object({{"blocking_collectives_per_step", a_step(mine.blocking_collectives).most},
                        {"messages_per_step", a_step(mine.messages).mean},
@@ -209,9 +208,9 @@ Json work_of(const Simulation& simulation) {
   const StageSeconds seconds = simulation.stage_seconds();
   const StageTraffic traffic = simulation.stage_traffic();
   const double waits =
-      std::accumulate(traffic.begin(), traffic.end(), Traffic{}, [](Traffic sum, const Traffic& t) {
-        return sum += t;
-      }).waited;
+      std::accumulate(traffic.begin(), traffic.end(), parallel::Traffic{},
+                      [](parallel::Traffic sum, const parallel::Traffic& t) { return sum += t; })
+          .waited;
   const Spread work = spread(simulation, std::accumulate(seconds.begin(), seconds.end(), 0.0) - waits);
   return Json::object({{"max_over_mean", work.mean > 0 ? work.most / work.mean : unknown},
                        {"seconds", work.json()},
@@ -230,7 +229,7 @@ Json balance_of(const Simulation& simulation) {
                        {"moves", record.moves},
                        {"at_start", evenness(record.at_start)},
                        {"last", evenness(record.last)},
-                       {"seconds", max_over_ranks(simulation.scene().comm, record.seconds)}});
+                       {"seconds", parallel::max_over_ranks(simulation.scene().comm, record.seconds)}});
 }
 
 Json peak_memory_of(const Simulation& simulation) {

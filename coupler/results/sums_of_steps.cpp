@@ -7,12 +7,9 @@ namespace silt::coupler {
 
 using rigid::ExactSum;
 
-void SumsOfSteps::add(std::size_t quantity, std::int64_t step, std::span<ExactSum> terms) {
+void SumsOfSteps::add(std::size_t quantity, std::int64_t step, std::span<const ExactSum> terms) {
   waiting_.push_back({quantity, step, terms.size()});
-  for (ExactSum& sum : terms) {
-    sum.carry();
-    parts_.insert(parts_.end(), sum.parts().begin(), sum.parts().end());
-  }
+  terms_.insert(terms_.end(), terms.begin(), terms.end());
 }
 
 void SumsOfSteps::advance(MPI_Comm comm, std::int64_t step, const Fold& fold) {
@@ -30,20 +27,16 @@ void SumsOfSteps::settle(MPI_Comm comm, const Fold& fold) {
 
 void SumsOfSteps::start(MPI_Comm comm) {
   started_ = std::exchange(waiting_, {});
-  sums_.start(comm, std::exchange(parts_, {}));
+  sums_.start(comm, std::exchange(terms_, {}));
 }
 
 void SumsOfSteps::fold_started(const Fold& fold) {
   if (started_.empty()) return;
-  auto part = sums_.finish().begin();
+  auto sum = sums_.finish().begin();
   std::vector<double> values;
   for (const Look& look : started_) {
     values.clear();
-    for (std::size_t k = 0; k < look.count; ++k, part += ExactSum::width) {
-      ExactSum sum;
-      std::copy_n(part, ExactSum::width, sum.parts().begin());
-      values.push_back(sum.value());
-    }
+    for (std::size_t k = 0; k < look.count; ++k) values.push_back((sum++)->value());
     fold(look.quantity, look.step, values);
   }
   started_.clear();

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "coupler/exchange/sums_under_way.hpp"
+#include "parallel/sums_under_way.hpp"
 #include "rigid/math/exact_sum.hpp"
 
 namespace silt::coupler {
@@ -22,7 +22,7 @@ class SumsOfSteps {
   using Fold = std::function<void(std::size_t, std::int64_t, std::span<const double>)>;
 
   /// This rank's terms; alike on every rank but for their values, in the order of steps.
-  void add(std::size_t quantity, std::int64_t step, std::span<rigid::ExactSum> terms);
+  void add(std::size_t quantity, std::int64_t step, std::span<const rigid::ExactSum> terms);
   /// After every step, collective: starts the sums of what waits, if that is enough, and folds those started
   /// before in the order of add.
   void advance(MPI_Comm, std::int64_t step, const Fold&);
@@ -39,8 +39,8 @@ class SumsOfSteps {
   void fold_started(const Fold&);
 
   std::vector<Look> waiting_, started_;
-  std::vector<std::int64_t> parts_;  // of the looks that wait
-  SumsUnderWay sums_;
+  std::vector<rigid::ExactSum> terms_;  // of the looks that wait
+  parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_;
 };
 
 }  // namespace silt::coupler

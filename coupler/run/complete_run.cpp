@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/report.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
@@ -30,9 +31,9 @@ bool lacks_final_report(const std::filesystem::path& folder, const Simulation& s
   const std::int64_t step = simulation.steps_done();
   if (step > simulation.setup().steps) return false;
   int lacks = 0;
-  adapters::on_rank_0(simulation.scene().comm,
+  parallel::on_rank_0(simulation.scene().comm,
                       [&] { lacks = !is_final_report(folder / "report.json", step); });
-  MPI_Bcast(&lacks, 1, MPI_INT, 0, simulation.scene().comm);
+  parallel::broadcast(simulation.scene().comm, lacks);
   return lacks;
 }
 

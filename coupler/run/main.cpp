@@ -11,7 +11,6 @@
 #include <filesystem>
 
 #include "adapters/hdf5/describe_file.hpp"
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/results/build_info.hpp"
@@ -20,6 +19,7 @@
 #include "coupler/run/run.hpp"
 #include "coupler/run/start_mpi.hpp"
 #include "cpu/isa.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -49,7 +49,7 @@ Exit check(const CommandLine& line, bool loud) {
     if (loud) fmt::print("{}", found);
     return Exit::done;
   } catch (const std::exception& error) {
-    if (loud) fmt::print(stderr, "{}\n", adapters::text_of(error));
+    if (loud) fmt::print(stderr, "{}\n", parallel::text_of(error));
     return Exit::bad_case;
   }
 }
@@ -63,7 +63,7 @@ Exit info(const CommandLine& line, bool loud) {
     fmt::print("{}", is_case ? describe_case(line.file) : adapters::describe_file(line.file));
     return Exit::done;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", adapters::text_of(error));
+    fmt::print(stderr, "{}\n", parallel::text_of(error));
     return Exit::bad_case;
   }
 }
@@ -126,8 +126,7 @@ std::string wrong_subcommand(const CLI::App& app, const std::string& word) {
 }
 
 Exit main_on(MPI_Comm comm, int argc, char** argv) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   const bool loud = rank == 0;
   CommandLine line;
   CLI::App app("Silt: rigid bodies in a fluid, both fully resolved");
@@ -189,7 +188,7 @@ int main(int argc, char** argv) {
   try {
     code = int(silt::coupler::main_on(MPI_COMM_WORLD, argc, argv));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "silt: {}\n", silt::adapters::text_of(error));
+    fmt::print(stderr, "silt: {}\n", silt::parallel::text_of(error));
     std::fflush(nullptr);
     MPI_Abort(MPI_COMM_WORLD, code);
   }

@@ -8,7 +8,6 @@
 
 #include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/derived_table.hpp"
@@ -18,18 +17,14 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/run_estimate.hpp"
 #include "lbm/cut_links.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-int ranks_of(MPI_Comm comm) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  return ranks;
-}
 
 /// Throws what building the scene would throw, while all ranks still hear of it.
 void require_buildable(const Case& scene, int ranks) {
@@ -50,12 +45,10 @@ void require_buildable(const Case& scene, int ranks) {
 double memory_of_machines(MPI_Comm comm) {
   MPI_Comm machine;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  int rank = 0;
-  MPI_Comm_rank(machine, &rank);
+  const bool speaks = parallel::rank_of(machine) == 0;
   MPI_Comm_free(&machine);
-  double here = rank == 0 ? 1. * sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGE_SIZE) : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_SUM, comm);
-  return here;
+  const double here = speaks ? 1. * sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGE_SIZE) : 0;
+  return parallel::sum_over_ranks(comm, here);
 }
 
 /// Throws CaseError for a fluid that so much memory has no room for.
@@ -71,7 +64,7 @@ void require_memory(const Case& scene, double here) {
 /// How many machines like this one a check on so many ranks is about: one has a rank a core.
 double machines_for(int ranks) {
   const double cores = std::max(1u, std::thread::hardware_concurrency());
-  return ranks > ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
+  return ranks > parallel::ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
 }
 
 /// Collective. Reads a case on rank 0, whose files then go to all, and there from what came.
@@ -79,12 +72,12 @@ template <class Read>
 std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&& read) {
   CaseSource source;
   std::unique_ptr<Case> scene;
-  adapters::on_rank_0(comm, [&] {
+  parallel::on_rank_0(comm, [&] {
     source = read_source(directory);
     scene = std::make_unique<Case>(read(source));
   });
   broadcast(comm, source);
-  adapters::together(comm, [&] {
+  parallel::together(comm, [&] {
     if (!scene) scene = std::make_unique<Case>(read(source));
   });
   return scene;
@@ -104,9 +97,9 @@ ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
     }
   };
   try {
-    adapters::on_rank_0(comm, attempt);
+    parallel::on_rank_0(comm, attempt);
   } catch (const std::exception& error) {
-    MPI_Bcast(&of_system, 1, MPI_INT, 0, comm);
+    parallel::broadcast(comm, of_system);
     if (of_system) throw FileError(error.what());
     throw;
   }
@@ -132,7 +125,7 @@ std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
 std::string examine_case(const RunOptions& options) {
   const Case scene = read_case(options.directory, options.overrides);
   auto warnings = require_runnable(scene);
-  const int ranks = options.ranks > 0 ? options.ranks : ranks_of(MPI_COMM_WORLD);
+  const int ranks = options.ranks > 0 ? options.ranks : parallel::ranks_of(MPI_COMM_WORLD);
   require_memory(scene, memory_of_machines(MPI_COMM_WORLD) * machines_for(ranks));
   require_buildable(scene, ranks);
   const lbm::Domain domain = make_domain(scene, 1);
@@ -162,14 +155,14 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   PreparedRun prepared;
   const auto scene = read_once(options.directory, comm,
                                [&](CaseSource& source) { return read_case(source, options.overrides); });
-  adapters::together(comm, [&] {
+  parallel::together(comm, [&] {
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     if (scene->steady) prepared.steady.emplace(scene->steady->change);
   });
   require_memory(*scene, memory_of_machines(comm));
-  adapters::together(comm, [&] { require_buildable(*scene, ranks_of(comm)); });
-  require_sound_start(*scene, make_domain(*scene, ranks_of(comm)), comm);
+  parallel::together(comm, [&] { require_buildable(*scene, parallel::ranks_of(comm)); });
+  require_sound_start(*scene, make_domain(*scene, parallel::ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
   return prepared;
 }
@@ -200,14 +193,14 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   const auto scene = read_once(options.directory, comm, [&](CaseSource& source) {
     return case_to_resume(origin, source, options.overrides);
   });
-  adapters::together(comm, [&] {
+  parallel::together(comm, [&] {
     prepared.warnings = require_runnable(*scene);
     prepared.quantities = std::make_unique<Quantities>(*scene);
     prepared.quantities->set_history(read_history(reader, *scene));
     prepared.steady = read_steady_watch(reader, *scene);
   });
   require_memory(*scene, memory_of_machines(comm));
-  adapters::together(comm, [&] { require_buildable(*scene, ranks_of(comm)); });
+  parallel::together(comm, [&] { require_buildable(*scene, parallel::ranks_of(comm)); });
   const SavedState state = read_state(reader, *scene);
   prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm, state);
   prepared.folder = std::move(ready);

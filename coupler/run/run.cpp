@@ -9,10 +9,8 @@
 #include <memory>
 #include <optional>
 
-#include "adapters/hdf5/together.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/build_info.hpp"
@@ -27,9 +25,10 @@
 #include "coupler/run/complete_run.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
-#include "coupler/run/reunion.hpp"
 #include "coupler/run/stop_request.hpp"
 #include "cpu/isa.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/together.hpp"
 
 namespace silt::coupler {
 
@@ -49,7 +48,7 @@ std::string quoted(const std::string& argument) {
 
 class Run {
  public:
-  Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, Reunion&);
+  Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, parallel::Reunion&);
   Exit go();
 
  private:
@@ -87,7 +86,7 @@ class Run {
   const double begin_ = MPI_Wtime();
   const adapters::Provenance provenance_;
   StopRequest stop_request_;
-  Reunion& reunion_;
+  parallel::Reunion& reunion_;
   std::unique_ptr<Progress> progress_;
   std::unique_ptr<BodyOutput> body_output_;
   std::unique_ptr<DepartureLog> departures_;  // on rank 0, where bodies may leave
@@ -96,7 +95,8 @@ class Run {
   double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
 };
 
-Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, Reunion& reunion)
+Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed,
+         parallel::Reunion& reunion)
     : prepared_(std::move(prepared)),
       simulation_(*prepared_.simulation),
       quantities_(*prepared_.quantities),
@@ -117,7 +117,7 @@ RunExtent Run::extent() const {
 
 Exit Run::go() {
   try {
-    adapters::together(comm_, [&] {
+    parallel::together(comm_, [&] {
       progress_ = std::make_unique<Progress>(extent(), folder_ / "run.log", simulation_.scene().rank == 0);
     });
     greet();
@@ -145,8 +145,8 @@ Exit Run::go() {
 /// Collective, if the error is every rank's: returns what it says, with the rank it comes from. Of this rank
 /// alone it ends everything.
 std::string Run::common_text(const std::exception& error) {
-  const auto* common = dynamic_cast<const adapters::CommonError*>(&error);
-  const std::string text = adapters::text_of(error);
+  const auto* common = dynamic_cast<const parallel::CommonError*>(&error);
+  const std::string text = parallel::text_of(error);
   const Scene& scene = simulation_.scene();
   if (scene.ranks == 1) return text;
   const std::string of_rank =
@@ -175,7 +175,7 @@ void Run::advance() {
     if (simulation_.scene().ranks == 1) throw;
     fail_alone(
         Exit::failed, "error",
-        fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, adapters::text_of(error)));
+        fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, parallel::text_of(error)));
   }
   progress_->step(simulation_.steps_done(), simulation_.step_seconds());
 }
@@ -221,14 +221,14 @@ bool Run::due(const SeriesSpec& series) const {
 
 void Run::start_outputs() {
   const OutputSpec& output = setup().output;
-  adapters::on_rank_0(comm_, [&] { write_scene_file(setup(), folder_); });
+  parallel::on_rank_0(comm_, [&] { write_scene_file(setup(), folder_); });
   if (output.bodies.every > 0 && setup().has_bodies())
     body_output_ = std::make_unique<BodyOutput>(simulation_, folder_, provenance_, resumed_);
   if (output.report.every > 0)
-    adapters::on_rank_0(comm_,
+    parallel::on_rank_0(comm_,
                         [&] { series_ = std::make_unique<RunSeries>(folder_, resumed_ ? first_step_ : -1); });
   if (setup().bodies_leave())
-    adapters::on_rank_0(comm_, [&] {
+    parallel::on_rank_0(comm_, [&] {
       departures_ = std::make_unique<DepartureLog>(folder_, resumed_ ? first_step_ : -1, setup().units);
     });
   if (resumed_) return;
@@ -268,7 +268,7 @@ void Run::write_outputs() {
 void Run::log_departures() {
   if (!setup().bodies_leave()) return;
   const std::vector<Departure> left = gathered(comm_, simulation_.take_departures());
-  adapters::on_rank_0(comm_, [&] { departures_->append(left); });
+  parallel::on_rank_0(comm_, [&] { departures_->append(left); });
   if (!left.empty())
     progress_->log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
 }
@@ -330,11 +330,11 @@ void Run::greet() {
 /// unless it is there, its row of series.csv.
 void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
   const fs::path path = folder_ / "report.json";
-  adapters::naming(path.string(), [&] {
+  parallel::naming(path.string(), [&] {
     const bool at_end = ended() || reason != "running";
     const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound, at_end};
     const adapters::Json report = report_of(simulation_, quantities_, status);
-    adapters::on_rank_0(comm_, [&] {
+    parallel::on_rank_0(comm_, [&] {
       if (series_ && sound) series_->append(simulation_.steps_done(), report);
       if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
       write_text(path, report.text());
@@ -347,7 +347,7 @@ void Run::write_report(const std::string& reason, const std::string& text, bool 
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
   if (progress_)
-    progress_->finish(simulation_.steps_done(), max_over_ranks(comm_, simulation_.step_seconds()));
+    progress_->finish(simulation_.steps_done(), parallel::max_over_ranks(comm_, simulation_.step_seconds()));
   if (progress_ && code != Exit::failed && code != Exit::guard) judge_sweeps();
   if (!text.empty() && progress_) code == Exit::done ? progress_->say(text) : progress_->log(text);
   if (!text.empty() && loud && code != Exit::done) fmt::print(stderr, "silt: {}\n", text);
@@ -367,10 +367,9 @@ void Run::fail_alone(Exit code, const std::string& reason, const std::string& wh
 
 template <class Prepare>
 Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& prepare) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = parallel::rank_of(comm);
   const fs::path folder = result_folder(options);
-  Reunion reunion(comm);
+  parallel::Reunion reunion(comm);
   PreparedRun prepared;
   try {
     prepared = prepare(options, comm, folder);
@@ -378,7 +377,7 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
     const bool alone = !reunion.all_here();
     if (alone || rank == 0)
       fmt::print(stderr, "{}{}\n", alone ? fmt::format("silt: rank {}: ", rank) : "",
-                 adapters::text_of(error));
+                 parallel::text_of(error));
     std::fflush(stderr);
     if (alone) MPI_Abort(comm, int(Exit::failed));
     return dynamic_cast<const FileError*>(&error) ? Exit::failed : Exit::bad_case;

@@ -42,26 +42,18 @@ void catch_signals() {
 StopRequest::StopRequest(MPI_Comm comm, double limit_seconds)
     : comm_(comm), limit_seconds_(limit_seconds), begin_(std::chrono::steady_clock::now()), last_(begin_) {}
 
-StopRequest::~StopRequest() {
-  take_answer();
-}
-
 void StopRequest::ask(std::int64_t step) {
   const auto now = std::chrono::steady_clock::now();
   const double late = limit_seconds_ > 0 && in_seconds(now - begin_) > limit_seconds_;
   const auto steps = static_cast<double>(std::max<std::int64_t>(1, step - last_step_));
-  under_way_ = {double(caught), late,
-                last_step_ < 0 ? answer_.step_seconds : in_seconds(now - last_) / steps};
-  static_assert(sizeof(Answer) == 3 * sizeof(double));
-  MPI_Iallreduce(MPI_IN_PLACE, &under_way_, 3, MPI_DOUBLE, MPI_MAX, comm_, &request_);
+  asked_.start(
+      comm_, {double(caught), late, last_step_ < 0 ? answer_.step_seconds : in_seconds(now - last_) / steps});
   last_ = now;
   last_step_ = step;
 }
 
 void StopRequest::take_answer() {
-  if (request_ == MPI_REQUEST_NULL) return;
-  MPI_Wait(&request_, MPI_STATUS_IGNORE);
-  answer_ = under_way_;
+  if (asked_.under_way()) answer_ = asked_.finish();
 }
 
 /// "told to stop by SIGINT (Ctrl-C)".

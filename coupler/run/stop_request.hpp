@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "parallel/sums_under_way.hpp"
+
 namespace silt::coupler {
 
 /// Makes SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2 and SIGXCPU only leave a note from now on, process-wide;
@@ -20,9 +22,6 @@ class StopRequest {
  public:
   /// Begins a limit of limit_seconds of wall-clock time from now; 0: none.
   StopRequest(MPI_Comm, double limit_seconds);
-  ~StopRequest();
-  StopRequest(const StopRequest&) = delete;
-  StopRequest& operator=(const StopRequest&) = delete;
   /// Collective, after every step. Returns why all ranks stop now, or "": a signal is known of after two
   /// questions, 2 * between_questions or two steps, and if steps have suddenly become slow, at most
   /// 2 * most_steps_between of them.
@@ -41,8 +40,8 @@ class StopRequest {
   struct Answer {  // the largest of all ranks
     double signal = 0, late = 0, step_seconds = 1;
   };
-  Answer under_way_, answer_;
-  MPI_Request request_ = MPI_REQUEST_NULL;
+  Answer answer_;
+  parallel::LargestUnderWay<Answer> asked_;
 };
 
 }  // namespace silt::coupler

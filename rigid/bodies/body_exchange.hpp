@@ -8,7 +8,6 @@
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
 #include "rigid/bodies/rank_cluster.hpp"
-#include "rigid/bodies/traffic.hpp"
 
 namespace silt::rigid {
 
@@ -50,8 +49,6 @@ class BodyExchange {
   int share_in_round(BodySet&, std::span<double> rows, int width, int value, bool changed);
   /// The ranks that contacts connect this one with, as of the last exchange_contacts.
   const RankCluster& cluster() const { return cluster_; }
-  /// What this rank has exchanged with others since the program began, and waited for them.
-  virtual Traffic traffic() const { return {}; }
 
  protected:
   void wrap_positions(BodySet&) const;

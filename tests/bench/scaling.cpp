@@ -156,7 +156,7 @@ Compared compare(Side& side, MPI_Comm comm, int steps) {
   }
   const auto after = side.simulation().stage_traffic();
   const auto sent = [&](Stage s) { return after[at(s)] - before[at(s)]; };
-  const coupler::Traffic pass = sent(Stage::stream_collide), halo = sent(Stage::lbm_communication);
+  const parallel::Traffic pass = sent(Stage::stream_collide), halo = sent(Stage::lbm_communication);
   all.sent[0] = double(pass.messages + halo.messages);
   all.sent[1] = double(pass.bytes + halo.bytes);
   all.sent[2] = double(sent(Stage::force_evaluation).messages);
@@ -209,14 +209,14 @@ class Ranks {
   /// Returns the messages a rank and step.
   double add_traffic(Side& all, const Compared& traffic, Json& row) {
     const double steps = double(all.simulation().steps_done());
-    const coupler::Traffic& sent = all.simulation().traffic_in_steps();
+    const parallel::Traffic& sent = all.simulation().traffic_in_steps();
     const double messages = sum_over(MPI_COMM_WORLD, double(sent.messages)) / steps / ranks_;
     row["messages"] = messages;
     row["bytes"] = sum_over(MPI_COMM_WORLD, double(sent.bytes)) / steps / ranks_;
     row["model_error"] = traffic.error();
     Json stages = Json::object();
     for (std::size_t s = 0; s < std::size_t(Stage::count); ++s) {
-      const coupler::Traffic t = all.simulation().stage_traffic()[s];
+      const parallel::Traffic t = all.simulation().stage_traffic()[s];
       const double messages = sum_over(MPI_COMM_WORLD, double(t.messages)) / steps / ranks_;
       if (messages > 0)
         stages[stage_names[s]] = Json::object(

@@ -40,7 +40,7 @@ rigid::BodySet sent(const ExchangeScene& scene, const Holders& holders, std::siz
       saved.impulses.push_back(all.stored_impulses[row]);
     }
   rigid::BodySet here;
-  Messages messages(MPI_COMM_WORLD);
+  parallel::Messages messages(MPI_COMM_WORLD);
   send_home(messages, holders, saved, here, at_once);
   return here;
 }

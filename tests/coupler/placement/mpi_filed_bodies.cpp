@@ -11,7 +11,7 @@
 #include "adapters/hdf5/body_series.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/counter_random.hpp"
-#include "coupler/exchange/reduce.hpp"
+#include "parallel/collectives.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/placement/placed.hpp"
 #include "tests/world.hpp"
@@ -88,7 +88,7 @@ std::uint64_t filed_hash(const Case& scene, MPI_Comm comm) {
     for (int d = 0; d < 3; ++d) h = mixed(h + std::bit_cast<std::uint64_t>(body.pose.position[d]));
     sum += h;
   });
-  sum_over_ranks(comm, std::span(&sum, 1));
+  parallel::sum_over_ranks(comm, std::span(&sum, 1));
   return sum;
 }
 
@@ -149,7 +149,7 @@ TEST(FiledBodies, InSmallRoundsAndWithOthers) {
       EXPECT_EQ(entry_of(scene, body.id), int(body.id) == points + 1 ? 2 : 1);
       if (body.own) own[0] += 1, own[1] += body.id;
     }
-    sum_over_ranks(MPI_COMM_WORLD, std::span(own));
+    parallel::sum_over_ranks(MPI_COMM_WORLD, std::span(own));
     EXPECT_EQ(own[0], std::uint64_t(points));
     EXPECT_EQ(own[1], std::uint64_t(points) * (points + 3) / 2);
   }

@@ -8,9 +8,9 @@
 #include <set>
 
 #include "coupler/case/counter_random.hpp"
-#include "coupler/exchange/reduce.hpp"
 #include "coupler/placement/number_off.hpp"
 #include "coupler/placement/start_check.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/placement/placed.hpp"
 #include "tests/world.hpp"
@@ -46,7 +46,7 @@ std::uint64_t placed_hash(const Case& scene, MPI_Comm comm) {
     EXPECT_EQ(holders.rank_at(body.pose.to_world(centre)), here) << "body " << id;
     sum += hash_of(id, body);
   });
-  sum_over_ranks(comm, std::span(&sum, 1));
+  parallel::sum_over_ranks(comm, std::span(&sum, 1));
   return sum;
 }
 
@@ -115,7 +115,7 @@ TEST(PlaceBodies, IdsCountFromOne) {
     ids.insert(id);
   });
   for (const BodyId id : ids) sums[0] += 1, sums[1] += id;
-  sum_over_ranks(MPI_COMM_WORLD, std::span(sums));
+  parallel::sum_over_ranks(MPI_COMM_WORLD, std::span(sums));
   EXPECT_EQ(sums[0], 45u);
   EXPECT_EQ(sums[1], 45u * 46 / 2);
 }
@@ -180,7 +180,7 @@ TEST(NumberOff, CountsSmallerKeysOfAllRanks) {
     if (static_cast<int>(mixed(key) % ranks()) == rank()) mine.push_back(key), expected.push_back(place);
     ++place;
   }
-  Messages messages(MPI_COMM_WORLD);
+  parallel::Messages messages(MPI_COMM_WORLD);
   EXPECT_EQ(number_off(messages, mine, range), expected);
 }
 

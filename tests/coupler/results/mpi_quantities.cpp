@@ -9,9 +9,9 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/quantity_types.hpp"
-#include "coupler/exchange/traffic.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "parallel/traffic.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"
@@ -372,13 +372,13 @@ TEST(Quantities, ObservedWithoutWaiting) {
     const auto observed = [&](bool at_once) {
       Simulation simulation = text.start(MPI_COMM_WORLD);
       Quantities quantities(simulation.setup());
-      Traffic sent;
+      parallel::Traffic sent;
       for (int i = 0; i <= steps; ++i) {
         if (i > 0) simulation.step();
-        const Traffic before = traffic();
-        begin_step_of_traffic();
+        const parallel::Traffic before = parallel::traffic();
+        parallel::begin_step_of_traffic();
         quantities.observe(simulation);
-        sent += traffic() - before;
+        sent += parallel::traffic() - before;
         if (at_once) quantities.history(simulation);
       }
       if (!at_once) {

@@ -3,23 +3,26 @@
 //
 //   with_partners   both ends know that they talk to each other (not how much they have to say)
 //   unannounced     a rank does not know who will write to it: the sparse dynamic consensus of Hoefler,
-//   Siebert and
-//                   Lumsdaine (PPoPP 2010): synchronous sends, and a barrier that no rank enters before its
-//                   messages were taken. Its cost is a barrier and the messages themselves, on any number of
-//                   ranks.
+//                   Siebert and Lumsdaine (PPoPP 2010): synchronous sends, and a barrier that no rank enters
+//                   before its messages were taken. Its cost is a barrier and the messages themselves, on
+//                   any number of ranks.
 //
-// What came in is handed out in the order of ranks, so that nothing depends on who was first.
+// What came in is handed out in the order of ranks, so that nothing depends on who was first. A rank keeps
+// nothing that grows with the number of ranks.
 #include <mpi.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <exception>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
 #include <vector>
 
-namespace silt::coupler {
+#include "parallel/communicator.hpp"
+
+namespace silt::parallel {
 
 using Bytes = std::vector<std::byte>;
 
@@ -67,19 +70,18 @@ class Messages {
     Bytes bytes;
   };
 
-  /// Collective: traffic goes over a communicator of its own.
-  explicit Messages(MPI_Comm);
-  ~Messages();
-  Messages(const Messages&) = delete;
-  Messages& operator=(const Messages&) = delete;
+  explicit Messages(MPI_Comm comm) : comm_(comm) {}  // collective: they go over a communicator of their own
 
   MPI_Comm comm() const { return comm_; }
   /// What is to be sent to a rank; at the start of a round nothing. To this one only in unannounced rounds.
   Bytes& to(int rank);
   /// Sends what to() was called for, and receives one message, possibly empty, from each of the sources.
   void with_partners(std::span<const int> sources);
-  /// Collective. Sends what to() was called for, and receives whatever was sent here.
+  /// Collective. Sends what to() was called for, and receives whatever was sent here. Throws if this rank has
+  /// no memory for what comes; after make_room() only at the end of the round, to which all ranks come, so
+  /// that it may be called within `together`.
   void unannounced();
+  void make_room();
   /// Returns the messages of the last round, by source.
   const std::vector<Message>& received() const { return received_; }
 
@@ -87,17 +89,20 @@ class Messages {
   std::uint64_t bytes_sent() const { return bytes_sent_; }
 
  private:
-  void send_all(int tag, bool synchronous);
+  using Round = std::vector<Message>;  // by rank
+  Message& message_of(Round&, int rank);
+  void begin_round();
   void end_round();
-  Message& next_received();
+  void send(const Message&, std::size_t first, std::size_t bytes, int tag, bool synchronous);
+  void receive_piece(int tag);
 
-  MPI_Comm comm_ = MPI_COMM_NULL;
-  std::vector<Message> sent_, received_;  // kept, buffers and all, from round to round
-  std::vector<Message> spare_;
-  std::vector<int> place_;  // of a rank in sent_, -1: not yet in this round
+  OwnCommunicator comm_;
+  Round sent_, received_, spare_;  // kept, buffers and all, from round to round
+  Bytes piece_;                    // the last one that came
   std::vector<MPI_Request> requests_;
+  std::exception_ptr failed_;  // in this round, for want of memory
   int round_ = 0;
   std::uint64_t messages_sent_ = 0, bytes_sent_ = 0;
 };
 
-}  // namespace silt::coupler
+}  // namespace silt::parallel

@@ -8,7 +8,9 @@
 #include <string>
 #include <utility>
 
-namespace silt::adapters {
+#include "parallel/communicator.hpp"
+
+namespace silt::parallel {
 
 /// What one rank could not do, as every rank is told.
 struct CommonError : std::runtime_error {
@@ -22,6 +24,9 @@ std::string text_of(const std::exception&);
 /// Returns an error's text and rank; `mine` where the error does not tell.
 CommonError common_error(const std::exception&, int mine);
 
+/// Collective. Returns the text of the first rank that has one; "" if none has.
+std::string text_of_first(MPI_Comm, std::string);
+
 /// Throws on every rank (collective) the error of the lowest rank that hands one over.
 void throw_together(MPI_Comm, const CommonError* mine);
 
@@ -29,12 +34,10 @@ void throw_together(MPI_Comm, const CommonError* mine);
 /// such rank as CommonError. `work` must not throw between two collective calls of its own.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
   try {
     std::forward<Work>(work)();
   } catch (const std::exception& e) {
-    const CommonError mine = common_error(e, rank);
+    const CommonError mine = common_error(e, rank_of(comm));
     return throw_together(comm, &mine);
   }
   throw_together(comm, nullptr);
@@ -43,10 +46,8 @@ void together(MPI_Comm comm, Work&& work) {
 /// Does the same as `together` for work that only rank 0 does.
 template <class Work>
 void on_rank_0(MPI_Comm comm, Work&& work) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
   together(comm, [&] {
-    if (rank == 0) work();
+    if (rank_of(comm) == 0) work();
   });
 }
 
@@ -64,4 +65,18 @@ void naming(const std::string& file, Work&& work) {
   }
 }
 
-}  // namespace silt::adapters
+/// Ranks that have caught an error look whether it is every rank's or this one's alone: whether all others
+/// come to the same place. Those that wait for this one somewhere else never do.
+class Reunion {
+ public:
+  explicit Reunion(MPI_Comm comm) : comm_(comm) {}  // collective
+  /// Returns whether all ranks call this within some seconds. If not, nothing is left to do but to end the
+  /// program.
+  bool all_here();
+
+ private:
+  static constexpr double patience = 5;  // seconds
+  OwnCommunicator comm_;                 // others may wait in a collective call of another
+};
+
+}  // namespace silt::parallel

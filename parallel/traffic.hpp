@@ -1,8 +1,9 @@
 #pragma once
-// What goes between a rank and the others.
+// What goes between this rank and the others, counted by the calls of parallel/, through which all messages
+// go (tests/layering.py). It includes no MPI: the step of the bodies reads the counts, too.
 #include <cstdint>
 
-namespace silt::rigid {
+namespace silt::parallel {
 
 /// Counts of one rank. What concerns a communicator of one rank is not counted.
 struct Traffic {
@@ -34,4 +35,18 @@ struct Traffic {
   }
 };
 
-}  // namespace silt::rigid
+namespace counting {
+inline Traffic so_far;
+inline std::uint64_t step = 0;
+}  // namespace counting
+
+/// Returns the counts since the program began.
+inline const Traffic& traffic() {
+  return counting::so_far;
+}
+/// Begins a step: what is under way now has been started in an earlier one.
+inline void begin_step_of_traffic() {
+  ++counting::step;
+}
+
+}  // namespace silt::parallel

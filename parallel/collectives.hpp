@@ -1,0 +1,116 @@
+#pragma once
+// What all ranks do together and wait for: sums, extremes, what one tells all, what all tell one. Sums are of
+// integers, so that they are the same on any number of ranks and in any order. All is collective.
+#include <mpi.h>
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <ranges>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace silt::parallel {
+
+/// A sum of 128 bits in parts of 32 bits, lowest first, which can be added each for itself: they have room
+/// for the carries of 2^32 ranks (2^31 as signed numbers).
+class WideSum {
+ public:
+  WideSum(__int128 sum = 0);
+  __int128 value() const;
+
+ private:
+  std::array<std::uint64_t, 4> parts_;
+};
+
+/// A record of sums: a struct of nothing but integers of 64 bits, WideSums and other such records, or one of
+/// these itself. Each member becomes the sum of that member.
+template <class T>
+concept Summable = std::is_trivially_copyable_v<T> && alignof(T) == alignof(std::int64_t) &&
+                   sizeof(T) % sizeof(std::int64_t) == 0 && (std::is_integral_v<T> || std::is_class_v<T>);
+
+/// The integers that sums are made of; a sum kept in digits brings its carries in first.
+template <Summable T, std::size_t n>
+std::span<std::int64_t> words_of(std::span<T, n> sums) {
+  if constexpr (requires(T & sum) { sum.carry(); })
+    for (T& sum : sums) sum.carry();
+  return {reinterpret_cast<std::int64_t*>(sums.data()), sums.size_bytes() / sizeof(std::int64_t)};
+}
+template <Summable T>
+std::span<std::int64_t> words_of(T& sum) {
+  return words_of(std::span(&sum, 1));
+}
+template <Summable T>
+std::span<std::int64_t> words_of(std::vector<T>& sums) {
+  return words_of(std::span(sums));
+}
+
+void sum_words(MPI_Comm, std::span<std::int64_t>);
+void sum_words_before(MPI_Comm, std::span<std::int64_t>);
+double sum_of_doubles(MPI_Comm, double);
+
+/// Return the sums of what all ranks have, or make them in place.
+template <Summable T>
+requires(!std::ranges::range<T>) T sum_over_ranks(MPI_Comm comm, T mine) {
+  sum_words(comm, words_of(mine));
+  return mine;
+}
+template <std::same_as<double> T>
+T sum_over_ranks(MPI_Comm comm, T mine) {  // its last bits depend on the ranks
+  return sum_of_doubles(comm, mine);
+}
+template <Summable T, std::size_t n>
+void sum_over_ranks(MPI_Comm comm, std::span<T, n> sums) {
+  sum_words(comm, words_of(sums));
+}
+void sum_over_ranks(MPI_Comm, std::span<__int128>);
+/// Returns the sums of what the ranks before this one have.
+template <Summable T>
+T sum_of_ranks_before(MPI_Comm comm, T mine) {
+  sum_words_before(comm, words_of(mine));
+  return mine;
+}
+
+void max_over_ranks(MPI_Comm, std::span<double>);
+double max_over_ranks(MPI_Comm, double);
+std::uint64_t least_over_ranks(MPI_Comm, std::uint64_t);
+std::uint64_t most_over_ranks(MPI_Comm, std::uint64_t);
+
+/// Tell all ranks what one has.
+void broadcast_bytes(MPI_Comm, std::span<std::byte>, int from);
+template <class T>
+requires std::is_trivially_copyable_v<T>
+void broadcast(MPI_Comm comm, std::span<T> values, int from = 0) {
+  broadcast_bytes(comm, std::as_writable_bytes(values), from);
+}
+template <class T>
+requires std::is_trivially_copyable_v<T>
+void broadcast(MPI_Comm comm, T& value, int from = 0) {
+  broadcast(comm, std::span(&value, 1), from);
+}
+void broadcast(MPI_Comm, std::string&, int from = 0);
+
+/// Who is told: every rank, or rank 0 alone.
+enum class Told { everybody, rank_0 };
+/// Returns where the bytes of each rank begin in `all`, and their end; nothing on a rank that is not told.
+std::vector<std::size_t> gather_bytes(MPI_Comm, std::span<const std::byte> mine, Told,
+                                      std::vector<std::byte>& all);
+/// Returns the values of all ranks, in the order of ranks; those of rank r begin at (*first)[r].
+template <class T>
+requires std::is_trivially_copyable_v<T> std::vector<T> gathered(MPI_Comm comm, std::span<const T> mine,
+                                                                 Told told,
+                                                                 std::vector<std::size_t>* first = nullptr) {
+  std::vector<std::byte> bytes;
+  std::vector<std::size_t> begins = gather_bytes(comm, std::as_bytes(mine), told, bytes);
+  for (std::size_t& begin : begins) begin /= sizeof(T);
+  std::vector<T> all(bytes.size() / sizeof(T));
+  if (!all.empty()) std::memcpy(all.data(), bytes.data(), bytes.size());
+  if (first) *first = std::move(begins);
+  return all;
+}
+
+}  // namespace silt::parallel

@@ -1,0 +1,35 @@
+#pragma once
+// A group of ranks, and this one's number in it.
+#include <mpi.h>
+
+namespace silt::parallel {
+
+inline int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+inline int ranks_of(MPI_Comm comm) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  return ranks;
+}
+
+/// The same ranks once more, for messages that no others can be taken for.
+class OwnCommunicator {
+ public:
+  explicit OwnCommunicator(MPI_Comm comm) { MPI_Comm_dup(comm, &comm_); }  // collective
+  ~OwnCommunicator() {
+    int finalized = 0;
+    MPI_Finalized(&finalized);
+    if (!finalized) MPI_Comm_free(&comm_);
+  }
+  OwnCommunicator(const OwnCommunicator&) = delete;
+  OwnCommunicator& operator=(const OwnCommunicator&) = delete;
+  operator MPI_Comm() const { return comm_; }
+
+ private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+};
+
+}  // namespace silt::parallel

@@ -1,0 +1,38 @@
+// What a step sends, as parallel/traffic.hpp counts it, against counts on paper.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+/// A periodic box of fluid: every step sends the populations that cross the sides of a rank's block, five
+/// directions a cell of a side, those across an edge once, to each rank beyond a side or an edge.
+TEST(Traffic, AStepOfFluidSendsWhatLeavesABlock) {
+  CaseText text;
+  text.domain = domain_of({16, 16, 16});
+  text.shapes = text.bodies = "";
+  Simulation simulation = text.start(MPI_COMM_WORLD);
+  constexpr int steps = 6;
+  for (int i = 0; i < steps; ++i) simulation.step();
+  const lbm::Int3 n = simulation.scene().flow->block(0).size;
+  const auto beyond = [&](int d) { return std::min(16 / n[d] - 1, 2); };  // ranks, along an axis
+  std::uint64_t slots = 0, peers = 0;
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    peers += beyond(d) + beyond(d) * beyond(e);
+    if (beyond(d) > 0) slots += 2 * 5 * n[e] * n[f];
+    if (beyond(d) > 0 && beyond(e) > 0) slots -= 4 * n[f];
+  }
+  const parallel::Traffic& sent = simulation.traffic_in_steps();
+  EXPECT_EQ(sent.messages, steps * peers);
+  EXPECT_EQ(sent.bytes, steps * slots * sizeof(float));
+  EXPECT_EQ(sent.empty_messages, 0u);
+  EXPECT_EQ(sent.blocking_collectives, 0u);
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
