@@ -78,13 +78,17 @@ void FaultWatch::hold_rows(const Case& scene, const MotionLimits& limits, BodySe
   for (std::size_t row = begin; row < end; ++row) {
     const double speed = speed_or_nan(bodies, row), limit = limits.of(bodies.shape[row]);
     if (speed <= limit) continue;
-    note_body(bodies.id[row], motion_text(scene, bodies.id[row], speed, limit, step));
+    note(body, 0, bodies.id[row], [&] { return motion_text(scene, bodies.id[row], speed, limit, step); });
     put_to_rest(bodies, row);
   }
 }
 
-void FaultWatch::note_body(rigid::BodyId id, std::string text) {
-  if (!body_ || (body_->moment == moment_ && id < body_->id)) body_ = BodyFault{moment_, id, std::move(text)};
+template <class Text>
+void FaultWatch::note(Kind kind, double severity, std::uint64_t key, Text&& text) {
+  std::optional<Fault>& seen = seen_[kind];
+  if (seen && seen->moment < moment_) return;
+  if (seen && (severity < seen->severity || (severity == seen->severity && key >= seen->key))) return;
+  seen = Fault{moment_, severity, key, text()};
 }
 
 void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
@@ -95,21 +99,20 @@ void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
     const double radius = scene.world.bounding_radii[bodies.shape[row]];
     const auto side = side_behind(scene.setup, bodies.position[row], radius);
     if (side && !scene.setup.boundary[*side].removes_bodies())
-      note_body(bodies.id[row],
-                outside_text(scene.setup, bodies.id[row], bodies.is_dynamic(row), *side, step));
+      note(body, 0, bodies.id[row],
+           [&] { return outside_text(scene.setup, bodies.id[row], bodies.is_dynamic(row), *side, step); });
   }
 }
 
 void FaultWatch::see_fluid(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
-  if (fluid_) return;
   const auto& [x, y, z] = fast.cell;
   const auto& n = scene.setup.cells;
-  fluid_ = FluidFault{fast.speed, (std::uint64_t(z) * n[1] + y) * n[0] + x, too_fast_text(scene, fast, step)};
+  note(fluid, fast.speed, (std::uint64_t(z) * n[1] + y) * n[0] + x,
+       [&] { return too_fast_text(scene, fast, step); });
 }
 
 void FaultWatch::see_overlaps(const Case& scene, const MotionLimits& limits, const BodySet& bodies,
                               std::span<const rigid::Contact> contacts, std::int64_t step) {
-  if (overlap_) return;  // before
   const auto half_width = [&](rigid::BodyId id) {
     const std::size_t row = bodies.row_of(id);
     return row < bodies.first_wall() ? limits.half_width(bodies.shape[row])
@@ -123,45 +126,32 @@ void FaultWatch::see_overlaps(const Case& scene, const MotionLimits& limits, con
   for (const rigid::Contact& c : contacts) {
     if (-c.gap <= limits.least_half_width()) continue;
     const double allowed = std::min(half_width(c.a), half_width(c.b)), share = -c.gap / allowed;
-    if (share > (overlap_ ? overlap_->share : 1) && approach(c) > at_rest * allowed)
-      overlap_ = OverlapFault{moment_, share, c.a, overlap_text(scene, c, allowed, step)};
+    if (share > 1 && approach(c) > at_rest * allowed)
+      note(overlap, share, c.a, [&] { return overlap_text(scene, c, allowed, step); });
   }
 }
 
 void FaultWatch::start(MPI_Comm comm) {
-  sums_.start(comm, {fluid_.has_value(), body_.has_value(), overlap_.has_value()});
+  Ranks mine;
+  for (int k = 0; k < kinds; ++k) mine.with[k] = seen_[k].has_value();
+  sums_.start(comm, mine);
 }
 
-FaultWatch::Found FaultWatch::finish() {
-  if (!sums_.under_way()) return {};
+std::string FaultWatch::finish(MPI_Comm comm) {
+  if (!sums_.under_way()) return "";
   const Ranks& all = sums_.finish();
-  return {all.fluid > 0, all.body > 0, all.overlap > 0};
+  const auto found = std::find_if(all.with.begin(), all.with.end(), [](std::int64_t n) { return n > 0; });
+  return found == all.with.end() ? "" : told(comm, seen_[found - all.with.begin()]);
 }
 
-std::string FaultWatch::body_fault(MPI_Comm comm) const {
+std::string FaultWatch::told(MPI_Comm comm, const std::optional<Fault>& mine) {
   constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
-  const std::uint64_t moment = parallel::least_over_ranks(comm, body_ ? body_->moment : none);
-  const bool mine = body_ && body_->moment == moment;
-  const std::uint64_t id = parallel::least_over_ranks(comm, mine ? std::uint64_t(body_->id) : none);
-  return parallel::text_of_first(comm, mine && body_->id == id ? body_->text : "");
-}
-
-std::string FaultWatch::overlap_fault(MPI_Comm comm) const {
-  constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
-  const std::uint64_t moment = parallel::least_over_ranks(comm, overlap_ ? overlap_->moment : none);
-  const bool first = overlap_ && overlap_->moment == moment;
-  const double share = parallel::max_over_ranks(comm, first ? overlap_->share : -1);
-  const bool mine = first && overlap_->share == share;
-  const std::uint64_t a = parallel::least_over_ranks(comm, mine ? std::uint64_t(overlap_->a) : none);
-  return parallel::text_of_first(comm, mine && overlap_->a == a ? overlap_->text : "");
-}
-
-std::string FaultWatch::fluid_fault(MPI_Comm comm) const {
-  const double speed = parallel::max_over_ranks(comm, fluid_ ? fluid_->speed : -1);
-  const bool mine = fluid_ && fluid_->speed == speed;
-  const std::uint64_t cell =
-      parallel::least_over_ranks(comm, mine ? fluid_->cell : std::numeric_limits<std::uint64_t>::max());
-  return parallel::text_of_first(comm, mine && fluid_->cell == cell ? fluid_->text : "");
+  const std::uint64_t moment = parallel::least_over_ranks(comm, mine ? mine->moment : none);
+  const bool first = mine && mine->moment == moment;
+  const double severity = parallel::max_over_ranks(comm, first ? mine->severity : -1);
+  const bool worst = first && mine->severity == severity;
+  const std::uint64_t key = parallel::least_over_ranks(comm, worst ? mine->key : none);
+  return parallel::text_of_first(comm, worst && mine->key == key ? mine->text : "");
 }
 
 }  // namespace silt::coupler

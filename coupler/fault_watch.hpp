@@ -3,6 +3,7 @@
 // started at the end of a step and used at the end of the next one. So every rank stops in the same step.
 #include <mpi.h>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -41,47 +42,34 @@ class FaultWatch {
   void see_overlaps(const Case&, const MotionLimits&, const rigid::BodySet&, std::span<const rigid::Contact>,
                     std::int64_t step);
 
-  struct Found {
-    bool fluid = false, body = false, overlap = false;  // on any rank
-  };
   /// Starts the sums of what was seen so far. Collective, but waits for nobody.
   void start(MPI_Comm);
-  bool under_way() const { return sums_.under_way(); }
-  /// Returns what all ranks had seen when the sums were started; nothing if none are under way. Collective.
-  Found finish();
-  /// Return what is to be said, the same on every rank. Collective, once finish has told of one: of the body
-  /// held first (of several at a time the lowest id), of the fastest cell, of the deepest overlap.
-  std::string body_fault(MPI_Comm) const;
-  std::string overlap_fault(MPI_Comm) const;
-  std::string fluid_fault(MPI_Comm) const;
+  /// Returns what is to be said of what all ranks had seen when the sums were started, the same on every
+  /// rank; "" if that is nothing, or no sums are under way. Collective.
+  std::string finish(MPI_Comm);
 
  private:
-  void note_body(rigid::BodyId, std::string text);
+  enum Kind { body, fluid, overlap, kinds };  // what has several faults tells the first of these
+  /// A fault that this rank has seen. Of those of a kind the first is told, of these the worst, of these that
+  /// of the lowest key.
+  struct Fault {
+    std::uint64_t moment;  // calls of hold_runaways before; the same on every rank
+    double severity;
+    std::uint64_t key;  // id of a body, global index of a cell
+    std::string text;
+  };
+  struct Ranks {  // that have seen one
+    std::array<std::int64_t, kinds> with;
+  };
+  static std::string told(MPI_Comm, const std::optional<Fault>& mine);
+  /// text() is asked for only if the fault is the one to tell.
+  template <class Text>
+  void note(Kind, double severity, std::uint64_t key, Text&& text);
   void hold_rows(const Case&, const MotionLimits&, rigid::BodySet&, std::size_t begin, std::size_t end,
                  std::int64_t step);
-  struct BodyFault {
-    std::uint64_t moment;  // calls of hold_runaways before; the same on every rank
-    rigid::BodyId id;
-    std::string text;
-  };
-  std::optional<BodyFault> body_;
-  struct FluidFault {
-    double speed;
-    std::uint64_t cell;  // by its global index
-    std::string text;
-  };
-  std::optional<FluidFault> fluid_;
-  struct OverlapFault {
-    std::uint64_t moment;
-    double share;  // of the half-width
-    rigid::BodyId a;
-    std::string text;
-  };
-  std::optional<OverlapFault> overlap_;
+
+  std::array<std::optional<Fault>, kinds> seen_;
   std::uint64_t moment_ = 0;
-  struct Ranks {  // that have seen one
-    std::int64_t fluid, body, overlap;
-  };
   parallel::SumsUnderWay<Ranks> sums_;
 };
 

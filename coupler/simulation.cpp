@@ -108,7 +108,7 @@ auto Simulation::guarded(Work&& work) {
   try {
     return work();
   } catch (const ForceOutOfRange& found) {
-    if (faults_.under_way()) tell(faults_.finish());  // what made it so
+    tell_faults();  // what made it so
     const std::string what = fmt::format("the force on {} {}", body_name(setup(), found.on), found.what());
     throw CommonGuardStop(overflow_text(setup(), what, step_));
   }
@@ -118,7 +118,7 @@ auto Simulation::guarded(Work&& work) {
 void Simulation::watch() {
   const bool fluid = scene_.flow != nullptr;
   if (!fluid && !scene_.anything_moves) return;
-  tell(faults_.finish());
+  tell_faults();
   if (fluid)
     if (const auto fast = scene_.flow->too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
   constexpr std::int64_t walls_interval = 64;  // what is beyond an open side is looked for in every step
@@ -130,17 +130,15 @@ void Simulation::see_outside() {
   if (scene_.anything_moves) faults_.see_outside(scene_, step_);
 }
 
-void Simulation::tell(FaultWatch::Found found) {
-  if (found.body) throw CommonGuardStop(faults_.body_fault(scene_.comm));
-  if (found.fluid) throw CommonGuardStop(faults_.fluid_fault(scene_.comm));
-  if (found.overlap) throw CommonGuardStop(faults_.overlap_fault(scene_.comm));
+void Simulation::tell_faults() {
+  if (const std::string found = faults_.finish(scene_.comm); !found.empty()) throw CommonGuardStop(found);
 }
 
 void Simulation::settle() {
-  tell(faults_.finish());
+  tell_faults();
   see_outside();
   faults_.start(scene_.comm);
-  tell(faults_.finish());
+  tell_faults();
 }
 
 void Simulation::cut_anew(const lbm::CutTree& tree) {

@@ -126,7 +126,7 @@ class Simulation {
   void count(const rigid::RigidStepReport&);
   void watch();
   void see_outside();
-  void tell(FaultWatch::Found);
+  void tell_faults();
   template <class Work>
   auto guarded(Work&&);
   void require_movable(rigid::BodyId) const;
