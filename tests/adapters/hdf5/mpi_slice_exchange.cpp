@@ -32,7 +32,7 @@ std::uint32_t value(std::uint64_t place) {
 std::vector<std::byte> values_of(const std::vector<Run>& runs) {
   std::vector<std::byte> values;
   for (const Run& run : runs)
-    for (std::uint64_t k = 0; k < run.length; ++k) adapters::hdf5::put(values, value(run.first + k));
+    for (std::uint64_t k = 0; k < run.length; ++k) parallel::put(values, value(run.first + k));
   return values;
 }
 
@@ -78,7 +78,7 @@ TEST(SliceExchange, readers_may_want_the_same) {
   const SliceExchange slices(MPI_COMM_WORLD, 100, {{10, 80}});
   std::vector<std::byte> slice;
   for (std::uint64_t k = 0; k < slices.slice_size(); ++k)
-    adapters::hdf5::put(slice, value(slices.slice_begin() + k));
+    parallel::put(slice, value(slices.slice_begin() + k));
   EXPECT_TRUE(slices.from_slice(4, slice) == values_of({{10, 80}}));
 }
 
