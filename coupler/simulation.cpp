@@ -317,19 +317,22 @@ FlowTotals Simulation::look_at_flow() {
 
 Balance Simulation::balance() const {
   Balance b;
-  rigid::FixedSum sums[4] = {};  // momentum, then |m v|
+  struct {
+    rigid::FixedVec3 momentum;
+    rigid::FixedSum scale = 0;  // of |m v|
+  } mine;
   const rigid::BodySet& bodies = scene_.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!bodies.is_dynamic(row)) continue;
     Vec3 p = bodies.mass[row] * bodies.velocity[row];
-    sums[3] += rigid::to_fixed(p.norm());
+    mine.scale += rigid::to_fixed(p.norm());
     p += impulse_debt(bodies, row) + pending_impact(bodies, row);
-    for (int d = 0; d < 3; ++d) sums[d] += rigid::to_fixed(p[d]);
+    mine.momentum.add(p);
   }
-  parallel::sum_over_ranks(scene_.comm, sums);
+  const auto all = parallel::sum_over_ranks(scene_.comm, mine);
   const rigid::FixedVec3 brought = momentum_brought();
-  for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(sums[d] - brought.q[d]);
-  b.momentum_scale = rigid::from_fixed(sums[3]);
+  for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(all.momentum.q[d] - brought.q[d]);
+  b.momentum_scale = rigid::from_fixed(all.scale);
   if (scene_.flow) {
     const FlowTotals totals = scene_.flow->totals();
     const Vec3 fluid(totals.momentum[0], totals.momentum[1], totals.momentum[2]);
@@ -344,8 +347,7 @@ Balance Simulation::balance() const {
 rigid::FixedVec3 Simulation::momentum_brought() const {
   rigid::FixedVec3 brought = turnover_.momentum_brought();
   if (scene_.flow) brought.add(scene_.flow->momentum_brought());
-  parallel::sum_over_ranks(scene_.comm, std::span(brought.q));
-  return brought;
+  return parallel::sum_over_ranks(scene_.comm, brought);
 }
 
 std::uint64_t Simulation::links() const {

@@ -68,6 +68,14 @@ void sum_over_ranks(MPI_Comm comm, std::span<T, n> sums) {
   sum_words(comm, words_of(sums));
 }
 void sum_over_ranks(MPI_Comm, std::span<__int128>);
+/// The same of a record of nothing but integers of 128 bits.
+template <class Record>
+requires(std::is_class_v<Record> && alignof(Record) == alignof(__int128)) Record
+    sum_over_ranks(MPI_Comm comm, Record mine) {
+  static_assert(std::is_trivially_copyable_v<Record>);
+  sum_over_ranks(comm, std::span(reinterpret_cast<__int128*>(&mine), sizeof mine / sizeof(__int128)));
+  return mine;
+}
 /// Returns the sums of what the ranks before this one have.
 template <Summable T>
 T sum_of_ranks_before(MPI_Comm comm, T mine) {

@@ -65,20 +65,22 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   const rigid::BodySet& bodies = simulation.bodies();
   const auto shapes = centred_shapes(scene);
   const auto loads = simulation.last_loads();
-  FixedSum sums[3] = {};  // force, radius, count
+  struct {
+    FixedSum force = 0, radius = 0, count = 0;
+  } mine;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
     const double volume = shapes[bodies.shape[row]].volume;
-    sums[0] += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
-    sums[1] += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
-    sums[2] += to_fixed(1);
+    mine.force += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
+    mine.radius += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
+    mine.count += to_fixed(1);
   }
-  parallel::sum_over_ranks(simulation.scene().comm, sums);
+  const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
   const double speed = superficial_velocity(simulation, q.axis, 0),
                viscosity = scene.fluid->kinematic_viscosity;
-  if (sums[2] == 0 || simulation.steps_done() == 0 || speed == 0) return no_value;
-  const double count = from_fixed(sums[2]), force = from_fixed(sums[0]) / count,
-               radius = from_fixed(sums[1]) / count;
+  if (all.count == 0 || simulation.steps_done() == 0 || speed == 0) return no_value;
+  const double count = from_fixed(all.count), force = from_fixed(all.force) / count,
+               radius = from_fixed(all.radius) / count;
   return force / (6 * std::numbers::pi * viscosity * radius * speed);
 }
 
@@ -90,13 +92,16 @@ double kinetic_energy(const Simulation& simulation) {
 double dissipation(const Simulation& simulation) {
   const Flow& flow = *simulation.scene().flow;
   const FluidSpec& fluid = *simulation.setup().fluid;
-  FixedSum sums[2] = {};  // of the squares, of cells
+  struct {
+    FixedSum squares = 0, cells = 0;
+  } mine;
   for_each_fluid_cell(flow, [&](lbm::Int3, const lbm::Moments& m) {
-    sums[0] += to_fixed(strain_rate_squared(flow, m, fluid));
-    sums[1] += to_fixed(1);
+    mine.squares += to_fixed(strain_rate_squared(flow, m, fluid));
+    mine.cells += to_fixed(1);
   });
-  parallel::sum_over_ranks(simulation.scene().comm, sums);
-  return sums[1] > 0 ? 2 * fluid.kinematic_viscosity * from_fixed(sums[0]) / from_fixed(sums[1]) : no_value;
+  const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
+  return all.cells > 0 ? 2 * fluid.kinematic_viscosity * from_fixed(all.squares) / from_fixed(all.cells)
+                       : no_value;
 }
 
 double superficial_velocity(const Simulation& simulation, const QuantitySpec& q) {

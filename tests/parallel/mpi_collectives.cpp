@@ -34,6 +34,12 @@ TEST(Collectives, ARecordBecomesTheSumOfEachMember) {
     EXPECT_EQ(all.inner.rank, std::uint64_t(ranks() * (ranks() - 1) / 2));
     EXPECT_TRUE(all.inner.negative.value() == -large * ranks());
   }
+  struct {
+    __int128 one, two[2];
+  } numbers{large, {-large, 3}};
+  numbers = sum_over_ranks(MPI_COMM_WORLD, numbers);
+  EXPECT_TRUE(numbers.one == large * ranks() && numbers.two[0] == -numbers.one &&
+              numbers.two[1] == 3 * ranks());
   EXPECT_EQ(sum_of_ranks_before(MPI_COMM_WORLD, std::int64_t{2}), 2 * rank());
 }
 
