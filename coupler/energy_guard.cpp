@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/scene.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/motion_limits.hpp"
+#include "coupler/case/limits.hpp"
 #include "coupler/departures.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/scene.hpp"

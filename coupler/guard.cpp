@@ -7,10 +7,9 @@
 #include <cmath>
 #include <string_view>
 
-#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/explicit_limit.hpp"
-#include "coupler/case/time_step_cure.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/limits.hpp"
 #include "coupler/flow_totals.hpp"
 #include "coupler/place_text.hpp"
 #include "coupler/scene.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"

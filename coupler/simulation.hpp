@@ -12,7 +12,7 @@
 #include <functional>
 
 #include "coupler/body_turnover.hpp"
-#include "coupler/case/motion_limits.hpp"
+#include "coupler/case/limits.hpp"
 #include "coupler/energy_guard.hpp"
 #include "coupler/fault_watch.hpp"
 #include "coupler/forces/contact_torque.hpp"

@@ -1,10 +1,17 @@
 # Completion for bash: `source scripts/completion.bash`; installed, it is there of itself. Completes the subcommands of
-# silt, the options of silt and of scripts/* (as their --help has them), backends, and cases: directories with a case.toml
+# silt, the options of silt and of scripts/* (as their --help has them), backends, keys of a case, and cases: directories with a case.toml
 # and, for the scripts, Silt's own.
 
 # The options that a command's --help names.
 _silt_options() {
   "$@" --help 2>/dev/null | grep -oE -- '(^|[^a-z-])--?[a-z][a-z-]*' | grep -oE -- '--?[a-z][a-z-]*' | sort -u
+}
+
+# The keys of a case, as the program that is named or built here lists them.
+_silt_keys() {
+  local program=${COMP_WORDS[0]}
+  [ "${program##*/}" = silt ] || program=${program%/*}/../build/release/coupler/silt
+  "$program" keys 2>/dev/null | cut -d ' ' -f 1 | sort -u
 }
 
 # Cases that begin with a word: directories, files, and the names given.
@@ -25,6 +32,8 @@ _silt_cases() {
 _silt_complete() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
   case $before in
+    --set) compopt -o nospace 2>/dev/null; mapfile -t COMPREPLY < <(compgen -S = -W "$(_silt_keys)" -- "$word"); return ;;
+    --unset) mapfile -t COMPREPLY < <(compgen -W "$(_silt_keys)" -- "$word"); return ;;
     --backend) mapfile -t COMPREPLY < <(compgen -W "auto analytic bullet fcl" -- "$word"); return ;;
     --out|--checkpoint|--hostfile|--json) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
   esac
@@ -35,7 +44,7 @@ _silt_complete() {
 }
 
 _silt() {
-  local word=${COMP_WORDS[COMP_CWORD]} subcommands="run resume check info"
+  local word=${COMP_WORDS[COMP_CWORD]} subcommands="run resume check info keys"
   if [ "$COMP_CWORD" -eq 1 ]; then
     mapfile -t COMPREPLY < <(compgen -W "$subcommands --help --version" -- "$word")
   elif [ "${COMP_WORDS[1]}" = info ]; then

@@ -1,28 +1,143 @@
 #pragma once
 // A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
 // with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml),
-// case_check judges it. Its sections have headers of their own: what needs one of them includes that one.
+// case_check judges it. Sections that are needed alone have headers of their own.
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "coupler/case/body_spec.hpp"
-#include "coupler/case/boundary_spec.hpp"
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/contact_spec.hpp"
 #include "coupler/case/coupling_spec.hpp"
 #include "coupler/case/fluid_spec.hpp"
+#include "coupler/case/name_table.hpp"
 #include "coupler/case/output_spec.hpp"
+#include "coupler/case/position_file.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "coupler/case/units.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/sleep_rule.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/response/contact_resolver.hpp"
 #include "rigid/shapes/shape_list.hpp"
 
 namespace silt::coupler {
+
+// The bodies: [[bodies]], [[fill]] and [[outflow]].
+
+inline constexpr auto motion_names = names_of<rigid::Motion>("free", "fixed", "prescribed");
+
+struct BodySpec {  // one body
+  int shape = 0, material = 0;
+  int kind = 0;             // index into Case::kind_names
+  int entry = -1;           // which [[bodies]] entry gave it; -1: a [[fill]]
+  std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: the case says where it is
+  double density = 1;       // relative to the fluid's (lattice)
+  rigid::Motion motion = rigid::Motion::free;
+  rigid::Pose pose;   // of the centre of mass
+  bool unit = false;  // the orientation is of length 1 as it stands, to the last bit: as a file has it
+  rigid::Vec3 origin = rigid::Vec3::Zero();  // the point that a position of the case places, from the centre
+  rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+
+  rigid::Vec3 given_position() const { return pose.to_world(origin); }
+};
+
+/// Bodies of one [[bodies]] entry whose positions stand in a file.
+struct FiledBodies {
+  BodySpec alike;  // but for what the file says; velocities that it says: the largest
+  PositionFile positions;
+  PositionContents contents;
+};
+
+enum class Arrangement { random, simple_cubic, hexagonal, layers };
+inline constexpr auto arrangement_names =
+    names_of<Arrangement>("random", "simple-cubic", "hexagonal", "layers");
+
+struct FillSpec {
+  int shape = 0, material = 0, kind = 0;
+  std::int64_t count = 0;       // 0: as many as there are sites for, not at random
+  double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
+  Arrangement arrangement = Arrangement::random;
+  double spacing = 0;    // of sites, not at random; 0: the least
+  double shift = 0;      // furthest that a body is moved from its site
+  bool aligned = false;  // else turned at random
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
+  std::uint64_t seed = 1;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the bodies when they are placed
+  std::int64_t every = 0;                      // steps between two applications; 0: at the start only
+  double until = std::numeric_limits<double>::infinity();  // no application after this step
+
+  /// Whether it is applied again before the step that follows so many.
+  bool comes_at(std::int64_t steps_done) const {
+    return every > 0 && steps_done > 0 && steps_done % every == 0 && static_cast<double>(steps_done) <= until;
+  }
+};
+
+/// A box out of which free bodies are taken as soon as their centre of mass is in it.
+struct OutflowSpec {
+  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
+};
+
+// The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
+
+enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
+inline constexpr auto side_names = names_of<Side>("x-low", "x-high", "y-low", "y-high", "z-low", "z-high");
+
+enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
+inline constexpr auto boundary_names =
+    names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
+
+/// What becomes of a body beyond a side that is open to bodies: it is taken out, or the run stops.
+enum class Leaving { remove, stop };
+inline constexpr auto leaving_names = names_of<Leaving>("remove", "stop");
+
+struct BoundarySpec {
+  BoundaryKind kind = BoundaryKind::periodic;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
+  double density = 1;                          // outlets
+  bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+  Leaving leaving = Leaving::remove;           // of a side that is not solid for them
+  bool has_velocity() const { return kind == BoundaryKind::moving || kind == BoundaryKind::velocity_inlet; }
+  bool lets_bodies_pass() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
+  bool removes_bodies() const { return lets_bodies_pass() && leaving == Leaving::remove; }
+};
+
+/// A wall of triangles from a file.
+struct MeshWall : rigid::MeshWallSpec {
+  std::string file, contents;  // contents: "1280 triangles in 1 shell", and what was mended
+  std::string table;           // of its motion; "" without one
+  int table_headings = 0;      // its lines of headings
+};
+
+/// A curved wall of the domain, for fluid and bodies alike.
+struct CurvedWall {
+  std::string name;
+  std::variant<rigid::TubeSpec, MeshWall> surface;
+
+  const rigid::TubeSpec* tube() const { return std::get_if<rigid::TubeSpec>(&surface); }
+  const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
+  /// Whether its surface moves, as prescribed; that of a tube slides along itself.
+  bool moves() const {
+    if (mesh()) return mesh()->motion.moves();
+    return tube()->angular_velocity != 0 || tube()->velocity != 0;
+  }
+};
+
+/// How bodies collide: the table [contacts].
+struct ContactSpec {
+  std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
+  rigid::ResolverSettings resolver_settings;
+  int substeps = 1;
+  double margin = 1.0;
+  std::optional<double> sleep_speed, sleep_time;  // of bodies at rest; no speed: none sleeps
+};
 
 struct Case {
   // text: case.toml as read, then each file and each --set as a comment, for provenance
@@ -93,5 +208,34 @@ struct Case {
   /// Something besides the sides of the domain bounds the fluid.
   bool has_surfaces() const { return has_bodies() || !walls.empty(); }
 };
+
+/// What the bodies of one entry of [[bodies]] or [[fill]] have in common, and how many they are.
+struct Entry {
+  std::string key;  // "bodies[2]", "fill[0]"
+  int shape;
+  double density;
+  rigid::Motion motion;
+  rigid::Vec3 velocity, angular_velocity;
+  std::uint64_t count;  // 0: as many as a fill has sites for
+
+  bool is_free() const { return motion == rigid::Motion::free; }
+  bool moves() const { return velocity.norm() + angular_velocity.norm() > 0; }
+};
+std::vector<Entry> entries_of(const Case&);
+
+// The domain of a case as the bodies see it.
+
+rigid::Extent extent_of(const Case&);
+
+/// Puts a body where the case says it is: its `origin` at a point. Where that is in the domain, the centre of
+/// mass is too along the periodic axes, a whole number of periods away.
+void put_at(BodySpec&, const rigid::Vec3& point, const rigid::Extent&);
+
+/// Returns the shortest of the displacements between a point and the periodic images of another.
+rigid::Vec3 nearest_image(rigid::Vec3 displacement, const rigid::Extent&);
+
+/// Returns when bodies of a case are held at rest. Without a time of its own it is that in which a thousandth
+/// of gravity gives the speed; none where nothing sleeps.
+std::optional<rigid::SleepRule> sleep_rule(const Case&);
 
 }  // namespace silt::coupler

@@ -1,13 +1,42 @@
 #pragma once
-// Reads a case directory: case.toml, and nothing outside the directory.
+// Reads a case directory: case.toml and the files it names, and nothing outside the directory. One rank reads
+// it, on the others it is at hand.
+#include <mpi.h>
+
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_source.hpp"
+#include "coupler/case/position_file.hpp"
 
 namespace silt::coupler {
+
+struct AttachedFile {
+  std::string bytes;
+  std::string fingerprint;     // "rock.stl: 684 bytes, XXH3 00112233aabbccdd"
+  PositionContents positions;  // of a file of positions, whose bytes stay where they are
+};
+
+struct CaseSource {
+  std::string file, text;                        // of case.toml: its path, for messages, and what it says
+  std::map<std::string, AttachedFile> attached;  // by name, as far as they have been asked for
+
+  std::filesystem::path directory() const { return std::filesystem::path(file).parent_path(); }
+  /// Returns a file that the case names, beside it, read where it is not at hand. std::invalid_argument says
+  /// what is wrong with it.
+  const AttachedFile& file_named(const std::string& name);
+  /// Returns what there is to know of positions, "cloud.csv" or "cloud.h5:/points", without keeping them;
+  /// errors alike.
+  const AttachedFile& positions_named(const std::string& name);
+};
+
+/// Reads case.toml of a directory, or the .toml file itself. CaseError.
+CaseSource read_source(const std::filesystem::path& directory);
+
+/// Collective. Hands what rank 0 has to all.
+void broadcast(MPI_Comm, CaseSource&);
 
 /// Reads `directory`/case.toml (or the file itself, if a .toml file is given) and converts everything to
 /// lattice units. `overrides` are the values of `--set`: "key.path=value", the value in TOML, strings also

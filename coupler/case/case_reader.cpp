@@ -19,16 +19,10 @@ std::string found(const Node& node) {
   return written(node);
 }
 
-/// Keys by another name in earlier versions, by their paths.
-const std::map<std::string, std::string> renamed_keys = {
-    {"coupling.pressure_anchor", "coupling.mass_correction"},
-};
-
-std::string what_to_write(const std::string& path, const std::string& key,
-                          const std::vector<std::string>& known) {
-  const auto now = renamed_keys.find(path);
-  return now != renamed_keys.end() ? fmt::format("; it is called {} now", now->second)
-                                   : suggestion(key, known);
+/// Without indices: entries of an array have the path of the array.
+std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
+  if (node.kind == Node::Kind::array) return path;
+  return path.empty() ? child.key : path + "." + child.key;
 }
 
 }  // namespace
@@ -51,11 +45,6 @@ void ReadContext::fail(const Place& place, const std::string& text) {
   errors.push_back({Diagnostic::Severity::error, place, text});
 }
 
-std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
-  if (node.kind == Node::Kind::array) return path;
-  return path.empty() ? child.key : path + "." + child.key;
-}
-
 void ReadContext::report_unread(const Node& table, const std::string& path) {
   const auto asked = unjudged.count(&table) ? known_keys.end() : known_keys.find(&table);
   const auto is_known = [&](const std::string& key) {
@@ -67,7 +56,7 @@ void ReadContext::report_unread(const Node& table, const std::string& path) {
     if (!element && asked != known_keys.end() && !is_known(child.key)) {
       fail(child.key_place, fmt::format("unknown key '{}' {}{}", child.key,
                                         path.empty() ? "at the top of the file" : "in [" + path + "]",
-                                        what_to_write(child_path, child.key, asked->second)));
+                                        suggestion(child.key, asked->second)));
     } else if (!child.children.empty()) {
       report_unread(child, child_path);
     }
@@ -135,8 +124,7 @@ std::optional<rigid::Vec3> read_vector(ReadContext& context, const Node& node, c
     if (good) v[d] = node.children[d].number();
   }
   if (good) return v;
-  context.fail(place_of(node),
-               fmt::format("{} is {}; it must be three finite numbers, [x, y, z]", path, found(node)));
+  context.fail(place_of(node), "{} is {}; it must be three finite numbers, [x, y, z]", path, found(node));
   return {};
 }
 

@@ -2,7 +2,8 @@
 // Typed access to the tables of a case file that keeps account of who read what: every key asked for becomes
 // a known key of its table, and a key that nobody asked for is an error. Nothing here throws; errors are
 // collected.
-#include <filesystem>
+#include <fmt/format.h>
+
 #include <initializer_list>
 #include <limits>
 #include <map>
@@ -43,10 +44,6 @@ inline constexpr Range between(double low, double high) {
 }
 }  // namespace range
 
-/// Returns the path of a child of a node at `path`, without indices: entries of an array have the path of the
-/// array.
-std::string path_of_child(const Node& node, const std::string& path, const Node& child);
-
 /// Holds what the readers of all sections share.
 struct ReadContext {
   std::string file;
@@ -61,6 +58,10 @@ struct ReadContext {
   std::map<std::string, Place> places;  // of each key found, by its path
 
   void fail(const Place&, const std::string& text);
+  template <class... T>
+  void fail(const Place& place, fmt::format_string<T...> text, T&&... values) {
+    fail(place, fmt::format(text, std::forward<T>(values)...));
+  }
   /// Reports an error for every key below the table that no reader asked for.
   void report_unread(const Node& table, const std::string& path);
 };
@@ -113,8 +114,14 @@ class TableReader {
   /// Reports "fluid.density is -1; it must be above 0".
   void refuse(std::string_view key, std::string_view must);
   void fail(std::string_view key, const std::string& text) { context_->fail(place(key), text); }
-  void warn(std::string_view key, const std::string& text) {
-    context_->warnings.push_back({Diagnostic::Severity::warning, place(key), text});
+  template <class... T>
+  void fail(std::string_view key, fmt::format_string<T...> text, T&&... values) {
+    context_->fail(place(key), fmt::format(text, std::forward<T>(values)...));
+  }
+  template <class... T>
+  void warn(std::string_view key, fmt::format_string<T...> text, T&&... values) {
+    context_->warnings.push_back(
+        {Diagnostic::Severity::warning, place(key), fmt::format(text, std::forward<T>(values)...)});
   }
   /// Requires that exactly one (or, unless required, at most one) of the keys is given; returns the one, or
   /// "".

@@ -1,63 +1,65 @@
 #pragma once
-// The readers of the sections of a case file, in the order read_case calls them. Each reads its keys from the
-// root table and leaves what it found in the Case or in the sections of it that it names; errors go to the
-// reader's context.
-#include "coupler/case/boundary_spec.hpp"
-#include "coupler/case/case_reader.hpp"
-#include "coupler/case/output_spec.hpp"
-#include "coupler/case/quantity_spec.hpp"
+// The sections of a case file: their readers, in the order read_case calls them, and their judges. A reader
+// takes its keys from the root table and leaves what it found in the Case or in the sections of it that it
+// names; errors go to its context.
+#include <string>
+#include <vector>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/key_table.hpp"
+#include "rigid/bodies/wall_motion.hpp"
 #include "rigid/shapes/polyhedron_mesh.hpp"
 #include "rigid/shapes/shape_list.hpp"
 
 namespace silt::coupler {
 
-struct Case;
+// domain.cpp
+std::vector<KeySection> domain_sections();
+void read_units(TableReader& root, Case&);  // first: everything after it converts
+void read_domain(TableReader& root, Case&);
 
-// read_domain.cpp
-void read_units(TableReader& root, Case&);   // first: everything after it converts
-void read_domain(TableReader& root, Case&);  // [domain]
-void read_fluid(TableReader& root, Case&);   // [fluid], [coupling], [gravity]
+// fluid.cpp
+std::vector<KeySection> fluid_sections();
+void read_fluid(TableReader& root, Case&);  // [fluid], [coupling], [gravity]
 
-// read_shapes.cpp
+// contacts.cpp
+std::vector<KeySection> contact_sections();
+void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
+
+// walls.cpp
+std::vector<KeySection> wall_sections();
+void read_walls(TableReader& root, Case&);  // [[walls]]; after the materials
+/// Reads the shape of a body of type "mesh"; a sphere if its file is no good (reported).
+rigid::Shape read_mesh_body(TableReader&);
+/// Reads the polyhedron of a file; none if it is no good (reported).
+std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader&);
+
+// shapes.cpp
+std::vector<KeySection> shape_sections();
 void read_shapes(TableReader& root, Case&);  // [[shapes]]
+inline constexpr std::tuple orientation_keys{
+    HandKey{"orientation", "[w, x, y, z]", "1", "one of three",
+            "quaternion from the frame of the shape or file to that around it"},
+    HandKey{"axis_angle", "table", "", "one of three", "rotation by an angle about an axis, see below"},
+    HandKey{"axis", "[x, y, z]", "1", "one of three", "direction of the z axis of the shape or file"}};
 /// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);
 /// Reads a tube of the given radius or diameter.
 rigid::Tube read_tube(TableReader&);
 
-// read_walls.cpp
-void read_walls(TableReader& root, const std::vector<std::string>& material_names,
-                std::vector<CurvedWall>&);  // [[walls]]; after the materials
-/// Reads `axis`: "x", "y", "z" or a direction, made a unit vector; `what` says of what.
-rigid::Vec3 read_axis(TableReader&, std::string_view what);
-
-// read_mesh_wall.cpp
-/// Reads a wall of type "mesh" without its name and material; without a surface if its file is no good
-/// (reported).
-MeshWall read_mesh_wall(TableReader&);
-/// Reads the shape of a body of type "mesh"; a sphere if its file is no good (reported).
-rigid::Shape read_mesh_body(TableReader&);
-/// Reads the polyhedron of a file; none if it is no good (reported).
-std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader&);
-
-// read_bodies.cpp
-void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
+// bodies.cpp
+std::vector<KeySection> body_sections();
 void read_bodies(TableReader& root, Case&);    // [[bodies]]
 void read_fills(TableReader& root, Case&);     // [[fill]]
 void read_outflows(TableReader& root, Case&);  // [[outflow]]
 
-// read_output.cpp
-/// What a quantity may refer to.
-struct QuantityScope {
-  std::array<int, 3> cells;  // of the domain
-  std::vector<std::string> kind_names;
-  std::vector<CurvedWall> walls;
-};
-void read_run(TableReader& root, std::int64_t& steps, std::optional<SteadySpec>&,
-              std::int64_t& balance_every);                                                 // [run]
-void read_output(TableReader& root, const std::array<int, 3>& cells, OutputSpec&);          // [output]
-void read_quantities(TableReader& root, const QuantityScope&, std::vector<QuantitySpec>&);  // [[quantities]]
+// output.cpp, quantities.cpp
+std::vector<KeySection> output_sections(), quantity_sections();
+void read_run(TableReader& root, Case&);         // [run]
+void read_output(TableReader& root, Case&);      // [output]
+void read_quantities(TableReader& root, Case&);  // [[quantities]]; last: they name bodies and walls
 
 /// Returns the index into the names of materials, 0 ("default") without the key.
 int read_material_name(TableReader&, const std::vector<std::string>& material_names);
@@ -69,5 +71,27 @@ int index_of(TableReader&, std::string_view key, const std::string& name,
 
 /// Reads the corners of `box`; the whole domain, of so many cells, without it.
 void read_box(TableReader&, const std::array<int, 3>& cells, rigid::Vec3& lower, rigid::Vec3& upper);
+
+struct MotionFile {
+  std::vector<rigid::MotionRow> rows;  // in lattice units
+  int headings = 0;                    // lines
+};
+
+/// Reads lines of seven numbers (csv_reader.hpp), in the units of the case: time, displacement x, y, z,
+/// rotation vector x, y, z (radian). std::invalid_argument says which line is wrong; times must grow and
+/// there must be two lines or more.
+MotionFile read_motion_file(const std::string& text, const Units&);
+
+// The judges of a scene: they report to the Findings what is wrong or doubtful, and what cures it.
+void find_domain_faults(const Case&, Findings&);   // cells, blocks, sides, inlets and outlets
+void find_fluid_faults(const Case&, Findings&);    // relaxation time, viscosity, cell Reynolds number, start
+void find_contact_faults(const Case&, Findings&);  // coefficients, margin, lubrication, sleep
+void find_run_faults(const Case&, Findings&);      // length, what becomes steady, output of what is not there
+void find_density_faults(const Case&, Findings&);  // of fluid and bodies, and slips of units in them
+void find_quantity_faults(const Case&, Findings&);  // what the scene has not, or the run is too short for
+void find_wall_faults(const Case&, Findings&);      // tubes and meshes: room, periodic borders, speed
+void find_body_faults(const Case&, Findings&);      // sizes, backend, room in fills
+void find_turnover_faults(const Case&, Findings&);  // bodies that come and go
+void find_driving_faults(const Case&, Findings&);   // gravity, body force, and the speeds that come of them
 
 }  // namespace silt::coupler

@@ -9,6 +9,9 @@
 
 namespace silt::coupler {
 
+/// Returns a text without the blanks around it.
+std::string_view trimmed(std::string_view);
+
 /// Reads a file line by line. Lines end in LF, CRLF or CR; blank ones and those that begin with # do not
 /// count. A byte order mark of UTF-8 at the beginning is passed over; fields may stand in double quotes (RFC
 /// 4180).

@@ -5,15 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/body_check.hpp"
-#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/choose_collision.hpp"
-#include "coupler/case/curved_walls.hpp"
-#include "coupler/case/expected_fall.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/driving.hpp"
 #include "coupler/case/fill_room.hpp"
-#include "coupler/case/lattice.hpp"
-#include "coupler/case/sleep.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -139,21 +135,14 @@ void add_fluid(const Case& scene, Table& table) {
   table.line("memory", fmt::format("{:.1f} MB in all", fluid_memory(scene) / 1e6));
 }
 
-struct KindSummary {
-  std::int64_t count = 0;
-  int shape = 0;
-  double density = 0;
-  bool free = true;
-};
-
-void add_kind(const Case& scene, Table& table, const std::string& name, const KindSummary& kind) {
+void add_kind(const Case& scene, Table& table, const std::string& name, const Entry& kind) {
   const rigid::Shape& shape = scene.shapes[kind.shape];
   const double volume = rigid::mass_properties(shape).volume;
   table.line(name, fmt::format("{} of shape '{}' ({})", kind.count, scene.shape_names[kind.shape],
                                rigid::shape_name(shape)));
   table.quantity("  cells across", rigid::least_width(shape), dimension::length, "m", "cells");
   table.line("  density ratio", "", shown(kind.density));
-  if (!scene.fluid || !kind.free || scene.gravity.norm() == 0) return;
+  if (!scene.fluid || !kind.is_free() || scene.gravity.norm() == 0) return;
   const double diameter = std::cbrt(6 / std::numbers::pi * volume), nu = scene.fluid->kinematic_viscosity;
   const double speed = terminal_velocity(diameter, kind.density, scene.gravity.norm(), nu);
   table.quantity("  terminal velocity", speed, dimension::velocity, "m/s",
@@ -163,11 +152,10 @@ void add_kind(const Case& scene, Table& table, const std::string& name, const Ki
 }
 
 /// As many as asked for, else as there are sites, of which some may turn out not to be free.
-std::int64_t most_bodies_of(const Case& scene, std::size_t fill) {
+std::uint64_t most_bodies_of(const Case& scene, std::size_t fill) {
   const FillSpec& spec = scene.fills[fill];
-  if (spec.count > 0) return spec.count;
-  return static_cast<std::int64_t>(
-      lattice_of(scene, fill, rigid::bounding_radius(scene.shapes[spec.shape])).total());
+  if (spec.count > 0) return static_cast<std::uint64_t>(spec.count);
+  return lattice_of(scene, fill, rigid::bounding_radius(scene.shapes[spec.shape])).total();
 }
 
 /// What of the box, as far as it lies in the domain, is left for the bodies' centres.
@@ -187,12 +175,12 @@ void add_room(const Case& scene, Table& table, std::size_t fill) {
 }
 
 /// How often a fill is applied again, and what that comes to if there is always room.
-void add_inflow(const Case& scene, Table& table, const FillSpec& fill, std::int64_t count) {
+void add_inflow(const Case& scene, Table& table, const FillSpec& fill, double count) {
   if (fill.every == 0) return;
   const double last = std::min(fill.until, static_cast<double>(scene.steps - 1));
   const auto again = static_cast<std::int64_t>(last / static_cast<double>(fill.every));
   table.line("  again", fmt::format("every {} steps, {} time{}", fill.every, again, again == 1 ? "" : "s"));
-  const double a_step = static_cast<double>(count) / static_cast<double>(fill.every);
+  const double a_step = count / static_cast<double>(fill.every);
   const double mass = a_step * fill.density * rigid::mass_properties(scene.shapes[fill.shape]).volume;
   table.quantity("  bodies at most", a_step, {0, -1, 0}, "a second", "a step");
   table.quantity("  their mass", mass, {0, -1, 1}, "kg/s", "a step");
@@ -207,31 +195,27 @@ void add_bodies(const Case& scene, Table& table) {
   if (scene.gravity.norm() > 0)
     table.quantity("gravity", scene.gravity.norm(), dimension::acceleration, "m/s2", "cells/step2");
   double volume = 0;
-  std::vector<std::pair<int, KindSummary>> entries;  // by [[bodies]] entry
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t count) {
-    if (entries.empty() || entries.back().first != body.entry)
-      entries.push_back({body.entry, {0, body.shape, body.density, body.motion == rigid::Motion::free}});
-    entries.back().second.count += static_cast<std::int64_t>(count);
-    volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[body.shape]).volume;
-  });
+  const std::vector<Entry> entries = entries_of(scene);
+  const std::size_t given = entries.size() - scene.fills.size();
   constexpr std::size_t most_lines = 12;
-  for (std::size_t i = 0; i < std::min(entries.size(), most_lines); ++i) {
-    add_kind(scene, table, fmt::format("bodies[{}]", entries[i].first), entries[i].second);
+  for (std::size_t i = 0; i < std::min(given, most_lines); ++i) {
+    add_kind(scene, table, entries[i].key, entries[i]);
     for (const FiledBodies& filed : scene.filed)
-      if (filed.alike.entry == entries[i].first && filed.positions.dataset.empty())
+      if (entry_key(filed.alike.entry) == entries[i].key && filed.positions.dataset.empty())
         table.line("  in " + filed.positions.file,
                    lines_text(filed.contents.points, filed.contents.headings));
   }
-  if (entries.size() > most_lines)
-    table.line("", fmt::format("and {} more entries", entries.size() - most_lines));
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
-    const FillSpec& fill = scene.fills[i];
-    const std::int64_t count = most_bodies_of(scene, i);
-    add_kind(scene, table, fmt::format("fill[{}] {}", i, scene.kind_names[fill.kind]),
-             {count, fill.shape, fill.density, true});
-    add_room(scene, table, i);
-    add_inflow(scene, table, fill, count);
-    volume += static_cast<double>(count) * rigid::mass_properties(scene.shapes[fill.shape]).volume;
+  if (given > most_lines) table.line("", fmt::format("and {} more entries", given - most_lines));
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    Entry entry = entries[i];
+    if (i >= given) {
+      const FillSpec& fill = scene.fills[i - given];
+      entry.count = most_bodies_of(scene, i - given);
+      add_kind(scene, table, fmt::format("{} {}", entry.key, scene.kind_names[fill.kind]), entry);
+      add_room(scene, table, i - given);
+      add_inflow(scene, table, fill, static_cast<double>(entry.count));
+    }
+    volume += static_cast<double>(entry.count) * rigid::mass_properties(scene.shapes[entry.shape]).volume;
   }
   for (std::size_t i = 0; i < scene.outflows.size(); ++i)
     table.line(fmt::format("outflow[{}]", i),

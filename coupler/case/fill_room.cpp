@@ -3,22 +3,61 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/counter_random.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
+
+using rigid::Vec3;
+
+CurvedWalls::CurvedWalls(const Case& scene) {
+  for (const CurvedWall& wall : scene.walls)
+    if (const auto* tube = wall.tube())
+      tubes_.push_back({{tube->radius}, rigid::pose_of(*tube)});
+    else if (const auto* mesh = wall.mesh())
+      meshes_.push_back({mesh->mesh, mesh->pose(0)});
+}
+
+bool CurvedWalls::are_clear_of(const Vec3& centre, double radius) const {
+  const auto clear_of_mesh = [&](const PlacedMesh& wall) {
+    const Vec3 x = wall.pose.to_body(centre);
+    return wall.mesh.surface->nearest(x, radius).distance >= radius && !wall.mesh.contains(x);
+  };
+  const auto clear_of_tube = [&](const PlacedTube& wall) {
+    return rigid::gap_in_tube(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, wall.tube,
+                              wall.pose) >= 0;
+  };
+  return std::all_of(tubes_.begin(), tubes_.end(), clear_of_tube) &&
+         std::all_of(meshes_.begin(), meshes_.end(), clear_of_mesh);
+}
+
+double CurvedWalls::share_left(const rigid::BoundingBox& room, double radius) const {
+  if (empty()) return 1;
+  constexpr int points = 32;
+  const Vec3 step = (room.upper - room.lower) / points;
+  int clear = 0;
+  for (int z = 0; z < points; ++z)
+    for (int y = 0; y < points; ++y)
+      for (int x = 0; x < points; ++x)
+        clear += are_clear_of(room.lower + step.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)), radius);
+  return clear / double(points * points * points);
+}
+
 namespace {
 
 [[noreturn]] void refuse(const Case& scene, std::size_t fill, int axis, double radius,
                          const std::string& why) {
   throw CaseError(
       scene.place(fmt::format("fill[{}].box", fill)),
-      fmt::format("fill[{}]: bodies of {} cells ({}) do not fit along {}: {}; enlarge it or make the "
-                  "bodies smaller",
-                  fill, shown(2 * radius), shown(scene.units.physical(2 * radius, dimension::length)),
-                  "xyz"[axis], why));
+      fmt::format(
+          "fill[{}]: bodies of {} cells ({}) do not fit along {}: {}; enlarge it or make the bodies smaller",
+          fill, shown(2 * radius), shown(scene.units.physical(2 * radius, dimension::length)), "xyz"[axis],
+          why));
 }
 
 }  // namespace
@@ -46,6 +85,85 @@ rigid::BoundingBox room_for_centres(const Case& scene, std::size_t index, double
                          shown(std::max(0., upper - lower + 2 * radius))));
   }
   return room;
+}
+
+namespace {
+
+constexpr double rounding = 1e-9;  // of a length that is a whole number of steps
+
+/// The distances of rows and of layers over that of neighbours; how many of them repeat the pattern.
+struct Pattern {
+  double rows, layers;
+  int repeat;
+};
+
+Pattern pattern_of(Arrangement arrangement) {
+  if (arrangement != Arrangement::hexagonal) return {1, 1, 1};
+  return {std::sqrt(0.75), std::sqrt(2. / 3), 2};  // closest: layers ABAB
+}
+
+}  // namespace
+
+Lattice::Lattice(const rigid::BoundingBox& room, const rigid::Extent& extent, Arrangement arrangement,
+                 double spacing, std::uint64_t stream)
+    : arrangement_(arrangement), room_(room), stream_(stream) {
+  const Pattern pattern = pattern_of(arrangement);
+  const double factors[3] = {1, pattern.rows, pattern.layers};
+  for (int d = 0; d < 3; ++d) {
+    const double length = room.upper[d] - room.lower[d], least = spacing * factors[d];
+    round_[d] = extent.periodic[d] && length >= extent.size[d];
+    const auto fit = static_cast<std::int64_t>(std::floor(std::max(-1.0, length / least + rounding)));
+    const int repeat = d == 0 ? 1 : pattern.repeat;
+    count_[d] = round_[d] ? fit / repeat * repeat : fit + 1;
+    step_[d] = round_[d] && count_[d] > 0 ? length / static_cast<double>(count_[d]) : least;
+    const double used = static_cast<double>(count_[d] - 1) * step_[d];
+    const bool shifted = arrangement == Arrangement::layers && d < 2;
+    first_[d] = room.lower[d] + (round_[d] ? step_[d] / 2 : shifted ? 0 : (length - used) / 2);
+  }
+}
+
+/// The shift of a layer along x and y.
+std::array<double, 2> Lattice::layer_offset(std::int64_t layer) const {
+  if (arrangement_ == Arrangement::hexagonal && layer % 2 != 0) return {step_[0] / 2, step_[1] / 3};
+  if (arrangement_ != Arrangement::layers) return {0, 0};
+  CounterRandom random(mixed(stream_ ^ mixed(static_cast<std::uint64_t>(layer))));
+  const double x = random.uniform(), y = random.uniform();
+  return {x * step_[0], y * step_[1]};
+}
+
+rigid::Vec3 Lattice::site(const Index& i) const {
+  const auto [x, y] = layer_offset(i[2]);
+  const double row = arrangement_ == Arrangement::hexagonal && i[1] % 2 != 0 ? step_[0] / 2 : 0;
+  rigid::Vec3 site;
+  for (int d = 0; d < 3; ++d) site[d] = first_[d] + static_cast<double>(i[d]) * step_[d];
+  return site + rigid::Vec3(x + row, y, 0);
+}
+
+bool Lattice::in_room(const rigid::Vec3& site) const {
+  for (int d = 0; d < 3; ++d)
+    if (!round_[d] && (site[d] < room_.lower[d] - rounding || site[d] > room_.upper[d] + rounding))
+      return false;
+  return true;
+}
+
+Lattice lattice_of(const Case& scene, FillApplication application, double radius) {
+  const std::size_t index = application.fill;
+  const FillSpec& fill = scene.fills[index];
+  const rigid::Extent extent = extent_of(scene);
+  const double least = 2 * radius + fill.gap + 2 * fill.shift;
+  const double spacing = fill.spacing > 0 ? fill.spacing : least;
+  if (spacing < least * (1 - rounding))
+    throw CaseError(scene.place(fmt::format("fill[{}].spacing", index)),
+                    fmt::format("fill[{}].spacing is {}; it must be at least {}: the diameter of a body's "
+                                "bounding sphere, the gap and twice the shift",
+                                index, shown_length(scene, spacing), shown_length(scene, least)));
+  rigid::BoundingBox room = room_for_centres(scene, index, radius);
+  for (int d = 0; d < 3; ++d) {
+    if (extent.periodic[d] && room.upper[d] - room.lower[d] >= extent.size[d]) continue;
+    room.lower[d] += fill.shift;
+    room.upper[d] -= fill.shift;
+  }
+  return Lattice(room, extent, fill.arrangement, spacing, mixed(fill.seed) ^ mixed(~application.stream()));
 }
 
 }  // namespace silt::coupler

@@ -1,16 +1,96 @@
 #pragma once
-// Where the bodies of a [[fill]] may be: their bounding spheres, and the room for the centres of those.
+// Where the bodies of a [[fill]] may be: the room for the centres of their bounding spheres, what curved
+// walls take of it, and the sites of those that are not placed at random.
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
+#include "coupler/case/case.hpp"
+#include "rigid/bodies/body_exchange.hpp"
 #include "rigid/shapes/bounding_box.hpp"
+#include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/tube.hpp"
 
 namespace silt::coupler {
 
 struct Case;
 
+/// Which fill is applied, and how often it has been before.
+struct FillApplication {
+  std::size_t fill;
+  std::uint64_t number;
+
+  FillApplication(std::size_t fill, std::uint64_t number = 0) : fill(fill), number(number) {}
+  bool is_first() const { return number == 0; }
+  /// Tells the random numbers of one application from those of any other of the same seed.
+  std::uint64_t stream() const { return fill | number << 24; }
+};
+
+/// The curved walls of a case at the start, as what is to be placed meets them.
+class CurvedWalls {
+ public:
+  explicit CurvedWalls(const Case&);
+
+  /// Says whether a ball of a radius about a point meets none of them.
+  bool are_clear_of(const rigid::Vec3& centre, double radius) const;
+  /// Returns the share of a box in which a ball's centre may be, by a look at 32 points along each edge.
+  double share_left(const rigid::BoundingBox& room, double radius) const;
+  bool empty() const { return tubes_.empty() && meshes_.empty(); }
+
+ private:
+  struct PlacedTube {
+    rigid::Tube tube;
+    rigid::Pose pose;
+  };
+  struct PlacedMesh {
+    rigid::Mesh mesh;
+    rigid::Pose pose;
+  };
+  std::vector<PlacedTube> tubes_;
+  std::vector<PlacedMesh> meshes_;
+};
+
 /// Returns the box of a fill less a radius, and less the gap too where a side of the box is a wall; all of
 /// [0, length] along a periodic axis that the box covers. CaseError if not one body fits.
 rigid::BoundingBox room_for_centres(const Case&, std::size_t fill, double radius);
+
+/// Rows along x, rows side by side along y in layers, layers one above the other along z. Along a periodic
+/// axis that the room covers, sites are moved apart until they meet its end; along others they stand in the
+/// middle.
+class Lattice {
+ public:
+  using Index = std::array<std::int64_t, 3>;
+  /// spacing: distance of neighbours, at least. room: for sites.
+  Lattice(const rigid::BoundingBox& room, const rigid::Extent&, Arrangement, double spacing,
+          std::uint64_t stream);
+
+  const Index& sites() const { return count_; }
+  std::uint64_t total() const { return static_cast<std::uint64_t>(count_[0] * count_[1] * count_[2]); }
+  std::uint64_t number(const Index& i) const {
+    return static_cast<std::uint64_t>((i[2] * count_[1] + i[1]) * count_[0] + i[0]);
+  }
+  /// Where a site is, unwrapped. Those of layers or rows that are shifted may lie outside the room.
+  rigid::Vec3 site(const Index&) const;
+  bool in_room(const rigid::Vec3& site) const;
+  bool goes_round(int axis) const { return round_[axis]; }
+  /// The step from site to site of an axis, and where the first is, give or take a step.
+  double step(int axis) const { return step_[axis]; }
+  double first(int axis) const { return first_[axis]; }
+
+ private:
+  std::array<double, 2> layer_offset(std::int64_t layer) const;
+
+  Arrangement arrangement_;
+  rigid::BoundingBox room_;
+  std::uint64_t stream_;
+  Index count_{};
+  std::array<double, 3> first_{}, step_{};
+  std::array<bool, 3> round_{};
+};
+
+/// The sites of a fill with bodies of a bounding radius. CaseError if they are too close for them.
+Lattice lattice_of(const Case&, FillApplication, double radius);
 
 }  // namespace silt::coupler

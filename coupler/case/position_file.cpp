@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <span>
 #include <stdexcept>
 
 #include "adapters/hdf5/point_table.hpp"
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/csv_fields.hpp"
 #include "coupler/case/csv_reader.hpp"
 
 namespace silt::coupler {

@@ -1,12 +1,19 @@
 #pragma once
-// The figures of a run: [[quantities]] and [run.steady] of a case.
+// The figures of a run: [[quantities]] and [run.steady] of a case, and the types that an entry may have.
 #include <cstdint>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "coupler/case/name_table.hpp"
+#include "coupler/case/units.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
+
+enum class Axis { x, y, z };
+inline constexpr auto axis_names = names_of<Axis>("x", "y", "z");
 
 /// An analytic flow that a quantity compares with.
 enum class Profile { channel, duct, pipe };
@@ -35,5 +42,130 @@ struct SteadySpec {
   double change = 0;     // relative
   std::int64_t every = 0;
 };
+
+/// A type that a [[quantities]] entry may have: which keys it takes, what the scene must have, the dimension
+/// of its value and what it means. A new quantity is a row of quantity_rows, and its computation by the same
+/// name in a family of coupler/results (see quantity_computation.hpp); a row without one does not compile.
+struct QuantityType {
+  enum Key : unsigned {
+    body = 1,
+    axis = 2,
+    time = 4,  // the quantity looks at the run from this time on
+    profile = 8,
+    height = 16,
+    centre = 32,
+    box = 64,
+    side = 128,
+    wall = 256,
+    instant = 512  // written `time` too: the quantity looks at this time, by default at the end
+  };
+  enum Need : unsigned {
+    fluid = 1,
+    bodies = 2,
+    gravity = 4,
+    undriven = 8,     // no body of prescribed motion
+    sheared = 16,     // walls of different velocities across `axis`
+    same_bodies = 32  // from start to end
+  };
+
+  std::string_view name;
+  Dimension dimension;  // of the value
+  unsigned keys, needs;
+  std::string_view meaning;
+  std::string_view unit = "";  // of a value without a dimension, where it has one
+
+  constexpr bool takes(Key key) const { return keys & key; }
+  constexpr bool asks_for(Need need) const { return needs & need; }
+};
+
+namespace quantity_rows {
+
+using Q = QuantityType;
+inline constexpr Dimension rate{0, -1, 0}, mass_rate{0, -1, 1}, specific_energy{2, -2, 0},
+    specific_energy_rate{2, -3, 0}, power{2, -3, 1};
+
+inline constexpr QuantityType types[] = {
+    {"max-speed", dimension::velocity, Q::body, Q::bodies, "largest speed of any of the bodies in the run"},
+    {"drag-coefficient", dimension::none, Q::body | Q::axis, Q::fluid | Q::bodies,
+     "force on the fixed bodies over Stokes' drag at the superficial velocity"},
+    {"superficial-velocity", dimension::velocity, Q::body | Q::axis, Q::fluid,
+     "mean over all cells of the fluid's velocity relative to the bodies', at the end; cells inside bodies "
+     "count as zero"},
+    {"profile-error", dimension::none, Q::profile, Q::fluid,
+     "largest deviation from the analytic flow, over its largest speed"},
+    {"taylor-green-velocity", dimension::none, 0, Q::fluid,
+     "relative L2 error of the velocity of a decaying Taylor-Green vortex"},
+    {"taylor-green-decay", dimension::none, 0, Q::fluid,
+     "relative error of the decay rate of a Taylor-Green vortex"},
+    {"kinetic-energy", specific_energy, Q::instant, Q::fluid, "mean of u²/2 over the fluid"},
+    {"dissipation", specific_energy_rate, Q::instant, Q::fluid,
+     "mean of 2 ν S : S over the fluid, the strain rate S from each cell's populations"},
+    {"mean-height", dimension::length, Q::body | Q::axis, Q::bodies,
+     "mean coordinate of the bodies' centres along the axis, at the end"},
+    {"drift", dimension::length, Q::body, Q::bodies,
+     "largest distance of one of the bodies from where it started, at the end"},
+    {"max-height-after", dimension::length, Q::body | Q::axis | Q::time, Q::bodies,
+     "largest coordinate of the bodies' centres along the axis from a time on"},
+    {"displacement", dimension::length, Q::body | Q::axis, Q::bodies,
+     "mean displacement along the axis since the start, counted across periodic borders"},
+    {"mean-velocity", dimension::velocity, Q::body | Q::axis, Q::bodies,
+     "mean velocity of the bodies along the axis, at the end"},
+    {"mean-angular-velocity", dimension::angular_velocity, Q::body | Q::axis, Q::bodies,
+     "mean angular velocity of the bodies about the axis, at the end"},
+    {"max-penetration", dimension::length, 0, Q::bodies, "deepest overlap of any contact in the run"},
+    {"momentum-change", dimension::none, Q::body | Q::axis, Q::bodies | Q::same_bodies,
+     "change of the free bodies' momentum since the start, over the sum of their |m v| then"},
+    {"angular-momentum-change", dimension::none, Q::body, Q::bodies | Q::same_bodies,
+     "change of the free bodies' angular momentum about the domain's corner, over what it was"},
+    {"energy-change", dimension::none, Q::body, Q::bodies | Q::same_bodies,
+     "kinetic and potential energy (zero at the domain's lowest corner) at the end over that at the start, "
+     "less 1"},
+    {"energy-growth", dimension::none, Q::body, Q::bodies | Q::undriven | Q::same_bodies,
+     "largest energy of the run over that at the start, less 1"},
+    {"last-reversal", dimension::time, Q::body, Q::bodies,
+     "latest time at which the spin about the axis of the middle moment of inertia changed its sign, in free "
+     "rotation"},
+    {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies | Q::same_bodies,
+     "mass that came below the height between the time and the end, per time"},
+    {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity,
+     "angle in degrees about the axis from gravity to the line from `centre` to the centre of mass, mean "
+     "from a time on: the slope of the bed in a round container",
+     "degrees"},
+    {"weight-torque", dimension::torque, Q::body | Q::axis | Q::centre | Q::time, Q::bodies | Q::gravity,
+     "torque about the axis through `centre` of the free bodies' weight less their buoyancy, mean from a "
+     "time on"},
+    {"rebound-ratio", dimension::none, Q::body | Q::axis | Q::height, Q::bodies,
+     "largest velocity along the axis over the largest against it, of bodies with their centres above the "
+     "height"},
+    {"axis-distance", dimension::length, Q::body | Q::wall, Q::bodies,
+     "mean distance of the bodies' centres from the axis of a tube, at the end"},
+    {"wall-stress", dimension::pressure, Q::side | Q::axis | Q::time, Q::fluid,
+     "force of fluid and bodies along the axis on a side of the domain, per area, mean from a time on"},
+    {"wall-force", dimension::force, Q::wall | Q::axis | Q::time, 0,
+     "force of fluid and bodies along the axis on a tube or mesh, mean from a time on"},
+    {"wall-torque", dimension::torque, Q::wall | Q::time, 0,
+     "torque of fluid and bodies on a tube or mesh about its axis, mean from a time on"},
+    {"wall-power", power, Q::wall | Q::time, 0,
+     "power that keeps a tube or mesh moving against fluid and bodies, mean from a time on"},
+    {"relative-viscosity", dimension::none, Q::axis | Q::time, Q::fluid | Q::sheared,
+     "shear stress on the two walls across the axis over that of the fluid alone at the same velocities, "
+     "mean from a time on"},
+    {"body-count", dimension::none, Q::body | Q::box, Q::bodies,
+     "number of bodies whose centre of mass lies in the box, at the end"},
+    {"outflow-rate", rate, Q::time, Q::bodies, "number of bodies that left from a time on, per time"},
+    {"packing-fraction", dimension::none, Q::body | Q::box, Q::bodies,
+     "share of the box that lies inside the bodies, at the end"},
+};
+
+}  // namespace quantity_rows
+
+inline constexpr std::span<const QuantityType> quantity_types = quantity_rows::types;
+
+/// Returns the row of a name; std::invalid_argument for one that the table does not have.
+inline const QuantityType& quantity_type(std::string_view name) {
+  for (const QuantityType& type : quantity_types)
+    if (type.name == name) return type;
+  throw std::invalid_argument("not a type of a quantity: " + std::string(name));
+}
 
 }  // namespace silt::coupler

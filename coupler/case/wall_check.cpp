@@ -1,19 +1,132 @@
-#include "coupler/case/wall_check.hpp"
-
+// Judges curved walls, and bodies in them.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/mesh_check.hpp"
-#include "coupler/case/speed_check.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "coupler/case/limits.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
+
 namespace {
+
+using rigid::TriangleMesh;
+using rigid::Vec3;
+
+/// The path of a wall's key, walls[i].key.
+std::string wall_key(std::size_t wall, const char* key) {
+  return fmt::format("walls[{}].{}", wall, key);
+}
+
+struct Thinnest {
+  double width = std::numeric_limits<double>::infinity();
+  Vec3 place = Vec3::Zero();  // in the frame of the mesh
+};
+
+/// The shortest ray from the middle of a triangle along (sign 1) or against its normal to another triangle
+/// that faces it: the width of a gap, or the thickness of the solid. Of so many triangles at most.
+Thinnest thinnest_part(const TriangleMesh& mesh, int sign) {
+  constexpr std::uint32_t most = 20000;
+  constexpr double facing = 0.5, above = 1e-6;  // cosine; of the mesh's size: past the triangle itself
+  const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
+  const double start = above * (mesh.box().upper - mesh.box().lower).maxCoeff();
+  Thinnest found;
+  for (std::uint32_t t = 0; t < count; t += 1 + count / most) {
+    const auto [a, b, c] = mesh.corners(t);
+    const Vec3 normal = mesh.area_normal(t);
+    if (!(normal.squaredNorm() > 0)) continue;
+    const Vec3 direction = sign * normal.normalized(), middle = (a + b + c) / 3;
+    const double limit = std::min(found.width, 2 * (mesh.box().upper - mesh.box().lower).norm());
+    const auto hit = mesh.first_hit(middle + start * direction, direction, limit);
+    if (!hit || hit->triangle == t) continue;
+    const Vec3 other = mesh.area_normal(hit->triangle);
+    if (other.dot(normal) > -facing * other.norm() * normal.norm()) continue;
+    if (hit->t + start < found.width) found = {hit->t + start, middle};
+  }
+  return found;
+}
+
+void check_features(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall) {
+  constexpr double thin = 1, coarse = 2;  // cells
+  const int solid = wall.mesh.hollow ? 1 : -1;
+  const auto warn = [&](int sign, const char* what) {
+    const Thinnest found = thinnest_part(*wall.mesh.surface, sign);
+    if (found.width >= coarse) return;
+    findings.warning(wall_key(index, "file"),
+                     "walls[{}] has {} of {} at {}, {}; use smaller cells, or a mesh without it", index, what,
+                     shown_length(scene, found.width), shown_point(scene, wall.pose(0).to_world(found.place)),
+                     found.width < thin ? "thinner than a cell: parts of it are missing on the lattice"
+                                        : "less than two cells: the flow about it is not resolved");
+  };
+  warn(solid, "a thickness");
+  warn(-solid, "a gap");
+}
+
+constexpr int looks = 1000;  // instants of a motion that is looked at
+
+/// It must overlap the domain; a vessel may cross a periodic border only if it goes on beyond it on both
+/// sides. Returns whether it does so at an instant.
+bool check_place_at(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall,
+                    double step) {
+  constexpr double beyond = 3;  // cells: of the map's ghost layers
+  const rigid::BoundingBox box = rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.pose(step));
+  bool good = true;
+  for (int d = 0; d < 3; ++d) {
+    const double low = box.lower[d], high = box.upper[d], size = scene.cells[d];
+    const auto reach = fmt::format("walls[{}] reaches from {} to {} along {}{}", index,
+                                   shown_length(scene, low), shown_length(scene, high), "xyz"[d],
+                                   step > 0 ? fmt::format(" in step {:.0f}", step) : "");
+    const bool crosses = low < 0.5 || high > size - 0.5;
+    const bool goes_on = low <= -beyond && high >= size + beyond;
+    if (!scene.periodic(d) && (high <= 0 || low >= size) && step == 0)
+      findings.error(wall_key(index, "position"),
+                     "{}; the domain is from 0 to {}: move it, or correct its scale", reach,
+                     shown_length(scene, size));
+    else if (wall.mesh.hollow && scene.periodic(d) && crosses && !goes_on)
+      findings.error(wall_key(index, step > 0 ? "motion" : "position"),
+                     "{}, which is periodic; a vessel must stay half a cell within the domain there, or go "
+                     "on alike for {} beyond both sides",
+                     reach, shown_length(scene, beyond));
+    else
+      continue;
+    good = false;
+  }
+  return good;
+}
+
+void check_place(const Case& scene, Findings& findings, std::size_t index, const MeshWall& wall) {
+  const int instants = wall.motion.moves() ? looks : 0;
+  for (int k = 0; k <= instants; ++k)
+    if (!check_place_at(scene, findings, index, wall, std::floor(double(scene.steps) * k / looks))) return;
+}
+
+/// Largest speed of a point of the wall, looked for in so many instants.
+double fastest(const Case& scene, const MeshWall& wall) {
+  double speed = 0;
+  const double reach = wall.reach();
+  const auto look = [&](double time) {
+    const auto v = wall.motion.velocity_at(time);
+    speed = std::max(speed, v.linear.norm() + v.angular.norm() * reach);
+  };
+  for (int k = 0; k <= looks; ++k) look(static_cast<double>(scene.steps) * k / looks);
+  for (std::size_t k = 0; k + 1 < wall.motion.table.size(); ++k)
+    look(0.5 * (wall.motion.table[k].time + wall.motion.table[k + 1].time));
+  return speed;
+}
+
+void check_mesh(const Case& scene, Findings& findings, std::size_t index) {
+  const MeshWall& wall = *scene.walls[index].mesh();
+  check_place(scene, findings, index, wall);
+  if (!scene.fluid) return;
+  check_features(scene, findings, index, wall);
+  if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(scene, wall));
+}
 
 using rigid::Vec3;
 
@@ -39,19 +152,18 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
     if (!scene.periodic(d) || along > 1 - straight) continue;
     if (along > straight) {
       findings.error(wall_key(index, "axis"),
-                     fmt::format("walls[{}] leaves the domain through its periodic border across {}, at a "
-                                 "slant; let its axis be {} or lie across it, or give the domain sides there",
-                                 index, "xyz"[d], "xyz"[d]));
+                     "walls[{}] leaves the domain through its periodic border across {}, at a slant; let its "
+                     "axis be {} or lie across it, or give the domain sides there",
+                     index, "xyz"[d], "xyz"[d]);
       continue;
     }
     const double low = tube.point[d] - tube.radius, high = tube.point[d] + tube.radius;
     if (low >= 0.5 && high <= size - 0.5) continue;
-    findings.error(
-        wall_key(index, "point"),
-        fmt::format("walls[{}] reaches from {} to {} along {}, which is periodic; it must stay half "
-                    "a cell within the domain, {} to {}: enlarge the domain, or give it sides there",
-                    index, shown_length(scene, low), shown_length(scene, high), "xyz"[d],
-                    shown_length(scene, 0.5), shown_length(scene, size - 0.5)));
+    findings.error(wall_key(index, "point"),
+                   "walls[{}] reaches from {} to {} along {}, which is periodic; it must stay half a cell "
+                   "within the domain, {} to {}: enlarge the domain, or give it sides there",
+                   index, shown_length(scene, low), shown_length(scene, high), "xyz"[d],
+                   shown_length(scene, 0.5), shown_length(scene, size - 0.5));
   }
 }
 
@@ -60,16 +172,16 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
 void find_wall_faults(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (scene.walls[i].mesh()) {
-      find_mesh_faults(scene, findings, i);
+      check_mesh(scene, findings, i);
       continue;
     }
     const rigid::TubeSpec& tube = *scene.walls[i].tube();
     check_borders(scene, findings, i);
     if (distance_from_domain(scene, tube) >= tube.radius)
       findings.error(wall_key(i, "point"),
-                     fmt::format("walls[{}] has its hole outside the domain: all of it would be solid; move "
-                                 "its point, or change its axis or radius",
-                                 i));
+                     "walls[{}] has its hole outside the domain: all of it would be solid; move its point, "
+                     "or change its axis or radius",
+                     i);
     if (!scene.fluid) continue;
     check_speed(findings, wall_key(i, "velocity"), std::abs(tube.velocity));
     check_speed(findings, wall_key(i, "angular_velocity"), std::abs(tube.angular_velocity) * tube.radius);

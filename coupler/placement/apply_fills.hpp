@@ -2,8 +2,8 @@
 // Fills, applied at the start or again later: the largest bodies first, each where there is room.
 #include <vector>
 
-#include "coupler/case/body_spec.hpp"
-#include "coupler/case/fill_application.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/fill_room.hpp"
 #include "coupler/placement/filled_body.hpp"
 #include "coupler/placement/given_bodies.hpp"
 

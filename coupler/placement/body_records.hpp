@@ -2,7 +2,7 @@
 // The bodies of a case as what the rigid bodies are made of: shapes on their centres of mass, and records.
 #include <vector>
 
-#include "coupler/case/body_spec.hpp"
+#include "coupler/case/case.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/shapes/shape.hpp"
 

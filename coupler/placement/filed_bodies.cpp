@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "coupler/placement/first_faults.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"

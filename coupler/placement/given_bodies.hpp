@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "coupler/case/body_spec.hpp"
+#include "coupler/case/case.hpp"
 #include "coupler/placement/surroundings.hpp"
 
 namespace silt::coupler {

@@ -56,7 +56,7 @@ std::vector<FilledBody> fill_sites(const Case& scene, FillApplication applicatio
     around.extent.wrap(body.centre, image);
     if (around.holders.block_at(body.centre) != block) return;
     if (!obstacles.is_free(body.centre, radius, fill.gap)) return;
-    if (fill.random_orientation) body.orientation = random.orientation();
+    if (!fill.aligned) body.orientation = random.orientation();
     bodies.push_back(body);
   };
   for (const auto& [block, box, rank] : around.domain.blocks_of(around.rank)) {

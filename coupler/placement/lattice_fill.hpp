@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "coupler/case/lattice.hpp"
+#include "coupler/case/fill_room.hpp"
 #include "coupler/placement/filled_body.hpp"
 #include "coupler/placement/obstacles.hpp"
 #include "coupler/placement/surroundings.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "coupler/placement/overlap.hpp"
 #include "rigid/shapes/shape.hpp"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "coupler/case/curved_walls.hpp"
+#include "coupler/case/fill_room.hpp"
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/neighbour_grid.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "coupler/placement/rain.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
@@ -274,7 +273,7 @@ void RandomFill::keep(std::uint64_t last_time) {
     obstacles_.add_ball(p.centre);
     if (!p.own) continue;
     placed_.push_back({p.number, p.centre, rigid::Quat::Identity()});
-    if (spec_.random_orientation) placed_.back().orientation = rain_.orientation(p.number);
+    if (!spec_.aligned) placed_.back().orientation = rain_.orientation(p.number);
   }
 }
 

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "coupler/case/body_check.hpp"
-#include "coupler/case/body_text.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
-#include "coupler/case/wall_check.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/placement/first_faults.hpp"
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/neighbour_grid.hpp"

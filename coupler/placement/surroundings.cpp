@@ -1,6 +1,6 @@
 #include "coupler/placement/surroundings.hpp"
 
-#include "coupler/case/case_extent.hpp"
+#include "coupler/case/case.hpp"
 #include "parallel/collectives.hpp"
 
 namespace silt::coupler {

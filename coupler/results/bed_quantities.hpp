@@ -1,6 +1,6 @@
 #pragma once
 // Quantities of a bed in a round container, from the places of its bodies. Meanings:
-// coupler/case/quantity_types.hpp.
+// coupler/case/quantity_spec.hpp.
 #include "coupler/results/quantity_computation.hpp"
 
 namespace silt::coupler {

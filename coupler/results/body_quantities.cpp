@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "coupler/energy_guard.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 // Quantities that look at the bodies; sums are exact. Positions at the start come from the case, not from
-// memory. Meanings: coupler/case/quantity_types.hpp.
+// memory. Meanings: coupler/case/quantity_spec.hpp.
 #include <functional>
 
 #include "coupler/results/quantity_computation.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Quantities that look at the fluid. Meanings: coupler/case/quantity_types.hpp.
+// Quantities that look at the fluid. Meanings: coupler/case/quantity_spec.hpp.
 #include "coupler/results/quantity_computation.hpp"
 
 namespace silt::coupler {

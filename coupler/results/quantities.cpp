@@ -5,7 +5,7 @@
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/quantity_types.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "coupler/results/bed_quantities.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/flow_quantities.hpp"

@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/choose_collision.hpp"
-#include "coupler/case/quantity_types.hpp"
+#include "coupler/case/fluid_spec.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "coupler/departures.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/motion_totals.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 // Quantities that look at what fluid and bodies do to the walls; means over the steps from a time on. The
-// force of contacts is that of the last sub-step of each step. Meanings: coupler/case/quantity_types.hpp.
+// force of contacts is that of the last sub-step of each step. Meanings: coupler/case/quantity_spec.hpp.
 #include "coupler/results/quantity_computation.hpp"
 
 namespace silt::coupler {

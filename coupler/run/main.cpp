@@ -13,6 +13,7 @@
 #include "adapters/hdf5/describe_file.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_overrides.hpp"
+#include "coupler/case/key_table.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/describe_case.hpp"
 #include "coupler/run/prepare_run.hpp"
@@ -66,6 +67,18 @@ Exit info(const CommandLine& line, bool loud) {
     fmt::print(stderr, "{}\n", parallel::text_of(error));
     return Exit::bad_case;
   }
+}
+
+/// Every key that a case may have and whose path begins so, one a line.
+Exit keys(const std::string& beginning, bool loud) {
+  for (const KeySection& section : case_keys())
+    for (const KeyText& key : section.keys) {
+      const std::string path = section.path + (section.path.empty() ? "" : ".") + key.name;
+      if (!loud || !path.starts_with(beginning)) continue;
+      fmt::print("{}  {}{}{}; default {}: {}\n", path, key.type, key.unit.empty() ? "" : ", ", key.unit,
+                 key.fallback, key.meaning);
+    }
+  return Exit::done;
 }
 
 /// Instead of CLI::PositiveNumber, which takes nan and whose complaint names the largest double there is.
@@ -147,6 +160,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
       app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
   CLI::App* infos = app.add_subcommand(
       "info", "says what a case is and what results it has, or what is in a file of results");
+  CLI::App* lists =
+      app.add_subcommand("keys", "lists the keys that a case may have, as cases/README.md does");
+  lists->add_option("BEGINNING", line.file, "only those that begin so: fluid, output.slices");
   add_run(*run, line);
   run->add_option("--backend", line.backend, "collision backend: auto, analytic, bullet, fcl")
       ->type_name("NAME");
@@ -175,6 +191,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   }
   if (checks->parsed()) return check(line, loud);
   if (infos->parsed()) return info(line, loud);
+  if (lists->parsed()) return keys(line.file, loud);
   return resume->parsed() ? resume_case(options_of(line), comm) : run_case(options_of(line), comm);
 }
 

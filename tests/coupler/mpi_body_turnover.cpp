@@ -155,6 +155,18 @@ TEST(BodyTurnover, BodiesLeavePastAnOpenSide) {
   EXPECT_EQ(s.counters().left, 2u);
 }
 
+/// At the start and after 5 and 10 steps, not after 15.
+TEST(BodyTurnover, NoneComesAfterTheEndOfAFill) {
+  CaseText c;
+  c.domain = domain_of({24, 24, 40}, "\"no-slip\"");
+  c.fluid.clear();
+  c.shapes = sphere_of("ball", 6);
+  c.bodies = fill_of("ball", 2, 1, "every = 5\nuntil = 10\nbox = [[0, 0, 0], [24, 24, 40]]");
+  Simulation s = c.start(MPI_COMM_SELF);
+  while (s.steps_done() < 25) s.step();
+  EXPECT_EQ(s.bodies().owned, 3u);
+}
+
 /// New bodies do not overlap what is there, walls, or each other; the gap is kept.
 TEST(BodyTurnover, BodiesComeWhereThereIsRoom) {
   CaseText c;

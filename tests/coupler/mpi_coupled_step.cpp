@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "coupler/case/body_text.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/mapping/for_cells.hpp"

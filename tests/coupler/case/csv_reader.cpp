@@ -7,7 +7,7 @@
 #include <array>
 #include <sstream>
 
-#include "coupler/case/motion_file.hpp"
+#include "coupler/case/case_sections.hpp"
 
 namespace silt::coupler::testing {
 namespace {

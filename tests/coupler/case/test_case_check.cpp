@@ -6,7 +6,6 @@
 #include <numbers>
 #include <random>
 
-#include "coupler/case/body_check.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/placement/overlap.hpp"

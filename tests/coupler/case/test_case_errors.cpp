@@ -10,8 +10,8 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/case_keys.hpp"
-#include "coupler/case/quantity_types.hpp"
+#include "coupler/case/key_table.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -49,16 +49,18 @@ std::string choices(const std::string& text) {
 }
 
 /// Returns a text with the lists of names in the place of what stands for them in braces.
-std::string filled_in(std::string text, const std::string& case_text) {
+std::string filled_in(std::string text) {
   const std::string shape = "[[shapes]]\nname = \"a\"\ntype = \"?\"\n";
   std::map<std::string, std::string> lists = {{"{backends}", joined_views(adapters::backend_names())},
                                               {"{broad phases}", joined_views(adapters::broad_phase_names())},
                                               {"{quantity types}", quantity_type_names()},
                                               {"{collision models}", joined(collision_names.list())},
                                               {"{shape types}", choices(shape)}};
-  if (text.find("{keys of ") != text.npos)
-    for (const auto& [section, keys] : keys_asked_for(case_text))
-      lists["{keys of " + (section.empty() ? "the file" : section) + "}"] = joined(keys);
+  for (const KeySection& section : case_keys()) {
+    std::vector<std::string> keys;
+    for (const KeyText& key : section.keys) keys.push_back(key.name);
+    lists["{keys of " + (section.path.empty() ? "the file" : section.path) + "}"] = joined(keys);
+  }
   for (const auto& [name, entries] : lists)
     for (auto at = text.find(name); at != text.npos; at = text.find(name))
       text.replace(at, name.size(), entries);
@@ -73,7 +75,7 @@ std::string expected(const std::string& text) {
     if (!all.empty()) all += '\n';
     all.append("case.toml:").append(line, mark.size());
   }
-  return filled_in(all, text);
+  return filled_in(all);
 }
 
 /// Of a case with the other files of the folder beside it.

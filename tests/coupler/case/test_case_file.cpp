@@ -4,7 +4,7 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/derived_table.hpp"
-#include "coupler/case/expected_fall.hpp"
+#include "coupler/case/driving.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

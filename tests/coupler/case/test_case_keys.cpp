@@ -1,14 +1,16 @@
-// cases/README.md against the program: its tables name every key that the reader asks for and no other, every
-// type of a shape and of a quantity with the keys it takes, and no cell is long.
+// The tables of keys: cases/README.md has them word for word, the reader knows the keys of every table and no
+// other, and every type of a shape and of a quantity has the keys it takes.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
 
+#include <regex>
 #include <set>
 #include <sstream>
 
-#include "coupler/case/case_keys.hpp"
-#include "coupler/case/quantity_types.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/case/key_table.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -71,12 +73,30 @@ std::vector<Row> rows_of_readme() {
 
 constexpr std::size_t key_columns = 5;  // key, type, unit, default, meaning; tables of types have fewer
 
-std::map<std::string, Names> documented_keys() {
-  std::map<std::string, Names> keys;
+/// A cell as the table of the program has it: without backticks, and of links their text.
+std::string plain(std::string cell) {
+  std::erase(cell, '`');
+  return std::regex_replace(cell, std::regex(R"(\[([^\[\]]*)\]\([^()]*\))"), "$1");
+}
+
+/// The rows of the page's tables of keys, a line a key, by section.
+std::map<std::string, std::string> documented_rows() {
+  std::map<std::string, std::string> rows;
   for (const Row& row : rows_of_readme())
     if (row.cells.size() == key_columns)
-      for (const std::string& name : names_in(row.cells[0])) keys[row.section].insert(name);
-  return keys;
+      for (const std::string& name : names_in(row.cells[0]))
+        rows[row.section] += fmt::format("{} | {} | {} | {} | {}\n", name, plain(row.cells[1]), row.cells[2],
+                                         plain(row.cells[3]), plain(row.cells[4]));
+  return rows;
+}
+
+std::map<std::string, std::string> rows_of_program() {
+  std::map<std::string, std::string> rows;
+  for (const KeySection& section : case_keys())
+    for (const KeyText& key : section.keys)
+      rows[section.path] +=
+          fmt::format("{} | {} | {} | {} | {}\n", key.name, key.type, key.unit, key.fallback, key.meaning);
+  return rows;
 }
 
 /// The row of a type in the table of types of a section; none for one that is not there.
@@ -87,37 +107,59 @@ const Row* row_of_type(const std::vector<Row>& rows, const std::string& section,
   return nullptr;
 }
 
-/// A text with every table but shapes and quantities: those depend on their types.
+/// A text with every table but shapes and quantities, which depend on their types; in each is a key that none
+/// has.
 constexpr const char* every_table = R"(
-units = { system = "si" }
-domain.boundary.x = [{ type = "moving" }, { type = "pressure-outlet" }]
-fluid.initial.type = "uniform"
-gravity = {}
-coupling = {}
-contacts = {}
-materials = [{ name = "steel" }]
-material_pairs = [{ between = ["steel", "steel"] }]
-walls = [{ type = "tube" }, { type = "mesh", motion = { oscillation = {} } }]
+zzz = 1
+units = { system = "si", zzz = 1 }
+domain = { zzz = 1, boundary = { zzz = 1, x = [{ type = "moving", zzz = 1 }, { type = "pressure-outlet", zzz = 1 }] } }
+fluid = { zzz = 1, initial = { type = "uniform", zzz = 1 } }
+gravity = { zzz = 1 }
+coupling = { zzz = 1 }
+contacts = { zzz = 1 }
+materials = [{ name = "steel", zzz = 1 }]
+material_pairs = [{ between = ["steel", "steel"], zzz = 1 }]
+walls = [{ type = "tube", zzz = 1 }, { type = "mesh", zzz = 1, motion = { zzz = 1, oscillation = { zzz = 1 } } }]
 shapes = []
-bodies = [{ axis_angle = {} }]
-fill = [{}]
-outflow = [{}]
-run.steady = {}
-run.balance = {}
-output = { fields = {}, slices = [{ axis = "x" }], bodies = {}, checkpoint = {}, report = {} }
+bodies = [{ zzz = 1, axis_angle = { zzz = 1 } }]
+fill = [{ zzz = 1 }]
+outflow = [{ zzz = 1 }]
+run = { zzz = 1, steady = { zzz = 1 }, balance = { zzz = 1 } }
 quantities = []
+[output]
+zzz = 1
+fields = { zzz = 1 }
+slices = [{ axis = "x", zzz = 1 }]
+bodies = { zzz = 1 }
+checkpoint = { zzz = 1 }
+report = { zzz = 1 }
 )";
 
-Names as_set(const std::vector<std::string>& names) {
-  return {names.begin(), names.end()};
+Names as_set(const std::string& joined_names) {
+  Names names;
+  std::istringstream stream(joined_names);
+  for (std::string name; stream >> name;) names.insert(name.substr(0, name.find(',')));
+  return names;
+}
+
+/// The keys that are known where the key zzz is not, by section.
+std::map<std::string, Names> known_keys(const std::string& text) {
+  const std::regex complaint(
+      R"(unknown key 'zzz' (?:at the top of the file|in \[([a-z_.]*)\]); known: (.*))");
+  std::istringstream lines(error_of([&] { read_case_text(text, ""); }));
+  std::map<std::string, Names> keys;
+  std::smatch found;
+  for (std::string line; std::getline(lines, line);)
+    if (std::regex_search(line, found, complaint)) keys[found[1]].merge(as_set(found[2]));
+  return keys;
 }
 
 Names keys_of_shape(const std::string& type) {
-  return as_set(keys_asked_for(fmt::format("[[shapes]]\ntype = \"{}\"\n", type)).at("shapes"));
+  return known_keys(fmt::format("[[shapes]]\ntype = \"{}\"\nzzz = 1\n", type)).at("shapes");
 }
 
 Names keys_of_quantity(std::string_view type) {
-  return as_set(keys_asked_for(fmt::format("[[quantities]]\ntype = \"{}\"\n", type)).at("quantities"));
+  return known_keys(fmt::format("[[quantities]]\ntype = \"{}\"\nzzz = 1\n", type)).at("quantities");
 }
 
 std::vector<std::string> shape_types() {
@@ -132,20 +174,33 @@ std::string listed(const Names& names) {
   return joined(std::vector<std::string>(names.begin(), names.end()));
 }
 
-TEST(CaseKeys, TablesNameEveryKeyOfEverySection) {
-  const auto documented = documented_keys();
-  const auto known = keys_asked_for(every_table);
-  for (const auto& [section, keys] : known)
-    EXPECT_EQ(listed(documented.contains(section) ? documented.at(section) : Names{}), listed(as_set(keys)))
-        << "cases/README.md, section '" << section << "': left, its table; right, what the program reads";
-  for (const auto& [section, keys] : documented)
-    if (section != "shapes" && section != "shapes.parts" && section != "quantities") {
-      EXPECT_TRUE(known.contains(section)) << "no section '" << section << "' is read";
+Names keys_of_section(const std::string& path) {
+  Names names;
+  for (const KeySection& section : case_keys())
+    for (const KeyText& key : section.keys)
+      if (section.path == path) names.insert(key.name);
+  return names;
+}
+
+TEST(CaseKeys, ThePageHasTheTablesOfTheProgram) {
+  const auto documented = documented_rows(), tables = rows_of_program();
+  for (const auto& [section, rows] : tables)
+    EXPECT_EQ(documented.contains(section) ? documented.at(section) : "", rows)
+        << "cases/README.md, section '" << section << "'";
+  for (const auto& [section, rows] : documented)
+    EXPECT_TRUE(tables.contains(section)) << "no section '" << section << "' is read";
+}
+
+TEST(CaseKeys, TheReaderKnowsTheKeysOfEveryTable) {
+  const auto known = known_keys(every_table);
+  for (const KeySection& section : case_keys())
+    if (section.path != "shapes" && section.path != "shapes.parts" && section.path != "quantities") {
+      ASSERT_TRUE(known.contains(section.path)) << section.path;
+      EXPECT_EQ(listed(known.at(section.path)), listed(keys_of_section(section.path))) << section.path;
     }
 }
 
 TEST(CaseKeys, EveryTypeOfAShapeHasItsKeys) {
-  const auto documented = documented_keys();
   const std::vector<Row> rows = rows_of_readme();
   const std::vector<std::string> types = shape_types();
   CaseText c;
@@ -161,12 +216,12 @@ TEST(CaseKeys, EveryTypeOfAShapeHasItsKeys) {
     EXPECT_EQ(listed(keys), listed(keys_of_shape(type))) << type;
     all.insert(keys.begin(), keys.end());
   }
-  EXPECT_EQ(listed(documented.at("shapes")), listed(all));
-  const auto part = keys_asked_for("[[shapes]]\ntype = \"compound\"\nparts = [{ type = \"sphere\" }]\n");
+  EXPECT_EQ(listed(keys_of_section("shapes")), listed(all));
+  const auto part = known_keys("[[shapes]]\ntype = \"compound\"\nparts = [{ type = \"sphere\", zzz = 1 }]\n");
   Names keys = keys_of_shape("sphere");
   keys.erase("name");
-  for (const std::string& key : documented.at("shapes.parts")) keys.insert(key);
-  EXPECT_EQ(listed(keys), listed(as_set(part.at("shapes.parts"))));
+  keys.merge(keys_of_section("shapes.parts"));
+  EXPECT_EQ(listed(keys), listed(part.at("shapes.parts")));
 }
 
 TEST(CaseKeys, EveryTypeOfAQuantityHasItsRow) {
@@ -184,7 +239,7 @@ TEST(CaseKeys, EveryTypeOfAQuantityHasItsRow) {
     EXPECT_EQ(row->cells[2], type.meaning) << type.name;
     all.insert(keys.begin(), keys.end());
   }
-  EXPECT_EQ(listed(documented_keys().at("quantities")), listed(all));
+  EXPECT_EQ(listed(keys_of_section("quantities")), listed(all));
 }
 
 TEST(CaseKeys, NoCellIsLong) {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <set>
 
-#include "coupler/case/case_extent.hpp"
+#include "coupler/case/case.hpp"
 #include "tests/coupler/placement/placed.hpp"
 
 namespace silt::coupler::testing {

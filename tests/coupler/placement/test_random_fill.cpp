@@ -5,7 +5,6 @@
 #include <random>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_extent.hpp"
 #include "coupler/placement/overlap.hpp"
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/quantity_types.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "parallel/traffic.hpp"

@@ -20,6 +20,36 @@ namespace {
 using rigid::Quat;
 using rigid::Vec3;
 
+constexpr std::tuple shape_keys{
+    HandKey{"name", "string", "", required, "what bodies call the shape"},
+    HandKey{"type", "type of shape", "", required, "one of the table below, which says what else it takes"},
+    HandKey{"radius", "number", "m", "one of two", "size of what is round"},
+    HandKey{"diameter", "number", "m", "one of two", "size of what is round"},
+    HandKey{"length", "number", "m", required,
+            "of a cylinder from end to end; of a capsule between the centres of its ends; along z"},
+    HandKey{"height", "number", "m", required,
+            "of a cone from its base to its apex, along z; its origin is its centre of mass, a quarter of "
+            "the height above the base"},
+    HandKey{"edges", "[x, y, z]", "m", required, "edges of a box"},
+    HandKey{"diameters", "[x, y, z]", "m", required, "of an ellipsoid, along its axes"},
+    HandKey{"vertices", "[[x, y, z], …]", "m", "one of two", "corners of a convex body, in any order"},
+    HandKey{"file", "string", "", "one of two",
+            "STL, OBJ or PLY file in the directory of the case, closed, of a polyhedron convex; required of "
+            "a mesh; a resumed run needs the same file"},
+    HandKey{"scale", "number", "1", "1", "unit of length of the file in that of the case"},
+    HandKey{"parts", "list of tables", "", required, "convex parts of a compound, see below"}};
+constexpr std::tuple part_keys{
+    HandKey{"position", "[x, y, z]", "m", "0", "of the part's origin, in the frame of the shape"}};
+
+/// A rotation that an orientation is given by.
+struct Turn {
+  Vec3 axis = Vec3::Zero();
+  double degrees = 0;
+};
+constexpr std::tuple turn_keys{Key{"axis", &Turn::axis, Vector{}, "what to turn about, [x, y, z]", required},
+                               Key{"degrees", &Turn::degrees, Number{dimension::none, range::any, "degrees"},
+                                   "how far to turn about the axis", required}};
+
 /// Where it is not given or wrong, which is reported, some size that does no harm.
 template <class Solid>
 double read_length(TableReader& table, const rigid::Field<Solid, double>& field) {
@@ -72,10 +102,10 @@ Hull hull_of_vertices(TableReader& table, const Units& units) {
   const auto hull = adapters::convex_hull(points);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!std::binary_search(hull.corners.begin(), hull.corners.end(), static_cast<int>(i)))
-      throw std::invalid_argument(fmt::format(
-          "vertex {} (counted from 0) is no corner of the hull of all: it lies inside, on a face or an "
-          "edge, or is given twice; remove it",
-          i));
+      throw std::invalid_argument(
+          fmt::format("vertex {} (counted from 0) is no corner of the hull of all: it lies inside, on a face "
+                      "or an edge, or is given twice; remove it",
+                      i));
   return hull.mesh;
 }
 
@@ -84,14 +114,14 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
   const std::string given = table.one_of(
       {"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL, OBJ or PLY file");
   if (given != "file" && table.has("scale"))
-    table.fail("scale", fmt::format("{} goes with a file; the vertices are in the units of the case already",
-                                    table.path("scale")));
+    table.fail("scale", "{} goes with a file; the vertices are in the units of the case already",
+               table.path("scale"));
   Hull mesh;
   try {
     if (given == "vertices") mesh = hull_of_vertices(table, table.context().units);
     if (given == "file") mesh = read_polyhedron_file(table);
   } catch (const std::invalid_argument& error) {
-    table.fail(given, fmt::format("{}: {}", table.path(given), error.what()));
+    table.fail(given, "{}: {}", table.path(given), error.what());
   }
   if (!mesh) return rigid::Sphere{1};  // what is wrong has been said
   return rigid::Polyhedron{mesh};
@@ -170,6 +200,11 @@ rigid::Shape read_shape(TableReader& table, const std::string& type) {
 
 }  // namespace
 
+std::vector<KeySection> shape_sections() {
+  return {section_of("shapes", shape_keys), section_of("shapes.parts", part_keys, orientation_keys),
+          section_of("bodies.axis_angle", turn_keys)};
+}
+
 rigid::Tube read_tube(TableReader& table) {
   return read_sizes<rigid::Tube>(table);
 }
@@ -189,14 +224,12 @@ Quat read_orientation(TableReader& table) {
     table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
   } else if (given == "axis_angle") {
     TableReader turn = table.table(given);
-    if (turn.present() && !turn.has("axis")) turn.missing("axis", "what to turn about, [x, y, z]");
-    if (turn.present() && !turn.has("degrees")) turn.missing("degrees", "how far to turn about the axis");
-    const auto axis = turn.vector("axis");
-    const auto degrees = turn.number("degrees", range::any);
-    if (axis && axis->norm() == 0) turn.refuse("axis", "a direction, not all 0");
-    if (axis && degrees && axis->norm() > 0) {
-      const double half = *degrees * std::numbers::pi / 360;
-      const Vec3 v = rigid::elementary::sin(half) * axis->normalized();
+    Turn about;
+    read_keys(turn, about, turn_keys);
+    if (turn.has("axis") && about.axis.norm() == 0) turn.refuse("axis", "a direction, not all 0");
+    if (about.axis.norm() > 0) {
+      const double half = about.degrees * std::numbers::pi / 360;
+      const Vec3 v = rigid::elementary::sin(half) * about.axis.normalized();
       return Quat(rigid::elementary::cos(half), v[0], v[1], v[2]).normalized();
     }
   } else if (given == "axis") {
@@ -227,9 +260,9 @@ void read_shapes(TableReader& root, Case& scene) {
     if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
         table.find("type")->string == rigid::HalfSpace::name) {
       table.fail("type",
-                 fmt::format("{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a "
-                             "body's shape is one of {}",
-                             table.path("type"), joined(shape_types())));
+                 "{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a body's "
+                 "shape is one of {}",
+                 table.path("type"), joined(shape_types()));
       table.judge_no_keys();
     } else if (const auto type = table.choice("type", shape_types())) {
       shape = read_shape(table, *type);
@@ -239,7 +272,7 @@ void read_shapes(TableReader& root, Case& scene) {
     add_centred(shape, scene);
     std::vector<std::string>& names = scene.shape_names;
     if (std::count(names.begin(), names.end(), name))
-      table.fail("name", fmt::format("{}: there already is a shape '{}'", table.path("name"), name));
+      table.fail("name", "{}: there already is a shape '{}'", table.path("name"), name);
     names.push_back(name);
   }
 }

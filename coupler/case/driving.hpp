@@ -1,5 +1,5 @@
 #pragma once
-// How fast the bodies of a case will fall or rise in its fluid.
+// What drives the bodies of a case, and how fast they will fall or rise in its fluid.
 #include <string>
 #include <vector>
 

@@ -1,0 +1,61 @@
+#include "coupler/case/case.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::coupler {
+
+rigid::Extent extent_of(const Case& scene) {
+  rigid::Extent extent;
+  for (int d = 0; d < 3; ++d) {
+    extent.size[d] = scene.cells[d];
+    extent.periodic[d] = scene.periodic(d);
+  }
+  return extent;
+}
+
+void put_at(BodySpec& body, const rigid::Vec3& point, const rigid::Extent& extent) {
+  rigid::Vec3& centre = body.pose.position;
+  centre = point - body.pose.orientation * body.origin;
+  const auto is_inside = [&](double x, int d) { return x >= 0 && x <= extent.size[d]; };
+  for (int d = 0; d < 3; ++d)
+    if (extent.periodic[d] && is_inside(point[d], d) && !is_inside(centre[d], d))
+      centre[d] -= extent.size[d] * std::floor(centre[d] / extent.size[d]);
+}
+
+rigid::Vec3 nearest_image(rigid::Vec3 d, const rigid::Extent& extent) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (extent.periodic[axis]) d[axis] -= extent.size[axis] * std::round(d[axis] / extent.size[axis]);
+  return d;
+}
+
+Place Case::place(std::string path) const {
+  for (;;) {
+    if (const auto found = places.find(path); found != places.end()) return found->second;
+    const auto cut = path.find_last_of(".[");
+    if (cut == path.npos) return {(directory / "case.toml").string()};
+    path.resize(cut);
+  }
+}
+
+std::vector<Entry> entries_of(const Case& scene) {
+  std::vector<Entry> entries;
+  std::map<int, std::size_t> places;  // by the number of an entry of [[bodies]]
+  scene.for_each_given([&](const BodySpec& body, std::uint64_t count) {
+    const auto [place, is_new] = places.try_emplace(body.entry, entries.size());
+    if (is_new)
+      entries.push_back({fmt::format("bodies[{}]", std::max(0, body.entry)), body.shape, body.density,
+                         body.motion, body.velocity, body.angular_velocity, 0});
+    entries[place->second].count += count;
+  });
+  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
+    const FillSpec& fill = scene.fills[i];
+    entries.push_back({fmt::format("fill[{}]", i), fill.shape, fill.density, rigid::Motion::free,
+                       fill.velocity, rigid::Vec3::Zero(), static_cast<std::uint64_t>(fill.count)});
+  }
+  return entries;
+}
+
+}  // namespace silt::coupler

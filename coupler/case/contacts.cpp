@@ -1,0 +1,292 @@
+// [contacts], [[materials]] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+constexpr auto unit_interval = range::between(0, 1);
+
+constexpr std::tuple contact_keys{
+    HandKey{"backend", "\"auto\", \"analytic\", \"bullet\", \"fcl\"", "", "\"auto\"",
+            "who finds contacts of a pair of shapes; \"auto\": the best answer pair by pair"},
+    HandKey{"broad_phase", "\"auto\", \"grid\", \"bullet\", \"fcl\"", "", "\"auto\"",
+            "who finds close pairs, the same ones to the bit; \"auto\": the tree of the backend if it has "
+            "one, else the grid"},
+    HandKey{"resolver", "\"sffd\", \"ffd\"", "", "\"sffd\"", "contact resolver"},
+    Key{"substeps", &ContactSpec::substeps, Whole{1, 100000},
+        "sub-steps of the bodies in a step of the fluid"},
+    Key{"margin", &ContactSpec::margin, Number{dimension::length, range::at_least(0)},
+        "gap at which a pair becomes a contact; without a fluid bodies may go half of it and half their "
+        "least width in a sub-step",
+        "1 cell"},
+    Key{"sleep_speed", &ContactSpec::sleep_speed, Number{dimension::velocity, range::above(0)},
+        "sffd: bodies slower than that for sleep_time sleep until something moves them; far below what "
+        "matters; none: no body sleeps",
+        "none"},
+    Key{"sleep_time", &ContactSpec::sleep_time, Number{dimension::time, range::above(0)},
+        "bodies wake when what is not balanced would give them sleep_speed in that time, twice",
+        "1000 speed / g"}};
+
+constexpr std::tuple material_keys{
+    Key{"restitution", &rigid::Material::restitution, Number{dimension::none, unit_interval},
+        "coefficient of restitution in air; in a fluid sffd also reverses the entrained fluid, but not with "
+        "impact_sweeps"},
+    Key{"friction", &rigid::Material::friction, Number{dimension::none, range::at_least(0)},
+        "Coulomb's coefficient of friction"}};
+
+constexpr std::tuple resolver_keys{
+    Key{"half_force", &rigid::ResolverSettings::half_force, Flag{},
+        "with ffd: a body in contact feels half of the fluid's force, as in the paper"},
+    Key{"sweeps", &rigid::ResolverSettings::max_sweeps, Whole{1, 100000},
+        "sweeps over the contacts in a sub-step, at most; more for heavy bodies that fall on stacks: a run "
+        "warns where they end far from rest"},
+    Key{"correction", &rigid::ResolverSettings::correction, Number{dimension::none, unit_interval},
+        "share of an overlap taken back in a step"},
+    Key{"impact_sweeps", &rigid::ResolverSettings::impact_sweeps, Whole{0, 100000},
+        "sffd: rounds of collisions through touching bodies before contacts, and sweeps of each, at most, as "
+        "in Newton's cradle (0: none)",
+        "0; dry pairs of restitution 1: 1000"}};
+
+constexpr std::tuple name_keys{
+    HandKey{"name", "string", "", required, "what bodies and pairs call the material"}};
+constexpr std::tuple between_keys{
+    HandKey{"between", "[\"a\", \"b\"]", "", required, "the names of two materials"}};
+
+std::vector<std::string> as_strings(const std::vector<std::string_view>& names) {
+  return {names.begin(), names.end()};
+}
+
+/// One of those that this build has; of one that it was configured without that is said.
+std::optional<std::string> read_engine(TableReader& table, const char* key,
+                                       const std::vector<std::string_view>& names) {
+  const Node* node = table.find(key);
+  const std::string left_out =
+      node && node->kind == Node::Kind::string ? adapters::left_out_of_this_build(node->string) : "";
+  if (left_out.empty()) return table.choice(key, as_strings(names));
+  table.fail(key, "{} is \"{}\"; {}", table.path(key), node->string, left_out);
+  return {};
+}
+
+std::vector<std::string> resolver_names() {
+  std::vector<std::string> names;
+  for (const rigid::ResolverModel& model : rigid::resolver_models()) names.emplace_back(model.name);
+  return names;
+}
+
+void read_material_pairs(TableReader& root, Case& scene) {
+  const int count = static_cast<int>(scene.material_names.size());
+  for (TableReader& pair : root.tables("material_pairs")) {
+    rigid::Material unused;
+    read_keys(pair, unused, between_keys);
+    const Node* between = pair.find("between");
+    int index[2] = {-1, -1};
+    const bool two_names = between && between->kind == Node::Kind::array && between->children.size() == 2 &&
+                           between->children[0].kind == Node::Kind::string &&
+                           between->children[1].kind == Node::Kind::string;
+    if (two_names)
+      for (int k = 0; k < 2; ++k)
+        index[k] = index_of(pair, "between", between->children[k].string, scene.material_names, "material");
+    else if (between)
+      pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
+    const bool known = index[0] >= 0 && index[1] >= 0;
+    rigid::Material& material = known ? scene.pair_materials[index[0] * count + index[1]] : unused;
+    read_keys(pair, material, material_keys);
+    if (known) scene.pair_materials[index[1] * count + index[0]] = material;
+  }
+}
+
+void read_materials(TableReader& root, const rigid::Material& standard, Case& scene) {
+  scene.material_names = {"default"};
+  for (TableReader& entry : root.tables("materials")) {
+    read_keys(entry, scene, name_keys);
+    const auto name = entry.string("name");
+    if (!name) continue;
+    if (std::count(scene.material_names.begin(), scene.material_names.end(), *name))
+      entry.fail("name", "{}: there already is a material '{}'", entry.path("name"), *name);
+    scene.material_names.push_back(*name);
+  }
+  scene.pair_materials.assign(scene.material_names.size() * scene.material_names.size(), standard);
+  read_material_pairs(root, scene);
+}
+
+/// Pairs that lose nothing collide one after the other, where no fluid takes part: all at once, one of three
+/// bodies that meet in a step may be only stopped.
+void collide_without_loss(Case& scene) {
+  constexpr int enough = 1000;  // a cluster comes to rest before
+  const bool some = std::any_of(scene.pair_materials.begin(), scene.pair_materials.end(),
+                                [](const rigid::Material& m) { return m.restitution == 1; });
+  if (!some || scene.fluid || !rigid::resolver_model(scene.contacts.resolver).has_impact_phase) return;
+  scene.contacts.resolver_settings.impact_sweeps = enough;
+  scene.contacts.resolver_settings.least_impact_restitution = 1;
+}
+
+/// What only some resolvers do.
+void require_resolver(TableReader& table, const ContactSpec& contacts) {
+  const rigid::ResolverModel& resolver = rigid::resolver_model(contacts.resolver);
+  const int impact_sweeps = contacts.resolver_settings.impact_sweeps;
+  const auto refuse = [&](const char* key, const std::string& is, const char* which, const char* other) {
+    table.fail(
+        key, "{} is {}, but contacts.resolver is '{}', {}; set contacts.resolver = \"{}\", or remove the key",
+        table.path(key), is, contacts.resolver, which, other);
+  };
+  if (impact_sweeps > 0 && !resolver.has_impact_phase)
+    refuse("impact_sweeps", std::to_string(impact_sweeps), "which has no impact phase", "sffd");
+  if (table.has("half_force") && !resolver.has_half_force)
+    refuse("half_force", "for the classic resolver", "where all of a force acts before the contacts", "ffd");
+  if (contacts.sleep_speed && !resolver.lets_sleep)
+    refuse("sleep_speed", "given", "where no body sleeps", "sffd");
+  if (contacts.sleep_time && !contacts.sleep_speed)
+    table.missing("sleep_speed", "the speed below which bodies are at rest: sleep_time says how long");
+}
+
+}  // namespace
+
+std::vector<KeySection> contact_sections() {
+  KeySection pairs = section_of("material_pairs", between_keys, material_keys);
+  for (KeyText& key : pairs.keys)
+    if (key.fallback == "0") key.fallback = "of [contacts]";
+  return {section_of("contacts", contact_keys, material_keys, resolver_keys),
+          section_of("materials", name_keys), pairs};
+}
+
+void read_contacts(TableReader& root, Case& scene) {
+  rigid::Material standard;
+  TableReader table = root.table("contacts");
+  ContactSpec& c = scene.contacts;
+  read_keys(table, c, contact_keys);
+  read_keys(table, standard, material_keys);
+  read_keys(table, c.resolver_settings, resolver_keys);
+  c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
+  c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
+  c.resolver = table.choice("resolver", resolver_names()).value_or(c.resolver);
+  require_resolver(table, c);
+  read_materials(root, standard, scene);
+  if (!table.has("impact_sweeps")) collide_without_loss(scene);
+}
+
+std::optional<rigid::SleepRule> sleep_rule(const Case& scene) {
+  constexpr double share_of_gravity = 1e-3, longest = 1e9;
+  const ContactSpec& contacts = scene.contacts;
+  if (!contacts.sleep_speed) return std::nullopt;
+  const double gravity = scene.gravity.norm();
+  const double time = contacts.sleep_time ? *contacts.sleep_time
+                      : gravity > 0       ? *contacts.sleep_speed / (share_of_gravity * gravity)
+                                          : longest;
+  return rigid::SleepRule{*contacts.sleep_speed, int(std::clamp(std::ceil(time), 1.0, longest))};
+}
+
+namespace {
+
+constexpr double most_friction = 5;    // of dry matter it is up to about 1
+constexpr double steepest_angle = 89;  // degrees
+constexpr double usual_margin = 1;     // cells
+
+/// The key that gives a coefficient, of all pairs or of one, if there is but one.
+std::string coefficient_key(const Case& scene, const char* name) {
+  std::vector<std::string> keys;
+  for (const auto& [key, place] : scene.places)
+    if (key.starts_with("contacts") || key.starts_with("material_pairs"))
+      if (key.ends_with(fmt::format(".{}", name))) keys.push_back(key);
+  return keys.size() == 1 ? keys[0] : "material_pairs";
+}
+
+void check_friction(const Case& scene, Findings& findings) {
+  double highest = 0;
+  for (const rigid::Material& material : scene.pair_materials) highest = std::max(highest, material.friction);
+  if (highest <= most_friction) return;
+  const double angle = std::min(highest, steepest_angle) * std::numbers::pi / 180;
+  const double tangent = rigid::elementary::sin(angle) / rigid::elementary::cos(angle);
+  findings.warning(coefficient_key(scene, "friction"),
+                   "a friction is {}; of dry matter it is up to about 1: it is no angle but the tangent of "
+                   "one, {:.2f} for {} degrees",
+                   shown(highest), tangent, shown(std::min(highest, steepest_angle)));
+}
+
+void check_materials(const Case& scene, Findings& findings) {
+  for (const rigid::Material& material : scene.pair_materials) {
+    if (!(material.restitution >= 0 && material.restitution <= 1))
+      findings.error("contacts.restitution", "a restitution is {}; it must be between 0 and 1",
+                     shown(material.restitution));
+    if (!(material.friction >= 0))
+      findings.error("contacts.friction", "a friction is {}; it must be at least 0",
+                     shown(material.friction));
+  }
+}
+
+double largest_body(const Case& scene) {
+  double largest = 0;
+  for (const Entry& entry : entries_of(scene))
+    largest = std::max(largest, 2 * rigid::bounding_radius(scene.shapes[entry.shape]));
+  return largest;
+}
+
+void check_margin(const Case& scene, Findings& findings) {
+  const double margin = scene.contacts.margin;
+  if (margin < 0)
+    findings.error("contacts.margin", "contacts.margin is {} cells; it must be at least 0", shown(margin));
+  const double shortest = *std::min_element(scene.cells.begin(), scene.cells.end());
+  const double largest = largest_body(scene);
+  if (!scene.has_bodies() || margin <= std::max(usual_margin, largest)) return;
+  findings.warning("contacts.margin",
+                   "contacts.margin is {}, more than the largest body ({}) and {} of the domain's shortest "
+                   "side: every pair nearer than that is a contact; use {} (one cell)",
+                   shown_length(scene, margin), shown_length(scene, largest), shown(margin / shortest),
+                   shown_length(scene, usual_margin));
+}
+
+void check_lubrication(const Case& scene, Findings& findings) {
+  if (scene.places.count("coupling.lubrication") && scene.coupling.lubrication && !scene.has_lubrication())
+    findings.error("coupling.lubrication",
+                   "coupling.lubrication is true, but contacts.resolver is '{}', which knows no lubrication "
+                   "films; set contacts.resolver = \"sffd\", or remove the key",
+                   scene.contacts.resolver);
+  const double gap = scene.coupling.lubrication_min_gap;
+  if (gap > usual_margin)
+    findings.warning("coupling.lubrication_min_gap",
+                     "coupling.lubrication_min_gap is {}, which the lattice resolves ({} cells): it is the "
+                     "height of a surface's roughness; without the key it is a thousandth of the radius",
+                     shown_length(scene, gap), shown(gap));
+}
+
+/// A body at the top of its path must not sleep: it is slower than the speed for as long as gravity takes to
+/// give it twice that.
+void check_sleep(const Case& scene, Findings& findings) {
+  const auto rule = sleep_rule(scene);
+  if (!rule) return;
+  const double gravity = scene.gravity.norm();
+  if (gravity == 0 && !scene.contacts.sleep_time)
+    findings.error("contacts.sleep_speed",
+                   "there is no gravity that tells how long a body is to be slower than "
+                   "contacts.sleep_speed; give contacts.sleep_time");
+  constexpr double most_of_gravity = 0.1;
+  if (gravity > 0 && rule->speed / rule->steps > most_of_gravity * gravity)
+    findings.warning("contacts.sleep_speed",
+                     "bodies at rest sleep until {} of gravity is not balanced; use a longer "
+                     "contacts.sleep_time, or a lower contacts.sleep_speed",
+                     shown(rule->speed / rule->steps / gravity));
+}
+
+}  // namespace
+
+void find_contact_faults(const Case& scene, Findings& findings) {
+  check_materials(scene, findings);
+  check_friction(scene, findings);
+  check_margin(scene, findings);
+  check_lubrication(scene, findings);
+  check_sleep(scene, findings);
+}
+
+}  // namespace silt::coupler

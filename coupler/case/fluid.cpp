@@ -1,0 +1,321 @@
+// [fluid], [coupling] and [gravity]; what may be wrong with a fluid, and which collision model lasts in a
+// scene.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "coupler/case/derived_table.hpp"
+#include "coupler/case/fluid_spec.hpp"
+#include "coupler/case/limits.hpp"
+
+namespace silt::coupler {
+
+double fastest_given(const Case& scene) {
+  double fastest = scene.fluid ? scene.fluid->initial.largest_speed() : 0;
+  for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
+  for (const Entry& entry : entries_of(scene)) fastest = std::max(fastest, entry.velocity.norm());
+  return fastest;
+}
+
+double cell_reynolds(const Case& scene) {
+  return fastest_given(scene) / scene.fluid->kinematic_viscosity;
+}
+
+double measured_reynolds(lbm::Collision model) {
+  switch (model) {
+    case lbm::Collision::trt:
+      return 10;
+    case lbm::Collision::bgk:
+      return 10;
+    case lbm::Collision::regularised:
+      return 3000;
+  }
+  __builtin_unreachable();
+}
+
+void choose_collision(Case& scene) {
+  if (!scene.fluid || !scene.fluid->collision_by_scene) return;
+  const bool fast = cell_reynolds(scene) > measured_reynolds(lbm::Collision::trt);
+  scene.fluid->collision = fast ? lbm::Collision::regularised : lbm::Collision::trt;
+}
+
+std::string collision_reason(const Case& scene) {
+  if (!scene.fluid->collision_by_scene) return "given";
+  return fmt::format("auto: u/nu = {}, trt lasts to {}", shown(cell_reynolds(scene)),
+                     shown(measured_reynolds(lbm::Collision::trt)));
+}
+
+namespace {
+
+constexpr std::tuple fluid_keys{
+    HandKey{"density", "number", "kg/m³", "– (si), 1", "reference density"},
+    HandKey{"kinematic_viscosity", "number", "m²/s", "one of two", "kinematic viscosity ν"},
+    HandKey{"relaxation_time", "number", "1", "one of two", "relaxation time τ = 1/2 + 3 ν in lattice units"},
+    HandKey{"collision", "\"trt\", \"bgk\", \"regularised\", \"auto\"", "", "\"trt\"",
+            "collision model: two relaxation times, one, or for high cell Reynolds numbers; \"auto\": "
+            "\"trt\" where it lasts at the largest speed given"},
+    Key{"smagorinsky", &FluidSpec::smagorinsky, Number{dimension::none, range::between(0, 1)},
+        "of \"regularised\": no cell is less viscous than an eddy of its size, C²|S|; resolved flow never "
+        "is; 0: none"},
+    HandKey{"magic", "number", "1", "1/6",
+            "Λ = (τ − 1/2)(τ_odd − 1/2) of trt; with bodies or [[walls]] by default 1/16 under "
+            "\"parabolic\", 2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)"},
+    Key{"precision", &FluidSpec::precision, Choice{precision_names}, "precision of the stored populations"},
+    Key{"body_force", &FluidSpec::body_force, Vector{dimension::acceleration}, "acceleration of the fluid"},
+    Key{"body_force_on_bodies", &FluidSpec::body_force_on_bodies, Flag{},
+        "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
+        "they displace"},
+    HandKey{"initial", "table", "", "at rest", "initial state, see below"}};
+
+constexpr std::tuple initial_keys{
+    Key{"type", &InitialSpec::type, Choice{initial_flow_names},
+        "initial flow; \"taylor-green-3d\" needs a cube, \"vortex\" is about the axis z through the middle "
+        "of the domain",
+        required},
+    Key{"noise", &InitialSpec::noise, Number{dimension::velocity, range::at_least(0)},
+        "largest component of a random velocity that each cell gets besides, the same on any number of "
+        "ranks"}};
+constexpr std::tuple stream_keys{Key{"velocity", &InitialSpec::velocity, Vector{dimension::velocity},
+                                     "velocity of the uniform flow and of the stream that carries a "
+                                     "\"vortex\"; its length is the amplitude of the others; not at rest",
+                                     required}};
+constexpr std::tuple layer_keys{Key{"steepness", &InitialSpec::steepness,
+                                    Number{dimension::none, range::above(0)},
+                                    "of a \"shear-layer\": the period in y over the layers' thickness"}};
+constexpr std::tuple vortex_keys{
+    Key{"swirl", &InitialSpec::swirl, Number{dimension::velocity, range::at_least(0)},
+        "of a \"vortex\": the largest speed about its axis", required},
+    Key{"radius", &InitialSpec::radius, Number{dimension::length, range::above(0)},
+        "of a \"vortex\": how far from its axis it is fastest", required}};
+
+constexpr std::tuple gravity_keys{Key{"acceleration", &Case::gravity, Vector{dimension::acceleration},
+                                      "acts on the bodies, less their buoyancy, as in [0, 0, -9.81]",
+                                      required}};
+
+constexpr std::tuple coupling_keys{
+    Key{"wall_scheme", &CouplingSpec::wall_scheme, Choice{wall_scheme_names},
+        "boundary condition on the cut links of bodies and [[walls]]"},
+    Key{"time", &CouplingSpec::time, Choice{time_coupling_names},
+        "whether the drag of a step acts on the velocities at its end or at its start"},
+    Key{"refill", &CouplingSpec::refill, Choice{refill_names}, "populations of cells that a body uncovers"},
+    Key{"force", &CouplingSpec::force, Choice{force_form_names},
+        "momentum exchange; \"exact\" conserves momentum: comparison"},
+    Key{"mass_correction", &CouplingSpec::mass_correction, Flag{},
+        "takes the mass that moving surfaces make or destroy out of the whole fluid again"},
+    Key{"remap_tolerance", &CouplingSpec::remap_tolerance,
+        Number{dimension::none, range::between(0, 0.4), "cells"},
+        "how far a surface may be from where its cells were found last, at most 0.4; 0.15 of it where wall "
+        "distances do not follow (exact, bounce-back, meshes)"},
+    Key{"lubrication", &CouplingSpec::lubrication, Flag{},
+        "lubrication between close smooth surfaces, with the resolver sffd; none at the faces and edges of "
+        "boxes, cylinders and polyhedra"},
+    Key{"lubrication_min_gap", &CouplingSpec::lubrication_min_gap, Number{dimension::length, range::above(0)},
+        "gap below which lubrication stops growing, as at rough surfaces; R is the reduced radius",
+        "0.001 R"}};
+
+/// Reads the keys of one type of initial flow; another has none of them.
+template <class Keys>
+void read_keys_of(InitialFlow type, TableReader& initial, InitialSpec& spec, const Keys& keys) {
+  if (spec.type == type) return read_keys(initial, spec, keys);
+  const auto refuse = [&](const char* key) {
+    if (initial.has(key))
+      initial.fail(key, "fluid.initial.{} is of \"{}\"; \"{}\" has none, remove it", key,
+                   initial_flow_names[type], initial_flow_names[spec.type]);
+  };
+  std::apply([&](const auto&... key) { (refuse(key.name), ...); }, keys);
+}
+
+void read_initial(TableReader initial, InitialSpec& spec) {
+  if (!initial.present()) return;
+  read_keys(initial, spec, initial_keys);
+  read_keys_of(InitialFlow::shear_layer, initial, spec, layer_keys);
+  read_keys_of(InitialFlow::vortex, initial, spec, vortex_keys);
+  if (spec.type != InitialFlow::rest) read_keys(initial, spec, stream_keys);
+}
+
+void read_coupling(TableReader& root, Case& scene) {
+  TableReader table = root.table("coupling");
+  if (table.present() && !scene.fluid)
+    root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
+  read_keys(table, scene.coupling, coupling_keys);
+  if (table.has("lubrication_min_gap") && !scene.coupling.lubrication)
+    table.fail("lubrication_min_gap", "{} is given, but {} is false; remove one of them",
+               table.path("lubrication_min_gap"), table.path("lubrication"));
+}
+
+void read_collision(TableReader& fluid, FluidSpec& spec) {
+  std::vector<std::string> names = collision_names.list();
+  names.emplace_back("auto");
+  const std::optional<std::string> chosen = fluid.choice("collision", names);
+  spec.collision_by_scene = chosen == "auto";
+  const auto place = std::find(names.begin(), names.end() - 1, chosen.value_or("trt")) - names.begin();
+  if (!spec.collision_by_scene) spec.collision = static_cast<lbm::Collision>(place);
+  const lbm::CollisionModel& model = lbm::model_of(spec.collision);
+  if (fluid.has("smagorinsky") && !model.has_eddies() && !spec.collision_by_scene)
+    fluid.fail("smagorinsky", "fluid.smagorinsky is of regularised; {} has none, remove it", model.name);
+  if (fluid.has("magic") && !model.has_magic())
+    fluid.fail("magic", "fluid.magic is Lambda of trt and regularised; {} has none, remove it", model.name);
+}
+
+void read_viscosity(TableReader& fluid, FluidSpec& spec) {
+  const std::string given =
+      fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
+  if (given == "relaxation_time") {
+    spec.relaxation_time = fluid.number(given, range::any).value_or(1);
+    if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
+    spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;
+  } else if (!given.empty()) {
+    spec.kinematic_viscosity = fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);
+    spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
+  }
+}
+
+}  // namespace
+
+std::vector<KeySection> fluid_sections() {
+  return {section_of("fluid", fluid_keys),
+          section_of("fluid.initial", initial_keys, stream_keys, layer_keys, vortex_keys),
+          section_of("gravity", gravity_keys), section_of("coupling", coupling_keys)};
+}
+
+void read_fluid(TableReader& root, Case& scene) {
+  TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
+  if (fluid.present()) {
+    FluidSpec& spec = scene.fluid.emplace();
+    read_keys(fluid, spec, fluid_keys);
+    read_viscosity(fluid, spec);
+    read_collision(fluid, spec);
+    read_initial(fluid.table("initial"), spec.initial);
+  }
+  read_keys(gravity, scene, gravity_keys);
+  read_coupling(root, scene);
+  if (!scene.fluid) return;
+  const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
+  const double best = surfaces ? lbm::best_magic(scene.coupling.wall_scheme, scene.fluid->relaxation_time)
+                               : scene.fluid->magic;
+  scene.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
+}
+
+namespace {
+
+// Limits of the method, in lattice units.
+constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, high_relaxation = 5;
+constexpr double most_relaxation = 1e4, usual_relaxation = 1;
+constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
+constexpr double most_magic = 1e3;
+// m2/s: of fluids from liquid metal to honey
+constexpr double thinnest = 5e-8, thickest = 0.5;
+
+const char* viscosity_key(const Case& scene) {
+  return scene.fluid->kinematic_viscosity > 0 && scene.places.count("fluid.kinematic_viscosity")
+             ? "fluid.kinematic_viscosity"
+             : "fluid.relaxation_time";
+}
+
+/// How to get a relaxation time of 1.
+std::string shorter_steps(const Case& scene) {
+  const double factor = (usual_relaxation - 0.5) / (scene.fluid->relaxation_time - 0.5);
+  if (scene.units.si && scene.places.count("fluid.kinematic_viscosity")) return time_step_cure(scene, factor);
+  const bool time = scene.places.count("fluid.relaxation_time");
+  return fmt::format("use {} = {}", viscosity_key(scene),
+                     shown(time ? usual_relaxation : factor * scene.fluid->kinematic_viscosity));
+}
+
+void check_thick(const Case& scene, Findings& findings, double tau) {
+  const std::string found = fmt::format("the relaxation time is {}", shown(tau));
+  const std::string doubt =
+      tau > high_relaxation
+          ? fmt::format(
+                ", and if the viscosity is meant, it is too large for this time step by a factor of {}",
+                shown(rounded_up((tau - 0.5) / (usual_relaxation - 0.5))))
+          : "";
+  if (tau > most_relaxation)
+    findings.error(viscosity_key(scene), "{}; at most {} is possible: {}{}", found, shown(most_relaxation),
+                   shorter_steps(scene), doubt);
+  else
+    findings.warning(viscosity_key(scene), "{}; above {} walls and slow flow lose accuracy: {}{}", found,
+                     doubtful_relaxation_high, shorter_steps(scene), doubt);
+}
+
+void check_relaxation(const Case& scene, Findings& findings) {
+  const double tau = scene.fluid->relaxation_time;
+  const char* key = viscosity_key(scene);
+  if (!(tau > 0.5))
+    findings.error(key, "the relaxation time is {}; it must be above 0.5 (a viscosity above 0)", shown(tau));
+  else if (tau - 0.5 < least_measured)
+    findings.warning(key,
+                     "the relaxation time is 0.5 + {}; no collision model was measured below 0.5 + {}: the "
+                     "viscosity is too small for these cells by a factor of {}",
+                     shown(tau - 0.5), least_measured, shown(rounded_up(least_measured / (tau - 0.5))));
+  else if (tau < doubtful_relaxation_low && !lbm::model_of(scene.fluid->collision).has_eddies())
+    findings.warning(key,
+                     "the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
+                     "\"regularised\", smaller cells, a longer time step or a higher viscosity",
+                     shown(tau), doubtful_relaxation_low);
+  else if (tau > doubtful_relaxation_high)
+    check_thick(scene, findings, tau);
+}
+
+void check_viscosity(const Case& scene, Findings& findings) {
+  const double found = scene.units.physical(scene.fluid->kinematic_viscosity, dimension::viscosity);
+  if (!scene.units.si || (found >= thinnest && found <= thickest)) return;
+  findings.warning(viscosity_key(scene),
+                   "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick syrup), "
+                   "water has 1e-06, which is 1 mm2/s",
+                   shown(found), shown(thinnest), shown(thickest));
+}
+
+void check_cell_reynolds(const Case& scene, Findings& findings) {
+  const lbm::Collision model = scene.fluid->collision;
+  const double found = cell_reynolds(scene), measured = measured_reynolds(model);
+  if (found > measured)
+    findings.warning("fluid.collision",
+                     "the cell Reynolds number u/nu is {} at the largest speed given; {} was measured to "
+                     "last up to {} (scripts/stability): use {}smaller cells",
+                     shown(found), lbm::model_of(model).name, shown(measured),
+                     lbm::model_of(model).has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
+}
+
+void check_cells(const Case& scene, Findings& findings) {
+  constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
+  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
+  if (cells > most_cells)
+    findings.error("domain.size", "the domain has {} cells; at most {} are possible: use larger cells",
+                   shown(cells), shown(most_cells));
+}
+
+void check_magic(const Case& scene, Findings& findings) {
+  const double magic = scene.fluid->magic;
+  if (!(magic > 0)) findings.error("fluid.magic", "fluid.magic is {}; it must be above 0", shown(magic));
+  if (magic > most_magic)
+    findings.error("fluid.magic", "fluid.magic is {}; at most {} is possible: 0.25 is usual", shown(magic),
+                   shown(most_magic));
+}
+
+void check_initial(const Case& scene, Findings& findings) {
+  const InitialSpec& initial = scene.fluid->initial;
+  if (initial.type == InitialFlow::taylor_green_3d &&
+      (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
+    findings.error("fluid.initial.type",
+                   "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
+                   "domain.size the same along x, y and z");
+  if (initial.type != InitialFlow::rest)
+    check_speed(findings, "fluid.initial.velocity", initial.largest_speed());
+  if (initial.noise > 0) check_speed(findings, "fluid.initial.noise", initial.noise);
+}
+
+}  // namespace
+
+void find_fluid_faults(const Case& scene, Findings& findings) {
+  if (!scene.fluid) return;
+  check_cells(scene, findings);
+  check_relaxation(scene, findings);
+  check_viscosity(scene, findings);
+  check_cell_reynolds(scene, findings);
+  check_magic(scene, findings);
+  check_initial(scene, findings);
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,245 @@
+// [run] and [output], and what may be wrong with them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_sections.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+constexpr double most_steps = 1e15;
+
+constexpr std::tuple run_keys{
+    HandKey{"steps", "integer", "", "one of two", "length of the run in steps, at most"},
+    HandKey{"time", "number", "s", "one of two", "length of the run, at most"},
+    HandKey{"steady", "table", "", "none", "ends the run earlier, when a quantity has become steady"},
+    HandKey{"balance", "table", "", "none",
+            "looks now and then whether the domain should be cut otherwise for the ranks"}};
+constexpr std::tuple steady_keys{
+    Key{"quantity", &SteadySpec::quantity, Text{}, "the name of one of [[quantities]]", required},
+    Key{"change", &SteadySpec::change, Number{dimension::none, {0, 1, false, false}},
+        "share of its value that the quantity may still have before it, between 0 and 1, as in 1e-4",
+        required},
+    Key{"every", &SteadySpec::every, Whole{1}, "the number of steps between two looks", required}};
+constexpr std::tuple balance_keys{
+    Key{"every", &Case::balance_every, Whole{0},
+        "the number of steps between two looks at how the work is shared among ranks (0: never)", required}};
+
+constexpr std::tuple output_keys{
+    HandKey{"fields", "table", "", "none", "fields of the fluid, fields_*.hdf"},
+    HandKey{"slices", "list of tables", "", "none", "fields of parts of the domain, slice_*.hdf"},
+    HandKey{"bodies", "table", "", "none", "series of the bodies, bodies.h5"},
+    HandKey{"checkpoint", "table", "", "none", "checkpoints, checkpoint_*.h5"},
+    HandKey{"report", "table", "", "none",
+            "report.json and a row of series.csv while the run goes on; at the end the report is written in "
+            "any case"}};
+constexpr std::tuple series_keys{Key{"every", &SeriesSpec::every, Whole{.unit = "steps"},
+                                     "the number of steps between two writes (0: never)", required}};
+constexpr std::tuple field_keys{
+    HandKey{"quantities", "list of fields", "", "velocity, density",
+            "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"vorticity\", \"body-id\"; \"solid\" "
+            "comes by itself: OUTPUT.md"},
+    Key{"precision", &FieldsSpec::double_precision, Choice{names_of<bool>("single", "double")},
+        "of the numbers in the files"},
+    Key{"compression", &FieldsSpec::compression, Whole{0, 9},
+        "level of gzip, 1 to 9, after a shuffle of bytes; 0: none"}};
+constexpr std::tuple slice_keys{
+    HandKey{"name", "string", "", required, "of its files, slice_NAME_*.hdf"},
+    HandKey{"axis", "\"x\", \"y\", \"z\"", "", "one of two", "axis that the plane is across"},
+    HandKey{"box", "[[x, y, z], [x, y, z]]", "m", "one of two", "lower and upper corner"}};
+constexpr std::tuple plane_keys{HandKey{"at", "number", "m", required, "where the plane is along the axis"}};
+constexpr std::tuple contact_output_keys{
+    Key{"contacts", &OutputSpec::body_contacts, Flag{},
+        "whether contact_force and contact_torque are noted in every step and written"}};
+constexpr std::tuple checkpoint_keys{
+    Key{"keep", &OutputSpec::keep_checkpoints, Whole{1, 1000}, "number of checkpoints that are kept"}};
+
+void read_field_names(TableReader& fields, std::vector<Field>& quantities) {
+  const std::vector<std::string> known = field_names.list();
+  const Node* list = fields.find("quantities");
+  if (!list) return;
+  const bool strings = list->kind == Node::Kind::array && !list->children.empty() &&
+                       std::all_of(list->children.begin(), list->children.end(),
+                                   [](const Node& n) { return n.kind == Node::Kind::string; });
+  if (!strings) {
+    fields.refuse("quantities", "a list out of " + joined(known));
+    return;
+  }
+  quantities.clear();
+  for (const Node& name : list->children)
+    if (const int i = index_of(fields, "quantities", name.string, known, "quantity"); i >= 0)
+      quantities.push_back(Field(i));
+}
+
+void read_fields(TableReader& table, FieldsSpec& fields) {
+  if (!table.present()) return;
+  read_keys(table, fields, series_keys);
+  read_keys(table, fields, field_keys);
+  read_field_names(table, fields.quantities);
+}
+
+// VTK 9.1 and ParaView 5.11 end with SIGABRT on an image one point thick.
+constexpr int least_layers = 2;
+
+/// The two layers of cells between whose centres a plane lies; at a side of the domain the two beside it.
+void read_plane(TableReader& table, FieldsSpec& slice) {
+  const int axis = table.choice("axis", {"x", "y", "z"}).value_or("x")[0] - 'x';
+  read_keys(table, slice, plane_keys);
+  const double at = table.quantity("at", dimension::length, range::any).value_or(0);
+  const int cells = slice.upper[axis];
+  if (!(at >= 0 && at <= cells)) return table.refuse("at", "within the domain");
+  if (cells < least_layers) return;
+  slice.lower[axis] = std::clamp(int(std::floor(at - 0.5)), 0, cells - least_layers);
+  slice.upper[axis] = slice.lower[axis] + least_layers;
+}
+
+/// The cells whose centres are in a box.
+void read_cells(TableReader& table, FieldsSpec& slice) {
+  rigid::Vec3 lower, upper;
+  read_box(table, slice.upper, lower, upper);
+  for (int d = 0; d < 3; ++d) {
+    const int least = std::min(least_layers, slice.upper[d]);
+    slice.lower[d] = int(std::ceil(std::clamp(lower[d], 0., double(slice.upper[d])) - 0.5));
+    slice.upper[d] = int(std::floor(std::clamp(upper[d], 0., double(slice.upper[d])) - 0.5)) + 1;
+    if (slice.upper[d] - slice.lower[d] < least)
+      return table.refuse("box", "one that holds the centres of two cells along each axis or more");
+  }
+}
+
+/// Names become those of files.
+bool is_file_name(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '-' || c == '.';
+  });
+}
+
+void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vector<FieldsSpec>& slices) {
+  for (TableReader& table : output.tables("slices")) {
+    FieldsSpec slice;
+    read_keys(table, slice, slice_keys);
+    const std::string name = table.string("name").value_or("");
+    if (table.has("name") && !is_file_name(name))
+      table.refuse("name", "up to 64 letters, digits, dots and hyphens");
+    slice.name = "slice_" + name;
+    for (const FieldsSpec& other : slices)
+      if (other.name == slice.name)
+        table.fail("name", "{}: there already is a slice '{}'", table.path("name"), name);
+    slice.upper = cells;
+    read_fields(table, slice);
+    if (table.has("axis") && table.has("box")) table.fail("box", "a slice has a plane (axis, at) or a box");
+    if (table.has("axis"))
+      read_plane(table, slice);
+    else
+      read_cells(table, slice);
+    slices.push_back(slice);
+  }
+}
+
+void read_length_of_run(TableReader& run, std::int64_t& steps) {
+  const std::string given = run.one_of({"steps", "time"}, true, "how long the run is");
+  if (given == "steps") {
+    steps = run.integer("steps", 1).value_or(1);
+  } else if (given == "time") {
+    const double wanted = run.quantity("time", dimension::time, range::above(0)).value_or(1);
+    const ReadContext& context = run.context();
+    if (context.units_known && !(wanted < most_steps))
+      run.refuse("time",
+                 fmt::format("less than {} steps of {}", shown(most_steps), shown(context.units.time_step)));
+    else
+      steps = std::max<std::int64_t>(1, std::llround(wanted));
+  }
+}
+
+}  // namespace
+
+std::vector<KeySection> output_sections() {
+  return {section_of("run", run_keys),
+          section_of("run.steady", steady_keys),
+          section_of("run.balance", balance_keys),
+          section_of("output", output_keys),
+          section_of("output.fields", series_keys, field_keys),
+          section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
+          section_of("output.bodies", series_keys, contact_output_keys),
+          section_of("output.checkpoint", series_keys, checkpoint_keys),
+          section_of("output.report", series_keys)};
+}
+
+void read_run(TableReader& root, Case& scene) {
+  TableReader run = root.table("run");
+  read_keys(run, scene, run_keys);
+  if (!run.present()) return;
+  read_length_of_run(run, scene.steps);
+  TableReader steady = run.table("steady"), balance = run.table("balance");
+  if (steady.present()) read_keys(steady, scene.steady.emplace(), steady_keys);
+  read_keys(balance, scene, balance_keys);
+}
+
+void read_output(TableReader& root, Case& scene) {
+  OutputSpec& output = scene.output;
+  TableReader table = root.table("output");
+  output.fields.upper = scene.cells;
+  read_keys(table, output, output_keys);
+  if (!table.present()) return;
+  TableReader fields = table.table("fields"), bodies = table.table("bodies");
+  TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
+  read_fields(fields, output.fields);
+  read_slices(table, scene.cells, output.slices);
+  read_keys(bodies, output.bodies, series_keys);
+  read_keys(bodies, output, contact_output_keys);
+  read_keys(checkpoint, output.checkpoint, series_keys);
+  read_keys(checkpoint, output, checkpoint_keys);
+  read_keys(report, output.report, series_keys);
+}
+
+namespace {
+
+void check_steady(const Case& scene, Findings& findings) {
+  constexpr int looks_needed = 4;
+  if (!scene.steady) return;
+  std::vector<std::string> names;
+  for (const QuantitySpec& quantity : scene.quantities) names.push_back(quantity.name);
+  const std::string& name = scene.steady->quantity;
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    findings.error("run.steady.quantity",
+                   "run.steady.quantity: there is no quantity '{}' in [[quantities]]{}", name,
+                   names.empty() ? "" : suggestion(name, names));
+  if (scene.steady->every > scene.steps / looks_needed)
+    findings.warning("run.steady.every",
+                     "run.steady.every is {}, of {} steps in all: there will be less than the {} looks it "
+                     "takes to see that something is steady",
+                     scene.steady->every, scene.steps, looks_needed);
+}
+
+}  // namespace
+
+void find_run_faults(const Case& scene, Findings& findings) {
+  if (scene.steps < 1)
+    findings.error("run.steps", "the run has {} steps; it must have at least 1", scene.steps);
+  if (static_cast<double>(scene.steps) > most_steps)
+    findings.error("run.steps", "the run has {} steps; at most {} are possible: shorten it", scene.steps,
+                   shown(most_steps));
+  check_steady(scene, findings);
+  if (!scene.fluid && !scene.has_bodies())
+    findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
+  const bool flat = std::find(scene.cells.begin(), scene.cells.end(), 1) != scene.cells.end();
+  if (scene.fluid && flat && (scene.output.fields.every > 0 || !scene.output.slices.empty()))
+    findings.warning("output",
+                     "the domain is one cell thick, and VTK and ParaView end with an error on fields as flat "
+                     "as that: make domain.size two cells thick");
+  if (!scene.fluid && !scene.output.slices.empty())
+    findings.error("output.slices",
+                   "output.slices asks for fields of the fluid, but the case has no [fluid]; remove it");
+  if (!scene.fluid && scene.output.fields.every > 0)
+    findings.error("output.fields",
+                   "output.fields asks for fields of the fluid, but the case has no [fluid]; remove it");
+  if (!scene.has_bodies() && scene.output.bodies.every > 0)
+    findings.warning("output.bodies", "output.bodies asks for bodies, but the case has none");
+}
+
+}  // namespace silt::coupler

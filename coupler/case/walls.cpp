@@ -1,0 +1,268 @@
+// [[walls]]; surfaces in files, of walls and of [[shapes]]; the motion of a wall as a table over time.
+#include <fmt/format.h>
+
+#include <array>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "adapters/mesh/read_mesh.hpp"
+#include "adapters/mesh/read_polyhedron.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "coupler/case/csv_reader.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/tube.hpp"
+
+namespace silt::coupler {
+
+MotionFile read_motion_file(const std::string& text, const Units& units) {
+  std::istringstream stream(text);
+  CsvReader reader(stream);
+  MotionFile file{{}, static_cast<int>(reader.headings().size())};
+  const double length = units.lattice(1, dimension::length);
+  while (reader.next()) {
+    std::array<double, 7> x;
+    try {
+      reader.numbers(x,
+                     "seven finite numbers with commas between them: time, displacement x, y, z, rotation "
+                     "vector x, y, z");
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("line {} {}", reader.lines(), error.what()));
+    }
+    const double time = units.lattice(x[0], dimension::time);
+    if (!file.rows.empty() && !(time > file.rows.back().time))
+      throw std::invalid_argument(
+          fmt::format("line {}: its time is not after that of the line before", reader.lines()));
+    file.rows.push_back({time, length * rigid::Vec3(x[1], x[2], x[3]), {x[4], x[5], x[6]}});
+  }
+  if (file.rows.size() < 2) throw std::invalid_argument("it must have two lines of numbers or more");
+  return file;
+}
+
+namespace {
+
+using rigid::Pose;
+using rigid::Vec3;
+
+/// Calls read(bytes) for the file that the key names; what is wrong with it is reported.
+template <class Read>
+void with_file(TableReader& table, std::string_view key, Read&& read) {
+  const auto name = table.string(key);
+  if (!name) return;
+  ReadContext& context = table.context();
+  try {
+    const AttachedFile& file = context.source->file_named(*name);
+    context.files.push_back(file.fingerprint);
+    read(*name, file.bytes);
+  } catch (const std::invalid_argument& error) {
+    table.fail(key, "{}: '{}': {}", table.path(key), *name, error.what());
+  }
+}
+
+std::string contents_of(const adapters::ReadMesh& read) {
+  std::string text = fmt::format("{} triangles in {} {}", read.surface->triangles().size(),
+                                 read.closed.shells, read.closed.shells == 1 ? "shell" : "shells");
+  const auto add = [&](std::size_t count, const char* what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(read.closed.hollows, "of them hollows");
+  add(read.welded.degenerate, "degenerate triangles left out");
+  add(read.welded.coincident.duplicate, "duplicate triangles left out");
+  add(read.welded.coincident.thin, "triangles of fins and membranes left out");
+  add(read.closed.turned, "triangles turned over");
+  return text;
+}
+
+constexpr std::tuple wall_keys{
+    HandKey{"type", "\"tube\", \"mesh\"", "", required, "kind of wall: \"tube\" or \"mesh\""},
+    HandKey{"name", "string", "", "its path", "what quantities call the wall"},
+    HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"}};
+constexpr std::tuple tube_keys{
+    HandKey{"radius", "number", "m", "one of two", "of a tube: its size"},
+    HandKey{"diameter", "number", "m", "one of two", "of a tube: its size"},
+    HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", required,
+            "direction of the tube: \"x\", \"y\", \"z\" or [x, y, z]"},
+    Key{"point", &rigid::TubeSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
+        required},
+    Key{"angular_velocity", &rigid::TubeSpec::angular_velocity, Number{dimension::angular_velocity},
+        "rotation of the tube about the axis (a drum)"},
+    Key{"velocity", &rigid::TubeSpec::velocity, Number{dimension::velocity},
+        "velocity of the tube along the axis"}};
+constexpr std::tuple mesh_file_keys{HandKey{
+    "file", "string", "", required, "the name of an STL, OBJ or PLY file in the directory of the case"}};
+constexpr std::tuple mesh_keys{
+    HandKey{"solid", "\"inside\", \"outside\"", "", required,
+            "\"inside\" of the surface, or \"outside\" (a vessel)"},
+    HandKey{"scale", "number", "1", "1", "unit of length of the file in that of the case"},
+    HandKey{"position", "[x, y, z]", "m", "0", "where the origin of the file is"},
+    HandKey{"motion", "table", "", "at rest", "of a mesh, see below"}};
+constexpr std::tuple motion_keys{
+    Key{"velocity", &rigid::WallMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
+    HandKey{"angular_velocity", "number", "1/s", "0",
+            "rotation about the axis through the point, which goes along"},
+    HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", "z at rest", "of the rotation, and of wall-torque"},
+    HandKey{"point", "[x, y, z]", "m", "position", "of the axis, at the start; wall-torque is about it"},
+    HandKey{"oscillation", "table", "", "none", "of the point, see below"},
+    HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
+constexpr std::tuple oscillation_keys{
+    Key{"amplitude", &rigid::WallMotion::amplitude, Vector{dimension::length},
+        "how far the wall goes to either side: the displacement is the amplitude times sin(2π frequency t + "
+        "phase)",
+        required},
+    Key{"frequency", &rigid::WallMotion::frequency, Number{dimension::angular_velocity, range::at_least(0)},
+        "oscillations in a unit of time", required},
+    Key{"phase", &rigid::WallMotion::phase, Number{dimension::none, range::any, "degrees"},
+        "of the sine at the start"}};
+
+/// Of a file whose numbers do not keep its surface: its origin is far away.
+void warn_of_steps(TableReader& table, const std::string& name, double coordinate_step) {
+  constexpr double enough = 0.1;  // cells
+  if (!(coordinate_step > enough)) return;
+  table.warn("file",
+             "{}: '{}' keeps its coordinates in single precision, which are {} cells apart so far from its "
+             "origin; save it in double precision or as text, or with its origin near the surface",
+             table.path("file"), name, shown(coordinate_step));
+}
+
+/// Lattice units in one of the file's.
+double read_scale(TableReader& table) {
+  return table.number("scale", range::above(0)).value_or(1) / table.context().units.cell_size;
+}
+
+/// "x", "y", "z" or a direction, made a unit vector; `what` says of what.
+Vec3 read_direction(TableReader& table, std::string_view what) {
+  const Node* node = table.find("axis");
+  if (!node) {
+    table.missing("axis", fmt::format("{}: \"x\", \"y\", \"z\" or [x, y, z]", what));
+    return Vec3::UnitZ();
+  }
+  if (node->kind == Node::Kind::string) {
+    const auto name = table.choice("axis", {"x", "y", "z"});
+    return Vec3::Unit(name ? (*name)[0] - 'x' : 2);
+  }
+  const Vec3 axis = table.vector("axis").value_or(Vec3::UnitZ());
+  if (axis.norm() > 0) return axis.normalized();
+  table.refuse("axis", "\"x\", \"y\", \"z\" or a direction [x, y, z] that is not zero");
+  return Vec3::UnitZ();
+}
+
+/// What turns, turns about `point`, which is left as it is without a turn.
+void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
+  if (!table.present()) return;
+  rigid::WallMotion& motion = wall.motion;
+  read_keys(table, motion, motion_keys);
+  const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
+  if (turn == "angular_velocity" || table.has("axis"))
+    wall.axis = read_direction(table, "about which the wall turns");
+  point = table.vector("point", dimension::length).value_or(point);
+  motion.angular_velocity =
+      table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * wall.axis;
+  TableReader oscillation = table.table("oscillation");
+  read_keys(oscillation, motion, oscillation_keys);
+  motion.phase = motion.phase * std::numbers::pi / 180;
+  if (turn == "table")
+    with_file(table, "table", [&](const std::string& name, const std::string& bytes) {
+      MotionFile file = read_motion_file(bytes, table.context().units);
+      wall.table = name, wall.table_headings = file.headings;
+      motion.table = std::move(file.rows);
+    });
+}
+
+MeshWall read_mesh_wall(TableReader& table) {
+  MeshWall wall;
+  read_keys(table, wall, mesh_file_keys);
+  read_keys(table, wall, mesh_keys);
+  const double scale = read_scale(table);
+  const Vec3 position = table.vector("position", dimension::length).value_or(Vec3::Zero());
+  const rigid::Quat orientation = read_orientation(table);
+  const bool hollow = table.choice("solid", {"inside", "outside"}) == "outside";
+  Vec3 point = position;
+  read_motion(table.table("motion"), wall, point);
+  wall.start = {point, orientation};
+  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
+    const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
+    warn_of_steps(table, name, read.coordinate_step);
+    wall.file = name, wall.contents = contents_of(read);
+    const Vec3 middle = 0.5 * (read.surface->box().lower + read.surface->box().upper);
+    wall.mesh = rigid::Mesh{read.surface, hollow}.recentred(middle);
+    wall.arm = middle - orientation.conjugate() * (point - position);
+  });
+  return wall;
+}
+
+}  // namespace
+
+rigid::Shape read_mesh_body(TableReader& table) {
+  require(table, std::get<0>(mesh_file_keys));
+  const double scale = read_scale(table);
+  rigid::Shape shape = rigid::Sphere{1};
+  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
+    const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
+    warn_of_steps(table, name, read.coordinate_step);
+    const rigid::Mesh mesh{read.surface, false};
+    if (!(mesh.mass_properties().volume > 0))
+      throw std::invalid_argument("it encloses no volume: a body needs some");
+    shape = mesh;
+  });
+  return shape;
+}
+
+std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& table) {
+  const double scale = read_scale(table);
+  std::shared_ptr<const rigid::PolyhedronMesh> mesh;
+  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
+    const adapters::ReadPolyhedron read = adapters::read_polyhedron(name, bytes, scale);
+    warn_of_steps(table, name, read.coordinate_step);
+    mesh = read.mesh;
+  });
+  return mesh;
+}
+
+namespace {
+
+std::string read_name(TableReader& table, const std::vector<CurvedWall>& walls) {
+  const std::string name = table.string("name").value_or(table.path());
+  for (const CurvedWall& other : walls)
+    if (other.name == name) table.fail("name", "{}: there already is a wall '{}'", table.path("name"), name);
+  return name;
+}
+
+rigid::TubeSpec read_tube_wall(TableReader& table) {
+  rigid::TubeSpec tube;
+  read_keys(table, tube, tube_keys);
+  tube.radius = read_tube(table).radius;
+  if (table.has("axis")) tube.axis = read_direction(table, "");
+  return tube;
+}
+
+}  // namespace
+
+std::vector<KeySection> wall_sections() {
+  return {section_of("walls", wall_keys, tube_keys, mesh_file_keys, mesh_keys, orientation_keys),
+          section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
+}
+
+void read_walls(TableReader& root, Case& scene) {
+  std::vector<CurvedWall>& walls = scene.walls;
+  for (TableReader& table : root.tables("walls")) {
+    CurvedWall wall;
+    read_keys(table, wall, wall_keys);
+    const auto type = table.choice("type", {"tube", "mesh"});
+    if (!type) table.judge_no_keys();
+    wall.name = read_name(table, walls);
+    const int material = read_material_name(table, scene.material_names);
+    if (type == "mesh") {
+      MeshWall mesh = read_mesh_wall(table);
+      mesh.material = material;
+      if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else what is wrong has been said
+    } else {
+      rigid::TubeSpec tube = read_tube_wall(table);
+      tube.material = material;
+      wall.surface = tube;
+    }
+    walls.push_back(std::move(wall));
+  }
+}
+
+}  // namespace silt::coupler
