@@ -101,7 +101,7 @@ void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   take_velocities(bodies, dt);
   if (last) sleep_.look(bodies, contacts_, velocities_, dt);
   if (last && forced_) clear_forces(bodies);
-  if (before_drift) before_drift(bodies);
+  if (observer_) observer_->before_drift(bodies);
   take_position_correction(bodies, dt);
   drift(bodies, 0.5 * dt);
 }
@@ -162,6 +162,7 @@ void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
 
 /// The resolver's velocities become the bodies'; what is left of the kick (ffd) follows.
 void RigidStep::take_velocities(BodySet& bodies, double dt) {
+  StepObserver* const observer = observer_ && observer_->wants_contact_impulses() ? observer_ : nullptr;
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_free(row)) continue;
     const Vec3 contacts = velocities_.w[row] - bodies.angular_velocity[row];
@@ -171,16 +172,16 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
       angular_impulse = r * (bodies.inertia_B[row] * (r.transpose() * contacts));
       bodies.angular_momentum[row] += angular_impulse;
     }
-    if (contact_impulse)
-      contact_impulse(bodies, row, bodies.mass[row] * (velocities_.v[row] - bodies.velocity[row]),
-                      angular_impulse);
+    if (observer)
+      observer->contact_impulse(bodies, row, bodies.mass[row] * (velocities_.v[row] - bodies.velocity[row]),
+                                angular_impulse);
     bodies.velocity[row] = velocities_.v[row];
     bodies.angular_velocity[row] = velocities_.w[row];
   }
-  if (contact_impulse && world_.sleep)
+  if (observer && world_.sleep)
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (bodies.is_at_rest(row))
-        contact_impulse(
+        observer->contact_impulse(
             bodies, row, velocities_.load[row] + Eigen::Map<const Vec3>(bodies.rest[row].impulse),
             velocities_.angular_load[row] + Eigen::Map<const Vec3>(bodies.rest[row].angular_impulse));
   const double share = 1 - resolver_.first_kick();

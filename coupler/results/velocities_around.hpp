@@ -12,7 +12,8 @@ class VelocitiesAround {
  public:
   /// Cells [first, last) of a block along x and y, and those within CellVelocities::reach of them: of other
   /// blocks as `others` knows them. Refers to both.
-  VelocitiesAround(const Flow&, const CellVelocities& others, int block, lbm::Int3 first, lbm::Int3 last);
+  VelocitiesAround(const FluidFields&, const CellVelocities& others, int block, lbm::Int3 first,
+                   lbm::Int3 last);
 
   /// Returns the velocity in one of these cells, of the block's coordinates; nothing where there is no fluid.
   /// Lattice units.
@@ -23,7 +24,7 @@ class VelocitiesAround {
   static constexpr int kept = 2 * CellVelocities::reach + 1;
   void make(int z);
 
-  const Flow& flow_;
+  const FluidFields& fields_;
   const CellVelocities& others_;
   int block_;
   lbm::Int3 low_, high_;  // cells [low, high) are made here

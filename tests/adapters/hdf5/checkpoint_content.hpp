@@ -69,13 +69,8 @@ inline std::uint8_t flag(int x, int y, int z) {
 }
 
 /// What a holder might keep.
-struct Kept {
-  double number[2];
-  std::int64_t whole[3];
-};
-inline constexpr adapters::HolderColumn kept_columns[] = {
-    {"kept_number", offsetof(Kept, number), adapters::HolderColumn::float64, 2},
-    {"kept_whole", offsetof(Kept, whole), adapters::HolderColumn::int64, 3}};
+inline constexpr rigid::HolderColumn kept_columns[] = {{"kept_number", rigid::HolderColumn::float64, 1, 2},
+                                                       {"kept_whole", rigid::HolderColumn::int64, 2, 3}};
 
 inline BodyRecord record(std::uint64_t id) {
   BodyRecord r;
@@ -90,9 +85,9 @@ inline BodyRecord record(std::uint64_t id) {
     r.velocity[d] = -0.0;
     r.angular_momentum[d] = 5e-324 * double(id);
   }
-  Kept& kept = r.holder_state.as<Kept>();
-  kept.number[1] = 0.1 * double(id);
-  for (int d = 0; d < 3; ++d) kept.whole[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
+  r.holder_state[kept_columns[0]][1] = 0.1 * double(id);
+  for (int d = 0; d < 3; ++d)
+    r.holder_state.whole(kept_columns[1])[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
   return r;
 }
 
