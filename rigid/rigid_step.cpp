@@ -138,12 +138,12 @@ void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
     for (auto* load : {&of.load, &of.angular_load}) load->assign(bodies.size(), Vec3::Zero());
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.motion[row] == Motion::free)
+      if (bodies.is_awake(row))
         bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.motion[row] == Motion::free) kick(bodies, row, resolver_.first_kick() * dt);
+      if (bodies.is_awake(row)) kick(bodies, row, resolver_.first_kick() * dt);
   for (const std::size_t row : of.rows) {
     of.v[row] = bodies.velocity[row];
     of.w[row] = bodies.angular_velocity[row];
@@ -194,7 +194,7 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
 void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
   if (velocities_.push_v.empty()) return;
   for (const std::size_t row : velocities_.rows) {
-    if (row >= bodies.owned || bodies.motion[row] != Motion::free) continue;
+    if (row >= bodies.owned || !bodies.is_awake(row)) continue;
     bodies.position[row] += dt * velocities_.push_v[row];
     const Vec3& turn = velocities_.push_w[row];
     if (turn != Vec3::Zero())

@@ -22,6 +22,7 @@ std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) 
       {"material", offsetof(R, material), Column::int32},
       {"kind", offsetof(R, kind), Column::int32},
       {"motion", offsetof(R, motion), Column::uint8},
+      {"wakefulness", offsetof(R, wakefulness), Column::uint8},
       {"mass", offsetof(R, mass), Column::float64},
       {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
       {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},

@@ -26,7 +26,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 13;
+inline constexpr std::int64_t checkpoint_format_version = 14;
 
 /// The bodies that a rank owns, in any order. Rows are made when they are asked for, more than once: no
 /// second list of all is needed.

@@ -58,6 +58,7 @@ void add_shared(Hash& h, const rigid::BodyRecord& r) {
   h.add(r.material);
   h.add(r.kind);
   h.add(static_cast<std::int32_t>(r.motion));
+  h.add(static_cast<std::int32_t>(r.wakefulness));
   h.add(r.mass);
   h.add(r.weight_in_fluid);
   h.add(r.inertia_B);

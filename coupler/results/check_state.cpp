@@ -92,7 +92,8 @@ void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid:
   row.within("shape", r.shape, std::int64_t{0}, last_of(scene.shapes));
   row.within("material", r.material, std::int64_t{0}, last_of(scene.material_names));
   row.within("kind", r.kind, std::int64_t{0}, last_of(scene.kind_names));
-  row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::waking));
+  row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::prescribed));
+  row.within("wakefulness", static_cast<int>(r.wakefulness), 0, static_cast<int>(rigid::Wakefulness::waking));
   row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
   row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
   require_inertia(row, r);
