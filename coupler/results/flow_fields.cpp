@@ -311,7 +311,7 @@ FieldHere field_here(const Simulation& simulation, Field field) {
   return here;
 }
 
-void write_fields_fields(const Simulation& simulation, const FieldsSpec& spec,
+void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
                          const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const Units& units = simulation.setup().units;
   const FluidFields& cells = simulation.scene().flow->fields();
