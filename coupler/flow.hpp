@@ -47,7 +47,7 @@ class Flow {
   /// returns with it.
   virtual void evaluate_forces(rigid::BodySet&) = 0;
 
-  /// Interleaved unless the populations of this rank stay in a cache anyway.
+  /// Interleaved until this is called.
   virtual void set_schedule(LinkSchedule) = 0;
 
   // ---- before the first step ----

@@ -72,6 +72,7 @@ void CellVelocities::tell(int block, const lbm::BlockPlace& to, parallel::Messag
         layer.lower[d] = at, layer.size[d] = 1;
         layer.lower = domain.wrapped(layer.lower);
         const CellBox here = overlap(layer, fields_.block(block));
+        if (here.cells() == 0) continue;
         const Int3 first = here.lower - fields_.block(block).lower;
         fields_.moments(block, {first, here.size}, moments);
         std::int64_t n = 0;
