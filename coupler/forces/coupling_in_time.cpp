@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/forces/eigenvalue_bound.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
@@ -125,7 +124,22 @@ void add_force(rigid::BodySet& bodies, std::size_t row, const Vec6& f) {
   bodies.add_torque(row, f.tail<3>());
 }
 
+/// Returns a lower bound of the principal moments (Gershgorin); where it says nothing, it is not above 0.
+double least_moment(const Mat3& inertia) {
+  const Mat3 sizes = inertia.cwiseAbs();
+  return (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();
+}
+
 }  // namespace
+
+bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass, const Mat3& inertia_B) {
+  if (stiffness(0, 0) > limit * mass) return false;  // light bodies
+  const double moment = least_moment(inertia_B);
+  if (!(moment > 0)) return false;
+  Vec6 scale;
+  scale << Vec3::Constant(1 / std::sqrt(mass)), Vec3::Constant(1 / std::sqrt(moment));
+  return scale.cwiseProduct(stiffness.cwiseAbs() * scale).maxCoeff() <= limit;
+}
 
 void add_link_force(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
   add_force(bodies, row, force_of(sums.force(row)));

@@ -32,6 +32,14 @@ void add_link_force(rigid::BodySet&, std::size_t row, const RowSums&);
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
+/// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (README.md, equation 7): M
+/// is the mass matrix of a body, H (symmetric, forces before torques, world frame, lattice units) the
+/// stiffness of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
+/// and with the least that a principal moment can be. So a body near the limit may be refused, but none
+/// beyond it is let through. `inertia_B` may be in any frame of the body.
+bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass,
+                                  const rigid::Mat3& inertia_B);
+
 /// How the links of a body move it in a step: explicitly, implicitly with a second pass, or in one pass (7).
 enum class TimeScheme { explicit_, implicit_, one_pass };
 
