@@ -47,7 +47,7 @@ std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
     bytes.add(bodies.velocity[row]);
     bytes.add(bodies.angular_momentum[row]);
     for (const std::int64_t x : bodies.holder_state[row].whole(column::impulse_debt)) bytes.add(x);
-    bytes.add(pending_impact(bodies, row));
+    bytes.add(rigid::Vec3(pending_impact(bodies, row)));
     for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
       bytes.add(s.partner, s.image.x, s.image.y, s.image.z, s.feature);
       bytes.add(s.impulse);
