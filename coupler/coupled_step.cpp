@@ -1,5 +1,6 @@
 #include "coupler/coupled_step.hpp"
 
+#include "coupler/noted_loads.hpp"
 #include "parallel/traffic.hpp"
 
 namespace silt::coupler {
@@ -17,8 +18,11 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const Bod
     // Line 5. Populations stream in place, so they are exchanged after the pass instead of before it.
     clock_.timed(Stage::lbm_communication, [&] { flow->communicate(); });
     // Lines 9-11: what the other surfaces return, and the forces on the bodies.
-    if (scene_.surfaces) clock_.timed(Stage::force_evaluation, [&] { flow->evaluate_forces(bodies); });
-    if (scene_.forces_seen) scene_.forces_seen(bodies);
+    if (scene_.surfaces) {
+      clock_.timed(Stage::force_evaluation, [&] { flow->evaluate_forces(bodies); });
+      note_loads(bodies);
+      forget_contact_loads(bodies);  // the flow has used them
+    }
   }
   // Line 12: the physics engine, Algorithm 1.
   if (!scene_.rigid_step) return {};

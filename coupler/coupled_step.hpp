@@ -1,7 +1,5 @@
 #pragma once
 // One step of fluid and bodies: Algorithm 2 of Goetz et al., SC10.
-#include <functional>
-
 #include "coupler/flow.hpp"
 #include "coupler/stage.hpp"
 #include "rigid/rigid_step.hpp"
@@ -14,9 +12,6 @@ struct SceneParts {
   rigid::RigidStep* rigid_step = nullptr;  // null: no body moves
   int substeps = 1;
   bool surfaces = false;  // of bodies, fixed ones included, or of curved walls
-  /// Is called when the fluid's forces stand in the rows' accumulators and nothing has consumed them; may be
-  /// empty.
-  std::function<void(rigid::BodySet&)> forces_seen;
 };
 
 class CoupledStep {

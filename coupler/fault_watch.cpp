@@ -104,7 +104,7 @@ void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
   }
 }
 
-void FaultWatch::see_fluid(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
+void FaultWatch::see_fluid(const Scene& scene, const FluidFields::Fast& fast, std::int64_t step) {
   const auto& [x, y, z] = fast.cell;
   const auto& n = scene.setup.cells;
   note(fluid, fast.speed, (std::uint64_t(z) * n[1] + y) * n[0] + x,

@@ -33,8 +33,8 @@ class FaultWatch {
   /// Notes bodies that are wholly beyond a side of the domain that does not take them out: an open one whose
   /// rule is to stop, or a wall that they have gone through. `step`: so many are done.
   void see_outside(const Scene&, std::int64_t step);
-  /// Notes a cell that was too fast when the pass of a step began (Flow::too_fast).
-  void see_fluid(const Scene&, const Flow::Fast&, std::int64_t step);
+  /// Notes a cell that was too fast when the pass of a step began (FluidFields::too_fast).
+  void see_fluid(const Scene&, const FluidFields::Fast&, std::int64_t step);
 
   /// Notes of the contacts of a (sub-)step the pair that overlaps deepest, by the width of the thinner body,
   /// of those that overlap by more than half and, their response done, go on deeper. Called with

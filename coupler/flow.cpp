@@ -1,12 +1,8 @@
 #include "coupler/flow.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
-#include <tuple>
 
-#include "coupler/balance/body_work.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
@@ -17,13 +13,9 @@
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
-#include "coupler/side_force.hpp"
-#include "coupler/state_hash.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/move_populations.hpp"
 #include "lbm/pairs_across.hpp"
-#include "parallel/collectives.hpp"
-#include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
 
@@ -54,184 +46,99 @@ std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
   return all;
 }
 
-/// What the step leaves for the next one to begin with, summed over the ranks.
-struct StepSums {
-  std::int64_t ranks_out_of_range;  // that have a body whose sums are
-  std::int64_t cells_gained;
-  parallel::WideSum link_mass, cell_mass;  // gained
-  struct Recount {                         // of all fluid, in some steps
-    std::int64_t ranks = 0, cells = 0;
-    parallel::WideSum quanta;
-    Recount() = default;
-    Recount(const FluidMass& m) : ranks(1), cells(std::int64_t(m.cells)), quanta(m.mass) {}
-    FluidMass mass() const { return {std::uint64_t(cells), quanta.value()}; }
-  } recount;
-};
-
 template <class T>
 class FlowOf final : public Flow {
  public:
   FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange)
-      : Flow(collision_of(*scene.fluid).force),
-        coupling_(scene.coupling),
+      : coupling_(scene.coupling),
         world_(exchange.world()),
         fluid_(domain, collision_of(*scene.fluid), comm),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
+        fields_(make_fields<T>(fluid_, map_.blocks())),
+        account_(*fields_, comm, coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)),
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
-        forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time),
-        corrects_mass_(coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)) {
+        forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
+  FluidFields& fields() override { return *fields_; }
+  FlowAccount& account() override { return account_; }
+
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
-    counted_.reset();
+    fields_->changed();
     renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);
+    account_.set_mapping(counts_);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
     give_pending_impacts(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies, changes);
   }
   void stream_collide(StepClock& clock) override {
-    settle();
-    counted_.reset();
-    if (corrects_mass_) fluid_.set_mass_correction(correction_.take_surplus());
-    if (world_.shapes.empty()) return fluid_.stream_collide();
-    fluid_.stream_collide([&](int b, int part) {
-      if (forces_.waiting(links_[b], part))
-        clock.timed(Stage::force_evaluation,
-                    [&] { forces_.after_part(fluid_.blocks()[b], links_[b], part); });
-    });
+    const double correction = account_.begin_pass();
+    fields_->changed();
+    if (account_.corrects_mass()) fluid_.set_mass_correction(correction);
+    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return fluid_.stream_collide();
+    fluid_.begin_pass();
+    for (int b = 0; b < int(links_.size()); ++b)
+      for (int part = 0; part < fluid_.parts(b); ++part) {
+        fluid_.collide(b, part);
+        const GroupRange ready = links_[b].inner_after(part);
+        if (!ready.empty()) clock.timed(Stage::force_evaluation, [&] { apply_inner(b, ready); });
+      }
+    fluid_.end_pass();
   }
   void communicate() override {
     fluid_.exchange();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
   }
-
   void evaluate_forces(rigid::BodySet& bodies) override {
-    stepped_ = true;
-    counted_.reset();
-    leave_under_way(forces_.finish(fluid_, links_, bodies));
+    fields_->changed();
+    if (schedule_ == LinkSchedule::sequential)
+      for (int b = 0; b < int(links_.size()); ++b) apply_inner(b, links_[b].all_inner());
+    account_.end_step(forces_.finish(fluid_, links_, bodies));
   }
 
-  const lbm::Domain& domain() const override { return fluid_.domain(); }
-  int blocks() const override { return int(fluid_.blocks().size()); }
-  const lbm::CellBox& block(int b) const override { return fluid_.blocks()[b].box(); }
-  const CellBits& solid(int b) const override { return map_.blocks()[b].solid; }
-  lbm::Moments moments(int b, Int3 x) const override { return fluid_.moments(b, x); }
-  void moments(int b, Int3 first, int cells, lbm::MomentsRow& row) const override {
-    fluid_.moments(b, first, cells, row);
-  }
-  std::optional<Fast> too_fast() const override {
-    const auto order = [](const Fast& f) { return std::tuple(-f.speed, f.cell.z, f.cell.y, f.cell.x); };
-    std::optional<Fast> first;
-    for (const auto& found : fluid_.fast_cells()) {
-      if (!is_fluid(found.block, found.cell)) continue;
-      const double speed = std::isnan(found.speed) ? std::numeric_limits<double>::infinity() : found.speed;
-      const Fast here{block(found.block).lower + found.cell, speed};
-      if (!first || order(here) < order(*first)) first = here;
-    }
-    return first;
-  }
-  void set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) override {
-    counted_.reset();
-    fluid_.set_equilibrium(b, x, rho, u);
-  }
-  double arriving(int b, Int3 x, int i) const override { return fluid_.arriving(b, x, i); }
-  void set_arriving(int b, Int3 x, int i, double g) override {
-    counted_.reset();
-    fluid_.arriving(b, x, i) = T(g);
-  }
-  std::size_t bytes() const override { return fluid_.bytes(); }
-  MappingCounts mapping() const override { return counts_; }
-  const MassCorrectionState& mass_correction() const override {
-    settle();
-    return correction_.state();
-  }
-  void set_mass_correction(const MassCorrectionState& state) override {
-    correction_.set_state(state);
+  void set_schedule(LinkSchedule schedule) override { schedule_ = schedule; }
+
+  void resume(const MassCorrectionState& state) override {
+    account_.set_mass_correction(state);
     fluid_.set_passes(state.steps);
-    restarted_ = true;
+    resumed_ = true;
   }
-
+  void take_over(const Flow& other) override {
+    const auto& from = static_cast<const FlowOf&>(other);
+    lbm::move_populations(from.fluid_, fluid_);
+    account_.take_over(from.account_);
+    fluid_.set_passes(from.fluid_.passes());
+    resumed_ = true;
+  }
   void start(rigid::BodySet& bodies) override {
-    counted_.reset();
     map_(bodies);
     rebuild_links(bodies);
-    if (restarted_) return;
+    account_.set_mapping(counts_);
+    fields_->changed();
+    if (resumed_) return;
     forces_.start(map_.blocks(), bodies);
-    if (!corrects_mass_) return;
-    const auto all =
-        parallel::sum_over_ranks(fluid_.comm(), StepSums::Recount(fluid_mass<T>(fluid_, map_.blocks())));
-    correction_.recount(all.mass());
-  }
-
-  void take_over(const Flow& other) override {
-    counted_.reset();
-    lbm::move_populations(static_cast<const FlowOf&>(other).fluid_, fluid_);
-    brought_ = other.momentum_brought();
-    set_mass_correction(other.mass_correction());
-    fluid_.set_passes(static_cast<const FlowOf&>(other).fluid_.passes());
-  }
-  void add_work(const rigid::BodySet& bodies, const WorkCosts& costs, WorkMap& work) const override {
-    for (const BlockMap& map : map_.blocks()) add_mapped(map, bodies, world_, costs, work);
-  }
-
-  FlowTotals totals() const override {
-    settle();
-    return counted().over_ranks(fluid_.comm());
-  }
-  std::uint64_t hash() const override { return hash_fluid<T>(fluid_, map_.blocks()); }
-  std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
-    return coupler::side_force<T>(fluid_, map_.blocks(), axis, upper);
-  }
-  rigid::FixedVec3 momentum_brought() const override {
-    rigid::FixedVec3 all = brought_;
-    all.add(forces_.debts_begun());
-    return all;
-  }
-  std::array<std::int64_t, 6> wall_load(std::size_t wall) const override {
-    return stepped_ ? forces_.wall_load(wall) : std::array<std::int64_t, 6>{};
+    account_.recount();
   }
 
  private:
-  /// The cells of this rank, added up once between two changes.
-  const FlowSums& counted() const {
-    if (!counted_) counted_ = flow_sums<T>(fluid_, map_.blocks());
-    return *counted_;
-  }
-
-  /// Starts the sums that the next step begins with.
-  void leave_under_way(const LinkOutcome& links) {
-    out_of_range_ = links.out_of_range;
-    const MassCorrection::Gain gain = correction_.take_gain(links.mass_gain);
-    StepSums mine{links.out_of_range != LinkOutcome::nobody, gain.cells, gain.link_mass, gain.cell_mass, {}};
-    if (corrects_mass_ && correction_.recount_is_due()) mine.recount = fluid_mass<T>(fluid_, map_.blocks());
-    sums_.start(fluid_.comm(), mine);
-  }
-
-  /// Takes what the last step left under way.
-  void settle() const {
-    if (!sums_.under_way()) return;
-    const StepSums& all = sums_.finish();
-    if (all.ranks_out_of_range > 0)
-      throw ForceOutOfRange(parallel::least_over_ranks(fluid_.comm(), out_of_range_));
-    if (!corrects_mass_) return;
-    correction_.end_step({all.link_mass.value(), all.cell_mass.value(), all.cells_gained});
-    if (all.recount.ranks > 0) correction_.recount(all.recount.mass());
+  void apply_inner(int b, GroupRange groups) {
+    forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, schedule_ == LinkSchedule::interleaved);
   }
 
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
-    for_fetched(cells.covered, [&](const CoveredCell& c) { take_covered(c, bodies, changes); });
+    for_fetched(cells.covered, [&](const CoveredCell& c) { take_cell(+1, c, bodies, changes); });
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill);
-    for (const CoveredCell& c : cells.uncovered) take_uncovered(c, bodies, changes);
+    for (const CoveredCell& c : cells.uncovered) take_cell(-1, c, bodies, changes);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -248,40 +155,26 @@ class FlowOf final : public Flow {
 
   bool is_exact() const { return coupling_.force == ForceForm::exact; }
 
-  void take_covered(const CoveredCell& c, const rigid::BodySet& bodies, const BodyChanges& changes) {
-    const bool is_new = changes.is_new(c.body->id);
-    if (!corrects_mass_ && !is_exact() && !is_new) return;
+  /// A body has covered a cell (sign 1) or left it (-1).
+  void take_cell(int sign, const CoveredCell& c, const rigid::BodySet& bodies, const BodyChanges& changes) {
+    const bool comes_or_goes = sign > 0 ? changes.is_new(c.body->id) : changes.has_gone(c.body->id);
+    if (!account_.corrects_mass() && !is_exact() && !comes_or_goes) return;
     const lbm::Moments m = fluid_.moments(c.block, c.cell);
-    if (corrects_mass_) correction_.cell_covered(m.density_deviation);
-    if (is_new)
-      bring(m, -1);
-    else if (is_exact())
-      give_momentum(c, bodies, m, +1);
-  }
-  void take_uncovered(const CoveredCell& c, const rigid::BodySet& bodies, const BodyChanges& changes) {
-    const bool has_gone = changes.has_gone(c.body->id);
-    if (!corrects_mass_ && !is_exact() && !has_gone) return;
-    const lbm::Moments m = fluid_.moments(c.block, c.cell);
-    if (corrects_mass_) correction_.cell_uncovered(m.density_deviation);
-    if (has_gone)
-      bring(m, +1);
-    else if (is_exact())
-      give_momentum(c, bodies, m, -1);
-  }
-  void bring(const lbm::Moments& m, int sign) {
+    account_.gain_cell(-sign, m);
     const auto u = fluid_.velocity(m);
-    brought_.add(sign * Vec3(u[0], u[1], u[2]));
+    const Vec3 momentum = sign * Vec3(u[0], u[1], u[2]);
+    if (comes_or_goes)
+      account_.bring(-momentum);
+    else if (is_exact())
+      give_momentum(c, bodies, momentum);
   }
 
-  /// The body gains (sign 1) or loses (-1) the momentum of a cell.
-  void give_momentum(const CoveredCell& c, const rigid::BodySet& bodies, const lbm::Moments& m, int sign) {
-    if (!c.body) return;
+  /// The body gains the momentum of a cell.
+  void give_momentum(const CoveredCell& c, const rigid::BodySet& bodies, const Vec3& momentum) {
     const std::size_t row = bodies.row_of(c.body->id);
     if (row >= bodies.size()) return;
     const Int3 cell = map_.blocks()[c.block].box.lower + c.cell;
-    const auto u = fluid_.velocity(m);
-    forces_.add_covered(c.body->id, sign * Vec3(u[0], u[1], u[2]),
-                        nearest_arm(fluid_.domain(), bodies.position[row], cell));
+    forces_.add_covered(c.body->id, momentum, nearest_arm(fluid_.domain(), bodies.position[row], cell));
   }
 
   /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
@@ -325,20 +218,17 @@ class FlowOf final : public Flow {
   const rigid::World& world_;
   lbm::Fluid<T> fluid_;
   MapBodies map_;
+  std::unique_ptr<FluidFields> fields_;
+  FlowAccount account_;
   std::vector<BlockLinks<T>> links_;
   MeshDistances meshes_{map_.meshes()};
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<SideColumns> columns_;          // of the blocks, for pairs_
   bool pushes_bodies_;
   FluidForces<T> forces_;
+  LinkSchedule schedule_ = LinkSchedule::interleaved;
   MappingCounts counts_;
-  rigid::FixedVec3 brought_;  // by bodies that came and went: momentum of cells
-  bool corrects_mass_, restarted_ = false, stepped_ = false;
-  // settled whenever one of them is asked for
-  mutable MassCorrection correction_;
-  mutable parallel::SumsUnderWay<StepSums> sums_;
-  mutable std::optional<FlowSums> counted_;
-  rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
+  bool resumed_ = false;
 };
 
 lbm::SideCondition side_condition(const BoundarySpec& b) {

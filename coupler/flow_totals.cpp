@@ -155,21 +155,6 @@ FlowSums flow_sums(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
   return sums;
 }
 
-template <class T>
-FluidMass fluid_mass(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
-  FluidMass all;
-  for (int b = 0; b < int(maps.size()); ++b) {
-    lbm::MomentsByRow moments(fluid, b, 0, maps[b].box.size.x);
-    for_fluid_cells(maps.subspan(b, 1), [&](int, Int3 x) {
-      ++all.cells;
-      all.mass += std::llrint(moments(x).density_deviation / lbm::mass_quantum);
-    });
-  }
-  return all;
-}
-
-template FluidMass fluid_mass(const lbm::Fluid<float>&, std::span<const BlockMap>);
-template FluidMass fluid_mass(const lbm::Fluid<double>&, std::span<const BlockMap>);
 template FlowSums flow_sums(const lbm::Fluid<float>&, std::span<const BlockMap>);
 template FlowSums flow_sums(const lbm::Fluid<double>&, std::span<const BlockMap>);
 

@@ -75,12 +75,4 @@ class FlowSums {
 template <class T>
 FlowSums flow_sums(const lbm::Fluid<T>&, std::span<const BlockMap>);
 
-/// The fluid cells of this rank and their mass in quanta, each cell in double precision; takes several times
-/// as long as the sums above.
-struct FluidMass {
-  std::uint64_t cells = 0;
-  rigid::FixedSum mass = 0;
-};
-template <class T>
-FluidMass fluid_mass(const lbm::Fluid<T>&, std::span<const BlockMap>);
 }  // namespace silt::coupler

@@ -114,9 +114,9 @@ std::optional<FluidFault> fault_of(const Case& scene, const FlowTotals& totals) 
   return {};
 }
 
-bool holds(const Flow& flow, lbm::Int3 cell) {
-  for (int b = 0; b < flow.blocks(); ++b)
-    if (flow.block(b).contains(cell)) return true;
+bool holds(const FluidFields& fields, lbm::Int3 cell) {
+  for (int b = 0; b < fields.blocks(); ++b)
+    if (fields.block(b).contains(cell)) return true;
   return false;
 }
 
@@ -125,8 +125,9 @@ bool holds(const Flow& flow, lbm::Int3 cell) {
 void check_flow(const Scene& scene, const FlowTotals& totals, std::int64_t step) {
   const std::optional<FluidFault> fault = fault_of(scene.setup, totals);
   if (!fault) return;
-  const std::string here =
-      holds(*scene.flow, fault->cell) ? fluid_text(scene, fault->cell, fault->what, totals.max_speed) : "";
+  const std::string here = holds(scene.flow->fields(), fault->cell)
+                               ? fluid_text(scene, fault->cell, fault->what, totals.max_speed)
+                               : "";
   throw CommonGuardStop(fmt::format("step {}: {}", step, parallel::text_of_first(scene.comm, here)));
 }
 
@@ -139,7 +140,7 @@ std::string contact_remedy(const Case& scene) {
                      shorter.empty() ? "" : ", or use " + shorter);
 }
 
-std::string too_fast_text(const Scene& scene, const Flow::Fast& fast, std::int64_t step) {
+std::string too_fast_text(const Scene& scene, const FluidFields::Fast& fast, std::int64_t step) {
   const std::string what = std::isfinite(fast.speed)
                                ? speed_text(scene.setup, fast.speed, lbm::speed_of_sound)
                                : ", is not a number";

@@ -39,13 +39,14 @@ void check_flow(const Scene&, const FlowTotals&, std::int64_t step);
 std::string contact_remedy(const Case&);
 
 /// Returns the text for a cell of this rank that is too fast: where it is, what is beside it, the cure.
-std::string too_fast_text(const Scene&, const Flow::Fast&, std::int64_t step);
+std::string too_fast_text(const Scene&, const FluidFields::Fast&, std::int64_t step);
 
 /// Returns the text for a body that would move further in a step than its limit; a speed that is not finite
 /// stands for a velocity or position that is no number.
 std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, std::int64_t step);
 
-/// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one, and go on.
+/// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one, and
+/// go on.
 std::string overlap_text(const Case&, const rigid::Contact&, double half_width, std::int64_t step);
 
 /// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.

@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/counter_random.hpp"
-#include "coupler/flow.hpp"
-#include "coupler/for_each_cell.hpp"
-#include "lbm/lattice.hpp"
+#include "coupler/fluid_fields.hpp"
+#include "lbm/fluid.hpp"
 #include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
@@ -116,60 +116,81 @@ Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
   return flow;
 }
 
+/// Calls change(i, g, local(global cell)) for every population, which becomes what it returns.
+template <class AtCell, class Change>
+void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
+  std::vector<double> g;
+  for (int b = 0; b < fields.blocks(); ++b) {
+    const lbm::CellBox& block = fields.block(b);
+    lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
+    g.resize(std::size_t(plane.cells()));
+    for (; plane.lower.z < block.size.z; ++plane.lower.z) {
+      std::vector<decltype(local(block.lower))> here;
+      const lbm::Int3 first = block.lower + plane.lower;
+      for_cells(first, first + plane.size, [&](lbm::Int3 cell) { here.push_back(local(cell)); });
+      for (int i = 0; i < lbm::directions; ++i) {
+        fields.read(b, plane, i, g.data());
+        for (std::size_t k = 0; k < g.size(); ++k) g[k] = change(i, g[k], here[k]);
+        fields.write(b, plane, i, g.data());
+      }
+    }
+  }
+}
+
 /// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
 template <class Shape>
-void set(const Case& scene, Flow& flow) {
+void set(const Case& scene, FluidFields& fields) {
   const Shape shape(scene);
   const double tau = scene.fluid->relaxation_time;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
-    const Local l = at(shape, {global.x + 0.5, global.y + 0.5, global.z + 0.5});
-    flow.set_equilibrium(b, cell, l.density_deviation, {l.velocity[0], l.velocity[1], l.velocity[2]});
-    for (int i = 1; i < lbm::directions; ++i) {
-      const lbm::Int3 v = lbm::c[i];
-      const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
-                            2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
-                            (l.xx + l.yy + l.zz) / 3;
-      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) - 3 * tau * lbm::w(i) * strain);
-    }
+  const auto local = [&](lbm::Int3 cell) { return at(shape, {cell.x + 0.5, cell.y + 0.5, cell.z + 0.5}); };
+  change_populations(fields, local, [&](int i, double, const Local& l) {
+    return lbm::equilibrium(i, l.density_deviation, l.velocity.data());
+  });
+  change_populations(fields, local, [&](int i, double g, const Local& l) {
+    const lbm::Int3 v = lbm::c[i];
+    const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
+                          2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
+                          (l.xx + l.yy + l.zz) / 3;
+    return i == 0 ? g : g - 3 * tau * lbm::w(i) * strain;
   });
 }
 
 /// Adds a velocity to every cell, a function of where it is: each component uniform between -noise and noise.
-void add_noise(const Case& scene, Flow& flow) {
+void add_noise(const Case& scene, FluidFields& fields) {
   const double noise = scene.fluid->initial.noise;
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 global) {
-    const auto place = (std::uint64_t(global.z) * scene.cells[1] + global.y) * scene.cells[0] + global.x;
-    const rigid::Vec3 u = noise * (2 * CounterRandom(mixed(place)).point() - rigid::Vec3::Ones());
-    for (int i = 1; i < lbm::directions; ++i) {
-      const double along = lbm::c[i].x * u[0] + lbm::c[i].y * u[1] + lbm::c[i].z * u[2];
-      flow.set_arriving(b, cell, i, flow.arriving(b, cell, i) + 3 * lbm::w(i) * along);
-    }
+  const auto velocity = [&](lbm::Int3 cell) {
+    const auto place = (std::uint64_t(cell.z) * scene.cells[1] + cell.y) * scene.cells[0] + cell.x;
+    return rigid::Vec3(noise * (2 * CounterRandom(mixed(place)).point() - rigid::Vec3::Ones()));
+  };
+  change_populations(fields, velocity, [&](int i, double g, const rigid::Vec3& u) {
+    const double along = lbm::c[i].x * u[0] + lbm::c[i].y * u[1] + lbm::c[i].z * u[2];
+    return i == 0 ? g : g + 3 * lbm::w(i) * along;
   });
 }
 
 }  // namespace
 
-void set_initial_flow(const Case& scene, Flow& flow) {
+void set_initial_flow(const Case& scene, FluidFields& fields) {
   switch (scene.fluid->initial.type) {
     case InitialFlow::rest:
       break;
     case InitialFlow::uniform:
-      set<Uniform>(scene, flow);
+      set<Uniform>(scene, fields);
       break;
     case InitialFlow::taylor_green:
-      set<TaylorGreen>(scene, flow);
+      set<TaylorGreen>(scene, fields);
       break;
     case InitialFlow::taylor_green_3d:
-      set<TaylorGreen3D>(scene, flow);
+      set<TaylorGreen3D>(scene, fields);
       break;
     case InitialFlow::shear_layer:
-      set<ShearLayer>(scene, flow);
+      set<ShearLayer>(scene, fields);
       break;
     case InitialFlow::vortex:
-      set<GaussianVortex>(scene, flow);
+      set<GaussianVortex>(scene, fields);
       break;
   }
-  if (scene.fluid->initial.noise > 0) add_noise(scene, flow);
+  if (scene.fluid->initial.noise > 0) add_noise(scene, fields);
 }
 
 }  // namespace silt::coupler

@@ -4,9 +4,9 @@
 namespace silt::coupler {
 
 struct Case;
-class Flow;
+class FluidFields;
 
 /// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh (at rest).
-void set_initial_flow(const Case&, Flow&);
+void set_initial_flow(const Case&, FluidFields&);
 
 }  // namespace silt::coupler

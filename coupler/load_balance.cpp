@@ -20,7 +20,8 @@ CutComparison compare_cuts(const Scene& scene) {
   WorkMap work(scene.domain);
   add_bodies(scene.bodies, costs, work);
   if (scene.flow)
-    scene.flow->add_work(scene.bodies, costs, work);
+    for (const BlockMap& map : scene.flow->fields().maps())
+      add_mapped(map, scene.bodies, scene.world, costs, work);
   else
     add_surfaces(scene.bodies, scene.world, costs, work);
   auto items = work.items();

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "coupler/flow_totals.hpp"
+#include "coupler/fluid_fields.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
@@ -25,14 +25,9 @@ double MassCorrection::take_surplus() {
   return source_;
 }
 
-void MassCorrection::cell_covered(double density_deviation) {
-  mass_gained_ -= to_quanta(density_deviation);
-  --cells_gained_;
-}
-
-void MassCorrection::cell_uncovered(double density_deviation) {
-  mass_gained_ += to_quanta(density_deviation);
-  ++cells_gained_;
+void MassCorrection::gain_cells(int cells, double density_deviation) {
+  mass_gained_ += cells * to_quanta(density_deviation);
+  cells_gained_ += cells;
 }
 
 MassCorrection::Gain MassCorrection::take_gain(std::int64_t link_mass) {

@@ -26,10 +26,9 @@ class MassCorrection {
   /// Begins a step: takes the surplus out of the account, with as much as links gained in the last step, and
   /// returns the density that every cell is to be given for it.
   double take_surplus();
-  /// A body has covered a cell of this rank: the fluid has lost what was in it. Counted when the step ends.
-  void cell_covered(double density_deviation);
-  /// A body has left a cell of this rank: the fluid has gained what was put into it.
-  void cell_uncovered(double density_deviation);
+  /// A body has left a cell of this rank (1) or covered it (-1): the fluid has gained or lost what is in it.
+  /// Counted when the step ends.
+  void gain_cells(int cells, double density_deviation);
   /// What all ranks gained in a step, or one of them: mass through links and by cells that changed sides, and
   /// cells.
   struct Gain {

@@ -41,7 +41,7 @@ class Scene {
   std::uint64_t body_count = 0;     // of all ranks, at the start of this run
   bool anything_moves = false;      // a body that is not fixed, on any rank, or may come
   rigid::BodyId first_free_id = 1;  // at the start: none of the case's bodies has that or a higher one
-  StartPositions starts;               // of the case's bodies
+  StartPositions starts;            // of the case's bodies
   bool has_surfaces() const;
   std::unique_ptr<ParallelBodyExchange> exchange;
   std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves

@@ -39,67 +39,74 @@ bool stops_beyond_sides(const Case& scene) {
 
 }  // namespace
 
-Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {}
+Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {
+  start_fresh();
+}
 Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
-    : Simulation(std::move(scene), comm, &saved) {}
+    : Simulation(std::move(scene), comm, &saved) {
+  resume(saved);
+}
 
+/// All but the state that either start gives.
 Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr),
-      coupled_step_(observed_parts()),
+      coupled_step_(scene_.parts()),
       turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
       motion_limits_(setup()),
       stops_beyond_sides_(stops_beyond_sides(setup())),
+      notes_torques_(asks_for_torques(setup())),
       energy_(setup()) {
   flush_denormals_to_zero();
-  if (saved && saved->step > 0) scene_.move_walls(saved->step - 1);  // where the last step mapped them
+  if (scene_.rigid_step) scene_.rigid_step->set_observer(*this);
+}
+
+void Simulation::start_fresh() {
   if (scene_.flow) {
-    if (saved) {
-      saved->set_populations(*scene_.flow);
-      MassCorrectionState correction = saved->mass_correction;
-      correction.steps = saved->step;
-      scene_.flow->set_mass_correction(correction);
-    } else {
-      set_initial_flow(setup(), *scene_.flow);
-    }
+    set_initial_flow(setup(), scene_.flow->fields());
     scene_.flow->start(scene_.bodies);
   }
-  if (saved) {
-    step_ = saved->step;
-    if (scene_.rank == 0) counters_ = saved->counters;
-    counters_.sweeps = saved->counters.sweeps;
-    initial_ = saved->initial;
-    fluid_speed_ = saved->fluid_speed;
-    if (scene_.rigid_step && saved->step > 0) scene_.rigid_step->resume();
-  } else {
-    initial_ = balance();
-    faults_.hold_runaways(setup(), motion_limits_, scene_.bodies, step_);
-    settle();
-  }
-  if (scene_.rigid_step)
-    scene_.rigid_step->before_drift = [this, torques = asks_for_torques(setup())](rigid::BodySet& bodies) {
-      if (torques)
-        contact_torques_ =
-            coupler::contact_torques(bodies, scene_.rigid_step->contacts(), scene_.exchange->extent());
-      add_wall_impulses(bodies, scene_.rigid_step->other_wall_impulses(), scene_.exchange->extent(),
-                        wall_impulses_);
-      const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
-      counters_.body_speed = std::max(counters_.body_speed, speed);
-      faults_.see_overlaps(setup(), motion_limits_, bodies, scene_.rigid_step->contacts(), step_ + 1);
-    };
-  if (scene_.rigid_step && (setup().output.body_contacts || scene_.flow))
-    scene_.rigid_step->contact_impulse = note_contact_impulse;
+  initial_ = balance();
+  faults_.hold_runaways(setup(), motion_limits_, scene_.bodies, step_);
+  settle();
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
 
-SceneParts Simulation::observed_parts() {
-  SceneParts parts = scene_.parts();
-  if (parts.flow && parts.surfaces)
-    parts.forces_seen = [](rigid::BodySet& bodies) {
-      note_loads(bodies);
-      forget_contact_loads(bodies);  // the flow has used them
-    };
-  return parts;
+void Simulation::resume(const SavedState& saved) {
+  if (saved.step > 0) scene_.move_walls(saved.step - 1);  // where the last step mapped them
+  if (scene_.flow) {
+    saved.set_populations(scene_.flow->fields());
+    MassCorrectionState correction = saved.mass_correction;
+    correction.steps = saved.step;
+    scene_.flow->resume(correction);
+    scene_.flow->start(scene_.bodies);
+  }
+  step_ = saved.step;
+  if (scene_.rank == 0) counters_ = saved.counters;
+  counters_.sweeps = saved.counters.sweeps;
+  initial_ = saved.initial;
+  fluid_speed_ = saved.fluid_speed;
+  if (scene_.rigid_step && saved.step > 0) scene_.rigid_step->resume();
+  energy_.look(scene_, turnover_.energy_brought(), step_);
+}
+
+void Simulation::before_drift(rigid::BodySet& bodies) {
+  const rigid::RigidStep& step = *scene_.rigid_step;
+  if (notes_torques_)
+    contact_torques_ = coupler::contact_torques(bodies, step.contacts(), scene_.exchange->extent());
+  add_wall_impulses(bodies, step.other_wall_impulses(), scene_.exchange->extent(), wall_impulses_);
+  const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
+  counters_.body_speed = std::max(counters_.body_speed, speed);
+  faults_.see_overlaps(setup(), motion_limits_, bodies, step.contacts(), step_ + 1);
+}
+
+bool Simulation::wants_contact_impulses() const {
+  return setup().output.body_contacts || scene_.flow;
+}
+
+void Simulation::contact_impulse(rigid::BodySet& bodies, std::size_t row, const Vec3& impulse,
+                                 const Vec3& angular_impulse) {
+  note_contact_impulse(bodies, row, impulse, angular_impulse);
 }
 
 /// What the last step found out of range is told by the next, or by the first look after it.
@@ -120,7 +127,7 @@ void Simulation::watch() {
   if (!fluid && !scene_.anything_moves) return;
   tell_faults();
   if (fluid)
-    if (const auto fast = scene_.flow->too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
+    if (const auto fast = scene_.flow->fields().too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
   constexpr std::int64_t walls_interval = 64;  // what is beyond an open side is looked for in every step
   if (stops_beyond_sides_ || step_ % walls_interval == 0) see_outside();
   if (fluid || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
@@ -143,7 +150,7 @@ void Simulation::settle() {
 
 void Simulation::cut_anew(const lbm::CutTree& tree) {
   guarded([&] { scene_.cut_anew(tree); });
-  coupled_step_.renew(observed_parts());
+  coupled_step_.renew(scene_.parts());
 }
 
 /// Before a step, so that all that a step leaves to be asked is of one cut.
@@ -205,7 +212,7 @@ void Simulation::run(std::int64_t steps) {
 
 void Simulation::count(const rigid::RigidStepReport& report) {
   if (scene_.flow && scene_.has_surfaces()) {
-    const MappingCounts mapping = scene_.flow->mapping();
+    const MappingCounts mapping = scene_.flow->account().mapping();
     counters_.covered += mapping.covered;
     counters_.uncovered += mapping.uncovered;
   }
@@ -309,7 +316,7 @@ std::uint64_t Simulation::hash() const {
 }
 
 FlowTotals Simulation::look_at_flow() {
-  const FlowTotals totals = guarded([&] { return scene_.flow->totals(); });
+  const FlowTotals totals = guarded([&] { return scene_.flow->account().totals(); });
   fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
   check_flow(scene_, totals, step_);
   return totals;
@@ -334,7 +341,7 @@ Balance Simulation::balance() const {
   for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(all.momentum.q[d] - brought.q[d]);
   b.momentum_scale = rigid::from_fixed(all.scale);
   if (scene_.flow) {
-    const FlowTotals totals = scene_.flow->totals();
+    const FlowTotals totals = scene_.flow->account().totals();
     const Vec3 fluid(totals.momentum[0], totals.momentum[1], totals.momentum[2]);
     b.momentum += fluid;
     b.momentum_scale += fluid.norm();
@@ -346,12 +353,12 @@ Balance Simulation::balance() const {
 
 rigid::FixedVec3 Simulation::momentum_brought() const {
   rigid::FixedVec3 brought = turnover_.momentum_brought();
-  if (scene_.flow) brought.add(scene_.flow->momentum_brought());
+  if (scene_.flow) brought.add(scene_.flow->account().momentum_brought());
   return parallel::sum_over_ranks(scene_.comm, brought);
 }
 
 std::uint64_t Simulation::links() const {
-  std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->mapping().links : 0;
+  std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->account().mapping().links : 0;
   return parallel::sum_over_ranks(scene_.comm, n);
 }
 

@@ -42,10 +42,10 @@ struct SavedState {
   rigid::FixedVec3 momentum_brought;  // by bodies that came and went
   double fluid_speed = 0;
   MassCorrectionState mass_correction;
-  std::function<void(Flow&)> set_populations;
+  std::function<void(FluidFields&)> set_populations;
 };
 
-class Simulation {
+class Simulation : private rigid::StepObserver {
  public:
   /// Starts at step 0. Errors are those of Scene.
   Simulation(Case, MPI_Comm);
@@ -121,7 +121,13 @@ class Simulation {
 
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);
-  SceneParts observed_parts();
+  void start_fresh();
+  void resume(const SavedState&);
+  // of the bodies' step
+  void before_drift(rigid::BodySet&) override;
+  bool wants_contact_impulses() const override;
+  void contact_impulse(rigid::BodySet&, std::size_t row, const rigid::Vec3& impulse,
+                       const rigid::Vec3& angular_impulse) override;
   void balance_work();
   void count(const rigid::RigidStepReport&);
   void watch();
@@ -140,7 +146,7 @@ class Simulation {
   BodyTurnover turnover_;
   CheckUnderWay check_;
   MotionLimits motion_limits_;
-  bool stops_beyond_sides_;
+  bool stops_beyond_sides_, notes_torques_;
   FaultWatch faults_;
   EnergyGuard energy_;
   double fluid_speed_ = 0, step_seconds_ = 0;

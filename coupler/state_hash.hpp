@@ -3,30 +3,19 @@
 #include <mpi.h>
 
 #include <cstdint>
-#include <span>
 #include <string>
 
 #include "rigid/bodies/body_set.hpp"
 
-namespace silt::lbm {
-template <class T>
-class Fluid;
-}
-
 namespace silt::coupler {
 
-struct BlockMap;
 class Flow;
 
 /// Wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation, velocity, angular
 /// momentum and stored impulses.
 std::uint64_t hash_bodies(const rigid::BodySet&);
 
-/// Wrapping sum over this rank's fluid cells of XXH3 of global cell index and its arriving populations.
-template <class T>
-std::uint64_t hash_fluid(const lbm::Fluid<T>&, std::span<const BlockMap>);
-
-/// Collective: wrapping sum over all ranks of hash_bodies and Flow::hash (flow may be null).
+/// Collective: wrapping sum over all ranks of hash_bodies and FluidFields::hash (flow may be null).
 std::uint64_t state_hash(MPI_Comm, const Flow*, const rigid::BodySet&);
 
 /// 16 hexadecimal digits.

@@ -71,7 +71,7 @@ void Fluid<T>::set_mass_correction(double density_per_cell) {
 }
 
 template <class T>
-void Fluid<T>::collide_shells() {
+void Fluid<T>::begin_pass() {
   fast_cells_.clear();
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (const RowRange& rows : orders_[b].shell())
@@ -97,7 +97,7 @@ void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
 
 template <class T>
 void Fluid<T>::stream_collide() {
-  collide_shells();
+  begin_pass();
   for (int b = 0; b < int(blocks_.size()); ++b) {
     if (idle_[b]) continue;
     const RowRange inner = orders_[b].inner();
@@ -106,6 +106,25 @@ void Fluid<T>::stream_collide() {
       collide_rows(b, {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
   }
   end_pass();
+}
+
+template <class T>
+void Fluid<T>::read(int b, const CellBox& box, int i, double* g) const {
+  for (int z = 0; z < box.size.z; ++z)
+    for (int y = 0; y < box.size.y; ++y, g += box.size.x) {
+      const T* const row =
+          blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(box.lower + Int3{0, y, z});
+      std::copy_n(row, box.size.x, g);
+    }
+}
+
+template <class T>
+void Fluid<T>::write(int b, const CellBox& box, int i, const double* g) {
+  for (int z = 0; z < box.size.z; ++z)
+    for (int y = 0; y < box.size.y; ++y, g += box.size.x) {
+      T* const row = &arriving(b, box.lower + Int3{0, y, z}, i);
+      std::transform(g, g + box.size.x, row, [](double x) { return T(x); });
+    }
 }
 
 /// Returns sum(g), where g[i] points to the population i that arrives at a cell.
@@ -124,8 +143,13 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 }
 
 template <class T>
-void Fluid<T>::moments(int b, Int3 first, int cells, MomentsRow& row) const {
-  for_arriving(b, first, [&](const T* const(&g)[directions]) { row.sum(g, cells); });
+void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
+  moments.resize(box.cells());
+  std::int64_t n = 0;
+  for (int z = 0; z < box.size.z; ++z)
+    for (int y = 0; y < box.size.y; ++y, n += box.size.x)
+      for_arriving(b, box.lower + Int3{0, y, z},
+                   [&](const T* const(&g)[directions]) { moments.sum(g, n, box.size.x); });
 }
 
 template <class T>

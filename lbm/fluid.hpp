@@ -40,18 +40,12 @@ class Fluid {
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
   /// soon as what they carry is there. Call exchange() next.
   void stream_collide();
-  /// Does the same part by part (pass_order.hpp), and calls after_part(block, part) when a part of a block is
-  /// done, in the order of blocks and parts.
-  template <class AfterPart>
-  void stream_collide(AfterPart&& after_part) {
-    collide_shells();
-    for (int b = 0; b < int(blocks_.size()); ++b)
-      for (int part = 0; !idle_[b] && part < orders_[b].parts(); ++part) {
-        collide_rows(b, orders_[b].rows_of(part));
-        after_part(b, part);
-      }
-    end_pass();
-  }
+  /// The same pass for who does something in between: it begins, the parts of each block (pass_order.hpp) are
+  /// collided in their order, and it ends.
+  void begin_pass();
+  int parts(int b) const { return idle_[b] ? 0 : orders_[b].parts(); }
+  void collide(int b, int part) { collide_rows(b, orders_[b].rows_of(part)); }
+  void end_pass() { parity_ = flipped(parity_), ++passes_; }
   /// Each plane is looked at in one pass of WatchedPlanes::period, which one is a matter of how many were
   /// done.
   std::int64_t passes() const { return passes_; }
@@ -75,13 +69,16 @@ class Fluid {
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
   }
+  /// Population i arriving at the cells of a box of local cells, x fastest.
+  void read(int b, const CellBox&, int i, double* g) const;
+  void write(int b, const CellBox&, int i, const double* g);
   /// The population that left a cell along i in the last pass (until the next one).
   T leaving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// Those of cells that follow each other along x.
-  void moments(int b, Int3 first_local_cell, int cells, MomentsRow&) const;
+  /// Those of a box of local cells.
+  void moments(int b, const CellBox&, MomentArrays&) const;
   /// What they, and as many in the rows after theirs, hold together.
   CellTotals totals(int b, Int3 first_local_cell, int cells, int rows = 1) const;
   /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
@@ -92,12 +89,10 @@ class Fluid {
   std::size_t bytes() const;
 
  private:
-  void collide_shells();
   void collide_rows(int b, RowRange);
   void pass_over(std::size_t b, RowRange);
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
-  void end_pass() { parity_ = flipped(parity_), ++passes_; }
 
   Domain domain_;
   CollisionSpec spec_;

@@ -17,10 +17,8 @@ const MomentsKernels<T>& kernels() {
 }  // namespace
 
 template <class T>
-void MomentsRow::sum(const T* const (&g)[directions], int cells) {
-  cells_ = cells;
-  values_.resize(std::size_t(count) * cells);
-  kernels<T>().sum(g, cells, values_.data());
+void MomentArrays::sum(const T* const (&g)[directions], std::int64_t first, int cells) {
+  kernels<T>().sum(g, cells, cells_, values_.data() + first);
 }
 
 template <class T>
@@ -29,8 +27,8 @@ CellTotals cell_totals(const T* const (&g)[directions], const CellRows& rows,
   return kernels<T>().total(g, rows, force);
 }
 
-template void MomentsRow::sum(const float* const (&)[directions], int);
-template void MomentsRow::sum(const double* const (&)[directions], int);
+template void MomentArrays::sum(const float* const (&)[directions], std::int64_t, int);
+template void MomentArrays::sum(const double* const (&)[directions], std::int64_t, int);
 template CellTotals cell_totals(const float* const (&)[directions], const CellRows&,
                                 const std::array<double, 3>&);
 template CellTotals cell_totals(const double* const (&)[directions], const CellRows&,

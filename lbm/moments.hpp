@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "lbm/lattice.hpp"
+#include "lbm/block.hpp"
 
 namespace silt::lbm {
 
@@ -45,22 +45,27 @@ struct CellRows {
   std::ptrdiff_t stride = 0;
 };
 
-/// An array a moment, so that vectors of cells can be summed at a time.
-class MomentsRow {
+/// The moments of the cells of a box, x fastest: an array a moment, so that vectors of cells can be summed at
+/// a time.
+class MomentArrays {
  public:
-  Moments operator[](int cell) const;
+  Moments operator[](std::int64_t cell) const;
+  void resize(std::int64_t cells) {
+    cells_ = cells;
+    values_.resize(std::size_t(count * cells));
+  }
   /// Takes the moments of cells that follow each other: g[i][k] is population i that arrives at the k-th.
   template <class T>
-  void sum(const T* const (&g)[directions], int cells);
+  void sum(const T* const (&g)[directions], std::int64_t first, int cells);
 
  private:
   static constexpr int count = 10;
   std::vector<double> values_;  // of each moment in turn
-  std::ptrdiff_t cells_ = 0;
+  std::int64_t cells_ = 0;
 };
 
 /// The moments of cells [first, last) along x of a block's rows, for those who go from row to row: a row is
-/// summed when the first of its cells is asked for. `Source` has moments(block, cell, cells, MomentsRow&).
+/// summed when the first of its cells is asked for. `Source` has moments(block, box of cells, MomentArrays&).
 template <class Source>
 class MomentsByRow {
  public:
@@ -68,7 +73,7 @@ class MomentsByRow {
       : source_(source), block_(block), first_(first), last_(last) {}
   Moments operator()(Int3 local_cell) {
     const Int3 begin{first_, local_cell.y, local_cell.z};
-    if (begin != begin_) source_.moments(block_, begin_ = begin, last_ - first_, row_);
+    if (begin != begin_) source_.moments(block_, CellBox{begin_ = begin, {last_ - first_, 1, 1}}, row_);
     return row_[local_cell.x - first_];
   }
 
@@ -76,7 +81,7 @@ class MomentsByRow {
   const Source& source_;
   int block_, first_, last_;
   Int3 begin_{-1, -1, -1};  // of the row at hand
-  MomentsRow row_;
+  MomentArrays row_;
 };
 
 /// Returns the totals of cells: g[i][k] is population i that arrives at the k-th of the first row,
@@ -109,7 +114,7 @@ template <class T>
   return m;
 }
 
-inline Moments MomentsRow::operator[](int cell) const {
+inline Moments MomentArrays::operator[](std::int64_t cell) const {
   const double* const v = values_.data() + cell;
   Moments m;
   m.density_deviation = v[0];

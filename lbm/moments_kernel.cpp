@@ -14,13 +14,14 @@ namespace {
 constexpr int prefetch_bytes = 256;
 
 template <class T>
-void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, double* moments) {
+void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptrdiff_t stride,
+                 double* moments) {
 #pragma GCC ivdep
   for (std::ptrdiff_t k = 0; k < cells; ++k) {
     const Moments m = moments_of(g, k);
     moments[k] = m.density_deviation;
-    for (int d = 0; d < 3; ++d) moments[k + (1 + d) * cells] = m.momentum[d];
-    for (int j = 0; j < 6; ++j) moments[k + (4 + j) * cells] = m.flux[j];
+    for (int d = 0; d < 3; ++d) moments[k + (1 + d) * stride] = m.momentum[d];
+    for (int j = 0; j < 6; ++j) moments[k + (4 + j) * stride] = m.flux[j];
   }
 }
 

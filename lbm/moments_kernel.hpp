@@ -6,8 +6,8 @@ namespace silt::lbm {
 
 template <class T>
 struct MomentsKernels {
-  /// Writes moment j of the k-th cell to moments[j * cells + k], in the order of MomentsRow.
-  void (*sum)(const T* const (&g)[directions], std::ptrdiff_t cells, double* moments);
+  /// Writes moment j of the k-th cell to moments[j * stride + k], in the order of MomentArrays.
+  void (*sum)(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptrdiff_t stride, double* moments);
   CellTotals (*total)(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
 };
 

@@ -80,7 +80,7 @@ Quat rotation_by(const Vec3& angle) {
 
 void drift(BodySet& b, double h) {
   for (std::size_t row = 0; row < b.owned; ++row) {
-    if (b.motion[row] == Motion::free) {
+    if (b.is_awake(row)) {
       drift_free(b, row, h);
     } else if (b.motion[row] == Motion::prescribed) {
       b.position[row] += h * b.velocity[row];

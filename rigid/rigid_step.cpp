@@ -101,7 +101,7 @@ void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   take_velocities(bodies, dt);
   if (last) sleep_.look(bodies, contacts_, velocities_, dt);
   if (last && forced_) clear_forces(bodies);
-  if (before_drift) before_drift(bodies);
+  if (observer_) observer_->before_drift(bodies);
   take_position_correction(bodies, dt);
   drift(bodies, 0.5 * dt);
 }
@@ -138,12 +138,12 @@ void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
     for (auto* load : {&of.load, &of.angular_load}) load->assign(bodies.size(), Vec3::Zero());
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.motion[row] == Motion::free)
+      if (bodies.is_awake(row))
         bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.motion[row] == Motion::free) kick(bodies, row, resolver_.first_kick() * dt);
+      if (bodies.is_awake(row)) kick(bodies, row, resolver_.first_kick() * dt);
   for (const std::size_t row : of.rows) {
     of.v[row] = bodies.velocity[row];
     of.w[row] = bodies.angular_velocity[row];
@@ -162,6 +162,7 @@ void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
 
 /// The resolver's velocities become the bodies'; what is left of the kick (ffd) follows.
 void RigidStep::take_velocities(BodySet& bodies, double dt) {
+  StepObserver* const observer = observer_ && observer_->wants_contact_impulses() ? observer_ : nullptr;
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_free(row)) continue;
     const Vec3 contacts = velocities_.w[row] - bodies.angular_velocity[row];
@@ -171,16 +172,16 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
       angular_impulse = r * (bodies.inertia_B[row] * (r.transpose() * contacts));
       bodies.angular_momentum[row] += angular_impulse;
     }
-    if (contact_impulse)
-      contact_impulse(bodies, row, bodies.mass[row] * (velocities_.v[row] - bodies.velocity[row]),
-                      angular_impulse);
+    if (observer)
+      observer->contact_impulse(bodies, row, bodies.mass[row] * (velocities_.v[row] - bodies.velocity[row]),
+                                angular_impulse);
     bodies.velocity[row] = velocities_.v[row];
     bodies.angular_velocity[row] = velocities_.w[row];
   }
-  if (contact_impulse && world_.sleep)
+  if (observer && world_.sleep)
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (bodies.is_at_rest(row))
-        contact_impulse(
+        observer->contact_impulse(
             bodies, row, velocities_.load[row] + Eigen::Map<const Vec3>(bodies.rest[row].impulse),
             velocities_.angular_load[row] + Eigen::Map<const Vec3>(bodies.rest[row].angular_impulse));
   const double share = 1 - resolver_.first_kick();
@@ -193,7 +194,7 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
 void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
   if (velocities_.push_v.empty()) return;
   for (const std::size_t row : velocities_.rows) {
-    if (row >= bodies.owned || bodies.motion[row] != Motion::free) continue;
+    if (row >= bodies.owned || !bodies.is_awake(row)) continue;
     bodies.position[row] += dt * velocities_.push_v[row];
     const Vec3& turn = velocities_.push_w[row];
     if (turn != Vec3::Zero())

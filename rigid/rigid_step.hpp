@@ -1,7 +1,5 @@
 #pragma once
 // One step of the bodies: Algorithm 1 of Goetz et al., SC10.
-#include <functional>
-
 #include "parallel/traffic.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -34,6 +32,21 @@ struct RigidStepReport {
   }
 };
 
+/// A StepObserver is told what happens within a sub-step.
+class StepObserver {
+ public:
+  /// The velocities are final, and no body has moved by them.
+  virtual void before_drift(BodySet&) = 0;
+  virtual bool wants_contact_impulses() const = 0;
+  /// Before that, of each owned free body in contact: the impulse and the angular impulse about its centre of
+  /// mass that its contacts, films included, gave it.
+  virtual void contact_impulse(BodySet&, std::size_t row, const Vec3& impulse,
+                               const Vec3& angular_impulse) = 0;
+
+ protected:
+  ~StepObserver() = default;
+};
+
 class RigidStep {
  public:
   RigidStep(const World&, CollisionBackend&, ContactResolver&, BodyExchange&,
@@ -47,13 +60,8 @@ class RigidStep {
   /// The bodies come from an earlier run: the next step is not their start, in which contacts of chains are
   /// solved more exactly since there is no impulse to begin with.
   void resume() { velocities_.start = false; }
-  /// What is to be done when the velocities of a sub-step are final and no body has moved by them; may be
-  /// empty.
-  std::function<void(BodySet&)> before_drift;
-  /// What is to be told, before that, of each owned free body in contact: the impulse and the angular impulse
-  /// about its centre of mass that its contacts, films included, gave it in the sub-step; may be empty.
-  std::function<void(BodySet&, std::size_t row, const Vec3& impulse, const Vec3& angular_impulse)>
-      contact_impulse;
+  /// Who is told of every sub-step from now on.
+  void set_observer(StepObserver& observer) { observer_ = &observer; }
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// Returns what the last sub-step did to walls besides the impulses that are remembered; of the first step
@@ -78,6 +86,7 @@ class RigidStep {
   void take_velocities(BodySet&, double dt);
   void take_position_correction(BodySet&, double dt) const;
 
+  StepObserver* observer_ = nullptr;
   RigidClock clock_;
   DetectContacts detect_contacts_;
   Sleep sleep_;

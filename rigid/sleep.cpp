@@ -11,7 +11,7 @@ void hold(BodySet& bodies, std::size_t row) {
   bodies.velocity[row].setZero();
   bodies.angular_velocity[row].setZero();
   bodies.angular_momentum[row].setZero();
-  bodies.motion[row] = Motion::falling_asleep;
+  bodies.wakefulness[row] = Wakefulness::falling_asleep;
   bodies.rest[row] = {};
 }
 
@@ -44,13 +44,13 @@ void Sleep::wake_what_is_hit(BodySet& bodies, const std::vector<Contact>& contac
     for (const BodyId id : {c.a, c.b}) {
       const std::size_t row = bodies.row_of(id);
       if (row < bodies.owned && bodies.is_at_rest(row) && comes_upon(bodies, c, dt))
-        bodies.motion[row] = Motion::waking;
+        bodies.wakefulness[row] = Wakefulness::waking;
     }
-  motions_.resize(bodies.size());
-  for (std::size_t row = 0; row < bodies.size(); ++row) motions_[row] = double(bodies.motion[row]);
-  exchange.share(bodies, motions_, 1);
+  wakefulness_.resize(bodies.size());
+  for (std::size_t row = 0; row < bodies.size(); ++row) wakefulness_[row] = double(bodies.wakefulness[row]);
+  exchange.share(bodies, wakefulness_, 1);
   for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row)
-    bodies.motion[row] = Motion(int(motions_[row]));
+    bodies.wakefulness[row] = Wakefulness(int(wakefulness_[row]));
 }
 
 void Sleep::find_driven(const BodySet& bodies, const std::vector<Contact>& contacts) {
@@ -87,15 +87,15 @@ void Sleep::look(BodySet& bodies, const std::vector<Contact>& contacts, const St
   if (!world_.sleep) return;
   find_driven(bodies, contacts);
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (bodies.motion[row] == Motion::free) {
+    if (bodies.is_awake(row)) {
       std::int32_t& quiet = bodies.rest[row].quiet_steps;
       quiet = is_quiet(bodies, row, of) ? quiet + 1 : 0;
       if (quiet >= world_.sleep->steps) hold(bodies, row);
-    } else if (bodies.motion[row] == Motion::waking ||
+    } else if (bodies.wakefulness[row] == Wakefulness::waking ||
                (bodies.is_at_rest(row) && !is_balanced(bodies, row, of, dt))) {
       bodies.wake(row);
-    } else if (bodies.motion[row] == Motion::falling_asleep) {
-      bodies.motion[row] = Motion::asleep;
+    } else if (bodies.wakefulness[row] == Wakefulness::falling_asleep) {
+      bodies.wakefulness[row] = Wakefulness::asleep;
     }
   }
 }

@@ -28,7 +28,7 @@ class Sleep {
   double surface_speed(const BodySet&, std::size_t row, const Vec3& v, const Vec3& w) const;
 
   const World& world_;
-  std::vector<double> motions_;       // by row
+  std::vector<double> wakefulness_;   // by row
   std::vector<std::uint8_t> driven_;  // by row: touched by what moves by itself
 };
 

@@ -13,7 +13,7 @@
 
 namespace silt::adapters::hdf5 {
 
-std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
+std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) {
   using R = rigid::BodyRecord;
   constexpr std::size_t rest = offsetof(R, rest);
   std::vector<Column> columns{
@@ -22,6 +22,7 @@ std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
       {"material", offsetof(R, material), Column::int32},
       {"kind", offsetof(R, kind), Column::int32},
       {"motion", offsetof(R, motion), Column::uint8},
+      {"wakefulness", offsetof(R, wakefulness), Column::uint8},
       {"mass", offsetof(R, mass), Column::float64},
       {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
       {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
@@ -37,9 +38,13 @@ std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
       {"rest_unbalanced_velocity", rest + offsetof(rigid::Rest, unbalanced_velocity), Column::float64, 3},
       {"rest_unbalanced_angular_velocity", rest + offsetof(rigid::Rest, unbalanced_angular_velocity),
        Column::float64, 3}};
-  for (const HolderColumn& c : holder)
-    columns.push_back({c.name, offsetof(R, holder_state) + c.offset,
-                       c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.components});
+  for (const rigid::HolderColumn& c : holder) {
+    const bool whole = c.type == rigid::HolderColumn::int64;
+    const std::size_t first =
+        whole ? offsetof(rigid::HolderState, integers) : offsetof(rigid::HolderState, numbers);
+    columns.push_back({c.name, offsetof(R, holder_state) + first + 8 * std::size_t(c.first),
+                       whole ? Column::int64 : Column::float64, c.count});
+  }
   return columns;
 }
 
@@ -198,7 +203,7 @@ class ColumnWriter {
 std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path& path,
                                                        const std::function<File(std::uint64_t bytes)>& open,
                                                        const OwnedRows& owned,
-                                                       std::span<const HolderColumn> holder) {
+                                                       std::span<const rigid::HolderColumn> holder) {
   const IdOrder order = order_of(comm, path, owned);
   const SliceExchange bodies(comm, order.total, order.places);
   const ImpulseOrder impulse_order = impulse_order_of(comm, owned, order, bodies);
@@ -307,7 +312,7 @@ std::uint64_t sum_of_counts(const std::vector<std::uint64_t>& counts, std::uint6
 }  // namespace
 
 CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
-                                          std::span<const HolderColumn> holder) {
+                                          std::span<const rigid::HolderColumn> holder) {
   CheckpointReader::Bodies found;
   const int rank = parallel::rank_of(comm), ranks = parallel::ranks_of(comm);
   std::vector<std::uint64_t> counts;

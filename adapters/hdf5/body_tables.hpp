@@ -20,7 +20,7 @@ struct ImpulseRow {
 };
 
 /// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
-std::vector<Column> record_columns(std::span<const HolderColumn> = {});
+std::vector<Column> record_columns(std::span<const rigid::HolderColumn> = {});
 const Column& impulse_count_column();          // in /bodies, of one std::uint64_t a row
 const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 
@@ -29,9 +29,10 @@ const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 /// every rank, a body that is there twice among the reasons.
 std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm, const Path&,
                                                        const std::function<File(std::uint64_t bytes)>& open,
-                                                       const OwnedRows&, std::span<const HolderColumn>);
+                                                       const OwnedRows&,
+                                                       std::span<const rigid::HolderColumn>);
 
 /// Returns this rank's slice of the bodies; collective. The file is open on each rank.
-CheckpointReader::Bodies read_body_tables(MPI_Comm, const File&, std::span<const HolderColumn>);
+CheckpointReader::Bodies read_body_tables(MPI_Comm, const File&, std::span<const rigid::HolderColumn>);
 
 }  // namespace silt::adapters::hdf5

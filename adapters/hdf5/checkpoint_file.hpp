@@ -26,16 +26,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 13;
-
-/// A member of what the caller keeps in rigid::HolderState: the name of its dataset in /bodies, its offset in
-/// bytes, and how many numbers of which type it is.
-struct HolderColumn {
-  const char* name;
-  std::size_t offset;
-  enum Type { int64, float64 } type;
-  int components;
-};
+inline constexpr std::int64_t checkpoint_format_version = 14;
 
 /// The bodies that a rank owns, in any order. Rows are made when they are asked for, more than once: no
 /// second list of all is needed.
@@ -69,7 +60,7 @@ class CheckpointWriter {
 
   /// Writes the bodies of all ranks and their stored impulses; of their holder state what the columns name.
   /// Each rank sorts and writes a slice of them, a column at a time.
-  void bodies(const OwnedRows&, std::span<const HolderColumn> = {});
+  void bodies(const OwnedRows&, std::span<const rigid::HolderColumn> = {});
 
   /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0:
   /// keeps all) of those with a step up to this one's. What a run has written to the files of `before`, where
@@ -122,7 +113,7 @@ class CheckpointReader {
   std::size_t body_count() const;
   /// Returns this rank's slice of the bodies: of n, those from n r / ranks on. Bytes of the holder state that
   /// no column names are zero.
-  Bodies bodies(std::span<const HolderColumn> = {}) const;
+  Bodies bodies(std::span<const rigid::HolderColumn> = {}) const;
 
  private:
   struct State;

@@ -180,7 +180,7 @@ std::size_t CheckpointReader::body_count() const {
   return shape.empty() ? 0 : shape[0];
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(std::span<const HolderColumn> holder) const {
+CheckpointReader::Bodies CheckpointReader::bodies(std::span<const rigid::HolderColumn> holder) const {
   try {
     return hdf5::read_body_tables(state_->comm, *state_->file, holder);
   } catch (const std::runtime_error& error) {  // on every rank

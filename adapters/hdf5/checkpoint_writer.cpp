@@ -144,7 +144,7 @@ template void CheckpointWriter::cells(const std::string&, std::array<int, 3>, in
                                       const std::vector<CellBox>&,
                                       const std::function<void(int, std::size_t, std::uint8_t*)>&);
 
-void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const HolderColumn> holder) {
+void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const rigid::HolderColumn> holder) {
   const auto open = [&](std::uint64_t bytes) { return state_->open_to_add(bytes); };
   state_->checksums.merge(hdf5::write_body_tables(state_->comm, state_->part(), open, owned, holder));
 }

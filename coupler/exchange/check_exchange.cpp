@@ -30,6 +30,10 @@ class Hash {
   void add(const T (&values)[n]) {
     for (const T& x : values) add(x);
   }
+  void add(const rigid::HolderState& state, const rigid::HolderColumn& c) {
+    for (const double x : state[c]) add(x);
+    for (const std::int64_t x : state.whole(c)) add(static_cast<std::uint64_t>(x));
+  }
   std::uint64_t value() const { return state_; }
 
  private:
@@ -54,6 +58,7 @@ void add_shared(Hash& h, const rigid::BodyRecord& r) {
   h.add(r.material);
   h.add(r.kind);
   h.add(static_cast<std::int32_t>(r.motion));
+  h.add(static_cast<std::int32_t>(r.wakefulness));
   h.add(r.mass);
   h.add(r.weight_in_fluid);
   h.add(r.inertia_B);
@@ -63,12 +68,7 @@ void add_shared(Hash& h, const rigid::BodyRecord& r) {
   h.add(r.velocity);
   h.add(r.angular_velocity);
   h.add(r.angular_momentum);
-  const CouplingState& more = r.holder_state.as<CouplingState>();
-  h.add(more.mapping_position);
-  h.add(more.mapping_orientation);
-  h.add(more.mapping_velocity);
-  for (const std::int64_t step : more.mapping_steps) h.add(static_cast<std::uint64_t>(step));
-  h.add(more.foreseen_change);
+  for (const rigid::HolderColumn& c : column::copied) h.add(r.holder_state, c);
 }
 
 std::uint64_t shared_hash(const rigid::BodyRecord& r) {
@@ -180,10 +180,7 @@ Finding copies_that_differ(const ParallelBodyExchange& exchange, const rigid::Bo
 std::uint64_t hash_of(const rigid::BodyRecord& r) {
   Hash h;
   add_shared(h, r);
-  const CouplingState& more = r.holder_state.as<CouplingState>();
-  for (const std::int64_t x : more.impulse_debt) h.add(static_cast<std::uint64_t>(x));
-  h.add(more.pending_impact);
-  h.add(more.deferred_impulse);
+  for (const rigid::HolderColumn& c : column::saved) h.add(r.holder_state, c);
   return h.value();
 }
 

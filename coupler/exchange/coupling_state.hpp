@@ -1,40 +1,54 @@
 #pragma once
-// What the coupler keeps with every body, in the bytes that rigid::BodySet carries along: it travels from
-// rank to rank and into checkpoints with the body.
+// What the coupler keeps with every body, in columns that rigid::BodySet carries along: it travels from rank
+// to rank and into checkpoints with the body. Lattice units, world frame.
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/math/twist.hpp"
 
 namespace silt::coupler {
 
-/// Lattice units, world frame. Copies on other ranks have the mapped motion and the foreseen change of their
-/// owner; the rest is the owner's alone.
-struct CouplingState {
-  // MappedMotion: pose, orientation w, x, y, z; velocity and angular velocity; steps
-  double mapping_position[3], mapping_orientation[4], mapping_velocity[6];
-  std::int64_t mapping_steps[2];
-  // impulse and angular impulse about the centre of mass that the fluid has still to give the body, in quanta
-  // of lbm::link_quantum
-  std::int64_t impulse_debt[6];
-  // impulse that impacts gave to the fluid around the body, still to be passed on by the body
-  double pending_impact[3];
-  // force and torque about the centre of mass that the fluid had on the body when they were last evaluated,
-  // for output; not in checkpoints
-  double seen_load[6];
-  // force and torque about the centre of mass of its contacts in the last step: what the coupling in time
-  // expects of them in the next one
-  double contact_load[6];
-  // impulse and angular impulse about the centre of mass that the coupling in time has left for the next step
-  double deferred_impulse[6];
-  // change of velocity and angular velocity in the next step with which links return already; copies have it
-  double foreseen_change[6];
-};
-static_assert(sizeof(CouplingState) == rigid::HolderState::size);
+namespace column {
+using rigid::HolderColumn;
 
-inline CouplingState& coupling_state(rigid::BodySet& bodies, std::size_t row) {
-  return bodies.holder_state[row].as<CouplingState>();
+// MappedMotion: pose, orientation w, x, y, z; velocity and angular velocity; steps
+inline constexpr HolderColumn mapping_position{"mapping_position", HolderColumn::float64, 0, 3};
+inline constexpr HolderColumn mapping_orientation = mapping_position.next("mapping_orientation", 4);
+inline constexpr HolderColumn mapping_velocity = mapping_orientation.next("mapping_velocity", 6);
+inline constexpr HolderColumn mapping_steps{"mapping_steps", HolderColumn::int64, 0, 2};
+// change of velocity and angular velocity in the next step with which links return already
+inline constexpr HolderColumn foreseen_change = mapping_velocity.next("foreseen_change", 6);
+// impulse and angular impulse about the centre of mass that the fluid has still to give the body, in quanta
+// of lbm::link_quantum
+inline constexpr HolderColumn impulse_debt = mapping_steps.next("impulse_debt", 6);
+// impulse that impacts gave to the fluid around the body, still to be passed on by the body
+inline constexpr HolderColumn pending_impact = foreseen_change.next("pending_impact", 3);
+// impulse and angular impulse about the centre of mass that the coupling in time has left for the next step
+inline constexpr HolderColumn deferred_impulse = pending_impact.next("deferred_impulse", 6);
+// force and torque about the centre of mass of its contacts in the last step: what the coupling in time
+// expects of them in the next one
+inline constexpr HolderColumn contact_load = deferred_impulse.next("contact_load", 6);
+// force and torque about the centre of mass that the fluid had on the body when they were last evaluated, for
+// output
+inline constexpr HolderColumn seen_load = contact_load.next("seen_load", 6);
+static_assert(seen_load.end() == rigid::HolderState::most_numbers);
+static_assert(impulse_debt.end() == rigid::HolderState::most_integers);
+
+/// Copies on other ranks have what their owner has in these columns; the rest is the owner's alone.
+inline constexpr HolderColumn copied[] = {mapping_position, mapping_orientation, mapping_velocity,
+                                          mapping_steps, foreseen_change};
+/// What goes into checkpoints.
+inline constexpr HolderColumn saved[] = {mapping_position, mapping_orientation, mapping_velocity,
+                                         mapping_steps,    impulse_debt,        pending_impact,
+                                         contact_load,     deferred_impulse,    foreseen_change};
+}  // namespace column
+
+/// A vector of a column, from its k-th number on.
+template <int n>
+auto vector_in(rigid::BodySet& bodies, std::size_t row, const rigid::HolderColumn& column, int k = 0) {
+  return Eigen::Map<Eigen::Matrix<double, n, 1>>{bodies.holder_state[row][column].data() + k};
 }
-inline const CouplingState& coupling_state(const rigid::BodySet& bodies, std::size_t row) {
-  return bodies.holder_state[row].as<CouplingState>();
+template <int n>
+auto vector_in(const rigid::BodySet& bodies, std::size_t row, const rigid::HolderColumn& column, int k = 0) {
+  return Eigen::Map<const Eigen::Matrix<double, n, 1>>{bodies.holder_state[row][column].data() + k};
 }
 
 /// How the fluid sees a body in the steps [first, end) for which it was mapped: its cells at the pose in the
@@ -54,29 +68,24 @@ struct MappedMotion {
 };
 
 inline rigid::Pose mapping_pose(const rigid::BodySet& bodies, std::size_t row) {
-  const CouplingState& s = coupling_state(bodies, row);
-  const double *x = s.mapping_position, *q = s.mapping_orientation;
-  return {{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}};
+  const auto q = vector_in<4>(bodies, row, column::mapping_orientation);
+  return {vector_in<3>(bodies, row, column::mapping_position), {q[0], q[1], q[2], q[3]}};
 }
 
 inline MappedMotion mapped_motion(const rigid::BodySet& bodies, std::size_t row) {
-  const CouplingState& s = coupling_state(bodies, row);
-  const double* v = s.mapping_velocity;
-  return {mapping_pose(bodies, row),
-          {v[0], v[1], v[2]},
-          {v[3], v[4], v[5]},
-          s.mapping_steps[0],
-          s.mapping_steps[1]};
+  const auto steps = bodies.holder_state[row].whole(column::mapping_steps);
+  return {mapping_pose(bodies, row), vector_in<3>(bodies, row, column::mapping_velocity),
+          vector_in<3>(bodies, row, column::mapping_velocity, 3), steps[0], steps[1]};
 }
 
 inline void set_mapped_motion(rigid::BodySet& bodies, std::size_t row, const MappedMotion& mapped) {
-  CouplingState& s = coupling_state(bodies, row);
   const rigid::Quat& q = mapped.pose.orientation;
-  Eigen::Map<rigid::Vec3>{s.mapping_position} = mapped.pose.position;
-  Eigen::Map<Eigen::Vector4d>{s.mapping_orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
-  Eigen::Map<rigid::Vec3>{s.mapping_velocity} = mapped.velocity;
-  Eigen::Map<rigid::Vec3>{s.mapping_velocity + 3} = mapped.angular_velocity;
-  s.mapping_steps[0] = mapped.first, s.mapping_steps[1] = mapped.end;
+  vector_in<3>(bodies, row, column::mapping_position) = mapped.pose.position;
+  vector_in<4>(bodies, row, column::mapping_orientation) = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  vector_in<3>(bodies, row, column::mapping_velocity) = mapped.velocity;
+  vector_in<3>(bodies, row, column::mapping_velocity, 3) = mapped.angular_velocity;
+  const auto steps = bodies.holder_state[row].whole(column::mapping_steps);
+  steps[0] = mapped.first, steps[1] = mapped.end;
 }
 
 /// The fluid sees the body there, at rest, until that is said anew.
@@ -86,26 +95,17 @@ inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigi
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
-inline Eigen::Map<Vec6> foreseen_change(rigid::BodySet& bodies, std::size_t row) {
-  return Eigen::Map<Vec6>{coupling_state(bodies, row).foreseen_change};
+inline auto foreseen_change(rigid::BodySet& bodies, std::size_t row) {
+  return vector_in<6>(bodies, row, column::foreseen_change);
 }
-inline Eigen::Map<Vec6> deferred_impulse(rigid::BodySet& bodies, std::size_t row) {
-  return Eigen::Map<Vec6>{coupling_state(bodies, row).deferred_impulse};
+inline auto deferred_impulse(rigid::BodySet& bodies, std::size_t row) {
+  return vector_in<6>(bodies, row, column::deferred_impulse);
 }
-
-inline rigid::Vec3 last_contact_force(const rigid::BodySet& bodies, std::size_t row) {
-  return Eigen::Map<const rigid::Vec3>{coupling_state(bodies, row).contact_load};
+inline auto pending_impact(rigid::BodySet& bodies, std::size_t row) {
+  return vector_in<3>(bodies, row, column::pending_impact);
 }
-
-inline rigid::Vec3 last_contact_torque(const rigid::BodySet& bodies, std::size_t row) {
-  return Eigen::Map<const rigid::Vec3>{coupling_state(bodies, row).contact_load + 3};
-}
-
-inline Eigen::Map<rigid::Vec3> pending_impact(rigid::BodySet& bodies, std::size_t row) {
-  return Eigen::Map<rigid::Vec3>{coupling_state(bodies, row).pending_impact};
-}
-inline rigid::Vec3 pending_impact(const rigid::BodySet& bodies, std::size_t row) {
-  return Eigen::Map<const rigid::Vec3>{coupling_state(bodies, row).pending_impact};
+inline auto pending_impact(const rigid::BodySet& bodies, std::size_t row) {
+  return vector_in<3>(bodies, row, column::pending_impact);
 }
 
 }  // namespace silt::coupler

@@ -30,14 +30,15 @@ struct State {
   BodyId id;
   double position[3], orientation[4], velocity[3], angular_velocity[3], angular_momentum[3];
   std::int32_t image[3];
-  std::uint32_t owner : 29, motion : 3;
+  std::uint32_t owner : 28, motion : 2, wakefulness : 2;
 };
 
 State state_of(const BodyRecord& r, int owner) {
   State s{};
   s.id = r.id;
   s.owner = std::uint32_t(owner);
-  s.motion = std::uint32_t(r.motion) & 7;
+  s.motion = std::uint32_t(r.motion) & 3;
+  s.wakefulness = std::uint32_t(r.wakefulness) & 3;
   std::copy_n(r.position, 3, s.position);
   std::copy_n(r.orientation, 4, s.orientation);
   std::copy_n(r.velocity, 3, s.velocity);
@@ -55,6 +56,7 @@ void assign(BodySet& bodies, std::size_t row, const State& s) {
   bodies.angular_momentum[row] = Eigen::Map<const rigid::Vec3>{s.angular_momentum};
   std::copy_n(s.image, 3, bodies.image[row].begin());
   bodies.motion[row] = rigid::Motion(s.motion);
+  bodies.wakefulness[row] = rigid::Wakefulness(s.wakefulness);
 }
 
 void put_handover(parallel::Bytes& to, const BodySet& bodies, std::size_t row,

@@ -5,20 +5,18 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/forces/eigenvalue_bound.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
 
 using rigid::Mat3;
 using rigid::Vec3;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 namespace {
 
 /// One pass is stable up to twice this eigenvalue at least, alone and in dense beds
 /// (scripts/accuracy/coupling_in_time.md).
-double deferring_limit(double relaxation_time) {
+double one_pass_limit(double relaxation_time) {
   const double relaxation = relaxation_time - 0.5;
   return std::min({4 * relaxation, 1.0, 0.8 / relaxation});
 }
@@ -68,131 +66,160 @@ Vec6 solution_of(const Mat6& m, const Vec6& b) {
   return x;
 }
 
-/// What contacts without a film will hold of a load: what they held in the last step, as far as it opposes
-/// the load. A body that rests stays where it is; one that was struck is not struck again.
-Vec3 held_by_contacts(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
-  Vec3 contacts = Vec3::Zero();  // impulses of a sub-step
-  for (const auto& s : bodies.stored_impulses[row])
-    if (!(s.feature & rigid::lubrication_feature))
-      contacts += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
-  const double opposing = -contacts.dot(load), square = contacts.squaredNorm();
+/// What held or pressed in the last step goes on in the coming one as far as it opposes the load, at most so
+/// many times.
+Vec3 going_on(const Vec3& last, const Vec3& load, double most) {
+  const double opposing = -last.dot(load);
   if (!(opposing > 0)) return Vec3::Zero();
-  return std::min(opposing / square, double(substeps)) * contacts;
+  return std::min(opposing / last.squaredNorm(), most) * last;
 }
 
-/// Films of a body that has left the scene are gone.
-bool is_gone(const rigid::BodySet& bodies, const rigid::StoredImpulse& s) {
-  return (s.feature & rigid::lubrication_feature) && bodies.row_of(s.partner) >= bodies.size();
-}
+/// What contacts and films gave a body in the last step.
+struct LastStep {
+  Vec3 contacts = Vec3::Zero(), films = Vec3::Zero();  // impulses of a sub-step
+  Vec3 approach = Vec3::Zero();  // of films: momentum relative to the bodies beyond them, times the impulse
+  double weight = 0, mass = 0;   // of films: sums of impulses, and of these times the reduced mass
+  Vec3 rolling, torque;          // against rolling, which no stored impulse has; of contacts and films
+  bool still_held;               // by something, and no film's other body has left the scene
 
-/// Whether something holds the body as in the last step.
-bool is_held_as_before(const rigid::BodySet& bodies, std::size_t row) {
-  const auto& stored = bodies.stored_impulses[row];
-  return !stored.empty() &&
-         std::none_of(stored.begin(), stored.end(), [&](const auto& s) { return is_gone(bodies, s); });
-}
-
-/// What of the last step's opposes the load, at most all of it.
-Vec3 opposing_part(const Vec3& last, const Vec3& load) {
-  const double opposing = -last.dot(load), square = last.squaredNorm();
-  if (!(opposing > 0)) return Vec3::Zero();
-  return std::min(opposing / square, 1.0) * last;
-}
-
-/// The same of what films do against rolling, which no stored impulse has: what contacts and films did
-/// in the last step beyond stored impulses.
-Vec3 held_against_rolling(const rigid::BodySet& bodies, std::size_t row, int substeps, const Vec3& load) {
-  if (!is_held_as_before(bodies, row)) return Vec3::Zero();
-  Vec3 rolling = last_contact_force(bodies, row);
-  for (const auto& s : bodies.stored_impulses[row])
-    rolling -= substeps * (s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse));
-  return opposing_part(rolling, load);
-}
-
-/// The same of a torque, of contacts and films: a body that rests, or rolls, goes on to.
-Vec3 turn_held_by_contacts(const rigid::BodySet& bodies, std::size_t row, const Vec3& load) {
-  if (!is_held_as_before(bodies, row)) return Vec3::Zero();
-  return opposing_part(last_contact_torque(bodies, row), load);
-}
-
-/// The impulse of lubrication in the coming step. Films that gave an impulse in the last sub-step give it
-/// again in each of the next as long as the load lasts. But films damp: together they hold what presses the
-/// body on and stop its motion relative to the bodies beyond them, and turn neither round. So after an
-/// impact, which a film may have met within a single sub-step, nothing is left for it to do.
-Vec3 impulse_of_films(const rigid::World& world, const rigid::BodySet& bodies, std::size_t row, int substeps,
-                      const Vec3& load) {
-  Vec3 impulse = Vec3::Zero(), approach = Vec3::Zero();  // of a sub-step; momentum relative to the others
-  double weight = 0, mass = 0;
-  for (const auto& s : bodies.stored_impulses[row]) {
-    if (!(s.feature & rigid::lubrication_feature)) continue;
+  LastStep(const rigid::BodySet& bodies, std::size_t row, int substeps)
+      : rolling(vector_in<3>(bodies, row, column::contact_load)),
+        torque(vector_in<3>(bodies, row, column::contact_load, 3)),
+        still_held(!bodies.stored_impulses[row].empty()) {
+    for (const auto& s : bodies.stored_impulses[row]) {
+      const Vec3 impulse = s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+      rolling -= substeps * impulse;
+      if (s.feature & rigid::lubrication_feature)
+        add_film(bodies, row, s, impulse);
+      else
+        contacts += impulse;
+    }
+  }
+  void add_film(const rigid::BodySet& bodies, std::size_t row, const rigid::StoredImpulse& s,
+                const Vec3& impulse) {
     const std::size_t other = bodies.row_of(s.partner);
-    if (other >= bodies.size()) continue;  // it has left the scene
+    still_held &= other < bodies.size();
+    if (other >= bodies.size()) return;
     const double size = s.impulse.norm();
     const double reduced_mass = 1 / (bodies.inverse_mass(row) + bodies.inverse_mass(other));
-    impulse += s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
+    films += impulse;
     approach += size * reduced_mass * (bodies.velocity[row] - bodies.velocity[other]);
     weight += size, mass += size * reduced_mass;
   }
-  const double size = impulse.norm();
-  if (size == 0) return Vec3::Zero();
-  const double turning = mass * bodies.angular_velocity[row].norm() * world.bounding_radii[bodies.shape[row]];
-  const double opposing = (turning - approach.dot(impulse) / size) / weight - load.dot(impulse) / size;
-  return std::clamp(opposing / size, 0.0, double(substeps)) * impulse;
-}
+  /// Films that gave an impulse in the last sub-step give it again in each of the next as long as the load
+  /// lasts. But films damp: together they hold what presses the body on and stop its motion relative to the
+  /// bodies beyond them, and turn neither round. So after an impact, which a film may have met within a
+  /// single sub-step, nothing is left for it to do.
+  Vec3 films_going_on(const Vec3& load, double turning_speed, double radius, int substeps) const {
+    const double size = films.norm();
+    if (size == 0) return Vec3::Zero();
+    const double turning = mass * turning_speed * radius;
+    const double opposing = (turning - approach.dot(films) / size) / weight - load.dot(films) / size;
+    return std::clamp(opposing / size, 0.0, double(substeps)) * films;
+  }
+};
 
 void add_force(rigid::BodySet& bodies, std::size_t row, const Vec6& f) {
   bodies.add_force(row, f.head<3>());
   bodies.add_torque(row, f.tail<3>());
 }
 
+/// Returns a lower bound of the principal moments (Gershgorin); where it says nothing, it is not above 0.
+double least_moment(const Mat3& inertia) {
+  const Mat3 sizes = inertia.cwiseAbs();
+  return (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();
+}
+
 }  // namespace
+
+bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass, const Mat3& inertia_B) {
+  if (stiffness(0, 0) > limit * mass) return false;  // light bodies
+  const double moment = least_moment(inertia_B);
+  if (!(moment > 0)) return false;
+  Vec6 scale;
+  scale << Vec3::Constant(1 / std::sqrt(mass)), Vec3::Constant(1 / std::sqrt(moment));
+  return scale.cwiseProduct(stiffness.cwiseAbs() * scale).maxCoeff() <= limit;
+}
 
 void add_link_force(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
   add_force(bodies, row, force_of(sums.force(row)));
 }
 
-ImplicitCoupling::ImplicitCoupling(const rigid::World& world, const CouplingSpec& spec, int substeps,
-                                   double relaxation_time, double stiffness_quantum)
+CouplingInTime::CouplingInTime(const rigid::World& world, const CouplingSpec& spec, int substeps,
+                               double relaxation_time, double stiffness_quantum)
     : world_(world),
       substeps_(substeps),
-      defers_(spec.force != ForceForm::exact),
-      one_pass_limit_(defers_ ? deferring_limit(relaxation_time) : explicit_limit(relaxation_time)),
+      of_stiff_links_(spec.time == TimeCoupling::implicit_ ? TimeScheme::implicit_ : TimeScheme::explicit_),
+      of_soft_links_(spec.force == ForceForm::exact ? TimeScheme::explicit_ : TimeScheme::one_pass),
+      soft_limit_(spec.force == ForceForm::exact ? explicit_limit(relaxation_time)
+                                                 : one_pass_limit(relaxation_time)),
       stiffness_quantum_(stiffness_quantum) {}
 
 /// F + F_ext.
-Vec6 ImplicitCoupling::load_on(const rigid::BodySet& bodies, std::size_t row, const Vec6& link_force) const {
+Vec6 CouplingInTime::load_on(const rigid::BodySet& bodies, std::size_t row, const Vec6& link_force) const {
   Vec6 external;
   external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_in_fluid[row] * world_.gravity,
       bodies.torque[row].value();
   Vec6 load = link_force + external;
-  load.head<3>() += impulse_of_films(world_, bodies, row, substeps_, load.head<3>());
-  load.head<3>() += held_against_rolling(bodies, row, substeps_, load.head<3>());
-  load.head<3>() += held_by_contacts(bodies, row, substeps_, load.head<3>());
-  load.tail<3>() += turn_held_by_contacts(bodies, row, load.tail<3>());
+  const LastStep last(bodies, row, substeps_);
+  load.head<3>() += last.films_going_on(load.head<3>(), bodies.angular_velocity[row].norm(),
+                                        world_.bounding_radii[bodies.shape[row]], substeps_);
+  // A body that rests, or rolls, goes on to; one that was struck is not struck again.
+  if (last.still_held) load.head<3>() += going_on(last.rolling, load.head<3>(), 1);
+  load.head<3>() += going_on(last.contacts, load.head<3>(), substeps_);
+  if (last.still_held) load.tail<3>() += going_on(last.torque, load.tail<3>(), 1);
   return load;
 }
 
-Vec6 ImplicitCoupling::take_velocity_change(rigid::BodySet& bodies, std::size_t row,
-                                            const RowSums& sums) const {
-  const int exponent = lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]);
-  const Mat6 h = stiffness_of(sums.stiffness(row), stiffness_quantum_, exponent);
-  const Vec6 f = force_of(sums.force(row));
-  const bool one_pass =
-      largest_eigenvalue_is_within(one_pass_limit_, h, bodies.mass[row], bodies.inertia_B[row]);
-  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row), deferred = deferred_impulse(bodies, row);
-  if (one_pass && !defers_) {
-    foreseen.setZero();
-    add_force(bodies, row, f);
-    return Vec6::Zero();
-  }
-  const Vec6 load = load_on(bodies, row, f);
-  const Vec6 left = one_pass ? Vec6(deferred - load / 2) : Vec6(h * foreseen);
-  const Vec6 delta = solution_of(mass_matrix(bodies, row) + h, load + left);
-  add_force(bodies, row, f + left - h * delta);
-  const Vec6 correction = one_pass ? Vec6(Vec6::Zero()) : Vec6(delta - foreseen);
-  foreseen = one_pass ? delta : Vec6(Vec6::Zero());
-  deferred = load / 2 + h * foreseen;
+/// Adds F + left - H delta, with (M + H) delta = load + left, to the row's accumulators; returns delta.
+Vec6 CouplingInTime::solve(rigid::BodySet& bodies, std::size_t row, const Links& links, const Vec6& load,
+                           const Vec6& left) const {
+  const Vec6 delta = solution_of(mass_matrix(bodies, row) + links.stiffness, load + left);
+  add_force(bodies, row, links.force + left - links.stiffness * delta);
+  return delta;
+}
+
+Vec6 CouplingInTime::take_explicitly(rigid::BodySet& bodies, std::size_t row, const Vec6& force) const {
+  foreseen_change(bodies, row).setZero();
+  add_force(bodies, row, force);
+  return Vec6::Zero();
+}
+
+Vec6 CouplingInTime::take_implicitly(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
+  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row);
+  const Vec6 load = load_on(bodies, row, links.force);
+  const Vec6 correction = solve(bodies, row, links, load, links.stiffness * foreseen) - foreseen;
+  foreseen.setZero();
+  deferred_impulse(bodies, row) = load / 2;
   return correction;
+}
+
+Vec6 CouplingInTime::take_in_one_pass(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
+  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row), deferred = deferred_impulse(bodies, row);
+  const Vec6 load = load_on(bodies, row, links.force);
+  foreseen = solve(bodies, row, links, load, deferred - load / 2);
+  deferred = load / 2 + links.stiffness * foreseen;
+  return Vec6::Zero();
+}
+
+Vec6 CouplingInTime::take_velocity_change(rigid::BodySet& bodies, std::size_t row,
+                                          const RowSums& sums) const {
+  Links links;
+  links.force = force_of(sums.force(row));
+  if (!is_implicit()) return take_explicitly(bodies, row, links.force);
+  const int exponent = lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]);
+  links.stiffness = stiffness_of(sums.stiffness(row), stiffness_quantum_, exponent);
+  const bool soft =
+      largest_eigenvalue_is_within(soft_limit_, links.stiffness, bodies.mass[row], bodies.inertia_B[row]);
+  switch (soft ? of_soft_links_ : of_stiff_links_) {
+    case TimeScheme::explicit_:
+      return take_explicitly(bodies, row, links.force);
+    case TimeScheme::implicit_:
+      return take_implicitly(bodies, row, links);
+    case TimeScheme::one_pass:
+      return take_in_one_pass(bodies, row, links);
+  }
+  return Vec6::Zero();
 }
 
 }  // namespace silt::coupler

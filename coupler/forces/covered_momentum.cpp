@@ -39,7 +39,7 @@ Impulse momentum_of_excess(const rigid::BodySet& bodies, std::size_t row, const 
 
 Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
   Vec3 impulse;
-  const auto& debt = coupling_state(bodies, row).impulse_debt;
+  const auto debt = bodies.holder_state[row].whole(column::impulse_debt);
   for (int d = 0; d < 3; ++d) impulse[d] = double(debt[d]) * lbm::link_quantum;
   return impulse;
 }
@@ -57,14 +57,14 @@ void add_cells(std::span<const BlockMap> maps, RowSums& sums) {
 void settle_debt(rigid::BodySet& bodies, std::size_t row, RowSums& sums) {
   std::int64_t* const force = sums.force(row);
   const Impulse now = momentum_of_excess(bodies, row, sums.cells(row));
-  auto& debt = coupling_state(bodies, row).impulse_debt;
+  const auto debt = bodies.holder_state[row].whole(column::impulse_debt);
   for (int d = 0; d < 6; ++d) force[d] += debt[d] - now[d];
-  std::ranges::copy(now, debt);
+  std::ranges::copy(now, debt.begin());
 }
 
 void begin_debt(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
   std::ranges::copy(momentum_of_excess(bodies, row, sums.cells(row)),
-                    coupling_state(bodies, row).impulse_debt);
+                    bodies.holder_state[row].whole(column::impulse_debt).begin());
 }
 
 void CoveredMomentum::add(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {

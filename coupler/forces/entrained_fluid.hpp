@@ -7,7 +7,7 @@
 // would take back (1 + e) m_a / (m + m_a) of the speed, a fifth of the rebound of a steel ball in oil and
 // half of that of glass. So every impact that the resolver reports is taken as one of the bodies with the
 // fluid they entrain: the impulse that the contact would give to the fluid besides is kept with the bodies
-// (CouplingState::pending_impact, equal and opposite for the two), which pass it on as the fluid answers.
+// (column::pending_impact, equal and opposite for the two), which pass it on as the fluid answers.
 #include "rigid/bodies/impact.hpp"
 
 namespace silt::coupler {

@@ -46,10 +46,8 @@ FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange
                             double relaxation_time)
     : spec_(spec),
       exchange_(exchange),
-      sums_(spec.time == TimeCoupling::implicit_, spec.force == ForceForm::exact) {
-  if (spec.time == TimeCoupling::implicit_)
-    implicit_.emplace(exchange.world(), spec, substeps, relaxation_time, lbm::stiffness_quantum<T>);
-}
+      time_(exchange.world(), spec, substeps, relaxation_time, lbm::stiffness_quantum<T>),
+      sums_(time_.is_implicit(), spec.force == ForceForm::exact) {}
 
 template <class T>
 void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodies) {
@@ -67,6 +65,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
                            const BodyChanges& changes) {
   bodies_ = &bodies;
   changes_ = &changes;
+  outcome_ = {};
   sums_.reset(bodies.size());
   covered_.give_to(sums_, bodies);
   if (is_exact()) add_cells(maps, sums_);
@@ -79,7 +78,8 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       surface.left = std::uint32_t(surface.links.groups.size());
       if (!surface.links.rate.empty())
         surface.links.age = T(double(fluid.passes()) - mapped_motion(bodies, surface.row).middle());
-      const Vec6 foreseen = implicit_ ? Vec6(foreseen_change(bodies, surface.row)) : Vec6(Vec6::Zero());
+      const Vec6 foreseen =
+          time_.is_implicit() ? Vec6(foreseen_change(bodies, surface.row)) : Vec6(Vec6::Zero());
       set_motion(surface.motion, bodies.velocity[surface.row] + foreseen.head<3>(),
                  bodies.angular_velocity[surface.row] + foreseen.tail<3>());
     }
@@ -93,27 +93,29 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
   if (!is_exact()) return;
   if (!changes_->is_new(bodies.id[row])) return settle_debt(bodies, row, sums_);
   begin_debt(bodies, row, sums_);
-  if (bodies.is_dynamic(row)) debts_begun_.add(impulse_debt(bodies, row));
+  if (bodies.is_dynamic(row)) outcome_.debts_begun.add(impulse_debt(bodies, row));
 }
 
 template <class T>
 void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface,
-                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next) {
+                           const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool at_hand) {
   static const bool last_cache_is_far = silt::last_cache_is_far();
-  const bool far = group.ready < 0 || last_cache_is_far;  // at the rim: applied after the whole pass
+  const bool far = !at_hand || last_cache_is_far;
   lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
                           surface.motion, spec_.force, surface.sums);
 }
 
 template <class T>
-void FluidForces<T>::after_part(lbm::Block<T>& block, BlockLinks<T>& links, int part) {
+void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, GroupRange groups,
+                                 bool at_hand) {
   const auto& inner = links.inner;
-  const std::uint32_t end = links.first_inner[part + 1];
-  for (std::uint32_t k = links.first_inner[part]; k < end; ++k) {
+  const std::uint32_t end = groups.end;
+  for (std::uint32_t k = groups.begin; k < end; ++k) {
     links.prefetch(inner, k);
     SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
-    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end));
-    if (!implicit_) continue;
+    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end),
+          at_hand);
+    if (!time_.is_implicit()) continue;
     if (k + 2 < end) prefetch_row(links.surfaces[inner[k + 2].surface]);
     if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface);
   }
@@ -130,7 +132,7 @@ void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) {
   lbm::prefetch_to_read(&bodies_->stored_impulses[surface.row]);
 }
 
-/// Does for a body on which nobody else has links what move_implicitly would do for it later.
+/// Does for a body on which nobody else has links what move() would do for it later.
 template <class T>
 void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slots,
                                  SurfaceLinks<T>& surface) {
@@ -139,7 +141,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
   add_sums(surface, true, sums_);
   settle(*bodies_, row);
   surface.finished = true;
-  const Vec6 d = implicit_->take_velocity_change(*bodies_, row, sums_);
+  const Vec6 d = time_.take_velocity_change(*bodies_, row, sums_);
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
@@ -147,25 +149,22 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
     lbm::correct_cut_links<T>({block, slots, surface.links, group}, increment, surface.sums);
 }
 
-/// Returns what all links so far have done.
 template <class T>
-LinkOutcome FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
-  LinkOutcome outcome;
+void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
   for (std::size_t b = 0; b < links.size(); ++b) {
     const auto& rim = links[b].rim;
     for (std::size_t k = 0; k < rim.size(); ++k) {
       links[b].prefetch(rim, k);
       SurfaceLinks<T>& surface = links[b].surfaces[rim[k].surface];
       apply(fluid.blocks()[b], links[b], surface, surface.links.groups[rim[k].number],
-            links[b].next_group(rim, k, rim.size()));
+            links[b].next_group(rim, k, rim.size()), false);
     }
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
-      outcome.mass_gain += surface.sums.mass;
+      outcome_.mass_gain += surface.sums.mass;
       if (surface.sums.invalid)
-        outcome.out_of_range = std::min(outcome.out_of_range, bodies_->id[surface.row]);
+        outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);
     }
   }
-  return outcome;
 }
 
 /// Adds what all blocks have of the bodies that are not finished, at their owners; without what is out of
@@ -174,25 +173,17 @@ template <class T>
 void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::BodySet& bodies) {
   for (const BlockLinks<T>& block : links)
     for (const SurfaceLinks<T>& surface : block.surfaces)
-      if (!surface.finished && !surface.sums.invalid) add_sums(surface, implicit_.has_value(), sums_);
-  wall_loads_.resize(bodies.walls);
+      if (!surface.finished && !surface.sums.invalid) add_sums(surface, time_.is_implicit(), sums_);
+  outcome_.wall_loads.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
-    std::copy_n(sums_.force(bodies.first_wall() + w), RowSums::force_width, wall_loads_[w].begin());
+    std::copy_n(sums_.force(bodies.first_wall() + w), RowSums::force_width, outcome_.wall_loads[w].begin());
   exchange_.sum_to_owners(bodies, sums_.all(), sums_.width());
-}
-
-template <class T>
-void FluidForces<T>::move_explicitly(rigid::BodySet& bodies) {
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    settle(bodies, row);
-    add_link_force(bodies, row, sums_);
-  }
 }
 
 /// Returns the mass that the fluid gained through the corrections.
 template <class T>
-std::int64_t FluidForces<T>::move_implicitly(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
-                                             rigid::BodySet& bodies) {
+std::int64_t FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
+                                  rigid::BodySet& bodies) {
   std::vector<std::uint8_t> finished(bodies.size(), 0);
   for (const BlockLinks<T>& block : links)
     for (const SurfaceLinks<T>& surface : block.surfaces)
@@ -202,10 +193,11 @@ std::int64_t FluidForces<T>::move_implicitly(lbm::Fluid<T>& fluid, std::span<Blo
     if (finished[row]) continue;
     settle(bodies, row);
     if (bodies.is_free(row))
-      Eigen::Map<Vec6>(corrections.data() + row * 6) = implicit_->take_velocity_change(bodies, row, sums_);
+      Eigen::Map<Vec6>(corrections.data() + row * 6) = time_.take_velocity_change(bodies, row, sums_);
     else
       add_link_force(bodies, row, sums_);
   }
+  if (!time_.is_implicit()) return 0;
   share(bodies, corrections);
   std::int64_t mass = 0;
   for (std::size_t b = 0; b < links.size(); ++b)
@@ -258,15 +250,12 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
 }
 
 template <class T>
-LinkOutcome FluidForces<T>::finish(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
-                                   rigid::BodySet& bodies) {
-  LinkOutcome outcome = apply_rims(fluid, links);
+const LinkOutcome& FluidForces<T>::finish(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
+                                          rigid::BodySet& bodies) {
+  apply_rims(fluid, links);
   gather(links, bodies);
-  if (implicit_)
-    outcome.mass_gain += move_implicitly(fluid, links, bodies);
-  else
-    move_explicitly(bodies);
-  return outcome;
+  outcome_.mass_gain += move(fluid, links, bodies);
+  return outcome_;
 }
 
 template class FluidForces<float>;

@@ -7,7 +7,6 @@
 // There is no history besides the state of bodies (with their stored impulses and debts) and populations.
 #include <array>
 #include <limits>
-#include <optional>
 #include <span>
 #include <stdexcept>
 
@@ -34,6 +33,9 @@ struct LinkOutcome {
   static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
   std::int64_t mass_gain = 0;           // density that fluid cells gained, in mass quanta
   rigid::BodyId out_of_range = nobody;  // the least id of bodies whose sums are
+  // force and torque on the walls, by their rows, torque about their positions, in lbm::link_quantum
+  std::vector<std::array<std::int64_t, 6>> wall_loads;
+  rigid::FixedVec3 debts_begun;  // of bodies owned here that came, form `exact` only
 };
 
 template <class T>
@@ -55,33 +57,21 @@ class FluidForces {
   /// stay where they are in memory until the step's last call.
   void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
              const BodyChanges&);
-  /// Is called when the dense pass is done with a part of a block. Applies what links waited for it, and
-  /// solves for bodies all of whose links have been applied, while their populations are in cache.
-  void after_part(lbm::Block<T>&, BlockLinks<T>&, int part);
-  static bool waiting(const BlockLinks<T>& links, int part) {
-    return std::size_t(part) + 1 < links.first_inner.size() &&
-           links.first_inner[part] < links.first_inner[part + 1];
-  }
+  /// Applies inner groups of a block, all of whose cells have collided, and solves for bodies all of whose
+  /// links have been applied. `at_hand`: the dense pass has just come by, so the populations are in a cache.
+  void apply_inner(lbm::Block<T>&, BlockLinks<T>&, GroupRange, bool at_hand);
   /// Applies all other links and solves for all other bodies, after the halo exchange, with messages between
   /// ranks that hold a body. What is out of range is left out of the sums: its step means nothing.
-  LinkOutcome finish(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
-
-  /// What bodies that came owe or are owed since this was made, form `exact` only; those owned here.
-  const rigid::FixedVec3& debts_begun() const { return debts_begun_; }
-
-  /// Force and torque of the last step on a wall (0: the first of the walls' rows), torque about its
-  /// position, from this rank's blocks; in quanta of lbm::link_quantum.
-  std::array<std::int64_t, 6> wall_load(std::size_t wall) const { return wall_loads_[wall]; }
+  const LinkOutcome& finish(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
 
  private:
   void apply(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&, const lbm::LinkGroup&,
-             const lbm::NextGroup<T>&);
+             const lbm::NextGroup<T>&, bool at_hand);
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);
-  LinkOutcome apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
+  void apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
   void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
-  void move_explicitly(rigid::BodySet&);
-  std::int64_t move_implicitly(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
+  std::int64_t move(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
   std::int64_t correct(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&,
                        std::span<const double> corrections);
   void share(rigid::BodySet&, std::span<double> corrections) const;
@@ -91,14 +81,13 @@ class FluidForces {
 
   CouplingSpec spec_;
   const ParallelBodyExchange& exchange_;
-  std::optional<ImplicitCoupling> implicit_;  // none: the explicit step
+  CouplingInTime time_;
   CoveredMomentum covered_;
   rigid::BodySet* bodies_ = nullptr;  // of the step under way
   const BodyChanges* changes_ = nullptr;
-  rigid::FixedVec3 debts_begun_;
+  LinkOutcome outcome_;
   RowSums sums_;
   lbm::ListedLinks listed_;  // from one call of apply to the next
-  std::vector<std::array<std::int64_t, 6>> wall_loads_;
 };
 
 }  // namespace silt::coupler

@@ -8,6 +8,12 @@
 
 namespace silt::coupler {
 
+/// Groups [begin, end) of an order.
+struct GroupRange {
+  std::uint32_t begin, end;
+  bool empty() const { return begin == end; }
+};
+
 /// Surface k is mask k of the block.
 template <class T>
 struct BlockLinks {
@@ -23,6 +29,12 @@ struct BlockLinks {
   SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
   const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
 
+  /// The inner groups that wait for a part of the dense pass; all of them.
+  GroupRange inner_after(int part) const {
+    if (std::size_t(part) + 1 >= first_inner.size()) return {0, 0};
+    return {first_inner[part], first_inner[part + 1]};
+  }
+  GroupRange all_inner() const { return {0, std::uint32_t(inner.size())}; }
   /// A hint that the groups after the k-th of an order will be wanted soon, one after the other: first their
   /// surface, then where the group is, then its links.
   void prefetch(const std::vector<Group>& order, std::size_t k) const {

@@ -17,8 +17,7 @@ void MeshDistances::find(const rigid::Mesh& mesh, const BlockMap& map, const Bod
   find_near_cells();
   PlacedMesh& placed = placed_.at(*mesh.surface, mask.pose);
   const Int3 low = map.box.lower - mask.shift + mask.frame().low, high = low + mask.frame().size;
-  mesh_kernels().cut_links(placed.near(Vec3(low.x, low.y, low.z), Vec3(high.x, high.y, high.z)), low,
-                           view());
+  mesh_kernels().cut_links(placed.near(Vec3(low.x, low.y, low.z), Vec3(high.x, high.y, high.z)), low, view());
 }
 
 void MeshDistances::find_near_cells() {

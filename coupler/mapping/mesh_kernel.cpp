@@ -23,7 +23,8 @@ void place_corners(const double* from, std::size_t count, const double* turn, co
   for (std::size_t k = 0; k < count; ++k) {
     const double* const x = from + 3 * k;
     const Four y = at + (columns[0] * x[0] + columns[1] * x[1] + columns[2] * x[2]) - 0.5;
-    const Four sum = y * one_cell + rounder, whole = sum - rounder;  // low bits of the sum: those of the number
+    const Four sum = y * one_cell + rounder,
+               whole = sum - rounder;  // low bits of the sum: those of the number
     std::memcpy(&corner[k], &whole, sizeof whole);
     WholeFour bits;
     std::memcpy(&bits, &sum, sizeof bits);

@@ -82,7 +82,8 @@ class SlicedTriangles {
   template <class Use>
   [[gnu::always_inline]] void slice(double first, double last, Use&& use) const {
     const Doubles(&z)[3] = x_[axis];
-    Doubles plane = largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + one_cell, Doubles{} + first);
+    Doubles plane =
+        largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + one_cell, Doubles{} + first);
     const Doubles end = least(lattice_point_before(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
     for (unsigned used; (used = lanes_ & lbm::SILT_ISA::lane_bits(plane <= end)) != 0; plane += one_cell)
       use(cut(plane, used));

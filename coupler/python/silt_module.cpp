@@ -198,7 +198,8 @@ py::array field(LiveSimulation& live, const std::string& name) {
 }
 
 py::tuple box(const Simulation& simulation) {
-  const adapters::CellBox here = box_of(simulation.scene().flow.get());
+  const Flow* const flow = simulation.scene().flow.get();
+  const adapters::CellBox here = flow ? box_of(flow->fields()) : adapters::CellBox{};
   return py::make_tuple(py::tuple(py::cast(here.lower)), py::tuple(py::cast(here.upper)));
 }
 

@@ -34,91 +34,72 @@ std::vector<lbm::BlockPlace> blocks_near(const lbm::Domain& domain, const CellBo
   return places;
 }
 
-}  // namespace
-
-CellVelocities::CellVelocities(const Flow& flow, MPI_Comm comm, Int3 lower, Int3 upper)
-    : flow_(flow), lower_(lower), upper_(upper) {
-  rank_ = parallel::rank_of(comm);
-  if (flow.domain().ranks() == 1) return;
-  parallel::Messages messages(comm);
-  send(messages);
-  messages.unannounced();
-  for (const parallel::Messages::Message& message : messages.received())
-    for (parallel::ByteReader reader(message.bytes); !reader.done();)
-      from_others_.push_back(reader.take<Known>());
-  std::sort(from_others_.begin(), from_others_.end(),
-            [](const Known& a, const Known& b) { return a.cell < b.cell; });
-}
-
-/// What a block has of the box; may be empty.
-CellBox CellVelocities::in_box(const CellBox& block) const {
+CellBox overlap(const CellBox& a, const CellBox& b) {
   CellBox part;
   for (int d = 0; d < 3; ++d) {
-    part.lower[d] = std::max(block.lower[d], lower_[d]);
-    part.size[d] = std::max(0, std::min(block.lower[d] + block.size[d], upper_[d]) - part.lower[d]);
+    part.lower[d] = std::max(a.lower[d], b.lower[d]);
+    part.size[d] = std::max(0, std::min(a.lower[d] + a.size[d], b.lower[d] + b.size[d]) - part.lower[d]);
   }
   return part;
 }
 
-/// Visits the cells of the domain within reach of the faces of a box, along the axes, where they are.
-template <class Visit>
-void CellVelocities::for_cells_around(const CellBox& box, Visit&& visit) const {
-  if (box.cells() == 0) return;
-  const lbm::Domain& domain = flow_.domain();
+}  // namespace
+
+CellVelocities::CellVelocities(const FluidFields& fields, MPI_Comm comm, Int3 lower, Int3 upper)
+    : fields_(fields), box_{lower, upper - lower} {
+  rank_ = parallel::rank_of(comm);
+  parallel::Messages messages(comm);
+  for (int b = 0; b < fields.blocks(); ++b)
+    for (const lbm::BlockPlace& place : blocks_near(fields.domain(), fields.block(b)))
+      tell(b, place, messages);
+  messages.unannounced();
+  for (const parallel::Messages::Message& message : messages.received())
+    for (parallel::ByteReader reader(message.bytes); !reader.done();) known_.push_back(reader.take<Known>());
+  std::sort(known_.begin(), known_.end(), [](const Known& a, const Known& b) { return a.cell < b.cell; });
+}
+
+/// Tells the rank of a block, which may be this one, the cells here within reach of the faces of what that
+/// block has of the box, along the axes.
+void CellVelocities::tell(int block, const lbm::BlockPlace& to, parallel::Messages& messages) {
+  const lbm::Domain& domain = fields_.domain();
+  const CellBox there = overlap(to.box, box_);
+  if (there.cells() == 0) return;
+  lbm::MomentArrays moments;
   for (int d = 0; d < 3; ++d)
     for (int away = 1; away <= reach; ++away)
-      for (const int at : {box.lower[d] - away, box.lower[d] + box.size[d] - 1 + away}) {
-        CellBox layer = box;
+      for (const int at : {there.lower[d] - away, there.lower[d] + there.size[d] - 1 + away}) {
+        CellBox layer = there;
         layer.lower[d] = at, layer.size[d] = 1;
-        for (int z = 0; z < layer.size.z; ++z)
-          for (int y = 0; y < layer.size.y; ++y)
-            for (int x = 0; x < layer.size.x; ++x) {
-              const Int3 cell = domain.wrapped(layer.lower + Int3{x, y, z});
-              if (domain.inside(cell)) visit(cell);
-            }
+        layer.lower = domain.wrapped(layer.lower);
+        const CellBox here = overlap(layer, fields_.block(block));
+        if (here.cells() == 0) continue;
+        const Int3 first = here.lower - fields_.block(block).lower;
+        fields_.moments(block, {first, here.size}, moments);
+        std::int64_t n = 0;
+        for_cells(first, first + here.size, [&](Int3 cell) {
+          const auto u = fields_.velocity(moments[n++]);
+          const Known known{
+              index(fields_.block(block).lower + cell), fields_.is_fluid(block, cell), {u[0], u[1], u[2]}};
+          if (to.rank == rank_)
+            known_.push_back(known);
+          else
+            parallel::put(messages.to(to.rank), known);
+        });
       }
 }
 
-/// To each rank what it has to know of this one's cells, each cell once.
-void CellVelocities::send(parallel::Messages& messages) const {
-  const lbm::Domain& domain = flow_.domain();
-  std::set<std::pair<int, std::int64_t>> sent;
-  for (int b = 0; b < flow_.blocks(); ++b) {
-    const CellBox& box = flow_.block(b);
-    for (const lbm::BlockPlace& place : blocks_near(domain, box)) {
-      if (place.rank == rank_) continue;
-      for_cells_around(in_box(place.box), [&](Int3 cell) {
-        if (!box.contains(cell) || !sent.insert({place.rank, index(cell)}).second) return;
-        const auto u = here(b, cell - box.lower);
-        const Vec3 v = u.value_or(Vec3::Zero());
-        parallel::put(messages.to(place.rank), Known{index(cell), u.has_value(), {v[0], v[1], v[2]}});
-      });
-    }
-  }
-}
-
 std::int64_t CellVelocities::index(Int3 cell) const {
-  const Int3 n = flow_.domain().cells();
+  const Int3 n = fields_.domain().cells();
   return (std::int64_t(cell.z) * n.y + cell.y) * n.x + cell.x;
 }
 
-std::optional<Vec3> CellVelocities::here(int block, Int3 local_cell) const {
-  if (!flow_.is_fluid(block, local_cell)) return std::nullopt;
-  const auto u = flow_.velocity(flow_.moments(block, local_cell));
-  return Vec3(u[0], u[1], u[2]);
-}
-
 std::optional<Vec3> CellVelocities::at(int block, Int3 local_cell) const {
-  const CellBox& box = flow_.block(block);
-  const lbm::Domain& domain = flow_.domain();
-  const Int3 cell = domain.wrapped(box.lower + local_cell);
-  if (box.contains(cell)) return here(block, cell - box.lower);
+  const lbm::Domain& domain = fields_.domain();
+  const Int3 cell = domain.wrapped(fields_.block(block).lower + local_cell);
   if (!domain.inside(cell)) return std::nullopt;
-  const lbm::BlockPlace place = domain.block_at(cell);
-  if (place.rank == rank_) return here(domain.local_index(place, rank_), cell - place.box.lower);
-  const auto known = std::lower_bound(from_others_.begin(), from_others_.end(), index(cell),
+  const auto known = std::lower_bound(known_.begin(), known_.end(), index(cell),
                                       [](const Known& k, std::int64_t i) { return k.cell < i; });
-  if (known == from_others_.end() || known->cell != index(cell))
+  if (known == known_.end() || known->cell != index(cell))
     throw std::logic_error("the velocity of a cell was not asked for");
   if (!known->is_fluid) return std::nullopt;
   return Vec3(known->velocity[0], known->velocity[1], known->velocity[2]);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "coupler/flow.hpp"
+#include "coupler/fluid_fields.hpp"
 
 namespace silt::parallel {
 class Messages;
@@ -20,11 +20,11 @@ class CellVelocities {
   static constexpr int reach = 2;
 
   /// Collective: ranks tell each other the velocities of the cells within reach of the faces of what their
-  /// blocks have of the box [lower, upper). Refers to the flow, whose state must stay as it is.
-  CellVelocities(const Flow&, MPI_Comm, lbm::Int3 lower, lbm::Int3 upper);
+  /// blocks have of the box [lower, upper).
+  CellVelocities(const FluidFields&, MPI_Comm, lbm::Int3 lower, lbm::Int3 upper);
 
-  /// Returns the velocity in a cell of the box and of this rank's block, or up to `reach` cells from one
-  /// along an axis; nothing where there is no fluid. Lattice units.
+  /// Returns the velocity in a cell beyond a block of this rank, up to `reach` cells along an axis from one
+  /// of the box and of the block; nothing where there is no fluid. Lattice units.
   std::optional<rigid::Vec3> at(int block, lbm::Int3 local_cell) const;
 
  private:
@@ -33,17 +33,13 @@ class CellVelocities {
     std::int64_t is_fluid;
     double velocity[3];
   };
-  lbm::CellBox in_box(const lbm::CellBox& block) const;
-  template <class Visit>
-  void for_cells_around(const lbm::CellBox&, Visit&&) const;
-  void send(parallel::Messages&) const;
+  void tell(int block, const lbm::BlockPlace& to, parallel::Messages&);
   std::int64_t index(lbm::Int3 cell) const;
-  std::optional<rigid::Vec3> here(int block, lbm::Int3 local_cell) const;
 
-  const Flow& flow_;
-  lbm::Int3 lower_, upper_;
+  const FluidFields& fields_;
+  lbm::CellBox box_;
   int rank_ = 0;
-  std::vector<Known> from_others_;  // by cell
+  std::vector<Known> known_;  // by cell
 };
 
 }  // namespace silt::coupler

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <span>
 #include <tuple>
 
 #include "coupler/case/case.hpp"
@@ -43,8 +44,15 @@ class Row {
   void within(const char* column, const double (&values)[n], double most) const {
     within(column, values, -most, most);
   }
-  void unit_quaternion(const char* column, const double (&q)[4]) const {
-    within(column, q, 2.0);
+  void within(const rigid::HolderColumn& c, const rigid::HolderState& state, double most) const {
+    for (const double x : state[c]) within(c.name, x, -most, most);
+  }
+  void whole_within(const rigid::HolderColumn& c, const rigid::HolderState& state, std::int64_t low,
+                    std::int64_t high) const {
+    for (const std::int64_t x : state.whole(c)) within(c.name, x, low, high);
+  }
+  void unit_quaternion(const char* column, std::span<const double, 4> q) const {
+    for (const double x : q) within(column, x, -2.0, 2.0);
     const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (std::abs(square - 1) > 1e-6)
       refuse(column, fmt::format("of the square {}", square), "of the square 1");
@@ -67,7 +75,7 @@ void require_inertia(const Row& row, const BodyRecord& r) {
     row.refuse("inertia_B", "no tensor of inertia", "symmetric and positive");
 }
 
-void require_place(const Row& row, const char* column, const Case& scene, const double (&x)[3]) {
+void require_place(const Row& row, const char* column, const Case& scene, std::span<const double, 3> x) {
   for (int d = 0; d < 3; ++d) {
     const double beyond = scene.cells[d] + furthest_outside;
     row.within(column, x[d], -beyond, scene.cells[d] + beyond);
@@ -84,7 +92,8 @@ void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid:
   row.within("shape", r.shape, std::int64_t{0}, last_of(scene.shapes));
   row.within("material", r.material, std::int64_t{0}, last_of(scene.material_names));
   row.within("kind", r.kind, std::int64_t{0}, last_of(scene.kind_names));
-  row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::waking));
+  row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::prescribed));
+  row.within("wakefulness", static_cast<int>(r.wakefulness), 0, static_cast<int>(rigid::Wakefulness::waking));
   row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
   row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
   require_inertia(row, r);
@@ -99,16 +108,15 @@ void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid:
   row.within("rest_angular_impulse", r.rest.angular_impulse, greatest);
   row.within("rest_unbalanced_velocity", r.rest.unbalanced_velocity, fastest);
   row.within("rest_unbalanced_angular_velocity", r.rest.unbalanced_angular_velocity, fastest);
-  const CouplingState& c = r.holder_state.as<CouplingState>();
-  require_place(row, "mapping_position", scene, c.mapping_position);
-  row.unit_quaternion("mapping_orientation", c.mapping_orientation);
-  row.within("mapping_velocity", c.mapping_velocity, fastest);
-  row.within("mapping_steps", c.mapping_steps, std::int64_t{0}, most_steps);
-  row.within("impulse_debt", c.impulse_debt, -most_quanta, most_quanta);
-  row.within("pending_impact", c.pending_impact, greatest);
-  row.within("contact_load", c.contact_load, greatest);
-  row.within("deferred_impulse", c.deferred_impulse, greatest);
-  row.within("foreseen_change", c.foreseen_change, fastest);
+  const rigid::HolderState& held = r.holder_state;
+  require_place(row, column::mapping_position.name, scene, held[column::mapping_position].first<3>());
+  row.unit_quaternion(column::mapping_orientation.name, held[column::mapping_orientation].first<4>());
+  row.within(column::mapping_velocity, held, fastest);
+  row.whole_within(column::mapping_steps, held, 0, most_steps);
+  row.whole_within(column::impulse_debt, held, -most_quanta, most_quanta);
+  for (const auto& c : {column::pending_impact, column::contact_load, column::deferred_impulse})
+    row.within(c, held, greatest);
+  row.within(column::foreseen_change, held, fastest);
 }
 
 bool is_wall_of(const Case& scene, rigid::BodyId id) {

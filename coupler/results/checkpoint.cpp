@@ -105,56 +105,50 @@ bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
 
 // ---- populations ----
 
-/// Calls take(cell, i) for the cells of a box, x fastest.
+/// Calls visit(local cells, offset in the block's cells) for the planes of a block.
 template <class Visit>
-void visit_box(const lbm::CellBox& box, Visit&& visit) {
-  std::size_t i = 0;
-  for (int z = 0; z < box.size.z; ++z)
-    for (int y = 0; y < box.size.y; ++y)
-      for (int x = 0; x < box.size.x; ++x) visit(lbm::Int3{x, y, z}, i++);
+void for_planes(const lbm::CellBox& block, Visit&& visit) {
+  lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
+  for (; plane.lower.z < block.size.z; ++plane.lower.z) visit(plane, plane.lower.z * plane.cells());
 }
 
 template <class T>
-void write_populations(CheckpointWriter& writer, const Case& scene, const Flow& flow) {
-  writer.cells<T>(
-      "populations", scene.cells, lbm::directions, boxes_of(&flow), [&](int q, std::size_t b, T* out) {
-        visit_box(flow.block(int(b)),
-                  [&](lbm::Int3 cell, std::size_t i) { out[i] = T(flow.arriving(int(b), cell, q)); });
-      });
+void write_populations(CheckpointWriter& writer, const Case& scene, const FluidFields& fields) {
+  std::vector<double> g;
+  writer.cells<T>("populations", scene.cells, lbm::directions, boxes_of(fields),
+                  [&](int q, std::size_t b, T* out) {
+                    for_planes(fields.block(int(b)), [&](const lbm::CellBox& plane, std::int64_t first) {
+                      g.resize(std::size_t(plane.cells()));
+                      fields.read(int(b), plane, q, g.data());
+                      std::transform(g.begin(), g.end(), out + first, [](double x) { return T(x); });
+                    });
+                  });
 }
 
 template <class T>
-void read_populations(const CheckpointReader& reader, Flow& flow) {
-  reader.cells<T>("populations", boxes_of(&flow), [&](int q, std::size_t b, const T* in) {
-    const lbm::CellBox& box = flow.block(int(b));
-    visit_box(box, [&](lbm::Int3 cell, std::size_t i) {
-      if (!(std::abs(in[i]) <= largest_population)) {
-        const lbm::Int3 at = box.lower + cell;
+void read_populations(const CheckpointReader& reader, FluidFields& fields) {
+  std::vector<double> g;
+  reader.cells<T>("populations", boxes_of(fields), [&](int q, std::size_t b, const T* in) {
+    const lbm::CellBox& block = fields.block(int(b));
+    for_planes(block, [&](const lbm::CellBox& plane, std::int64_t first) {
+      g.assign(in + first, in + first + plane.cells());
+      for (std::size_t n = 0; n < g.size(); ++n) {
+        if (std::abs(g[n]) <= largest_population) continue;
+        const lbm::Int3 at =
+            block.lower + plane.lower + lbm::Int3{int(n) % block.size.x, int(n) / block.size.x, 0};
         reader.refuse(fmt::format("/cells/populations, population {} of the cell [{}, {}, {}]: it is {}", q,
-                                  at.x, at.y, at.z, in[i]));
+                                  at.x, at.y, at.z, in[first + std::int64_t(n)]));
       }
-      flow.set_arriving(int(b), cell, q, in[i]);
+      fields.write(int(b), plane, q, g.data());
     });
   });
 }
-
-using adapters::HolderColumn;
-constexpr HolderColumn coupling_columns[] = {
-    {"mapping_position", offsetof(CouplingState, mapping_position), HolderColumn::float64, 3},
-    {"mapping_orientation", offsetof(CouplingState, mapping_orientation), HolderColumn::float64, 4},
-    {"mapping_velocity", offsetof(CouplingState, mapping_velocity), HolderColumn::float64, 6},
-    {"mapping_steps", offsetof(CouplingState, mapping_steps), HolderColumn::int64, 2},
-    {"impulse_debt", offsetof(CouplingState, impulse_debt), HolderColumn::int64, 6},
-    {"pending_impact", offsetof(CouplingState, pending_impact), HolderColumn::float64, 3},
-    {"contact_load", offsetof(CouplingState, contact_load), HolderColumn::float64, 6},
-    {"deferred_impulse", offsetof(CouplingState, deferred_impulse), HolderColumn::float64, 6},
-    {"foreseen_change", offsetof(CouplingState, foreseen_change), HolderColumn::float64, 6}};
 
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
   using Impulses = std::vector<rigid::StoredImpulse>;
   writer.bodies({bodies.owned, [&](std::size_t row) { return bodies.record(row); },
                  [&](std::size_t row) -> const Impulses& { return bodies.stored_impulses[row]; }},
-                coupling_columns);
+                column::saved);
 }
 
 // ---- the case ----
@@ -200,14 +194,14 @@ void write_state(const Simulation& simulation, const Quantities& quantities,
       writer.set(history_name(scene.quantities[i], k), history[i][k]);
   if (steady) write_steady_watch(writer, *scene.steady, steady->state());
   if (flow) {
-    const MassCorrectionState& correction = flow->mass_correction();
+    const MassCorrectionState& correction = flow->account().mass_correction();
     write_sum(writer, "mass_correction.surplus", correction.surplus);
     writer.set("mass_correction.fluid_cells", correction.fluid_cells);
     write_sum(writer, "mass_correction.link_gain", correction.link_gain);
     if (scene.fluid->precision == Precision::double_)
-      write_populations<double>(writer, scene, *flow);
+      write_populations<double>(writer, scene, flow->fields());
     else
-      write_populations<float>(writer, scene, *flow);
+      write_populations<float>(writer, scene, flow->fields());
   }
   write_bodies(writer, simulation.bodies());
   const auto folder = path.parent_path();
@@ -250,7 +244,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   state.next_id = static_cast<rigid::BodyId>(read_integer(reader, "next_id", 1, most));
   for (int d = 0; d < 3; ++d) state.momentum_brought.q[d] = read_sum(reader, brought_names[d]);
   state.fluid_speed = read_number(reader, "fluid_speed", 0);
-  auto bodies = reader.bodies(coupling_columns);
+  auto bodies = reader.bodies(column::saved);
   try {
     parallel::together(reader.comm(), [&] { require_possible(scene, bodies, state.next_id); });
   } catch (const std::runtime_error& error) {  // on every rank
@@ -265,8 +259,8 @@ SavedState read_state(const CheckpointReader& reader, const Case& scene) {
   if (reader.lattice("populations") != scene.cells || reader.components("populations") != lbm::directions)
     reader.refuse("its populations are of another lattice than the case's");
   const bool is_double = scene.fluid->precision == Precision::double_;
-  state.set_populations = [&reader, is_double](Flow& flow) {
-    is_double ? read_populations<double>(reader, flow) : read_populations<float>(reader, flow);
+  state.set_populations = [&reader, is_double](FluidFields& fields) {
+    is_double ? read_populations<double>(reader, fields) : read_populations<float>(reader, fields);
   };
   return state;
 }

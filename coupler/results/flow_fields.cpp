@@ -49,10 +49,10 @@ Int3 int3(const std::array<int, 3>& x) {
 }
 
 /// What of this rank's blocks is in a box of cells.
-std::vector<Piece> pieces_of(const Flow& flow, const FieldsSpec& spec) {
+std::vector<Piece> pieces_of(const FluidFields& fields, const FieldsSpec& spec) {
   std::vector<Piece> pieces;
-  for (int b = 0; b < flow.blocks(); ++b) {
-    const lbm::CellBox& box = flow.block(b);
+  for (int b = 0; b < fields.blocks(); ++b) {
+    const lbm::CellBox& box = fields.block(b);
     Piece piece{b, {}, {}};
     bool any = true;
     for (int d = 0; d < 3; ++d) {
@@ -69,7 +69,7 @@ std::vector<Piece> pieces_of(const Flow& flow, const FieldsSpec& spec) {
 class SolidCells {
  public:
   explicit SolidCells(const Simulation& simulation)
-      : flow_(*simulation.scene().flow),
+      : fields_(simulation.scene().flow->fields()),
         bodies_(simulation.bodies()),
         world_(simulation.scene().world),
         extent_(simulation.scene().exchange->extent()) {
@@ -89,7 +89,7 @@ class SolidCells {
   template <class Visit>
   void for_images(const Piece& piece, std::size_t row, int axis, Vec3 shift, Visit&& visit) const {
     if (axis < 0) return for_image(piece, row, shift, visit);
-    const int corner = flow_.block(piece.block).lower[axis], images = extent_.periodic[axis] ? 1 : 0;
+    const int corner = fields_.block(piece.block).lower[axis], images = extent_.periodic[axis] ? 1 : 0;
     for (int image = -images; image <= images; ++image) {
       shift[axis] = image * extent_.size[axis];
       Piece part = piece;
@@ -102,19 +102,19 @@ class SolidCells {
   }
   template <class Visit>
   void for_image(const Piece& piece, std::size_t row, const Vec3& shift, Visit&& visit) const {
-    const Int3 corner = flow_.block(piece.block).lower;
+    const Int3 corner = fields_.block(piece.block).lower;
     rigid::Pose pose = mapping_pose(bodies_, row);
     pose.position += shift;
     const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
     piece.for_each([&](Int3 cell, std::size_t) {
       const Int3 global = corner + cell;
       const Vec3 centre(global.x + 0.5, global.y + 0.5, global.z + 0.5);
-      if (!flow_.is_fluid(piece.block, cell) && rigid::contains(shape, pose.to_body(centre)))
+      if (!fields_.is_fluid(piece.block, cell) && rigid::contains(shape, pose.to_body(centre)))
         visit(row, cell, Vec3(centre - pose.position));
     });
   }
 
-  const Flow& flow_;
+  const FluidFields& fields_;
   const rigid::BodySet& bodies_;
   const rigid::World& world_;
   const rigid::Extent& extent_;
@@ -127,13 +127,13 @@ class Fields {
   /// Their values are in these units.
   Fields(const Simulation& simulation, const FieldsSpec& spec, const Units& units)
       : simulation_(simulation),
-        flow_(*simulation.scene().flow),
+        fields_(simulation.scene().flow->fields()),
         units_(units),
-        pieces_(pieces_of(flow_, spec)),
+        pieces_(pieces_of(fields_, spec)),
         solid_cells_(simulation),
         storage_(spec.double_precision ? adapters::Storage::double_ : adapters::Storage::single) {
     if (std::count(spec.quantities.begin(), spec.quantities.end(), Field::vorticity))
-      velocities_.emplace(flow_, simulation.scene().comm, int3(spec.lower), int3(spec.upper));
+      velocities_.emplace(fields_, simulation.scene().comm, int3(spec.lower), int3(spec.upper));
   }
 
   const std::vector<Piece>& pieces() const { return pieces_; }
@@ -153,7 +153,7 @@ class Fields {
       case Field::shear_rate:
         return scalar("shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
                       0, [this, fluid = *simulation_.setup().fluid](const lbm::Moments& m) {
-                        return std::sqrt(2 * strain_rate_squared(flow_, m, fluid));
+                        return std::sqrt(2 * strain_rate_squared(fields_, m, fluid));
                       });
       case Field::body_id:
         return body_id();
@@ -172,8 +172,8 @@ class Fields {
                                  Of of) const {
     const auto values = [this, scale, solid, of](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
-      const CellBits& is_solid = flow_.solid(piece.block);
-      lbm::MomentsByRow moments(flow_, piece.block, piece.first.x, piece.last.x);
+      const CellBits& is_solid = fields_.solid(piece.block);
+      lbm::MomentsByRow moments(fields_, piece.block, piece.first.x, piece.last.x);
       piece.for_each([&](Int3 cell, std::size_t i) {
         out[i] = scale * (is_solid.test(cell) ? solid : of(moments(cell)));
       });
@@ -188,7 +188,7 @@ class Fields {
                                  OfBody of_body) const {
     const auto values = [this, scale, of_fluid, of_body](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
-      const CellBits& is_solid = flow_.solid(piece.block);
+      const CellBits& is_solid = fields_.solid(piece.block);
       auto of = of_fluid(piece);
       piece.for_each([&](Int3 cell, std::size_t i) {
         const Vec3 v = is_solid.test(cell) ? Vec3(Vec3::Zero()) : Vec3(scale * of(cell));
@@ -206,9 +206,9 @@ class Fields {
     return vector(
         "velocity", units_.si ? "m/s" : "cells/step", units_.scale(dimension::velocity),
         [this](const Piece& piece) {
-          lbm::MomentsByRow moments(flow_, piece.block, piece.first.x, piece.last.x);
+          lbm::MomentsByRow moments(fields_, piece.block, piece.first.x, piece.last.x);
           return [this, moments](Int3 cell) mutable {
-            const auto u = flow_.velocity(moments(cell));
+            const auto u = fields_.velocity(moments(cell));
             return Vec3(u[0], u[1], u[2]);
           };
         },
@@ -219,7 +219,7 @@ class Fields {
     return vector(
         "vorticity", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
         [this](const Piece& piece) {
-          return [around = VelocitiesAround(flow_, *velocities_, piece.block, piece.first, piece.last)](
+          return [around = VelocitiesAround(fields_, *velocities_, piece.block, piece.first, piece.last)](
                      Int3 cell) mutable { return coupler::vorticity(around, cell); };
         },
         [this](std::size_t row, const Vec3&) {
@@ -245,7 +245,7 @@ class Fields {
   adapters::FieldQuantity solid() const {
     const auto values = [this](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
-      const CellBits& is_solid = flow_.solid(piece.block);
+      const CellBits& is_solid = fields_.solid(piece.block);
       piece.for_each([&](Int3 cell, std::size_t i) { out[i] = is_solid.test(cell) ? 2 : 0; });
       solid_cells_.for_each(piece, [&](std::size_t, Int3 cell, const Vec3&) { out[piece.index(cell)] = 1; });
     };
@@ -253,7 +253,7 @@ class Fields {
   }
 
   const Simulation& simulation_;
-  const Flow& flow_;
+  const FluidFields& fields_;
   const Units units_;
   std::vector<Piece> pieces_;
   SolidCells solid_cells_;
@@ -263,18 +263,18 @@ class Fields {
 
 }  // namespace
 
-std::vector<adapters::CellBox> boxes_of(const Flow* flow) {
+std::vector<adapters::CellBox> boxes_of(const FluidFields& fields) {
   std::vector<adapters::CellBox> boxes;
-  for (int b = 0; flow && b < flow->blocks(); ++b) {
-    const lbm::CellBox& box = flow->block(b);
+  for (int b = 0; b < fields.blocks(); ++b) {
+    const lbm::CellBox& box = fields.block(b);
     const Int3 upper = box.lower + box.size;
     boxes.push_back({{box.lower.x, box.lower.y, box.lower.z}, {upper.x, upper.y, upper.z}});
   }
   return boxes;
 }
 
-adapters::CellBox box_of(const Flow* flow) {
-  const std::vector<adapters::CellBox> boxes = boxes_of(flow);
+adapters::CellBox box_of(const FluidFields& fields) {
+  const std::vector<adapters::CellBox> boxes = boxes_of(fields);
   if (boxes.empty()) return {};
   adapters::CellBox all = boxes.front();
   for (const adapters::CellBox& box : boxes)
@@ -286,19 +286,19 @@ adapters::CellBox box_of(const Flow* flow) {
 }
 
 FieldHere field_here(const Simulation& simulation, Field field) {
-  const Flow& flow = *simulation.scene().flow;
+  const FluidFields& cells = simulation.scene().flow->fields();
   FieldsSpec all;
   all.upper = simulation.setup().cells;
   all.quantities = {field};
   const Fields fields(simulation, all, Units{});
   const adapters::FieldQuantity quantity = fields.quantity(field);
   const std::size_t components = quantity.components;
-  FieldHere here{box_of(&flow), quantity.components, {}};
+  FieldHere here{box_of(cells), quantity.components, {}};
   here.values.assign(here.box.cells() * components, std::numeric_limits<double>::quiet_NaN());
   const Piece whole{0, int3(here.box.lower), int3(here.box.upper)};
   std::vector<double> plane;
   for (std::size_t k = 0; k < fields.pieces().size(); ++k) {
-    const lbm::CellBox& block = flow.block(fields.pieces()[k].block);
+    const lbm::CellBox& block = cells.block(fields.pieces()[k].block);
     const std::size_t row = block.size.x * components;
     plane.resize(row * block.size.y);
     for (int z = 0; z < block.size.z; ++z) {
@@ -312,9 +312,9 @@ FieldHere field_here(const Simulation& simulation, Field field) {
 }
 
 void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
-                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+                         const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const Units& units = simulation.setup().units;
-  const Flow& flow = *simulation.scene().flow;
+  const FluidFields& cells = simulation.scene().flow->fields();
   const Fields fields(simulation, spec, units);
   adapters::FieldSnapshot snapshot;
   for (int d = 0; d < 3; ++d) {
@@ -334,7 +334,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
   for (const Piece& piece : fields.pieces()) {
     adapters::CellBox box;
     for (int d = 0; d < 3; ++d) {
-      const int corner = flow.block(piece.block).lower[d] - spec.lower[d];
+      const int corner = cells.block(piece.block).lower[d] - spec.lower[d];
       box.lower[d] = corner + piece.first[d], box.upper[d] = corner + piece.last[d];
     }
     boxes.push_back(box);

@@ -10,11 +10,11 @@
 
 namespace silt::coupler {
 
-/// Returns the boxes of this rank's blocks; empty without a flow.
-std::vector<adapters::CellBox> boxes_of(const Flow*);
+/// Returns the boxes of this rank's blocks.
+std::vector<adapters::CellBox> boxes_of(const FluidFields&);
 
 /// Returns the smallest box around them; an empty one without.
-adapters::CellBox box_of(const Flow*);
+adapters::CellBox box_of(const FluidFields&);
 
 /// FieldHere is a field on the box of this rank's blocks, in lattice units.
 struct FieldHere {

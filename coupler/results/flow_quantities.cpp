@@ -6,7 +6,6 @@
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/for_each_cell.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/strain_rate.hpp"
@@ -25,9 +24,9 @@ using rigid::to_fixed;
 /// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const Flow& flow = *simulation.scene().flow;
-  const FlowTotals totals = flow.totals();
+  const FlowTotals totals = flow.account().totals();
   const auto& n = simulation.setup().cells;
-  return (flow.velocity_sum(totals)[axis] - static_cast<double>(totals.fluid_cells) * frame) /
+  return (flow.fields().velocity_sum(totals)[axis] - static_cast<double>(totals.fluid_cells) * frame) /
          (double(n[0]) * n[1] * n[2]);
 }
 
@@ -37,11 +36,11 @@ struct VortexSums {
 };
 
 VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
-  const Flow& flow = *simulation.scene().flow;
+  const FluidFields& fields = simulation.scene().flow->fields();
   const double t = static_cast<double>(simulation.steps_done());
   FixedSum sums[4] = {};
-  for_each_fluid_cell(flow, [&](lbm::Int3 x, const lbm::Moments& m) {
-    const auto u = flow.velocity(m);
+  for_each_fluid_cell(fields, [&](lbm::Int3 x, const lbm::Moments& m) {
+    const auto u = fields.velocity(m);
     const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
     double terms[4] = {};
     for (int d = 0; d < 3; ++d) {
@@ -85,18 +84,18 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 double kinetic_energy(const Simulation& simulation) {
-  const FlowTotals totals = simulation.scene().flow->totals();
+  const FlowTotals totals = simulation.scene().flow->account().totals();
   return totals.fluid_cells > 0 ? totals.energy / static_cast<double>(totals.fluid_cells) : no_value;
 }
 
 double dissipation(const Simulation& simulation) {
-  const Flow& flow = *simulation.scene().flow;
+  const FluidFields& fields = simulation.scene().flow->fields();
   const FluidSpec& fluid = *simulation.setup().fluid;
   struct {
     FixedSum squares = 0, cells = 0;
   } mine;
-  for_each_fluid_cell(flow, [&](lbm::Int3, const lbm::Moments& m) {
-    mine.squares += to_fixed(strain_rate_squared(flow, m, fluid));
+  for_each_fluid_cell(fields, [&](lbm::Int3, const lbm::Moments& m) {
+    mine.squares += to_fixed(strain_rate_squared(fields, m, fluid));
     mine.cells += to_fixed(1);
   });
   const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
@@ -110,11 +109,11 @@ double superficial_velocity(const Simulation& simulation, const QuantitySpec& q)
 }
 
 double profile_error(const Simulation& simulation, const QuantitySpec& q) {
-  const Flow& flow = *simulation.scene().flow;
+  const FluidFields& fields = simulation.scene().flow->fields();
   const auto exact = exact_profile(simulation.setup(), q.profile);
   double error = 0;
-  for_each_fluid_cell(flow, [&](lbm::Int3 x, const lbm::Moments& m) {
-    const auto u = flow.velocity(m);
+  for_each_fluid_cell(fields, [&](lbm::Int3 x, const lbm::Moments& m) {
+    const auto u = fields.velocity(m);
     const double e =
         (rigid::Vec3(u[0], u[1], u[2]) - exact->velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
     if (!(e <= error)) error = e;  // a NaN stays

@@ -21,8 +21,8 @@ MotionTotals motion_totals(const Simulation& simulation) {
   for (int d = 0; d < 3; ++d) totals.bodies_momentum[d] = sums[d].value();
   totals.bodies_energy = sums[3].value();
   if (!scene.flow) return totals;
-  const FlowTotals flow = scene.flow->totals();
-  totals.fluid_momentum = scene.flow->velocity_sum(flow);
+  const FlowTotals flow = scene.flow->account().totals();
+  totals.fluid_momentum = scene.flow->fields().velocity_sum(flow);
   totals.fluid_energy = flow.energy;
   return totals;
 }

@@ -109,7 +109,7 @@ void add_balance(Simulation& simulation, Json& report) {
       before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
   // what of it the mass correction knows of and takes out in the next step
   report["mass_surplus"] = before.fluid_cells > 0
-                               ? double(simulation.scene().flow->mass_correction().surplus) *
+                               ? double(simulation.scene().flow->account().mass_correction().surplus) *
                                      lbm::mass_quantum / before.fluid_cells
                                : unknown;
   // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
@@ -288,7 +288,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
     add_motion(simulation, report);
   }
   FlowTotals totals;
-  if (scene.flow) totals = scene.flow->totals();
+  if (scene.flow) totals = scene.flow->account().totals();
   add_counters(simulation, scene.flow ? &totals : nullptr, report);
   report["quantities"] = Json::object();
   report["quantity_types"] = quantity_types_of(scene.setup);

@@ -5,10 +5,10 @@
 
 namespace silt::coupler {
 
-double strain_rate_squared(const Flow& flow, const lbm::Moments& m, const FluidSpec& fluid) {
+double strain_rate_squared(const FluidFields& fields, const lbm::Moments& m, const FluidSpec& fluid) {
   constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   const rigid::Vec3& force = fluid.body_force;
-  const auto u = flow.velocity(m);
+  const auto u = fields.velocity(m);
   double squares = 0;
   for (int k = 0; k < 6; ++k) {
     const auto [a, b] = pairs[k];

@@ -55,7 +55,7 @@ double area_of(const Case& scene, int axis) {
 
 /// Adds the force of fluid and bodies on a side of the domain, +1 or -1 times.
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
-  const auto fluid = simulation.scene().flow->side_force(side / 2, side % 2 != 0);
+  const auto fluid = simulation.scene().flow->fields().side_force(side / 2, side % 2 != 0);
   for (int d = 0; d < 3; ++d) force[d].add(sign * fluid[d], lbm::link_quantum);
   for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
@@ -67,7 +67,7 @@ void add_side_force(const Simulation& simulation, int side, int sign, std::span<
 void add_fluid_load(const Simulation& simulation, int wall, bool torque, std::span<ExactSum> sums) {
   if (!simulation.scene().flow) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
-  const auto load = simulation.scene().flow->wall_load(sides + wall);
+  const auto load = simulation.scene().flow->account().wall_load(sides + wall);
   for (int d = 0; d < 3; ++d) sums[d].add(load[3 * torque + d], lbm::link_quantum);
 }
 

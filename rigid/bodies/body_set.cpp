@@ -15,6 +15,7 @@ void for_each_array(BodySet& b, F f) {
   f(b.material);
   f(b.kind);
   f(b.motion);
+  f(b.wakefulness);
   f(b.position);
   f(b.image);
   f(b.orientation);
@@ -76,6 +77,7 @@ BodyRecord BodySet::record(std::size_t row) const {
   r.material = material[row];
   r.kind = kind[row];
   r.motion = motion[row];
+  r.wakefulness = wakefulness[row];
   r.mass = mass[row];
   r.weight_in_fluid = weight_in_fluid[row];
   Eigen::Map<Mat3>{r.inertia_B} = inertia_B[row];
@@ -96,6 +98,7 @@ void BodySet::assign(std::size_t row, const BodyRecord& r) {
   material[row] = r.material;
   kind[row] = r.kind;
   motion[row] = r.motion;
+  wakefulness[row] = r.wakefulness;
   mass[row] = r.mass;
   weight_in_fluid[row] = r.weight_in_fluid;
   inertia_B[row] = Eigen::Map<const Mat3>{r.inertia_B};
@@ -173,7 +176,7 @@ void BodySet::set_pose(std::size_t row, const Pose& pose) {
 
 void BodySet::wake(std::size_t row) {
   if (!is_dynamic(row)) return;
-  motion[row] = Motion::free;
+  wakefulness[row] = Wakefulness::awake;
   rest[row] = {};
 }
 

@@ -19,7 +19,11 @@ enum class Motion : std::uint8_t {
   free,        // moved by forces and contacts
   fixed,       // never moves, infinite mass
   prescribed,  // moves with its constant velocity and angular velocity, infinite mass
-  // of a free body at rest (rigid/sleep.hpp); only where there is sleeping
+};
+
+/// Of a free body (rigid/sleep.hpp); all others, and all where there is no sleeping, are awake.
+enum class Wakefulness : std::uint8_t {
+  awake,
   falling_asleep,  // at rest, held; its contacts are looked at for the last time
   asleep,          // at rest, held; its contacts with bodies that do not move either are not looked at
   waking,          // hit in this step: moved by contacts, not yet by forces
@@ -50,6 +54,7 @@ struct BodyRecord {
   BodyId id = 0;
   std::int32_t shape = 0, material = 0, kind = 0;
   Motion motion = Motion::free;
+  Wakefulness wakefulness = Wakefulness::awake;
   double mass = 1, weight_in_fluid = 1;
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
@@ -68,6 +73,7 @@ struct BodySet {
   std::vector<std::int32_t> material;  // index into the scene's materials
   std::vector<std::int32_t> kind;      // which entry of the case made it (for output)
   std::vector<Motion> motion;
+  std::vector<Wakefulness> wakefulness;
   // where: position is canonical, wrapped into the domain; position + image * period is the unwrapped path
   std::vector<Vec3> position;
   std::vector<std::array<std::int32_t, 3>> image;
@@ -92,19 +98,19 @@ struct BodySet {
   std::size_t size() const { return id.size(); }
   std::size_t first_wall() const { return size() - walls; }
   /// Moves by itself, or held at rest. What is neither has infinite mass for good.
-  bool is_dynamic(std::size_t row) const {
-    return motion[row] != Motion::fixed && motion[row] != Motion::prescribed;
-  }
+  bool is_dynamic(std::size_t row) const { return motion[row] == Motion::free; }
   /// Moved by contacts.
-  bool is_free(std::size_t row) const { return motion[row] == Motion::free || motion[row] == Motion::waking; }
+  bool is_free(std::size_t row) const { return is_dynamic(row) && !is_at_rest(row); }
+  /// Moved by contacts and forces.
+  bool is_awake(std::size_t row) const { return is_dynamic(row) && wakefulness[row] == Wakefulness::awake; }
   bool is_at_rest(std::size_t row) const {
-    return motion[row] == Motion::falling_asleep || motion[row] == Motion::asleep;
+    return wakefulness[row] == Wakefulness::falling_asleep || wakefulness[row] == Wakefulness::asleep;
   }
   /// Its contacts need not be looked at every step: what they gave it stays until they are. (Owned rows.)
-  bool keeps_impulses(std::size_t row) const { return is_at_rest(row) || motion[row] == Motion::waking; }
+  bool keeps_impulses(std::size_t row) const { return wakefulness[row] != Wakefulness::awake; }
   /// May have another velocity after the step, or has one: its contacts are looked at.
   bool is_active(std::size_t row) const {
-    return motion[row] != Motion::fixed && motion[row] != Motion::asleep;
+    return motion[row] != Motion::fixed && wakefulness[row] != Wakefulness::asleep;
   }
 
   BodyRecord record(std::size_t row) const;

@@ -1,36 +1,44 @@
 #pragma once
-// Room for what a coupler has to remember about a body. It travels with the body from rank to rank and into
-// checkpoints; rigid/ carries the bytes along and never reads them.
-#include <array>
-#include <cstddef>
-#include <new>
+// Columns that a holder of bodies, such as a coupler, keeps with them. They travel with a body from rank to
+// rank and into checkpoints; rigid/ carries them along and never reads them.
+#include <cstdint>
+#include <span>
 #include <type_traits>
 
 namespace silt::rigid {
 
-struct HolderState {
-  static constexpr std::size_t size = 384;  // bytes
-  alignas(8) std::array<std::byte, size> bytes{};
+/// A HolderColumn has so many numbers of one type for each body.
+struct HolderColumn {
+  const char* name;
+  enum Type { float64, int64 } type;
+  int first, count;  // of the numbers of its type
 
-  /// Returns the bytes as the holder's own type, a plain struct of at most `size` bytes. All of them are zero
-  /// until it sets them.
-  template <class T>
-  T& as() {
-    check<T>();
-    return *std::launder(reinterpret_cast<T*>(bytes.data()));
+  /// The column of the same type that comes after it.
+  constexpr HolderColumn next(const char* its_name, int its_count) const {
+    return {its_name, type, first + count, its_count};
   }
-  template <class T>
-  const T& as() const {
-    check<T>();
-    return *std::launder(reinterpret_cast<const T*>(bytes.data()));
+  constexpr int end() const { return first + count; }
+};
+
+/// What a body has in all columns; zero until it is set.
+struct HolderState {
+  static constexpr int most_numbers = 40, most_integers = 8;
+  double numbers[most_numbers] = {};
+  std::int64_t integers[most_integers] = {};
+
+  /// The numbers of a column, of the type float64 or int64; none of a column of the other one.
+  std::span<double> operator[](const HolderColumn& c) { return {numbers + c.first, of(c, c.float64)}; }
+  std::span<const double> operator[](const HolderColumn& c) const {
+    return {numbers + c.first, of(c, c.float64)};
+  }
+  std::span<std::int64_t> whole(const HolderColumn& c) { return {integers + c.first, of(c, c.int64)}; }
+  std::span<const std::int64_t> whole(const HolderColumn& c) const {
+    return {integers + c.first, of(c, c.int64)};
   }
 
  private:
-  template <class T>
-  static constexpr void check() {
-    static_assert(std::is_trivially_copyable_v<T> && std::is_standard_layout_v<T>);
-    static_assert(sizeof(T) <= size);
-    static_assert(alignof(T) <= 8);
+  static std::size_t of(const HolderColumn& c, HolderColumn::Type type) {
+    return c.type == type ? std::size_t(c.count) : 0;
   }
 };
 static_assert(std::is_trivially_copyable_v<HolderState>);

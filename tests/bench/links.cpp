@@ -52,7 +52,8 @@ class Links {
  public:
   explicit Links(const Layers& layers)
       : scene_(coupler::testing::simulation_of(layers.text())),
-        fluid_(scene_.scene().flow->domain(), {1.2, 1. / 6, lbm::Collision::trt, {}}, MPI_COMM_SELF) {
+        fluid_(scene_.scene().flow->fields().domain(), {1.2, 1. / 6, lbm::Collision::trt, {}},
+               MPI_COMM_SELF) {
     const lbm::CellBox box{{}, fluid_.domain().cells()};
     coupler::MapBodies map(fluid_.domain(), scene_.scene().world, std::vector<lbm::CellBox>{box},
                            lbm::link_reach(scheme_of(layers.scheme)));

@@ -34,7 +34,7 @@ void run(const Options& o) {
   coupler::Simulation s = coupler::testing::simulation_of(layers.text());
   for (int t = 0; t < 10; ++t) s.step();
   const double bytes = (resident("VmRSS:") - before) / cells, peak = (resident("VmHWM:") - before) / cells;
-  const double populations = double(s.scene().flow->bytes()) / cells;
+  const double populations = double(s.scene().flow->fields().bytes()) / cells;
   printf(
       "%d x %d x %d cells, %llu bodies: %.1f bytes a cell (populations %.1f, of them padding and ghosts "
       "%.1f); at "

@@ -59,7 +59,7 @@ double unseen_mass(const std::string& precision, int steps) {
   s.run(steps);
   EXPECT_GT(tests::sum_over_ranks(double(s.counters().uncovered)), 100);
   const FlowTotals now = s.look_at_flow();
-  const double known = double(s.scene().flow->mass_correction().surplus) * 0x1p-40;
+  const double known = double(s.scene().flow->account().mass_correction().surplus) * 0x1p-40;
   return (now.mass_deviation - before.mass_deviation - known) / double(now.fluid_cells);
 }
 

@@ -14,6 +14,7 @@
 #include "lbm/wall_scheme.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
+#include "tests/coupler/single_cells.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -69,10 +70,10 @@ std::string stop_of(Call&& call) {
 TEST(CoupledStep, AForceOutOfRangeStopsEveryRankOneStepLater) {
   for (const bool look : {false, true}) {
     Simulation s = crowd().start(MPI_COMM_WORLD);
-    Flow& flow = *s.scene().flow;
-    for (int b = 0; tests::rank() == tests::ranks() - 1 && b < flow.blocks(); ++b)
-      for_cells({}, flow.block(b).size, [&](lbm::Int3 x) {
-        for (int i = 1; i < lbm::directions; ++i) flow.set_arriving(b, x, i, 100);
+    FluidFields& fields = s.scene().flow->fields();
+    for (int b = 0; tests::rank() == tests::ranks() - 1 && b < fields.blocks(); ++b)
+      for_cells({}, fields.block(b).size, [&](lbm::Int3 x) {
+        for (int i = 1; i < lbm::directions; ++i) set_arriving(fields, b, x, i, 100);
       });
     EXPECT_EQ(stop_of([&] { s.step(); }), "");
     const std::string text = stop_of([&] { look ? (void)s.look_at_flow() : s.step(); });
@@ -87,10 +88,10 @@ TEST(CoupledStep, AForceOutOfRangeOnAWallNamesIt) {
   c.shapes = c.bodies = "";
   c.rest = "[[walls]]\ntype = \"tube\"\nname = \"bore\"\nradius = 10\naxis = \"z\"\npoint = [16, 16, 0]\n";
   Simulation s = c.start(MPI_COMM_WORLD);
-  Flow& flow = *s.scene().flow;
-  for (int b = 0; b < flow.blocks(); ++b)
-    for_cells({}, flow.block(b).size, [&](lbm::Int3 x) {
-      for (int i = 1; i < lbm::directions; ++i) flow.set_arriving(b, x, i, 100);
+  FluidFields& fields = s.scene().flow->fields();
+  for (int b = 0; b < fields.blocks(); ++b)
+    for_cells({}, fields.block(b).size, [&](lbm::Int3 x) {
+      for (int i = 1; i < lbm::directions; ++i) set_arriving(fields, b, x, i, 100);
     });
   s.step();
   const std::string text = stop_of([&] { s.step(); });
@@ -176,6 +177,21 @@ TEST(CoupledStep, SameBitsWithTheExactForm) {
   expect_same_bits({"coupling.force=exact"});
 }
 
+/// Links applied, and bodies solved for, while the dense pass runs, or after it.
+TEST(CoupledStep, SameBitsWithEitherSchedule) {
+  for (const char* force : {"coupling.force=galilean", "coupling.force=exact"}) {
+    std::uint64_t hash[2];
+    for (const LinkSchedule schedule : {LinkSchedule::interleaved, LinkSchedule::sequential}) {
+      Simulation s = crowd().start(MPI_COMM_WORLD, {force, "domain.blocks=[12,10,7]"});
+      s.scene().flow->set_schedule(schedule);
+      stir(s);
+      for (int t = 0; t < 120; ++t) s.step();
+      hash[int(schedule)] = s.hash();
+    }
+    EXPECT_EQ(hash[0], hash[1]) << force;
+  }
+}
+
 TEST(CoupledStep, SameBitsWithAnyBroadPhase) {
   for (const char* name : {"bullet", "fcl"})
     EXPECT_EQ(run_crowd({std::string("contacts.broad_phase=") + name}, MPI_COMM_WORLD).hash, reference_hash())
@@ -186,15 +202,15 @@ TEST(CoupledStep, SameBitsWithAnyBroadPhase) {
 TEST(CoupledStep, OneSkippedLinkChangesTheHash) {
   int skipped = 0;
   const auto skip = [&](Simulation& s) {
-    Flow& flow = *s.scene().flow;
+    FluidFields& fields = s.scene().flow->fields();
     if (s.steps_done() != 100) return;
-    for (int b = 0; b < flow.blocks() && !skipped; ++b) {
-      const lbm::Int3 n = flow.block(b).size;
+    for (int b = 0; b < fields.blocks() && !skipped; ++b) {
+      const lbm::Int3 n = fields.block(b).size;
       for (int z = 1; z + 1 < n.z && !skipped; ++z)
         for (int y = 1; y + 1 < n.y && !skipped; ++y)
           for (int x = 1; x + 1 < n.x && !skipped; ++x)
-            if (flow.is_fluid(b, {x, y, z}) && !flow.is_fluid(b, {x + 1, y, z})) {
-              flow.set_arriving(b, {x, y, z}, 2, flow.arriving(b, {x + 1, y, z}, 1) * 0.5);
+            if (fields.is_fluid(b, {x, y, z}) && !fields.is_fluid(b, {x + 1, y, z})) {
+              set_arriving(fields, b, {x, y, z}, 2, arriving(fields, b, {x + 1, y, z}, 1) * 0.5);
               skipped = 1;
             }
     }
@@ -217,20 +233,20 @@ TEST(CoupledStep, OneExtraImpulseChangesTheHash) {
 TEST(CoupledStep, SolidCellsAreNeverRead) {
   double poisoned_slots = 0;
   const auto poison = [&](Simulation& s) {
-    Flow& flow = *s.scene().flow;
-    for (int b = 0; b < flow.blocks(); ++b) {
-      const lbm::Int3 n = flow.block(b).size;
+    FluidFields& fields = s.scene().flow->fields();
+    for (int b = 0; b < fields.blocks(); ++b) {
+      const lbm::Int3 n = fields.block(b).size;
       for (int z = 0; z < n.z; ++z)
         for (int y = 0; y < n.y; ++y)
           for (int x = 0; x < n.x; ++x)
-            if (!flow.is_fluid(b, {x, y, z}))
+            if (!fields.is_fluid(b, {x, y, z}))
               for (int i = 0; i < lbm::directions; ++i) {
                 // only slots that no fluid cell's link uses: from solid to solid
                 const lbm::Int3 from = lbm::Int3{x, y, z} - lbm::c[i];
                 if (from.x < 0 || from.y < 0 || from.z < 0 || from.x >= n.x || from.y >= n.y || from.z >= n.z)
                   continue;
-                if (!flow.is_fluid(b, from))
-                  flow.set_arriving(b, {x, y, z}, i, std::nan("")), ++poisoned_slots;
+                if (!fields.is_fluid(b, from))
+                  set_arriving(fields, b, {x, y, z}, i, std::nan("")), ++poisoned_slots;
               }
     }
   };
@@ -253,11 +269,11 @@ TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
   for (int t = 0; t < 60; ++t) {
     s.step();
     if (t % 10) continue;
-    const Flow& flow = *s.scene().flow;
+    const FluidFields& fields = s.scene().flow->fields();
     const auto& bodies = s.bodies();
     const lbm::Int3 cells = s.scene().domain.cells();
-    for (int b = 0; b < flow.blocks(); ++b) {
-      const lbm::CellBox& box = flow.block(b);
+    for (int b = 0; b < fields.blocks(); ++b) {
+      const lbm::CellBox& box = fields.block(b);
       for (int z = 0; z < box.size.z; ++z)
         for (int y = 0; y < box.size.y; ++y)
           for (int x = 0; x < box.size.x; ++x) {
@@ -270,7 +286,7 @@ TEST(CoupledStep, CellsAreCoveredAndUncoveredByTheirCentres) {
               inside = rigid::contains(s.scene().world.shapes[bodies.shape[row]],
                                        pose.orientation.conjugate() * r);
             }
-            ASSERT_EQ(inside, !flow.is_fluid(b, {x, y, z})) << x << " " << y << " " << z;
+            ASSERT_EQ(inside, !fields.is_fluid(b, {x, y, z})) << x << " " << y << " " << z;
           }
     }
   }

@@ -7,6 +7,7 @@
 #include "coupler/simulation.hpp"
 #include "lbm/equal_cut.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/single_cells.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -65,19 +66,19 @@ TEST(IdleBlock, RanksWithoutAFluidCellTakeNoPart) {
 
 TEST(IdleBlock, KeepsWhatItHolds) {
   Simulation s = channel_beside_a_box("motion = \"fixed\"", halves);
-  Flow& flow = *s.scene().flow;
+  FluidFields& fields = s.scene().flow->fields();
   const lbm::Int3 middle{8, 8, 4};  // far enough from its neighbours' links
   for (int t = 0; t < 4; ++t) s.step();
   const auto for_full_blocks = [&](auto&& visit) {
-    for (int b = 0; b < flow.blocks(); ++b)
-      if (!flow.is_fluid(b, middle)) visit(b);
+    for (int b = 0; b < fields.blocks(); ++b)
+      if (!fields.is_fluid(b, middle)) visit(b);
   };
   // cells that collided would spread it
-  for_full_blocks([&](int b) { flow.set_arriving(b, middle, 0, 0.25); });
+  for_full_blocks([&](int b) { set_arriving(fields, b, middle, 0, 0.25); });
   s.step();
   int full = 0;
   for_full_blocks([&](int b) {
-    EXPECT_EQ(flow.arriving(b, middle, 0), 0.25);
+    EXPECT_EQ(arriving(fields, b, middle, 0), 0.25);
     ++full;
   });
   EXPECT_GT(tests::sum_over_ranks(full), 0);
@@ -102,7 +103,7 @@ TEST(IdleBlock, ItsPopulationsTakeNoMemory) {
   Simulation s = c.start(MPI_COMM_WORLD, {"domain.blocks=[16, 16, 64]"});
   for (int t = 0; t < 10; ++t) s.step();
   const double grown = tests::sum_over_ranks(own_bytes() - before),
-               held = tests::sum_over_ranks(double(s.scene().flow->bytes()));
+               held = tests::sum_over_ranks(double(s.scene().flow->fields().bytes()));
   EXPECT_GT(held, 240e6);
   EXPECT_LT(grown, 0.75 * held) << "of " << held;  // what else cells have takes a third of that
   EXPECT_GT(s.look_at_flow().max_speed, 1e-5);

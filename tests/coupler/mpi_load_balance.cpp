@@ -145,12 +145,17 @@ std::uint64_t sum(const WorkMap& work) {
   return std::uint64_t(tests::sum_over_ranks(mine));
 }
 
+void add_mapped(const Scene& scene, const WorkCosts& costs, WorkMap& work) {
+  for (const BlockMap& map : scene.flow->fields().maps())
+    coupler::add_mapped(map, scene.bodies, scene.world, costs, work);
+}
+
 TEST(LoadBalance, LinksAndBodiesAreCounted) {
   Simulation s = bottom().start(MPI_COMM_WORLD);
   s.step();
   const Scene& scene = s.scene();
   WorkMap links(scene.domain), bodies(scene.domain), estimate(scene.domain);
-  scene.flow->add_work(scene.bodies, only(&WorkCosts::link), links);
+  add_mapped(scene, only(&WorkCosts::link), links);
   add_bodies(scene.bodies, only(&WorkCosts::body), bodies);
   EXPECT_EQ(sum(links), s.links());
   EXPECT_EQ(sum(bodies), 60u);
@@ -170,7 +175,7 @@ double mapping_of_a_link(double speed) {
   WorkCosts costs = only(&WorkCosts::mapping);
   costs.mapping = 1000;
   WorkMap work(s.scene().domain);
-  s.scene().flow->add_work(s.scene().bodies, costs, work);
+  add_mapped(s.scene(), costs, work);
   return double(sum(work)) / double(s.links());
 }
 

@@ -18,7 +18,7 @@ TEST(Traffic, AStepOfFluidSendsWhatLeavesABlock) {
   Simulation simulation = text.start(MPI_COMM_WORLD);
   constexpr int steps = 6;
   for (int i = 0; i < steps; ++i) simulation.step();
-  const lbm::Int3 n = simulation.scene().flow->block(0).size;
+  const lbm::Int3 n = simulation.scene().flow->fields().block(0).size;
   const auto beyond = [&](int d) { return std::min(16 / n[d] - 1, 2); };  // ranks, along an axis
   std::uint64_t slots = 0, peers = 0;
   for (int d = 0; d < 3; ++d) {

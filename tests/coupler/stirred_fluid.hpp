@@ -3,18 +3,19 @@
 #include <array>
 #include <random>
 
-#include "coupler/for_each_cell.hpp"
+#include "lbm/fluid.hpp"
+#include "tests/coupler/single_cells.hpp"
 
 namespace silt::coupler::testing {
 
 /// Gives every cell of this rank a velocity of its own, each component below `speed` (cells a step).
-inline void stir(Flow& flow, double speed) {
+inline void stir(FluidFields& fields, double speed) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> u(-speed, speed);
-  for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {
+  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
     std::array<double, 3> v;
     for (double& component : v) component = u(random);
-    flow.set_equilibrium(b, x, 0, v);
+    for (int i = 0; i < lbm::directions; ++i) set_arriving(fields, b, x, i, lbm::equilibrium(i, 0, v.data()));
   });
 }
 

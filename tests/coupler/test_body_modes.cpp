@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "tests/coupler/case/case_text.hpp"
@@ -37,14 +36,13 @@ CaseText scene(const std::string& shape, double density, double tau, std::string
 
 /// Root mean square of the fluid's velocity about its mean, and the body's difference from it.
 double disturbance(const Simulation& s) {
-  const Flow& flow = *s.scene().flow;
+  const FluidFields& fields = s.scene().flow->fields();
   Vec3 sum = Vec3::Zero();
   double square = 0;
   int count = 0;
-  for_each_cell(flow, [&](int b, lbm::Int3 x, lbm::Int3) {
-    if (!flow.is_fluid(b, x)) return;
-    const auto u = flow.velocity(flow.moments(b, x));
-    const Vec3 v(u[0], u[1], u[2]);
+  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
+    if (!fields.is_fluid(b, x)) return;
+    const Vec3 v = velocity(fields, b, x);
     sum += v, square += v.squaredNorm(), ++count;
   });
   const Vec3 mean = sum / count;
@@ -59,7 +57,7 @@ constexpr const char* shapes[] = {"type = \"sphere\"\ndiameter = 6\n",
 std::pair<double, double> disturbances(const std::string& shape, double density, double tau,
                                        std::string_view collision) {
   Simulation s = scene(shape, density, tau, collision).start(MPI_COMM_SELF);
-  stir(*s.scene().flow, size);
+  stir(s.scene().flow->fields(), size);
   s.run(3000);
   const double early = disturbance(s);
   s.run(1000);

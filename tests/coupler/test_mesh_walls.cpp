@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/for_each_cell.hpp"
 #include "lbm/cut_links.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
+#include "tests/coupler/single_cells.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -44,7 +44,8 @@ TEST(MeshWalls, DragOfASphereOfTrianglesIsThatOfTheSphere) {
     Simulation mesh(read_with(text, {{"ball.ply", ply_of(ball)}}), MPI_COMM_SELF);
     sphere.run(steps), mesh.run(steps);
     const double exact = coefficient(sphere, sphere.last_loads()[0].force[0]);
-    const double found = coefficient(mesh, lbm::link_quantum * double(mesh.scene().flow->wall_load(0)[0]));
+    const double found =
+        coefficient(mesh, lbm::link_quantum * double(mesh.scene().flow->account().wall_load(0)[0]));
     worst = std::max(worst, std::fabs(found / exact - 1));
     EXPECT_NEAR(found / exact, 1, 1e-3) << at;
   }
@@ -54,11 +55,10 @@ TEST(MeshWalls, DragOfASphereOfTrianglesIsThatOfTheSphere) {
 /// Largest difference of the velocities over the largest velocity, where both have fluid.
 double difference(const Simulation& a, const Simulation& b) {
   double apart = 0, largest = 0;
-  const Flow &f = *a.scene().flow, &g = *b.scene().flow;
+  const FluidFields &f = a.scene().flow->fields(), &g = b.scene().flow->fields();
   for_each_cell(f, [&](int block, lbm::Int3 cell, lbm::Int3) {
     if (!f.is_fluid(block, cell) || !g.is_fluid(block, cell)) return;
-    const auto u = f.velocity(f.moments(block, cell)), v = g.velocity(g.moments(block, cell));
-    const Vec3 one(u[0], u[1], u[2]), other(v[0], v[1], v[2]);
+    const Vec3 one = velocity(f, block, cell), other = velocity(g, block, cell);
     apart = std::max(apart, (one - other).norm()), largest = std::max(largest, one.norm());
   });
   return apart / largest;
@@ -102,7 +102,7 @@ TEST(MeshWalls, ATiltedPipeThatTurnsStirsAsATubeDoes) {
                   MPI_COMM_SELF);
   tube.run(steps), mesh.run(steps);
   const auto torque = [](const Simulation& s) {
-    const auto load = s.scene().flow->wall_load(0);
+    const auto load = s.scene().flow->account().wall_load(0);
     return Vec3(double(load[3]), double(load[4]), double(load[5]));
   };
   const double apart = difference(tube, mesh),

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "coupler/analytic_flow.hpp"
-#include "coupler/for_each_cell.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/cut_links.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
+#include "tests/coupler/single_cells.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -25,19 +25,16 @@ int long_enough(double radius) {
 /// staggered momentum, u_y ~ (-1)^(y + t), that no collision damps; it changes its sign from step to step.)
 double error_of(Simulation& simulation) {
   const PipeProfile exact(simulation.setup());
-  const Flow& flow = *simulation.scene().flow;
+  const FluidFields& fields = simulation.scene().flow->fields();
   std::vector<rigid::Vec3> before;
-  const auto velocity = [&](int b, lbm::Int3 cell) {
-    const auto u = flow.velocity(flow.moments(b, cell));
-    return rigid::Vec3(u[0], u[1], u[2]);
-  };
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3) { before.push_back(velocity(b, cell)); });
+  for_each_cell(fields,
+                [&](int b, lbm::Int3 cell, lbm::Int3) { before.push_back(velocity(fields, b, cell)); });
   simulation.step();
   double sums[2] = {};
   auto then = before.begin();
-  for_each_cell(flow, [&](int b, lbm::Int3 cell, lbm::Int3 g) {
-    const rigid::Vec3 mean = 0.5 * (*then++ + velocity(b, cell));
-    if (!flow.is_fluid(b, cell)) return;
+  for_each_cell(fields, [&](int b, lbm::Int3 cell, lbm::Int3 g) {
+    const rigid::Vec3 mean = 0.5 * (*then++ + velocity(fields, b, cell));
+    if (!fields.is_fluid(b, cell)) return;
     const rigid::Vec3 v = exact.velocity({g.x + 0.5, g.y + 0.5, g.z + 0.5});
     sums[0] += (mean - v).squaredNorm(), sums[1] += v.squaredNorm();
   });
@@ -56,9 +53,9 @@ double order(const std::vector<double>& radii, const std::vector<double>& errors
 }
 
 /// Of the fluid on the tube, on one rank.
-Load load_of_fluid(const Simulation& simulation) {
-  const auto share = simulation.scene().flow->wall_load(0);
-  Load load;
+BodyLoad load_of_fluid(const Simulation& simulation) {
+  const auto share = simulation.scene().flow->account().wall_load(0);
+  BodyLoad load;
   for (int d = 0; d < 3; ++d) {
     load.force[d] = lbm::link_quantum * double(share[d]);
     load.torque[d] = lbm::link_quantum * double(share[3 + d]);
@@ -102,9 +99,9 @@ TEST(Tube, FluidMovesRigidlyWithTheTube) {
     const std::string motion = fmt::format("angular_velocity = {}\nvelocity = 0.01", 0.02 / radius);
     Simulation simulation = pipe(radius, motion, 0, 1).start(MPI_COMM_SELF);
     simulation.run(long_enough(radius));
-    const Load one = load_of_fluid(simulation);
+    const BodyLoad one = load_of_fluid(simulation);
     EXPECT_LT(error_of(simulation), 1e-3) << radius;
-    const Load next = load_of_fluid(simulation);
+    const BodyLoad next = load_of_fluid(simulation);
     const double scale = 4 * pi * 0.1 * 0.02 * radius * 4;  // of the torque while it spins up
     EXPECT_LT(0.5 * std::abs(one.torque[0] + next.torque[0]), 2e-3 * scale) << radius;
     EXPECT_LT(0.5 * std::abs(one.force[0] + next.force[0]), 1e-6) << radius;

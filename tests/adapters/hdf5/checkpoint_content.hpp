@@ -69,13 +69,8 @@ inline std::uint8_t flag(int x, int y, int z) {
 }
 
 /// What a holder might keep.
-struct Kept {
-  double number[2];
-  std::int64_t whole[3];
-};
-inline constexpr adapters::HolderColumn kept_columns[] = {
-    {"kept_number", offsetof(Kept, number), adapters::HolderColumn::float64, 2},
-    {"kept_whole", offsetof(Kept, whole), adapters::HolderColumn::int64, 3}};
+inline constexpr rigid::HolderColumn kept_columns[] = {{"kept_number", rigid::HolderColumn::float64, 1, 2},
+                                                       {"kept_whole", rigid::HolderColumn::int64, 2, 3}};
 
 inline BodyRecord record(std::uint64_t id) {
   BodyRecord r;
@@ -83,6 +78,7 @@ inline BodyRecord record(std::uint64_t id) {
   r.shape = int(id % 3);
   r.kind = -int(id);
   r.motion = static_cast<rigid::Motion>(id % 3);
+  r.wakefulness = static_cast<rigid::Wakefulness>(id % 4);
   r.mass = std::nextafter(double(id), 0);
   for (int d = 0; d < 3; ++d) {
     r.position[d] = std::sin(id + d);
@@ -90,9 +86,9 @@ inline BodyRecord record(std::uint64_t id) {
     r.velocity[d] = -0.0;
     r.angular_momentum[d] = 5e-324 * double(id);
   }
-  Kept& kept = r.holder_state.as<Kept>();
-  kept.number[1] = 0.1 * double(id);
-  for (int d = 0; d < 3; ++d) kept.whole[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
+  r.holder_state[kept_columns[0]][1] = 0.1 * double(id);
+  for (int d = 0; d < 3; ++d)
+    r.holder_state.whole(kept_columns[1])[d] = std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2);
   return r;
 }
 
@@ -109,7 +105,7 @@ inline std::vector<StoredImpulse> impulses(std::uint64_t id) {
 inline void expect_equal(const BodyRecord& a, const BodyRecord& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   EXPECT_TRUE(same(a.id, b.id) && same(a.shape, b.shape) && same(a.material, b.material) &&
-              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.mass, b.mass) &&
+              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.wakefulness, b.wakefulness) && same(a.mass, b.mass) &&
               same(a.weight_in_fluid, b.weight_in_fluid) && same(a.inertia_B, b.inertia_B) &&
               same(a.position, b.position) && same(a.orientation, b.orientation) && same(a.image, b.image) &&
               same(a.velocity, b.velocity) && same(a.angular_velocity, b.angular_velocity) &&

@@ -68,7 +68,7 @@ struct ExchangeScene {
     r.mass = p.volume;
     Eigen::Map<rigid::Mat3>{r.inertia_B} = p.inertia;
     Eigen::Map<Vec3>{r.position} = x;
-    Eigen::Map<Vec3>{r.holder_state.as<CouplingState>().mapping_position} =
+    Eigen::Map<Vec3>{r.holder_state[column::mapping_position].data()} =
         x + Vec3(0.01, 0.02, 0.03);  // something that only a record carries
     r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
     bodies.add(r);
@@ -128,15 +128,14 @@ class Witness : public ParallelBodyExchange {
   static std::uint64_t hash_of_contact(const rigid::Contact& c) {
     rigid::BodyRecord r;  // borrowed: hashes all bits of what is put into it
     r.id = c.a;
-    CouplingState& more = r.holder_state.as<CouplingState>();
-    more.mapping_position[0] = std::bit_cast<double>(c.b);
-    more.mapping_position[1] = std::bit_cast<double>(c.feature);
+    r.holder_state[column::mapping_position][0] = std::bit_cast<double>(c.b);
+    r.holder_state[column::mapping_position][1] = std::bit_cast<double>(c.feature);
     r.image[0] = c.image.x, r.image[1] = c.image.y, r.image[2] = c.image.z;
     for (int d = 0; d < 3; ++d)
       r.position[d] = c.normal[d], r.velocity[d] = c.r_a[d], r.angular_velocity[d] = c.r_b[d];
     r.mass = c.gap;
     r.weight_in_fluid = c.restitution;
-    more.mapping_orientation[0] = c.friction;
+    r.holder_state[column::mapping_orientation][0] = c.friction;
     return hash_of(r);
   }
 };

@@ -27,7 +27,7 @@ TEST(ChangedCells, AreThoseOfTheMaps) {
   c.shapes = sphere_of("ball", 6.6);
   c.bodies = body_of("ball", 1, "positions = [[20, 6, 8], [30, 6, 8]]");
   Simulation s = c.start(MPI_COMM_SELF, {"domain.blocks=[35, 20, 18]"});
-  const lbm::Domain& domain = s.scene().flow->domain();
+  const lbm::Domain& domain = s.scene().flow->fields().domain();
   std::vector<lbm::CellBox> boxes;
   for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);
   MapBodies map(domain, s.scene().world, boxes, 2);

@@ -48,7 +48,7 @@ Errors errors(const std::string& type, const std::string& sizes, const Vec3& vel
   MappedMotion mapped{s.bodies().pose(0), scale * velocity, scale * spin, 100, 100 + mapped_steps};
   set_mapped_motion(s.bodies(), 0, mapped);
   const lbm::CellBox box{{0, 0, 0}, {32, 32, 32}};
-  MapBodies map(s.scene().flow->domain(), s.scene().world, std::span(&box, 1), 2);
+  MapBodies map(s.scene().flow->fields().domain(), s.scene().world, std::span(&box, 1), 2);
   map(s.bodies());
   std::vector<SurfaceLinks<T>> surfaces;
   build_links<T>(map.blocks()[0], s.scene().world, s.bodies(),
@@ -113,7 +113,7 @@ std::vector<Vec3> forces_without_changes(double along, const std::string& tolera
   std::vector<Vec3> forces;
   for (int step = 0; step < 9; ++step) {
     s.step();
-    const MappingCounts changed = s.scene().flow->mapping();
+    const MappingCounts changed = s.scene().flow->account().mapping();
     if (changed.covered + changed.uncovered > 0) return {};
     forces.push_back(s.last_loads()[0].force);
   }
@@ -138,7 +138,7 @@ TEST(FollowingDistances, TheFluidSeesTheBodyWhereItIs) {
 
 TEST(FollowingDistances, NoneOfABodyAtRestOrMappedForOneStep) {
   Simulation s = CaseText{}.start(MPI_COMM_SELF);
-  const lbm::Domain& domain = s.scene().flow->domain();
+  const lbm::Domain& domain = s.scene().flow->fields().domain();
   const lbm::CellBox box{{0, 0, 0}, domain.cells()};
   const auto built = [&](const MappedMotion& mapped) {
     set_mapped_motion(s.bodies(), 0, mapped);

@@ -55,7 +55,7 @@ void expect_same(const lbm::CutLinks<float>& a, const lbm::CutLinks<float>& b) {
 class LastingAndFresh {
  public:
   LastingAndFresh(Simulation& s, WallScheme scheme) : s_(s), scheme_(scheme) {
-    for (const auto& place : s.scene().flow->domain().blocks_of(0)) boxes_.push_back(place.box);
+    for (const auto& place : s.scene().flow->fields().domain().blocks_of(0)) boxes_.push_back(place.box);
     lasting_ = std::make_unique<Mapping>(mapping());
   }
 
@@ -79,7 +79,8 @@ class LastingAndFresh {
 
  private:
   Mapping mapping() const {
-    return {MapBodies(s_.scene().flow->domain(), s_.scene().world, boxes_, lbm::link_reach(scheme_)), {}};
+    return {MapBodies(s_.scene().flow->fields().domain(), s_.scene().world, boxes_, lbm::link_reach(scheme_)),
+            {}};
   }
 
   Simulation& s_;

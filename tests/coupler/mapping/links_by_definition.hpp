@@ -26,7 +26,7 @@ using rigid::Vec3;
 class Geometry {
  public:
   explicit Geometry(const Simulation& s)
-      : world_(s.scene().world), bodies_(s.bodies()), domain_(s.scene().flow->domain()) {}
+      : world_(s.scene().world), bodies_(s.bodies()), domain_(s.scene().flow->fields().domain()) {}
 
   /// A cell's centre from the nearest image of a body.
   Vec3 arm(std::size_t row, Int3 cell) const {

@@ -22,7 +22,7 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
     s.set_velocity(id, 0.05 * Vec3(std::cos(1.7 * id), std::sin(1.7 * id), std::sin(3.4 * id)),
                    0.01 * Vec3(std::sin(1.7 * id), 0.3, -0.5));
   for (int t = 0; t < 80; ++t) s.step();
-  const lbm::Domain& domain = s.scene().flow->domain();
+  const lbm::Domain& domain = s.scene().flow->fields().domain();
   std::vector<lbm::CellBox> boxes;
   for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);
   MapBodies map(domain, s.scene().world, boxes, lbm::link_reach(scheme));
@@ -76,8 +76,8 @@ CaseText visited_ball() {
 /// out of reach of its links.
 void check_visits(WallScheme scheme) {
   Simulation s = visited_ball().start(MPI_COMM_SELF);
-  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, {18, 18, 18}}},
-                lbm::link_reach(scheme));
+  MapBodies map(s.scene().flow->fields().domain(), s.scene().world,
+                std::vector<lbm::CellBox>{{{}, {18, 18, 18}}}, lbm::link_reach(scheme));
   std::vector<SurfaceLinks<double>> surfaces;
   LinkKinds kinds;
   int kept = 0, renewed = 0;

@@ -72,11 +72,11 @@ template <class T>
 Distances distances(const CaseText& scene, Int3 block, double rounding) {
   Simulation s = scene.start(MPI_COMM_SELF);
   std::vector<lbm::CellBox> boxes;
-  const Int3 n = s.scene().flow->domain().cells();
+  const Int3 n = s.scene().flow->fields().domain().cells();
   for (int z = 0; z < n.z; z += block.z)
     for (int y = 0; y < n.y; y += block.y)
       for (int x = 0; x < n.x; x += block.x) boxes.push_back({{x, y, z}, block});
-  MapBodies map(s.scene().flow->domain(), s.scene().world, boxes, 1);
+  MapBodies map(s.scene().flow->fields().domain(), s.scene().world, boxes, 1);
   map(s.bodies());
   Distances all;
   LinkKinds kinds;

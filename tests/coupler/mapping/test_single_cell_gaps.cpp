@@ -77,8 +77,8 @@ Side side_behind(Int3 behind, Int3 n, Int3 c) {
 TEST(GapLinks, KnowTheWallOnTheOtherSide) {
   Simulation s = crowd_between_sides();
   put_boxes_at_sides(s);
-  const Int3 n = s.scene().flow->domain().cells();
-  MapBodies map(s.scene().flow->domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}}, 1);
+  const Int3 n = s.scene().flow->fields().domain().cells();
+  MapBodies map(s.scene().flow->fields().domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}}, 1);
   map(s.bodies());
   BlockLinks<double> block;
   auto& surfaces = block.surfaces;
@@ -88,7 +88,7 @@ TEST(GapLinks, KnowTheWallOnTheOtherSide) {
                       {coupling, {}, lbm::PassOrder(map.blocks()[0].box.size, sizeof(double))}, surfaces);
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
-  block.gaps.pair(surfaces, s.scene().flow->domain(), {{}, n});
+  block.gaps.pair(surfaces, s.scene().flow->fields().domain(), {{}, n});
   block.gaps.set_velocities(surfaces);
   const auto all = gap_links(surfaces);
   int between = 0, sides = 0, edges = 0, slipping = 0;
@@ -98,7 +98,7 @@ TEST(GapLinks, KnowTheWallOnTheOtherSide) {
     const Int3 c = lbm::c[at[3]];
     if (other == all.end()) {
       const Int3 behind{at[0] - c.x, at[1] - c.y, at[2] - c.z};
-      EXPECT_FALSE(s.scene().flow->domain().inside(behind)) << "a gap whose other wall is not known";
+      EXPECT_FALSE(s.scene().flow->fields().domain().inside(behind)) << "a gap whose other wall is not known";
       const Side side = side_behind(behind, n, c);
       for (const std::uint32_t far : link.far) {
         EXPECT_EQ(links.opposite_q[far], side.q);

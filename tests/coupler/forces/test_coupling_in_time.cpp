@@ -4,14 +4,13 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "coupler/forces/eigenvalue_bound.hpp"
+#include "coupler/forces/coupling_in_time.hpp"
 
 namespace silt::coupler {
 namespace {
 
 using rigid::Mat3;
 using rigid::Vec3;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// A turn by up to an angle.
 Eigen::Quaterniond random_turn(std::mt19937& random, double angle) {

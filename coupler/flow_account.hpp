@@ -1,0 +1,93 @@
+#pragma once
+// The account of the fluid from step to step: its mass and momentum, what bodies did to them, and whether a
+// force was out of range. What the ranks sum of a step is started at its end and settled when it is asked
+// for.
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "coupler/fluid_fields.hpp"
+#include "coupler/forces/fluid_forces.hpp"
+#include "coupler/mass_correction.hpp"
+#include "parallel/sums_under_way.hpp"
+#include "rigid/math/fixed_point.hpp"
+
+namespace silt::coupler {
+
+/// Cells that changed sides on this rank in the last mapping (ghost cells not counted), and cut links held.
+struct MappingCounts {
+  std::uint64_t covered = 0, uncovered = 0, links = 0;
+};
+
+class FlowAccount {
+ public:
+  FlowAccount(const FluidFields& fields, MPI_Comm comm, bool corrects_mass)
+      : fields_(fields), comm_(comm), corrects_mass_(corrects_mass) {}
+
+  // ---- asked between steps ----
+  /// Collective; ForceOutOfRange, on every rank alike, if a body's sums were out of range in the last step.
+  FlowTotals totals() const;
+  const MassCorrectionState& mass_correction() const;  // the same
+  /// This rank's share of the force and torque of the fluid on a wall in the last step (`wall` counts the
+  /// walls' rows), the torque about its position, in lbm::link_quantum. Zero before the first step.
+  std::array<std::int64_t, 6> wall_load(std::size_t wall) const {
+    return wall < wall_loads_.size() ? wall_loads_[wall] : std::array<std::int64_t, 6>{};
+  }
+  /// What bodies that came and went did to the momentum of the fluid and the impulse debts, of this rank, in
+  /// all steps since the flow was made: the fluid they took the place of, and that which took theirs.
+  const rigid::FixedVec3& momentum_brought() const { return brought_; }
+  const MappingCounts& mapping() const { return mapping_; }  // of the last step, this rank
+
+  // ---- told by the passes ----
+  bool corrects_mass() const { return corrects_mass_; }
+  void set_mapping(const MappingCounts& counts) { mapping_ = counts; }
+  /// The fluid has gained (1) or lost (-1) a cell of this rank.
+  void gain_cell(int cells, const lbm::Moments& m) {
+    if (corrects_mass_) correction_.gain_cells(cells, m.density_deviation);
+  }
+  void bring(const rigid::Vec3& momentum) { brought_.add(momentum); }
+  /// Begins a pass with what the last step left under way (ForceOutOfRange as above); returns the density
+  /// that every cell is to be given.
+  double begin_pass();
+  /// Starts the sums that the next step begins with.
+  void end_step(const LinkOutcome&);
+  /// Collective: sets the account of the mass to what there is.
+  void recount();
+  /// Goes on from an earlier account, of this program or another.
+  void set_mass_correction(const MassCorrectionState& state) { correction_.set_state(state); }
+  void take_over(const FlowAccount& other) {
+    brought_ = other.brought_;
+    set_mass_correction(other.mass_correction());
+  }
+
+ private:
+  /// What the step leaves for the next one to begin with, summed over the ranks.
+  struct StepSums {
+    std::int64_t ranks_out_of_range;  // that have a body whose sums are
+    std::int64_t cells_gained;
+    parallel::WideSum link_mass, cell_mass;  // gained
+    struct Recount {                         // of all fluid, in some steps
+      std::int64_t ranks = 0, cells = 0;
+      parallel::WideSum quanta;
+      Recount() = default;
+      Recount(const FluidMass& m) : ranks(1), cells(std::int64_t(m.cells)), quanta(m.mass) {}
+      FluidMass mass() const { return {std::uint64_t(cells), quanta.value()}; }
+    } recount;
+  };
+  void settle() const;
+
+  const FluidFields& fields_;
+  MPI_Comm comm_;
+  bool corrects_mass_;
+  MappingCounts mapping_;
+  rigid::FixedVec3 brought_;
+  std::vector<std::array<std::int64_t, 6>> wall_loads_;
+  rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
+  // settled whenever one of them is asked for
+  mutable MassCorrection correction_;
+  mutable parallel::SumsUnderWay<StepSums> sums_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,130 @@
+#pragma once
+// The links of a surface on their way into groups.
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "lbm/cut_links.hpp"
+
+namespace silt::coupler {
+
+using lbm::WallScheme;
+
+/// Links that were listed with one corner, and after the same part of the pass, at places that are free.
+template <class T>
+struct LinkList {
+  lbm::Int3 corner;
+  int ready;
+  std::uint32_t* place;  // with room for whole vectors
+  T* q;
+  std::uint32_t n = 0;
+
+  void remove(std::uint32_t k) {
+    --n;
+    place[k] = place[n], q[k] = q[n];
+  }
+  /// Fills the last vector up.
+  template <class Value>
+  void pad(Value* values) const {
+    std::fill(values + n, values + lbm::padded(n), values[n - 1]);
+  }
+};
+
+/// Links that the scheme of a surface does not fit, or not from the memory of the block: those whose cell
+/// behind is not fluid; those whose second cell behind is not; those whose cell behind is of another block.
+/// They are few: those of planes that follow one another share a group.
+enum class GapKind { single_cell, two_cells, across, count };
+
+template <class T>
+class LinkGroups {
+ public:
+  explicit LinkGroups(WallScheme scheme) {
+    for (auto& kinds : deferred_) {
+      kinds[int(GapKind::single_cell)].scheme = WallScheme::single_cell_gap;
+      kinds[int(GapKind::two_cells)].scheme = lbm::two_cell_gap_scheme(scheme);
+      kinds[int(GapKind::across)].scheme = scheme;
+    }
+  }
+
+  void begin(lbm::CutLinks<T>& links) {
+    links_ = &links;
+    links.groups.clear(), links.across.clear(), used_ = 0;
+  }
+  /// Begins a list, with room for so many links of so many planes.
+  LinkList<T> list(lbm::Int3 corner, int planes, int ready, std::size_t room) {
+    for (Deferred& deferred : deferred_[ready < 0])  // whose places cannot count so many planes
+      if (corner.z + planes - deferred.corner.z > 1 << lbm::place_z_bits) end_deferred(deferred);
+    return list(corner, ready, room);
+  }
+  /// A link of a list goes into a group of the kind; `pair`: of CutLinks::across.
+  void defer(GapKind kind, const LinkList<T>& list, std::uint32_t k, std::uint32_t pair = 0) {
+    Deferred& to = deferred_[list.ready < 0][int(kind)];
+    if (to.place.empty()) to.corner = list.corner;  // no lower one comes later
+    to.place.push_back(list.place[k] + lbm::link_place({0, 0, list.corner.z - to.corner.z}, 0));
+    to.q.push_back(list.q[k]);
+    if (kind == GapKind::across) to.pair.push_back(pair);
+    to.ready = std::max(to.ready, list.ready);
+  }
+  /// The list that was begun last becomes a group.
+  void add(const LinkList<T>& list, WallScheme scheme) {
+    if (list.n == 0) return;
+    list.pad(list.place), list.pad(list.q);
+    links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready});
+    used_ += lbm::padded(list.n);
+  }
+  void end_deferred() {
+    for (auto& kinds : deferred_)
+      for (Deferred& deferred : kinds) end_deferred(deferred);
+  }
+  /// Each link from both ends, with a scheme that reads no further than the cell behind, which is fluid.
+  void add_crossing(const std::vector<std::uint32_t>& place, const std::vector<T>& q, lbm::Int3 corner) {
+    if (place.empty()) return;
+    add(copied(place, q, corner, -1), deferred_[0][int(GapKind::two_cells)].scheme);
+    links_->groups.back().crossing = true;
+  }
+  void end() {
+    links_->place.assign(place_.begin(), place_.begin() + used_);
+    links_->q.assign(q_.begin(), q_.begin() + used_);
+  }
+
+ private:
+  struct Deferred {
+    WallScheme scheme;
+    std::vector<std::uint32_t> place, pair;
+    std::vector<T> q;
+    lbm::Int3 corner;
+    int ready = -1;
+  };
+
+  LinkList<T> list(lbm::Int3 corner, int ready, std::size_t links) {
+    const std::size_t room = used_ + links + 3 * lbm::link_lanes;
+    if (place_.size() < room) place_.resize(room * 3 / 2), q_.resize(place_.size());
+    return {corner, ready, place_.data() + used_, q_.data() + used_};
+  }
+  LinkList<T> copied(const std::vector<std::uint32_t>& place, const std::vector<T>& q, lbm::Int3 corner,
+                     int ready) {
+    LinkList<T> to = list(corner, ready, place.size());
+    to.n = std::uint32_t(place.size());
+    std::copy(place.begin(), place.end(), to.place), std::copy(q.begin(), q.end(), to.q);
+    return to;
+  }
+  void end_deferred(Deferred& from) {
+    if (from.place.empty()) return;
+    add(copied(from.place, from.q, from.corner, from.ready), from.scheme);
+    if (!from.pair.empty()) {
+      lbm::LinkGroup& group = links_->groups.back();
+      group.across = true, group.across_begin = std::uint32_t(links_->across.size());
+      from.pair.resize(lbm::padded(group.count), from.pair.back());
+      links_->across.insert(links_->across.end(), from.pair.begin(), from.pair.end());
+    }
+    from.place.clear(), from.pair.clear(), from.q.clear(), from.ready = -1;
+  }
+
+  lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
+  std::vector<std::uint32_t> place_;
+  std::vector<T> q_;
+  std::uint32_t used_ = 0;                     // of place_ and q_
+  Deferred deferred_[2][int(GapKind::count)];  // inside, at the rim
+};
+
+}  // namespace silt::coupler
