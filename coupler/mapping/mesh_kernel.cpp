@@ -15,15 +15,16 @@ using lbm::Int3;
 
 void place_corners(const double* from, std::size_t count, const double* turn, const double* position,
                    Corner* corner) {
-  using Four = lbm::SILT_ISA::VectorOf<double, 4>::type;
-  using WholeFour = lbm::SILT_ISA::VectorOf<std::uint64_t, 4>::type;
+  using Four = VectorOf<double, 4>::type;
+  using WholeFour = VectorOf<std::uint64_t, 4>::type;
   const Four columns[] = {
       {turn[0], turn[3], turn[6]}, {turn[1], turn[4], turn[7]}, {turn[2], turn[5], turn[8]}};
   const Four at{position[0], position[1], position[2]};
   for (std::size_t k = 0; k < count; ++k) {
     const double* const x = from + 3 * k;
     const Four y = at + (columns[0] * x[0] + columns[1] * x[1] + columns[2] * x[2]) - 0.5;
-    const Four sum = y * one_cell + rounder, whole = sum - rounder;  // low bits of the sum: those of the number
+    const Four sum = y * one_cell + rounder,
+               whole = sum - rounder;  // low bits of the sum: those of the number
     std::memcpy(&corner[k], &whole, sizeof whole);
     WholeFour bits;
     std::memcpy(&bits, &sum, sizeof bits);
