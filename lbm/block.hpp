@@ -34,6 +34,22 @@ struct CellBox {  // cells lower <= x < lower + size
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
 };
 
+/// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
+template <class Visit>
+void for_ghost_slots(Int3 size, Visit&& visit) {
+  for (int j = 1; j < directions; ++j) {
+    Int3 lo = c[j], hi = size + c[j];
+    for (int z = lo.z; z < hi.z; ++z)
+      for (int y = lo.y; y < hi.y; ++y) {
+        const bool outside = y < 0 || z < 0 || y >= size.y || z >= size.z;
+        if (outside)
+          for (int x = lo.x; x < hi.x; ++x) visit(Int3{x, y, z}, j);
+        else if (c[j].x)
+          visit(Int3{c[j].x > 0 ? size.x : -1, y, z}, j);
+      }
+  }
+}
+
 /// Rows [y0, y1) of the planes [z0, z1) of a block.
 struct RowRange {
   int y0, y1, z0, z1;

@@ -28,8 +28,7 @@ namespace {
 
 template <class T>
 const LinkKernels<T>& link_kernels() {
-  static const LinkKernels<T> kernels =
-      chosen(portable::link_kernels<T>, avx2::link_kernels<T>, avx512::link_kernels<T>)();
+  static const LinkKernels<T> kernels = SILT_CHOSEN(link_kernels<T>)();
   return kernels;
 }
 
@@ -48,8 +47,7 @@ void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment
 template <class T>
 StiffnessSums stiffness_of(const CutLinks<T>& links, int exponent) {
   StiffnessSums sums;
-  chosen(portable::stiffness_kernel<T>, avx2::stiffness_kernel<T>, avx512::stiffness_kernel<T>)()(
-      links, exponent, sums);
+  SILT_CHOSEN(stiffness_kernel<T>)()(links, exponent, sums);
   return sums;
 }
 

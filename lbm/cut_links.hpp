@@ -15,10 +15,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "cpu/prefetch.hpp"
 #include "lbm/block.hpp"
 #include "lbm/force_form.hpp"
 #include "lbm/moments.hpp"
-#include "lbm/prefetch.hpp"
 #include "lbm/wall_formula.hpp"
 
 namespace silt::lbm {

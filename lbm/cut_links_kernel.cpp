@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lbm/cut_links_kernel.hpp"
+#include "lbm/fixed_sum.hpp"
 #include "lbm/link_fetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -161,8 +162,8 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
     OppositeWall<typename L::Real> opposite;
     if constexpr (scheme == WallScheme::single_cell_gap) {
       if (!links.opposite_q.empty()) {
-        opposite.q = L::template load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
-        opposite.u = L::template load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
+        opposite.q = load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
+        opposite.u = load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
       }
     }
     const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;

@@ -1,6 +1,7 @@
 #pragma once
 // The kernels of cut links as each of their builds offers them (cut_links_kernel.cpp,
 // link_stiffness_kernel.cpp).
+#include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::lbm {
@@ -15,23 +16,7 @@ struct LinkKernels {
 template <class T>
 using AddStiffness = void (*)(const CutLinks<T>&, int exponent, StiffnessSums&);
 
-namespace portable {
-template <class T>
-LinkKernels<T> link_kernels();
-template <class T>
-AddStiffness<T> stiffness_kernel();
-}  // namespace portable
-namespace avx2 {
-template <class T>
-LinkKernels<T> link_kernels();
-template <class T>
-AddStiffness<T> stiffness_kernel();
-}  // namespace avx2
-namespace avx512 {
-template <class T>
-LinkKernels<T> link_kernels();
-template <class T>
-AddStiffness<T> stiffness_kernel();
-}  // namespace avx512
+SILT_BUILDS(template <class T> LinkKernels<T> link_kernels();
+            template <class T> AddStiffness<T> stiffness_kernel();)
 
 }  // namespace silt::lbm

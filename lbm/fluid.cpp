@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "cpu/prefetch.hpp"
 #include "lbm/collision.hpp"
-#include "lbm/prefetch.hpp"
 #include "lbm/stream_collide.hpp"
 #include "parallel/communicator.hpp"
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
-#include "lbm/prefetch.hpp"
+#include "cpu/prefetch.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
@@ -95,72 +96,35 @@ void add_row_ends(const Domain& domain, Block<T>& block) {
   }
 }
 
-/// Copies a few slots at a time, without a call.
-template <class T>
-inline void copy_slots(const T* from, T* to, std::uint32_t length) {
-  for (std::uint32_t n = 0; n < length; ++n) to[n] = from[n];
-}
-
-/// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
-template <class Visit>
-void for_ghost_slots(Int3 size, Visit&& visit) {
-  for (int j = 1; j < directions; ++j) {
-    Int3 lo = c[j], hi = size + c[j];
-    for (int z = lo.z; z < hi.z; ++z)
-      for (int y = lo.y; y < hi.y; ++y) {
-        const bool outside = y < 0 || z < 0 || y >= size.y || z >= size.z;
-        if (outside)
-          for (int x = lo.x; x < hi.x; ++x) visit(Int3{x, y, z}, j);
-        else if (c[j].x)
-          visit(Int3{c[j].x > 0 ? size.x : -1, y, z}, j);
-      }
-  }
-}
-
 }  // namespace
-
-template <class T>
-void Halo<T>::add_to(std::vector<Run>& runs, std::uint32_t ghost, std::uint32_t home) {
-  if (!runs.empty() && runs.back().ghost + runs.back().length == ghost &&
-      runs.back().home + runs.back().length == home)
-    ++runs.back().length;
-  else
-    runs.push_back({ghost, home, 1});
-}
-
-template <class T>
-void Halo<T>::add_to(std::vector<Place>& places, int block, std::uint32_t slot) {
-  if (!places.empty() && places.back().block == block && places.back().slot + places.back().length == slot)
-    ++places.back().length;
-  else
-    places.push_back({block, slot, 1});
-}
 
 template <class T>
 struct Halo<T>::Builder {
   Halo& halo;
   const Domain& domain;
   int rank;
-  std::vector<const Block<T>*> layout;
+  std::span<const Block<T>> blocks;
   std::span<const PassOrder> orders;
-  std::map<std::pair<int, int>, Copy> copies;
-  std::map<std::tuple<int, int, int, int, int>, Wall> walls;  // by block, sides met, direction
-  std::map<std::tuple<int, int, bool>, Outlet> outlets;
-  std::map<int, Peer> peers;
+  std::map<std::tuple<int, int, int, int, int>, Wall> walls = {};  // by block, sides met, direction
+  std::map<std::tuple<int, int, bool>, Outlet> outlets = {};
   BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block
   const BlockPlace& block_at(Int3 cell) {
     if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
     return home_block;
   }
 
-  std::uint32_t slot(int local_block, Int3 cell, int i) const {
-    const Block<T>& b = *layout[local_block];
-    return std::uint32_t(b.slot(i) + b.cell(cell));
+  bool along_y = false;  // slots at a face across x follow one another along y
+
+  SlotRun slot(int local_block, Int3 cell, int i) const {
+    const Block<T>& b = blocks[local_block];
+    return {std::uint32_t(local_block), std::uint32_t(b.slot(i) + b.cell(cell)),
+            along_y ? std::int32_t(b.row_stride()) : 1};
   }
 
   void add(const BlockPlace& place, Int3 g, int j) {
     const int here = domain.local_index(place, rank);
     if (is_row_end(domain, place.box, g, j)) return;
+    along_y = g.y >= 0 && g.y < place.box.size.y && g.z >= 0 && g.z < place.box.size.z;
     const Home home = home_of(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
       if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
@@ -169,40 +133,31 @@ struct Halo<T>::Builder {
     const BlockPlace& home_place = block_at(home.cell);
     const int there = domain.local_index(home_place, rank);
     const Int3 cell = home.cell - home_place.box.lower;
-    if (here >= 0 && there >= 0) {
-      Copy& copy = copies[{here, there}];
-      copy.ghost_block = here;
-      copy.home_block = there;
-      add_to(copy.runs, slot(here, g, j), slot(there, cell, home.direction));
-    } else if (here >= 0) {
-      const Int3 writer = g - c[j];
-      Peer& peer = peers[home_place.rank];
-      peer.early &= orders[here].in_shell(writer.y, writer.z);
-      add_to(peer.ghosts, here, slot(here, g, j));
-    } else if (there >= 0) {
-      Peer& peer = peers[place.rank];
-      peer.early &= orders[there].in_shell(cell.y, cell.z);
-      add_to(peer.homes, there, slot(there, cell, home.direction));
-    }
+    if (here >= 0 && there >= 0)
+      halo.slots_.copied().add(slot(there, cell, home.direction), slot(here, g, j));
+    else if (here >= 0)
+      add_peer(home_place.rank, orders[here], g - c[j]).received(home_place.rank).add(slot(here, g, j));
+    else if (there >= 0)
+      add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));
+  }
+
+  /// What the shell does not write leaves late.
+  SlotExchange<T>& add_peer(int other, const PassOrder& order, Int3 writer) {
+    if (!order.in_shell(writer.y, writer.z)) halo.slots_.hold_back(other);
+    return halo.slots_;
   }
 
   void add_wall(int here, Int3 g, int j, const Home& home, Int3 sides) {
-    const Int3 inner = g - c[j];
+    const SlotRun from = slot(here, g - c[j], opposite(j)), to = slot(here, g, j);
     if (home.kind == HomeKind::bounce) {
       Wall& wall = walls[{here, sides.x, sides.y, sides.z, j}];
-      wall.block = here, wall.addend = T(wall_addend(domain, sides, j));
-      add_to(wall.runs, slot(here, g, j), slot(here, inner, opposite(j)));
+      wall.addend = T(wall_addend(domain, sides, j));
+      wall.pairs.add(from, to);
     } else {
       Outlet& outlet = outlets[{here, home.axis, home.upper}];
       outlet.block = here, outlet.density_deviation = domain.side(home.axis, home.upper).density_deviation;
-      outlet.links.push_back({slot(here, inner, 0), slot(here, g, j), slot(here, inner, opposite(j)), j});
+      outlet.links.push_back({slot(here, g - c[j], 0).first, to.first, from.first, j});
     }
-  }
-
-  static std::size_t slots_in(const std::vector<Place>& places) {
-    std::size_t n = 0;
-    for (const Place& place : places) n += place.length;
-    return n;
   }
 
   void build() {
@@ -210,18 +165,11 @@ struct Halo<T>::Builder {
       const BlockPlace place = domain.block(b);
       for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
     }
-    for (auto& [key, x] : copies) halo.copies_.push_back(std::move(x));
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
     for (auto& [key, x] : outlets) {
       std::stable_sort(x.links.begin(), x.links.end(),
                        [](const OutletLink& a, const OutletLink& b) { return a.cell < b.cell; });
       halo.outlets_.push_back(std::move(x));
-    }
-    for (auto& [r, peer] : peers) {
-      peer.rank = r;
-      peer.ghost_buffer.resize(slots_in(peer.ghosts));
-      peer.home_buffer.resize(slots_in(peer.homes));
-      halo.peers_.push_back(std::move(peer));
     }
   }
 };
@@ -229,71 +177,16 @@ struct Halo<T>::Builder {
 template <class T>
 Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
               std::span<const PassOrder> orders, const std::array<double, 3>& force)
-    : transfers_(comm, 1), force_(force) {
-  const int rank = parallel::rank_of(comm);
-  Builder builder{*this, domain, rank, {}, orders, {}, {}, {}, {}};
-  for (auto& b : blocks) builder.layout.push_back(&b);
-  builder.build();
+    : force_(force), slots_(comm, 1) {
+  Builder{*this, domain, parallel::rank_of(comm), blocks, orders}.build();
   for (Block<T>& block : blocks) add_row_ends(domain, block);
 }
 
 template <class T>
-std::size_t Halo<T>::Peer::bytes() const {
-  return (ghost_buffer.size() + home_buffer.size()) * sizeof(T) / 2;
-}
-
-template <class T>
-std::size_t Halo<T>::message_bytes() const {
-  std::size_t bytes = 0;
-  for (const Peer& p : peers_) bytes += p.bytes();
-  return bytes;
-}
-
-template <class T>
-std::size_t Halo<T>::early_bytes() const {
-  std::size_t bytes = 0;
-  for (const Peer& p : peers_)
-    if (p.early) bytes += p.bytes();
-  return bytes;
-}
-
-template <class T>
-void Halo<T>::send(std::span<const Block<T>> blocks, Parity parity, std::size_t peer) {
-  const bool fill = parity == Parity::crossed;
-  Peer& p = peers_[peer];
-  auto& outgoing = fill ? p.home_buffer : p.ghost_buffer;
-  T* to = outgoing.data();
-  for (const Place& run : fill ? p.homes : p.ghosts) {
-    copy_slots(blocks[run.block].data() + run.slot, to, run.length);
-    to += run.length;
-  }
-  transfers_.send(p.rank, std::span<const T>(outgoing));
-}
-
-template <class T>
 void Halo<T>::start(std::span<const Block<T>> blocks, Parity parity) {
-  const bool fill = parity == Parity::crossed;
-  for (std::size_t k = 0; k < peers_.size(); ++k) {
-    auto& incoming = fill ? peers_[k].ghost_buffer : peers_[k].home_buffer;
-    transfers_.receive(peers_[k].rank, std::span<T>(incoming));
-  }
-  for (std::size_t k = 0; k < peers_.size(); ++k)
-    if (peers_[k].early) send(blocks, parity, k);
-}
-
-template <class T>
-void Halo<T>::finish_peers(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
-  for (std::size_t k = 0; k < peers_.size(); ++k)
-    if (!peers_[k].early) send(std::span<const Block<T>>(blocks), parity, k);
-  transfers_.wait();
-  const bool fill = parity == Parity::crossed;
-  for (Peer& p : peers_) {
-    const T* from = (fill ? p.ghost_buffer : p.home_buffer).data();
-    for (const Place& run : fill ? p.ghosts : p.homes) {
-      if (!idle[run.block]) copy_slots(from, blocks[run.block].data() + run.slot, run.length);
-      from += run.length;
-    }
-  }
+  std::vector<const T*> sources;
+  for (const Block<T>& block : blocks) sources.push_back(block.data());
+  slots_.start(sources, parity == Parity::settled);
 }
 
 template <class T>
@@ -332,25 +225,16 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
 
 template <class T>
 void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
-  const bool fill = parity == Parity::crossed;
-  finish_peers(blocks, idle, parity);
-  for (const Copy& copy : copies_) {
-    if (idle[copy.ghost_block] || idle[copy.home_block]) continue;
-    T* const ghost = blocks[copy.ghost_block].data();
-    T* const home = blocks[copy.home_block].data();
-    for (const Run& run : copy.runs)
-      fill ? copy_slots(home + run.home, ghost + run.ghost, run.length)
-           : copy_slots(ghost + run.ghost, home + run.home, run.length);
+  std::vector<const T*> sources;
+  std::vector<T*> targets;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    sources.push_back(blocks[b].data());
+    targets.push_back(idle[b] ? nullptr : blocks[b].data());
   }
-  for (const Wall& wall : walls_) {
-    if (idle[wall.block]) continue;
-    T* const p = blocks[wall.block].data();
-    for (const Run& run : wall.runs) {
-      const T* const from = p + (fill ? run.home : run.ghost);
-      T* const to = p + (fill ? run.ghost : run.home);
-      for (std::uint32_t n = 0; n < run.length; ++n) to[n] = from[n] + wall.addend;
-    }
-  }
+  const bool back = parity == Parity::settled;
+  slots_.finish(sources, targets, back);
+  for (const Wall& wall : walls_)
+    wall.pairs.template move<T>(sources, targets, back, [&](T value) { return value + wall.addend; });
   for (const Outlet& outlet : outlets_)
     if (!idle[outlet.block]) apply_outlet(blocks[outlet.block], outlet, parity);
 }

@@ -4,8 +4,8 @@
 // the time of such links is waiting.
 #include <algorithm>
 
+#include "cpu/prefetch.hpp"
 #include "lbm/link_places.hpp"
-#include "lbm/prefetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
 

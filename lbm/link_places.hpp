@@ -1,6 +1,7 @@
 #pragma once
 // Where the links of a vector are, decoded from their places (cut_links.hpp).
-#include "lbm/link_lanes.hpp"
+#include "cpu/lanes.hpp"
+#include "lbm/cut_links.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
@@ -43,8 +44,8 @@ class WallDistances {
         age_(links.age) {}
   /// Of the vector of links from l on.
   V at(int l) const {
-    const V q = Lanes<T>::template load<V>(q_ + l);
-    return rate_ ? q + age_ * Lanes<T>::template load<V>(rate_ + l) : q;
+    const V q = load<V>(q_ + l);
+    return rate_ ? q + age_ * load<V>(rate_ + l) : q;
   }
 
  private:
@@ -60,7 +61,7 @@ struct Places {
   V r[3], c[3];                       // arm from the reference point; components of the direction
 
   Places(const std::uint32_t* places, const PlaceOrigin<T>& origin) {
-    const auto place = L::template load<typename L::Whole>(places);
+    const auto place = load<typename L::Whole>(places);
     const auto x = place & ((1 << place_x_bits) - 1), y = (place >> place_x_bits) & ((1 << place_y_bits) - 1),
                z = (place >> place_z_shift) & ((1 << place_z_bits) - 1);
     direction = (place >> place_direction_shift) & 31;

@@ -30,7 +30,7 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
     Terms h[entries] = {};
     for (int l = first; l < std::min(first + chunk, count); l += L::count) {
       const Places<T> at(place + l, origin);
-      const V q = L::template load<V>(distance + l);
+      const V q = load<V>(distance + l);
       const V k = coefficients<scheme>(q, at.weight6(), links.fluid).k * unit;
       const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm, weight = L::below(count - l) ? k : V{};
       const auto& c = at.c;

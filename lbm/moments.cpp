@@ -9,8 +9,7 @@ namespace {
 
 template <class T>
 const MomentsKernels<T>& kernels() {
-  static const MomentsKernels<T> all =
-      chosen(portable::moments_kernels<T>, avx2::moments_kernels<T>, avx512::moments_kernels<T>)();
+  static const MomentsKernels<T> all = SILT_CHOSEN(moments_kernels<T>)();
   return all;
 }
 

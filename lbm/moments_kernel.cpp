@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#include "lbm/isa_vector.hpp"
-#include "lbm/prefetch.hpp"
+#include "cpu/lanes.hpp"
+#include "cpu/prefetch.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -33,12 +33,12 @@ class LaneTotals {
   template <bool some_seen>
   [[gnu::always_inline]] void add(const T* const (&g)[directions], std::ptrdiff_t k,
                                   const std::array<T, 3>& half_force, int seen = 0) {
-    V deviation = load(g[0] + k), momentum[3]{};
+    V deviation = load<V>(g[0] + k), momentum[3]{};
 #pragma GCC unroll 19
     for (int i = 0; i < directions; ++i) prefetch_to_read(g[i] + k + prefetch_bytes / sizeof(T));
 #pragma GCC unroll 9
     for (int i = 1; i < directions; i += 2) {  // opposite ones follow each other
-      const V along = load(g[i] + k), against = load(g[i + 1] + k), difference = along - against;
+      const V along = load<V>(g[i] + k), against = load<V>(g[i + 1] + k), difference = along - against;
       deviation += along + against;
 #pragma GCC unroll 3
       for (int d = 0; d < 3; ++d)
@@ -91,11 +91,6 @@ class LaneTotals {
   using W = typename VectorOf<double, n / parts>::type;
   using I = typename VectorOf<std::uint64_t, n / parts>::type;
 
-  [[gnu::always_inline]] static V load(const T* from) {
-    V values;
-    std::memcpy(&values, from, sizeof values);
-    return values;
-  }
   [[gnu::always_inline]] static W wide(const V& v, int part) {
 #if defined(SILT_ISA_avx512)  // the compiler converts halves of a vector and joins them
     if constexpr (parts == 2) {

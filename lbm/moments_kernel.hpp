@@ -1,5 +1,6 @@
 #pragma once
 // The kernels of rows of cells as each of their builds offers them (moments_kernel.cpp).
+#include "cpu/isa.hpp"
 #include "lbm/moments.hpp"
 
 namespace silt::lbm {
@@ -11,17 +12,6 @@ struct MomentsKernels {
   CellTotals (*total)(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
 };
 
-namespace portable {
-template <class T>
-MomentsKernels<T> moments_kernels();
-}
-namespace avx2 {
-template <class T>
-MomentsKernels<T> moments_kernels();
-}
-namespace avx512 {
-template <class T>
-MomentsKernels<T> moments_kernels();
-}
+SILT_BUILDS(template <class T> MomentsKernels<T> moments_kernels();)
 
 }  // namespace silt::lbm

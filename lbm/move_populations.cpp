@@ -1,22 +1,13 @@
 #include "lbm/move_populations.hpp"
 
 #include <algorithm>
-#include <map>
 #include <tuple>
 
-#include "parallel/communicator.hpp"
-#include "parallel/transfers.hpp"
+#include "lbm/slot_exchange.hpp"
 
 namespace silt::lbm {
 
 namespace {
-
-/// Cells that a block here shares with one of a rank, in the other cut.
-struct Shared {
-  int block;    // local index
-  CellBox box;  // global
-};
-using SharedWith = std::map<int, std::vector<Shared>>;
 
 CellBox overlap(const CellBox& a, const CellBox& b) {
   CellBox both;
@@ -27,79 +18,52 @@ CellBox overlap(const CellBox& a, const CellBox& b) {
   return both;
 }
 
-/// By rank, in an order that both ends of a message find.
-SharedWith shared_cells(const Domain& here, const Domain& there, int rank) {
-  SharedWith shared;
-  for (const BlockPlace& mine : here.blocks_of(rank))
-    there.tree().for_leaves_meeting(mine.box, [&](const CutTree::Leaf& leaf) {
-      shared[there.rank_of(leaf.index)].push_back(
-          {here.local_index(mine, rank), overlap(mine.box, leaf.box)});
+/// Calls visit(block, rank, box) for the cells that a local block of one cut shares with a block of a rank in
+/// the other, in an order that both ends of a message find.
+template <class T, class Visit>
+void for_shared_cells(const Fluid<T>& here, const Domain& there, Visit&& visit) {
+  struct Shared {
+    int block, rank;
+    CellBox box;
+  };
+  std::vector<Shared> list;
+  for (int b = 0; b < int(here.blocks().size()); ++b)
+    there.tree().for_leaves_meeting(here.blocks()[b].box(), [&](const CutTree::Leaf& leaf) {
+      list.push_back({b, there.rank_of(leaf.index), overlap(here.blocks()[b].box(), leaf.box)});
     });
-  for (auto& [other, list] : shared)
-    std::sort(list.begin(), list.end(), [](const Shared& a, const Shared& b) {
-      const Int3 p = a.box.lower, q = b.box.lower;
-      return std::tie(p.z, p.y, p.x) < std::tie(q.z, q.y, q.x);
-    });
-  return shared;
-}
-
-/// Calls visit(first population of a row, cells) for the rows of boxes of a fluid's blocks, one direction.
-template <class F, class Visit>
-void for_rows(F& fluid, const std::vector<Shared>& list, int i, Visit&& visit) {
+  std::sort(list.begin(), list.end(), [](const Shared& a, const Shared& b) {
+    const Int3 p = a.box.lower, q = b.box.lower;
+    return std::tie(p.z, p.y, p.x) < std::tie(q.z, q.y, q.x);
+  });
   for (const Shared& part : list) {
-    auto& block = fluid.blocks()[part.block];
+    const Block<T>& block = here.blocks()[part.block];
     const Int3 first = part.box.lower - block.box().lower;
     for (int z = 0; z < part.box.size.z; ++z)
       for (int y = 0; y < part.box.size.y; ++y)
-        visit(block.data() + block.arriving(i, fluid.parity()) + block.cell(first + Int3{0, y, z}),
-              part.box.size.x);
+        visit(part.rank, SlotRun{std::uint32_t(part.block), std::uint32_t(block.cell(first + Int3{0, y, z})),
+                                 1, std::uint32_t(part.box.size.x)});
   }
 }
 
-std::size_t cells_in(const std::vector<Shared>& list) {
-  std::size_t n = 0;
-  for (const Shared& part : list) n += std::size_t(part.box.cells());
-  return n;
-}
-
-template <class T>
-struct Parcel {
-  int rank;
-  const std::vector<Shared>* cells;
-  std::vector<T> buffer;
-};
-
-template <class T>
-std::vector<Parcel<T>> parcels(const SharedWith& shared) {
-  std::vector<Parcel<T>> list;
-  for (const auto& [rank, cells] : shared) list.push_back({rank, &cells, std::vector<T>(cells_in(cells))});
-  return list;
+/// What arrives along i, from cell 0 of each block on.
+template <class T, class F>
+std::vector<T*> arriving(F& fluid, int i) {
+  std::vector<T*> arrays;
+  for (auto& block : fluid.blocks()) arrays.push_back(block.data() + block.arriving(i, fluid.parity()));
+  return arrays;
 }
 
 }  // namespace
 
 template <class T>
 void move_populations(const Fluid<T>& from, Fluid<T>& to) {
-  const int rank = parallel::rank_of(to.comm());
-  const SharedWith kept_there = shared_cells(from.domain(), to.domain(), rank);
-  const SharedWith kept_here = shared_cells(to.domain(), from.domain(), rank);
-  auto outgoing = parcels<T>(kept_there), incoming = parcels<T>(kept_here);
-  parallel::Transfers transfers(to.comm(), 4);
+  SlotExchange<T> cells(to.comm(), 4);
+  for_shared_cells(from, to.domain(), [&](int rank, const SlotRun& row) { cells.sent(rank).add(row); });
+  for_shared_cells(to, from.domain(), [&](int rank, const SlotRun& row) { cells.received(rank).add(row); });
   for (int i = 0; i < directions; ++i) {
-    for (Parcel<T>& p : incoming) transfers.receive(p.rank, std::span(p.buffer));
-    for (Parcel<T>& p : outgoing) {
-      T* out = p.buffer.data();
-      for_rows(from, *p.cells, i, [&](const T* row, int cells) { out = std::copy_n(row, cells, out); });
-      transfers.send(p.rank, std::span(p.buffer));
-    }
-    transfers.wait();
-    for (const Parcel<T>& p : incoming) {
-      const T* in = p.buffer.data();
-      for_rows(to, *p.cells, i, [&](T* row, int cells) {
-        std::copy_n(in, cells, row);
-        in += cells;
-      });
-    }
+    const auto sources = arriving<const T>(from, i);
+    cells.start(sources);
+    cells.finish(sources, arriving<T>(to, i));
   }
 }
 

@@ -18,10 +18,15 @@ class PlacesAcross {
         if (c[i][d] != 0) count_ += std::uint32_t(size_[(d + 1) % 3]) * std::uint32_t(size_[(d + 2) % 3]);
       }
   }
+  /// The last axis along which a link of a cell enters a block.
+  static int axis_of(Int3 cell, int direction, Int3 block_size) {
+    int d = 2;
+    while (c[direction][d] == 0 || cell[d] != (c[direction][d] > 0 ? 0 : block_size[d] - 1)) --d;
+    return d;
+  }
   /// The cell lies in the block, the one behind it outside.
   std::uint32_t operator()(Int3 cell, int direction) const {
-    int d = 0;  // the first axis along which the link enters the block
-    while (c[direction][d] == 0 || cell[d] != (c[direction][d] > 0 ? 0 : size_[d] - 1)) ++d;
+    const int d = axis_of(cell, direction, size_);
     const int e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;  // along the face, in the order of cells in memory
     return first_[direction][d] + std::uint32_t(cell[f]) * std::uint32_t(size_[e]) + std::uint32_t(cell[e]);
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "cpu/lanes.hpp"
 #include "lbm/collision.hpp"
-#include "lbm/isa_vector.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::lbm::SILT_ISA {

@@ -8,7 +8,7 @@ namespace silt::lbm {
 template <class T>
 void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                     const WatchedPlanes& watched) {
-  const auto kernel_of = chosen(portable::collide_rows<T>, avx2::collide_rows<T>, avx512::collide_rows<T>);
+  const auto kernel_of = SILT_CHOSEN(collide_rows<T>);
   kernel_of(rates)(block, parity, rates, range, watched);
 }
 template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange,

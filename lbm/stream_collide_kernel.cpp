@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lbm/isa_vector.hpp"
-#include "lbm/prefetch.hpp"
+#include "cpu/lanes.hpp"
+#include "cpu/prefetch.hpp"
 #include "lbm/recursive_regularised_kernel.hpp"
 #include "lbm/two_relaxation_times_kernel.hpp"
 
@@ -18,17 +18,6 @@ namespace silt::lbm::SILT_ISA {
 namespace {
 
 inline constexpr int prefetch_bytes = 512;  // best of 256 to 1536 for large blocks, 640 for 80^3
-
-template <class V, class T>
-inline V load(const T* p) {
-  V v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
-template <class V, class T>
-inline void store(T* p, const V& v) {
-  __builtin_memcpy(p, &v, sizeof v);
-}
 
 template <class T>
 struct Slots {  // A and B of each pair, and the resting populations; a cell is Block::cell elements further

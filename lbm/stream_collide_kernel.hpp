@@ -1,5 +1,6 @@
 #pragma once
 // The dense kernel as each of its builds offers it (stream_collide_kernel.cpp).
+#include "cpu/isa.hpp"
 #include "lbm/collision.hpp"
 #include "lbm/stream_collide.hpp"
 
@@ -9,17 +10,6 @@ template <class T>
 using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);
 
 /// The kernel of a collision.
-namespace portable {
-template <class T>
-CollideRows<T> collide_rows(const CollisionRates<T>&);
-}
-namespace avx2 {
-template <class T>
-CollideRows<T> collide_rows(const CollisionRates<T>&);
-}
-namespace avx512 {
-template <class T>
-CollideRows<T> collide_rows(const CollisionRates<T>&);
-}
+SILT_BUILDS(template <class T> CollideRows<T> collide_rows(const CollisionRates<T>&);)
 
 }  // namespace silt::lbm

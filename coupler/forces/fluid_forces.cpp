@@ -6,8 +6,8 @@
 #include <string>
 
 #include "cpu/isa.hpp"
+#include "cpu/prefetch.hpp"
 #include "lbm/cut_links.hpp"
-#include "lbm/prefetch.hpp"
 
 namespace silt::coupler {
 
@@ -110,15 +110,14 @@ void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, Gro
                                  bool at_hand) {
   const auto& inner = links.inner;
   const std::uint32_t end = groups.end;
-  for (std::uint32_t k = groups.begin; k < end; ++k) {
-    links.prefetch(inner, k);
-    SurfaceLinks<T>& surface = links.surfaces[inner[k].surface];
-    apply(block, links, surface, surface.links.groups[inner[k].number], links.next_group(inner, k, end),
-          at_hand);
-    if (!time_.is_implicit()) continue;
-    if (k + 2 < end) prefetch_row(links.surfaces[inner[k + 2].surface]);
+  std::uint32_t soon = groups.begin + 2;
+  links.for_groups(inner, groups.begin, end, [&](SurfaceLinks<T>& surface, const auto& group, const auto& next) {
+    apply(block, links, surface, group, next, at_hand);
+    if (!time_.is_implicit()) return;
+    if (soon < end) prefetch_row(links.surfaces[inner[soon].surface]);
+    ++soon;
     if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface);
-  }
+  });
 }
 
 /// A hint that the body may be finished soon.
@@ -126,10 +125,10 @@ template <class T>
 void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) {
   if (surface.left != 1) return;
   const std::int64_t* const row = sums_.force(surface.row);
-  for (int n = 0; n < sums_.width(); n += 8) lbm::prefetch_to_write(row + n);
-  lbm::prefetch_to_write(&bodies_->force[surface.row]), lbm::prefetch_to_write(&bodies_->torque[surface.row]);
-  lbm::prefetch_to_read(&bodies_->inertia_B[surface.row]);
-  lbm::prefetch_to_read(&bodies_->stored_impulses[surface.row]);
+  for (int n = 0; n < sums_.width(); n += 8) prefetch_to_write(row + n);
+  prefetch_to_write(&bodies_->force[surface.row]), prefetch_to_write(&bodies_->torque[surface.row]);
+  prefetch_to_read(&bodies_->inertia_B[surface.row]);
+  prefetch_to_read(&bodies_->stored_impulses[surface.row]);
 }
 
 /// Does for a body on which nobody else has links what move() would do for it later.
@@ -153,12 +152,9 @@ template <class T>
 void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
   for (std::size_t b = 0; b < links.size(); ++b) {
     const auto& rim = links[b].rim;
-    for (std::size_t k = 0; k < rim.size(); ++k) {
-      links[b].prefetch(rim, k);
-      SurfaceLinks<T>& surface = links[b].surfaces[rim[k].surface];
-      apply(fluid.blocks()[b], links[b], surface, surface.links.groups[rim[k].number],
-            links[b].next_group(rim, k, rim.size()), false);
-    }
+    links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
+      apply(fluid.blocks()[b], links[b], surface, group, next, false);
+    });
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       outcome_.mass_gain += surface.sums.mass;
       if (surface.sums.invalid)
@@ -236,16 +232,12 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
   }
   std::int64_t mass = 0;
   lbm::ListedLinks listed;
-  for (std::size_t n = 0; n < open.size(); ++n) {
-    links.prefetch(open, n);
-    SurfaceLinks<T>& surface = links.surfaces[open[n].surface];
+  links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
     lbm::LinkSums sums;
-    const lbm::LinkGroup& group = surface.links.groups[open[n].number];
-    lbm::correct_cut_links<T>({block, links.slots, surface.links, group,
-                               links.next_group(open, n, open.size()), nullptr, &listed, true},
+    lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},
                               surface.motion, sums);
     mass += sums.mass;
-  }
+  });
   return mass;
 }
 

@@ -17,7 +17,7 @@ constexpr double widest = 1;    // cells: of a gap that its cells do not resolve
 constexpr double furthest = 8;  // cells from the middle, where a surface is hardly curved
 
 double sum_over(const GapOnLattice& gap) {
-  return chosen(portable::sum_over_gap, avx2::sum_over_gap, avx512::sum_over_gap)(gap);
+  return SILT_CHOSEN(sum_over_gap)(gap);
 }
 
 /// The principal curvatures of a surface.

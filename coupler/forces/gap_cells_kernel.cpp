@@ -3,14 +3,14 @@
 #include <cmath>
 
 #include "coupler/forces/gap_kernels.hpp"
-#include "lbm/isa_vector.hpp"
+#include "cpu/lanes.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
 namespace {
 
 constexpr int lanes = 8;
-using Real8 = lbm::SILT_ISA::VectorOf<double, lanes>::type;
+using Real8 = VectorOf<double, lanes>::type;
 
 /// The least whole number that is not below x; of less than 2^51.
 Real8 whole_above(const Real8& x) {

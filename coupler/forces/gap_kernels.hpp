@@ -1,5 +1,7 @@
 #pragma once
 // The kernel of narrow gaps, built once an instruction set: which cells lie in one.
+#include "cpu/isa.hpp"
+
 namespace silt::coupler {
 
 /// The quadratic form r.K r / 2 of a surface's curvature K: how far it falls behind its tangent plane.
@@ -20,14 +22,6 @@ struct GapOnLattice {
 
 /// The sum of cells_in_gap(), as each build offers it.
 using SumOverGap = double(const GapOnLattice&);
-namespace portable {
-SumOverGap sum_over_gap;
-}
-namespace avx2 {
-SumOverGap sum_over_gap;
-}
-namespace avx512 {
-SumOverGap sum_over_gap;
-}
+SILT_BUILDS(SumOverGap sum_over_gap;)
 
 }  // namespace silt::coupler

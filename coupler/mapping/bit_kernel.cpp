@@ -41,26 +41,18 @@ struct PlaneWords {
   }
 };
 
-using Words = lbm::SILT_ISA::VectorOf<std::uint64_t, PlaneWords::most>::type;
+using Words = VectorOf<std::uint64_t, PlaneWords::most>::type;
 
-Words words_at(const std::uint64_t* from) {
-  Words w;
-  __builtin_memcpy(&w, from, sizeof w);
-  return w;
-}
 /// Bit k: whether word k has any.
 unsigned filled(const Words& w) {
 #if defined(SILT_ISA_avx512)
   return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
 #else
-  using Part = lbm::SILT_ISA::VectorOf<std::uint64_t>::type;
+  using Part = VectorOf<std::uint64_t>::type;
   constexpr int words = int(sizeof(Part) / sizeof(std::uint64_t));
   unsigned f = 0;
-  for (int k = 0; k < PlaneWords::most; k += words) {
-    Part part;
-    __builtin_memcpy(&part, reinterpret_cast<const char*>(&w) + k * sizeof(std::uint64_t), sizeof part);
-    f |= lbm::SILT_ISA::lane_bits(part != 0) << k;
-  }
+  for (int k = 0; k < PlaneWords::most; k += words)
+    f |= lane_bits(load<Part>(reinterpret_cast<const std::uint64_t*>(&w) + k) != 0) << k;
   return f;
 #endif
 }
@@ -69,7 +61,7 @@ unsigned filled(const Words& w) {
 Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
   const std::uint64_t* const from = stream + (shift >> 6);
   const int s = int(shift & 63);
-  return words_at(from) >> s | words_at(from + 1) << 1 << (63 - s);
+  return load<Words>(from) >> s | load<Words>(from + 1) << 1 << (63 - s);
 }
 
 /// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
@@ -100,8 +92,8 @@ std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, co
 #if defined(SILT_ISA_avx512)
 // Operators, and masks of all ones, for which nothing is generated: the plain intrinsics start from an
 // undefined vector, and g++ 12 warns that it is uninitialized.
-using Eight = lbm::SILT_ISA::VectorOf<std::uint64_t>::type;
-using Sixteen = lbm::SILT_ISA::VectorOf<std::uint32_t>::type;
+using Eight = VectorOf<std::uint64_t>::type;
+using Sixteen = VectorOf<std::uint32_t>::type;
 
 Sixteen first_16_bytes(Eight set) {
   const auto quarter = __builtin_shufflevector(set, set, 0, 1);
@@ -268,7 +260,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
   for (int first = 0; first < wanted.planes * frame.plane; first += PlaneWords::most) {
     const PlaneWords plane(frame, first, wanted);
     const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
-    const Words open = words_at(bits.open + at) & words_at(plane.rows);
+    const Words open = load<Words>(bits.open + at) & load<Words>(plane.rows);
     for (int i = 1; i < lbm::directions; ++i) {
       const std::ptrdiff_t step = step_along(frame, i);
       const Words cut = moved(bits.body + at, step) & open;
@@ -283,7 +275,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
 }
 
 /// 32 cells of each row of some words, at 32-bit numbers of the words.
-using Links = lbm::SILT_ISA::Lanes<float>;
+using Links = Lanes<float>;
 Links::Whole half_words(const std::uint64_t* words, const Links::Whole& at) {
 #if defined(SILT_ISA_avx512)
   return Links::Whole(_mm512_mask_i32gather_epi32(__m512i{}, __mmask16(-1), __m512i(at), words, 4));
@@ -304,7 +296,7 @@ std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3
   const std::int32_t first = std::int32_t(2 * solid.row(0, 0));
   std::uint32_t count = 0;
   for (std::uint32_t k = 0; k < n; k += Links::count) {
-    const auto at = Links::load<Whole>(place + k);
+    const auto at = load<Whole>(place + k);
     const Whole direction = (at >> lbm::place_direction_shift) & 31;
     Whole far[3] = {(at & ((1 << lbm::place_x_bits) - 1)) + corner.x,
                     ((at >> lbm::place_x_bits) & ((1 << lbm::place_y_bits) - 1)) + corner.y,
@@ -320,7 +312,7 @@ std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3
     const Whole bit = far[0] + ghosts;
     const Whole word = half_words(solid.all().data(), first + far[1] * row + far[2] * plane + (bit >> 5));
     listed |= -((word >> (bit & 31)) & 1);
-    if (!lbm::SILT_ISA::any_lane(listed)) continue;
+    if (!any_lane(listed)) continue;
     for (std::uint32_t l = 0; l < Links::count && k + l < n; ++l)
       if (listed[l]) found[count++] = k + l;
   }
@@ -342,10 +334,10 @@ std::uint32_t list_crossings(const BitFrame& frame, const FrameRows& wanted, con
   for (int first = 0; first < wanted.planes * frame.plane; first += PlaneWords::most) {
     const PlaneWords plane(frame, first, wanted);
     const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
-    const Words begins = words_at(ends + at) & words_at(plane.rows);
+    const Words begins = load<Words>(ends + at) & load<Words>(plane.rows);
     for (int i = 1; i < lbm::directions; i += 2) {
       const std::ptrdiff_t step = step_along(frame, i);
-      const Words in_block = words_at(own + at) | moved(own + at, step);
+      const Words in_block = load<Words>(own + at) | moved(own + at, step);
       const Words found = begins & moved(ends + at, step) & in_block;
       if (filled(found)) n += list_bits(frame, plane, found, i, place + n);
     }

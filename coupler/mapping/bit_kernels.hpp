@@ -54,18 +54,10 @@ struct BitKernels {
   std::uint32_t (*list_crossings)(const BitFrame&, const FrameRows&, const std::uint64_t* ends,
                                   const std::uint64_t* own, std::uint32_t* place);
 };
-namespace portable {
-BitKernels bit_kernels();
-}
-namespace avx2 {
-BitKernels bit_kernels();
-}
-namespace avx512 {
-BitKernels bit_kernels();
-}
+SILT_BUILDS(BitKernels bit_kernels();)
 /// What the build that runs here offers.
 inline const BitKernels& bit_kernels() {
-  static const BitKernels kernels = chosen(portable::bit_kernels, avx2::bit_kernels, avx512::bit_kernels)();
+  static const BitKernels kernels = SILT_CHOSEN(bit_kernels)();
   return kernels;
 }
 

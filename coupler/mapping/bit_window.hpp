@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "cpu/prefetch.hpp"
 #include "lbm/block.hpp"
-#include "lbm/prefetch.hpp"
 
 namespace silt::coupler {
 
@@ -71,7 +71,7 @@ class BitWindow {
   void prefetch() const {
     constexpr std::size_t most = 256;
     for (std::size_t word = 0; word < std::min(bits_.size(), most); word += 8)
-      lbm::prefetch_to_read(bits_.data() + word);
+      prefetch_to_read(bits_.data() + word);
   }
   bool operator==(const BitWindow& o) const { return frame_ == o.frame_ && bits_ == o.bits_; }
   void swap(BitWindow& o) { std::swap(frame_, o.frame_), bits_.swap(o.bits_); }

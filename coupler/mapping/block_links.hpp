@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/mapping/single_cell_gaps.hpp"
+#include "cpu/prefetch.hpp"
 #include "lbm/pass_order.hpp"
 
 namespace silt::coupler {
@@ -35,27 +36,29 @@ struct BlockLinks {
     return {first_inner[part], first_inner[part + 1]};
   }
   GroupRange all_inner() const { return {0, std::uint32_t(inner.size())}; }
-  /// A hint that the groups after the k-th of an order will be wanted soon, one after the other: first their
-  /// surface, then where the group is, then its links.
-  void prefetch(const std::vector<Group>& order, std::size_t k) const {
-    constexpr std::size_t ahead = 2;
-    if (k + 3 * ahead < order.size()) {
-      const char* const surface = reinterpret_cast<const char*>(&surfaces[order[k + 3 * ahead].surface]);
+  /// Calls visit(surface, group, next) for groups of an order, from the one at `begin` to the one before
+  /// `end`. What they need is fetched ahead: first their surface, then where the group is, then its links.
+  template <class Visit>
+  void for_groups(const std::vector<Group>& order, std::size_t begin, std::size_t end, Visit&& visit) {
+    const auto links_of = [&](const Group& g) -> const lbm::CutLinks<T>& {
+      return surfaces[g.surface].links;
+    };
+    const auto group_of = [&](const Group& g) -> const lbm::LinkGroup& {
+      return links_of(g).groups[g.number];
+    };
+    const auto fetch_surface = [&](const Group& g) {
+      const char* const surface = reinterpret_cast<const char*>(&surfaces[g.surface]);
       for (std::size_t line = 0; line < sizeof(SurfaceLinks<T>); line += 64)
-        lbm::prefetch_to_write(surface + line);
-    }
-    if (k + 2 * ahead < order.size())
-      lbm::prefetch_to_read(
-          &surfaces[order[k + 2 * ahead].surface].links.groups[order[k + 2 * ahead].number]);
-    if (k + ahead < order.size()) {
-      const lbm::CutLinks<T>& next = surfaces[order[k + ahead].surface].links;
-      next.prefetch(next.groups[order[k + ahead].number]);
-    }
-  }
-  lbm::NextGroup<T> next_group(const std::vector<Group>& order, std::size_t k, std::size_t end) const {
-    if (k + 1 >= end) return {};
-    const lbm::CutLinks<T>& links = surfaces[order[k + 1].surface].links;
-    return {&links, &links.groups[order[k + 1].number]};
+        prefetch_to_write(surface + line);
+    };
+    for_ahead_in(
+        order, begin, end, 6, fetch_surface, 4, [&](const Group& g) { prefetch_to_read(&group_of(g)); }, 2,
+        [&](const Group& g) { links_of(g).prefetch(group_of(g)); },
+        [&](std::size_t k) {
+          lbm::NextGroup<T> next;
+          if (k + 1 < end) next = {&links_of(order[k + 1]), &group_of(order[k + 1])};
+          visit(surfaces[order[k].surface], group_of(order[k]), next);
+        });
   }
   /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::PassOrder& sweep) {

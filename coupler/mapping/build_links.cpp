@@ -218,29 +218,34 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int l
   return frame;
 }
 
-}  // namespace
-
 template <class T>
-void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
+void build_links_of_masks(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+                          const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;
   MeshDistances own(placed);
   LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own);
-  for (std::size_t k = 0; k < map.masks.size(); ++k) {
+  for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
-    prefetch_bits(map.masks, k);
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
-    if (mask.kept) continue;
+    if (mask.kept) return;
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
     writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row), links);
     if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row))
       surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
-  }
+  });
+}
+
+}  // namespace
+
+template <class T>
+void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+                 const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
+  build_links_of_masks(map, world, bodies, rules, surfaces);
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,

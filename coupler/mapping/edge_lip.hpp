@@ -20,7 +20,7 @@ constexpr bool has_edges(PartKind kind) {
 /// it turns by, 1 from a right angle on.
 template <class T>
 struct NearestEdge {
-  using L = lbm::SILT_ISA::Lanes<T>;
+  using L = Lanes<T>;
   using V = typename L::Real;
   V distance = V{} + std::numeric_limits<T>::infinity(), slope{}, share = V{} + T(1);
 
@@ -87,10 +87,9 @@ struct NearestEdge {
 
 /// Wall distances with the lip of the part that lines meet at them; 1: they may not.
 template <PartKind kind, class T>
-typename lbm::SILT_ISA::Lanes<T>::Real under_lip(const typename lbm::SILT_ISA::Lanes<T>::Real& q,
-                                                 const LineLanes<T, kind>& lines, const SurfacePart<T>& part,
-                                                 const Plane<T>* planes) {
-  using V = typename lbm::SILT_ISA::Lanes<T>::Real;
+typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q, const LineLanes<T, kind>& lines,
+                                  const SurfacePart<T>& part, const Plane<T>* planes) {
+  using V = typename Lanes<T>::Real;
   if constexpr (!has_edges(kind)) {
     return q;
   } else {

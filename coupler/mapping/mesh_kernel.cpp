@@ -15,8 +15,8 @@ using lbm::Int3;
 
 void place_corners(const double* from, std::size_t count, const double* turn, const double* position,
                    Corner* corner) {
-  using Four = lbm::SILT_ISA::VectorOf<double, 4>::type;
-  using WholeFour = lbm::SILT_ISA::VectorOf<std::uint64_t, 4>::type;
+  using Four = VectorOf<double, 4>::type;
+  using WholeFour = VectorOf<std::uint64_t, 4>::type;
   const Four columns[] = {
       {turn[0], turn[3], turn[6]}, {turn[1], turn[4], turn[7]}, {turn[2], turn[5], turn[8]}};
   const Four at{position[0], position[1], position[2]};

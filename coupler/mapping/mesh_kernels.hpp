@@ -67,19 +67,10 @@ struct MeshKernels {
   void (*look_up)(const LinkDistances&, lbm::Int3 corner, const std::uint32_t* place, std::size_t count,
                   std::uint32_t* distance);
 };
-namespace portable {
-MeshKernels mesh_kernels();
-}
-namespace avx2 {
-MeshKernels mesh_kernels();
-}
-namespace avx512 {
-MeshKernels mesh_kernels();
-}
+SILT_BUILDS(MeshKernels mesh_kernels();)
 /// What the build that runs here offers.
 inline const MeshKernels& mesh_kernels() {
-  static const MeshKernels kernels =
-      chosen(portable::mesh_kernels, avx2::mesh_kernels, avx512::mesh_kernels)();
+  static const MeshKernels kernels = SILT_CHOSEN(mesh_kernels)();
   return kernels;
 }
 

@@ -10,13 +10,13 @@
 #include <span>
 
 #include "coupler/mapping/mesh_kernels.hpp"
-#include "lbm/isa_vector.hpp"
+#include "cpu/lanes.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
-using Doubles = lbm::SILT_ISA::VectorOf<double>::type;
-using Longs = lbm::SILT_ISA::VectorOf<std::int64_t>::type;
+using Doubles = VectorOf<double>::type;
+using Longs = VectorOf<std::int64_t>::type;
 inline constexpr int double_lanes = int(sizeof(Doubles) / sizeof(double));
 inline constexpr double one_cell = double(cell_units);  // in units
 inline constexpr double rounder = 0x1.8p52;             // a sum with it is a whole number
@@ -85,7 +85,7 @@ class SlicedTriangles {
     Doubles plane =
         largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + one_cell, Doubles{} + first);
     const Doubles end = least(lattice_point_before(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
-    for (unsigned used; (used = lanes_ & lbm::SILT_ISA::lane_bits(plane <= end)) != 0; plane += one_cell)
+    for (unsigned used; (used = lanes_ & lane_bits(plane <= end)) != 0; plane += one_cell)
       use(cut(plane, used));
   }
 
@@ -135,8 +135,7 @@ template <class Along, class Visit>
   const int down = std::max(slope * first[along], slope * last[along]),
             up = std::min(slope * first[along], slope * last[along]);
   const double first_line = one_cell * (first[across] - down), last_line = one_cell * (last[across] - up);
-  for (unsigned left = segments.used & lbm::SILT_ISA::lane_bits(line0 != line1); left != 0;
-       left &= left - 1) {
+  for (unsigned left = segments.used & lane_bits(line0 != line1); left != 0; left &= left - 1) {
     const int l = std::countr_zero(left);
     const double low = std::max(std::min(line0[l], line1[l]) + one_cell, first_line);
     const double high = std::min(std::max(line0[l], line1[l]), last_line);

@@ -4,11 +4,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <map>
 #include <tuple>
 
+#include "lbm/slot_exchange.hpp"
 #include "parallel/communicator.hpp"
-#include "parallel/transfers.hpp"
 
 namespace silt::coupler {
 
@@ -16,15 +15,18 @@ using lbm::Int3;
 
 namespace {
 
-/// The cells, ghosts too, whose bits are in `after` but not in `before`.
-template <class F>
-void for_new_bits(const CellBits& before, const CellBits& after, F&& f) {
-  const Int3 size = after.size();
-  for (int z = -1; z <= size.z; ++z)
-    for (int y = -1; y <= size.y; ++y)
-      for (int k = 0; k < after.words(); ++k) {
-        const std::uint64_t fresh = after.at(y, z)[k] & ~before.at(y, z)[k];
-        if (fresh) for_bits(fresh, k, [&](int x) { f(Int3{x, y, z}); });
+/// Calls visit(cell) for the ghost cells of a block which the last mapping uncovered.
+template <class Visit>
+void for_uncovered_ghosts(const BlockMap& map, Visit&& visit) {
+  if (!map.changed) return;
+  for (int z = -1; z <= map.box.size.z; ++z)
+    for (int y = -1; y <= map.box.size.y; ++y)
+      for (int k = 0; k < map.solid.words(); ++k) {
+        const std::uint64_t fresh = map.before.at(y, z)[k] & ~map.solid.at(y, z)[k];
+        if (fresh)
+          for_bits(fresh, k, [&](int x) {
+            if (!map.has({x, y, z})) visit(Int3{x, y, z});
+          });
       }
 }
 
@@ -48,100 +50,77 @@ void for_cells_lost(const BlockMap& map, const BodyMask& mask, const CellBits& o
     }
 }
 
-using MomentsKey = std::tuple<std::int64_t, int>;  // uncovered global cell, direction to the neighbour
-using Packed = std::array<double, 10>;
+/// Moments that go to another rank, or come from there. Both ends have them in the order of the uncovered
+/// cells and the directions from these to the neighbours whose moments they are.
+struct SharedMoments {
+  int rank;
+  std::int64_t cell;  // the uncovered one, as the domain counts
+  int direction;
+  std::uint32_t place;  // among all
+  bool operator<(const SharedMoments& other) const {
+    return std::tie(rank, cell, direction) < std::tie(other.rank, other.cell, other.direction);
+  }
+  static constexpr std::uint32_t numbers = sizeof(lbm::Moments) / sizeof(double);
+  lbm::SlotRun slots() const { return {0, numbers * place, 1, numbers}; }
+};
 
-Packed packed(const lbm::Moments& m) {
-  return {m.density_deviation, m.momentum[0], m.momentum[1], m.momentum[2], m.flux[0],
-          m.flux[1],           m.flux[2],     m.flux[3],     m.flux[4],     m.flux[5]};
-}
-
-/// Moments of neighbours that other ranks hold.
+/// Returns moments of neighbours that other ranks hold, in the order in which the uncovered cells ask.
 template <class T>
-class RemoteMoments {
- public:
-  RemoteMoments(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells)
-      : fluid_(fluid), domain_(fluid.domain()) {
-    const int ranks = parallel::ranks_of(fluid.comm());
-    if (ranks == 1) return;
-    rank_ = parallel::rank_of(fluid.comm());
-    std::map<int, std::map<MomentsKey, Packed>> outgoing;
-    std::map<int, std::vector<MomentsKey>> wanted;
-    for (int b = 0; b < int(maps.size()); ++b) offer(b, maps[b], outgoing);
-    for (const auto& u : cells.uncovered) want(maps[u.block], u.cell, wanted);
-    exchange(outgoing, wanted);
-  }
-  const Packed& at(std::int64_t cell, int k) const { return received_.at({cell, k}); }
-  std::int64_t index(Int3 global) const {
-    const Int3 g = domain_.wrapped(global), n = domain_.cells();
-    return (std::int64_t(g.z) * n.y + g.y) * n.x + g.x;
-  }
-
- private:
-  void offer(int b, const BlockMap& map, std::map<int, std::map<MomentsKey, Packed>>& outgoing) const {
-    if (!map.changed) return;
-    const lbm::CellBox inside{{}, map.box.size};
-    for_new_bits(map.solid, map.before, [&](Int3 x) {
-      if (inside.contains(x)) return;
-      const int rank = domain_.rank_at(domain_.wrapped(map.box.lower + x));
-      if (rank == rank_) return;
-      for (int k = 1; k < lbm::directions; ++k) {
+std::vector<lbm::Moments> remote_moments(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                                         const ChangedCells& cells) {
+  const lbm::Domain& domain = fluid.domain();
+  if (domain.ranks() == 1) return {};
+  const int here = parallel::rank_of(fluid.comm());
+  std::vector<SharedMoments> offers, wants;
+  std::vector<lbm::Moments> offered;
+  const auto add = [&](std::vector<SharedMoments>& list, int rank, Int3 uncovered, int k) {
+    const Int3 g = domain.wrapped(uncovered), n = domain.cells();
+    list.push_back({rank, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x, k, std::uint32_t(list.size())});
+  };
+  for (int b = 0; b < int(maps.size()); ++b)
+    for_uncovered_ghosts(maps[b], [&](Int3 x) {
+      const Int3 uncovered = maps[b].box.lower + x;
+      const int rank = domain.rank_at(domain.wrapped(uncovered));
+      for (int k = 1; rank != here && k < lbm::directions; ++k) {
         const Int3 y = x + lbm::c[k];
-        if (inside.contains(y) && map.was_and_is_fluid(y))
-          outgoing[rank][{index(map.box.lower + x), k}] = packed(fluid_.moments(b, y));
+        if (!maps[b].has(y) || !maps[b].was_and_is_fluid(y)) continue;
+        add(offers, rank, uncovered, k);
+        offered.push_back(fluid.moments(b, y));
       }
     });
-  }
-
-  void want(const BlockMap& map, Int3 x, std::map<int, std::vector<MomentsKey>>& wanted) const {
-    const lbm::CellBox inside{{}, map.box.size};
+  for (const CoveredCell& u : cells.uncovered)
     for (int k = 1; k < lbm::directions; ++k) {
-      const Int3 y = x + lbm::c[k];
-      if (inside.contains(y) || !map.was_and_is_fluid(y)) continue;
-      const int rank = domain_.rank_at(domain_.wrapped(map.box.lower + y));
-      if (rank != rank_) wanted[rank].push_back({index(map.box.lower + x), k});
+      const BlockMap& map = maps[u.block];
+      const Int3 y = u.cell + lbm::c[k];
+      if (map.has(y) || !map.was_and_is_fluid(y)) continue;
+      const int rank = domain.rank_at(domain.wrapped(map.box.lower + y));
+      if (rank != here) add(wants, rank, map.box.lower + u.cell, k);
     }
-  }
-
-  void exchange(std::map<int, std::map<MomentsKey, Packed>>& outgoing,
-                std::map<int, std::vector<MomentsKey>>& wanted) {
-    parallel::Transfers transfers(fluid_.comm(), 2);
-    std::map<int, std::vector<Packed>> in, out;
-    for (auto& [rank, keys] : wanted) {
-      std::sort(keys.begin(), keys.end());
-      in[rank].resize(keys.size());
-      transfers.receive(rank, std::span(in[rank]));
-    }
-    for (auto& [rank, values] : outgoing) {
-      for (auto& [key, value] : values) out[rank].push_back(value);
-      transfers.send(rank, std::span(out[rank]));
-    }
-    transfers.wait();
-    for (auto& [rank, keys] : wanted)
-      for (std::size_t n = 0; n < keys.size(); ++n) received_[keys[n]] = in[rank][n];
-  }
-
-  const lbm::Fluid<T>& fluid_;
-  const lbm::Domain& domain_;
-  int rank_ = 0;
-  std::map<MomentsKey, Packed> received_;
-};
+  std::vector<lbm::Moments> wanted(wants.size());
+  std::sort(offers.begin(), offers.end());
+  std::sort(wants.begin(), wants.end());
+  lbm::SlotExchange<double> exchange(fluid.comm(), 2);
+  for (const SharedMoments& offer : offers) exchange.sent(offer.rank).add(offer.slots());
+  for (const SharedMoments& want : wants) exchange.received(want.rank).add(want.slots());
+  const double* const from = reinterpret_cast<const double*>(offered.data());
+  double* const to = reinterpret_cast<double*>(wanted.data());
+  exchange.start({&from, 1});
+  exchange.finish({&from, 1}, {&to, 1});
+  return wanted;
+}
 
 struct Average {
   double density = 0, stress[6] = {};  // stress: mean of sum c c (g - g_eq)
   int count = 0;
 
-  void add(const Packed& m, const std::array<double, 3>& force) {
+  void add(const lbm::Moments& m, const std::array<double, 3>& force) {
     ++count;
-    density += m[0];
-    const double u[3] = {m[1] + 0.5 * force[0], m[2] + 0.5 * force[1], m[3] + 0.5 * force[2]};
-    const double eq[6] = {m[0] / 3 + u[0] * u[0],
-                          m[0] / 3 + u[1] * u[1],
-                          m[0] / 3 + u[2] * u[2],
-                          u[0] * u[1],
-                          u[0] * u[2],
-                          u[1] * u[2]};
-    for (int k = 0; k < 6; ++k) stress[k] += m[4 + k] - eq[k];
+    const double rho = m.density_deviation;
+    density += rho;
+    const std::array<double, 3> u = lbm::velocity_of(m, force);
+    const double eq[6] = {rho / 3 + u[0] * u[0], rho / 3 + u[1] * u[1], rho / 3 + u[2] * u[2],
+                          u[0] * u[1],           u[0] * u[2],           u[1] * u[2]};
+    for (int k = 0; k < 6; ++k) stress[k] += m.flux[k] - eq[k];
   }
   void finish() {
     if (count == 0) return;
@@ -164,6 +143,41 @@ void prefetch_around(const lbm::Fluid<T>& fluid, const CoveredCell& u) {
     for (int y = -1; y <= 1; ++y) fluid.prefetch(u.block, u.cell + Int3{0, y, z});
 }
 
+/// The averages over the neighbours of each uncovered cell.
+template <class T>
+std::vector<Average> averages_around(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                                     const ChangedCells& cells) {
+  const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, cells);
+  auto next_remote = remote.begin();
+  const lbm::Domain& domain = fluid.domain();
+  const auto& force = fluid.spec().force;
+  const int rank = parallel::rank_of(fluid.comm());
+  std::vector<Average> averages;
+  averages.reserve(cells.uncovered.size());
+  const auto fetch = [&](const CoveredCell& u) { prefetch_around(fluid, u); };
+  for_ahead(cells.uncovered, 3, fetch, [&](std::size_t n) {
+    const CoveredCell& u = cells.uncovered[n];
+    const BlockMap& map = maps[u.block];
+    Average& mean = averages.emplace_back();
+    for (int k = 1; k < lbm::directions; ++k) {
+      const Int3 y = u.cell + lbm::c[k];
+      if (!map.was_and_is_fluid(y)) continue;
+      if (map.has(y)) {
+        mean.add(fluid.moments(u.block, y), force);
+        continue;
+      }
+      const Int3 g = domain.wrapped(map.box.lower + y);
+      const lbm::BlockPlace there = domain.block_at(g);
+      if (there.rank == rank)
+        mean.add(fluid.moments(there.index - domain.first_block(rank), g - there.box.lower), force);
+      else
+        mean.add(*next_remote++, force);
+    }
+    mean.finish();
+  });
+  return averages;
+}
+
 }  // namespace
 
 rigid::Vec3 nearest_arm(const lbm::Domain& domain, const rigid::Vec3& position, Int3 cell) {
@@ -179,20 +193,18 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
     const BlockMap& map = maps[b];
     if (!map.changed) continue;
     std::vector<char> kept(map.masks_before.size(), 0);
-    for (std::size_t k = 0; k < map.masks.size(); ++k) {
+    for_masks(map.masks, [&](std::size_t k) {
       const BodyMask& mask = map.masks[k];
-      prefetch_bits(map.masks, k);
       if (mask.kept)
         kept[mask.before] = 1;
       else
         for_cells_lost(map, mask, map.before, [&](Int3 x) { cells.covered.push_back({b, x, &mask}); });
-    }
-    for (std::size_t k = 0; k < kept.size(); ++k) {
+    });
+    for_masks(map.masks_before, [&](std::size_t k) {
       const BodyMask& mask = map.masks_before[k];
-      prefetch_bits(map.masks_before, k);
       if (!kept[k])
         for_cells_lost(map, mask, map.solid, [&](Int3 x) { cells.uncovered.push_back({b, x, &mask}); });
-    }
+    });
   }
   return cells;
 }
@@ -200,35 +212,9 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
 template <class T>
 void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
             const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme) {
-  const RemoteMoments<T> remote(fluid, maps, cells);
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
-  const int rank = parallel::rank_of(fluid.comm());
-  std::vector<Average> averages;
-  averages.reserve(cells.uncovered.size());
-  constexpr std::size_t ahead = 3;  // cells: far enough for memory to answer, few enough to stay in cache
-  for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {  // all averages before the first cell is written
-    const CoveredCell& u = cells.uncovered[n];
-    const BlockMap& map = maps[u.block];
-    if (n + ahead < cells.uncovered.size()) prefetch_around(fluid, cells.uncovered[n + ahead]);
-    const lbm::CellBox inside{{}, map.box.size};
-    Average& mean = averages.emplace_back();
-    for (int k = 1; k < lbm::directions; ++k) {
-      const Int3 y = u.cell + lbm::c[k];
-      if (!map.was_and_is_fluid(y)) continue;
-      if (inside.contains(y)) {
-        mean.add(packed(fluid.moments(u.block, y)), force);
-        continue;
-      }
-      const Int3 g = domain.wrapped(map.box.lower + y);
-      const lbm::BlockPlace there = domain.block_at(g);
-      if (there.rank == rank)
-        mean.add(packed(fluid.moments(there.index - domain.first_block(rank), g - there.box.lower)), force);
-      else
-        mean.add(remote.at(remote.index(map.box.lower + u.cell), k), force);
-    }
-    mean.finish();
-  }
+  const std::vector<Average> averages = averages_around(fluid, maps, cells);  // before a cell is written
   for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {
     const CoveredCell& u = cells.uncovered[n];
     const Average& mean = averages[n];

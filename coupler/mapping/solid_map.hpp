@@ -8,8 +8,8 @@
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
 #include "coupler/mapping/for_cells.hpp"
+#include "cpu/prefetch.hpp"
 #include "lbm/block.hpp"
-#include "lbm/prefetch.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
@@ -39,10 +39,12 @@ struct BodyMask {
   }
 };
 
-/// A hint that the bits of the masks after the k-th will be asked for, one after the other.
-inline void prefetch_bits(const std::vector<BodyMask>& masks, std::size_t k) {
-  if (k + 4 < masks.size()) lbm::prefetch_to_read(&masks[k + 4].bits);
-  if (k + 2 < masks.size()) masks[k + 2].bits.prefetch();
+/// Calls visit(k) for masks, whose bits are fetched ahead.
+template <class Visit>
+void for_masks(const std::vector<BodyMask>& masks, Visit&& visit) {
+  for_ahead(
+      masks, 4, [](const BodyMask& m) { prefetch_to_read(&m.bits); }, 2,
+      [](const BodyMask& m) { m.bits.prefetch(); }, visit);
 }
 
 /// The map of one block.
@@ -58,6 +60,8 @@ struct BlockMap {
     constexpr int ghosts = CellBits::ghosts;
     return changed_rows[std::size_t(z + ghosts) * (box.size.y + 2 * ghosts) + (y + ghosts)];
   }
+  /// Whether a cell is inside the block.
+  bool has(lbm::Int3 c) const { return lbm::CellBox{{}, box.size}.contains(c); }
   bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
   /// Of the cells inside the block.
   bool has_fluid() const {

@@ -42,7 +42,7 @@ auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& s
     with_kind(part->kind, [&](auto kind) {
       const LineLanes<T, kind()> lines(*part, at.r, at.c);
       const auto beyond = lines.beyond(*part, past);
-      if (lbm::SILT_ISA::Lanes<T>::all(beyond)) return;
+      if (Lanes<T>::all(beyond)) return;
       const auto found = distance_to(lines, *part, surface.planes, past);
       nearest = beyond | (nearest < found) ? nearest : found;
     });
@@ -53,9 +53,9 @@ auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& s
 template <class Real, class T>
 void set_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, lbm::Int3 corner,
                    const SurfaceView<Real>& surface, Real past, T* q) {
-  using L = lbm::SILT_ISA::Lanes<Real>;
+  using L = Lanes<Real>;
   using Places = lbm::SILT_ISA::Places<Real>;
-  using Stored = typename lbm::SILT_ISA::VectorOf<T, L::count>::type;
+  using Stored = typename VectorOf<T, L::count>::type;
   const lbm::SILT_ISA::PlaceOrigin<Real> origin(corner, frame);
   const auto set = [&](auto&& distance) {
     for (int l = 0; l < padded; l += L::count) {

@@ -12,23 +12,11 @@ namespace silt::coupler {
 template <class Real, class T>
 using SurfaceDistances = void (*)(const std::uint32_t* place, int padded, const lbm::SurfaceFrame&,
                                   lbm::Int3 corner, const SurfaceView<Real>&, Real past, T* q);
-namespace portable {
-template <class Real, class T>
-SurfaceDistances<Real, T> surface_distances();
-}
-namespace avx2 {
-template <class Real, class T>
-SurfaceDistances<Real, T> surface_distances();
-}
-namespace avx512 {
-template <class Real, class T>
-SurfaceDistances<Real, T> surface_distances();
-}
+SILT_BUILDS(template <class Real, class T> SurfaceDistances<Real, T> surface_distances();)
 /// The build that runs here.
 template <class Real, class T>
 SurfaceDistances<Real, T> distance_kernel() {
-  return chosen(portable::surface_distances<Real, T>, avx2::surface_distances<Real, T>,
-                avx512::surface_distances<Real, T>)();
+  return SILT_CHOSEN(surface_distances<Real, T>)();
 }
 
 }  // namespace silt::coupler

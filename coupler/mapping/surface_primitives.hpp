@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #ifdef SILT_ISA
-#include "lbm/link_lanes.hpp"
+#include "cpu/lanes.hpp"
 #endif
 
 namespace silt::coupler {
@@ -50,7 +50,7 @@ namespace silt::coupler::SILT_ISA {
 /// Parameters along the lines; enter > leave: the line misses.
 template <class T>
 struct IntervalLanes {
-  using V = typename lbm::SILT_ISA::Lanes<T>::Real;
+  using V = typename Lanes<T>::Real;
   V enter, leave;
 
   static V smaller(const V& a, const V& b) { return a < b ? a : b; }
@@ -71,7 +71,7 @@ struct IntervalLanes {
 template <class T, PartKind kind>
 class LineLanes {
  public:
-  using L = lbm::SILT_ISA::Lanes<T>;
+  using L = Lanes<T>;
   using V = typename L::Real;
   using Interval = IntervalLanes<T>;
   using Part = SurfacePart<T>;

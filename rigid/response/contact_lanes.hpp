@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "cpu/isa.hpp"
+
 namespace silt::rigid {
 
 inline constexpr int lane_count = 8;
@@ -135,23 +137,7 @@ using SweepBlocks = SweepOutcome(BlockGroup*, std::size_t groups, BlockContact*,
                                  const BodyState*, const ContactSweep&);
 using PrepareBlocks = void(BlockGroup*, std::size_t groups);
 
-namespace portable {
-SweepCentral sweep_central;
-SweepLubricated sweep_lubricated;
-SweepBlocks sweep_blocks;
-PrepareBlocks prepare_blocks;
-}  // namespace portable
-namespace avx2 {
-SweepCentral sweep_central;
-SweepLubricated sweep_lubricated;
-SweepBlocks sweep_blocks;
-PrepareBlocks prepare_blocks;
-}  // namespace avx2
-namespace avx512 {
-SweepCentral sweep_central;
-SweepLubricated sweep_lubricated;
-SweepBlocks sweep_blocks;
-PrepareBlocks prepare_blocks;
-}  // namespace avx512
+SILT_BUILDS(SweepCentral sweep_central; SweepLubricated sweep_lubricated; SweepBlocks sweep_blocks;
+            PrepareBlocks prepare_blocks;)
 
 }  // namespace silt::rigid

@@ -1,6 +1,9 @@
 #pragma once
 // Vectors, bodies and sweeps of eight pairs at a time, for the contact kernels. Only for *_kernel.cpp: built
 // once an instruction set.
+#include <cmath>
+#include <cstring>
+
 #include "rigid/response/wide_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {

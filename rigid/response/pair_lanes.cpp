@@ -8,23 +8,16 @@ namespace silt::rigid {
 
 namespace {
 
-/// One build of the kernels.
+/// The build of the kernels that runs here.
 struct LaneKernels {
-  SweepCentral* sweep_central;
-  SweepLubricated* sweep_lubricated;
-  SweepBlocks* sweep_blocks;
-  PrepareBlocks* prepare_blocks;
+  SweepCentral* sweep_central = SILT_CHOSEN(sweep_central);
+  SweepLubricated* sweep_lubricated = SILT_CHOSEN(sweep_lubricated);
+  SweepBlocks* sweep_blocks = SILT_CHOSEN(sweep_blocks);
+  PrepareBlocks* prepare_blocks = SILT_CHOSEN(prepare_blocks);
 };
-constexpr LaneKernels portable_kernels = {portable::sweep_central, portable::sweep_lubricated,
-                                          portable::sweep_blocks, portable::prepare_blocks};
-constexpr LaneKernels avx2_kernels = {avx2::sweep_central, avx2::sweep_lubricated, avx2::sweep_blocks,
-                                      avx2::prepare_blocks};
-constexpr LaneKernels avx512_kernels = {avx512::sweep_central, avx512::sweep_lubricated, avx512::sweep_blocks,
-                                        avx512::prepare_blocks};
-
-/// The build that runs here.
-LaneKernels kernels() {
-  return chosen(portable_kernels, avx2_kernels, avx512_kernels);
+const LaneKernels& kernels() {
+  static const LaneKernels of_this_machine;
+  return of_this_machine;
 }
 
 constexpr double on_axis = 1e-12;  // sine between a contact's arm and its normal: none

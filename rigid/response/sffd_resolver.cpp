@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cpu/prefetch.hpp"
 #include "rigid/response/common_rest.hpp"
 #include "rigid/response/held_impulses.hpp"
 
@@ -18,6 +19,7 @@ constexpr int most_start_sweeps = 10000;     // of chains at the start: a ratio 
 constexpr double push_tolerance = 1e-3;      // of the position correction's impulses, relative
 constexpr double push_rounding = 1e-7;       // displacement of a step, relative to the contact's lever arms
 constexpr double negligible_overlap = 1e-9;  // relative to the contact's lever arms: left alone
+constexpr int pairs_ahead = 8;               // that much later memory has answered
 constexpr double hair = 1e-4;                // gap a pressed contact may keep, relative to its lever arms
 
 Vec3 velocity(const BodyState& s) {
@@ -73,7 +75,7 @@ double target_of_pressed(const Contact& c, double dt, double target) {
 void prefetch_impulses(const std::vector<StoredImpulse>& stored) {
   constexpr std::size_t line = 64, lines = 3;
   const char* const first = reinterpret_cast<const char*>(stored.data());
-  for (std::size_t k = 0; k < lines; ++k) __builtin_prefetch(first + line * k);
+  for (std::size_t k = 0; k < lines; ++k) prefetch_to_read(first + line * k);
 }
 
 void add(BodySum& sum, const Vec3& r, const Vec3& impulse) {
@@ -132,12 +134,6 @@ std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Conta
   return owned_contacts;
 }
 
-/// The pair that comes up so much later that what it needs can be fetched until then.
-const SffdResolver::Pair* SffdResolver::pair_ahead(std::size_t k) const {
-  constexpr std::size_t ahead = 8;
-  return k + ahead < pairs_.size() ? &pairs_[k + ahead] : nullptr;
-}
-
 /// Targets, and velocities with the impulses of the step before.
 void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                          const StepVelocities& velocities) {
@@ -155,9 +151,9 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
     sums_[row] = {};
   }
   Recall recall(bodies);
-  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+  const auto fetch = [&](const Pair& p) { prefetch_impulses(bodies.stored_impulses[p.row_a]); };
+  for_ahead(pairs_, pairs_ahead, fetch, [&](std::size_t k) {
     const Pair& p = pairs_[k];
-    if (const Pair* soon = pair_ahead(k)) prefetch_impulses(bodies.stored_impulses[soon->row_a]);
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     for (std::size_t i = p.first; i < p.last; ++i) {
       const Contact& c = contacts[i];
@@ -167,7 +163,7 @@ void SffdResolver::start(const BodySet& bodies, const std::vector<Contact>& cont
       impulses_[i] = {};
     }
     if (settings_.warm_start) warm_start(p, of_pair, dt, recall);
-  }
+  });
   for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
 }
 
@@ -367,12 +363,12 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
                           ResolverStatistics& statistics) {
   forget_last_impulses(bodies, involved_);
   velocities.other_wall_impulses.clear();
-  for (std::size_t n = 0; n < pairs_.size(); ++n) {  // in key order, so each body's list comes out sorted
+  const auto fetch = [&](const Pair& p) {
+    prefetch_impulses(bodies.stored_impulses[p.row_a]);
+    prefetch_impulses(bodies.stored_impulses[p.row_b]);
+  };
+  for_ahead(pairs_, pairs_ahead, fetch, [&](std::size_t n) {  // in key order: lists of bodies come out sorted
     const Pair& p = pairs_[n];
-    if (const Pair* soon = pair_ahead(n)) {
-      prefetch_impulses(bodies.stored_impulses[soon->row_a]);
-      prefetch_impulses(bodies.stored_impulses[soon->row_b]);
-    }
     const std::span of_pair(contacts.data() + p.first, p.last - p.first);
     const std::span impulses = impulses_of(p);
     lanes_.read_impulses(p.place, impulses);
@@ -391,12 +387,12 @@ void SffdResolver::finish(BodySet& bodies, const std::vector<Contact>& contacts,
     if (is_wall(of_pair[0].b)) note_other_wall_impulse(p, of_pair, by_sink, velocities);
     for (std::size_t k = 0; k < impulses.size(); ++k)
       if (of_pair[k].lubrication && is_mostly_impact(p, p.first + k)) impulses[k] = {};
-    if (!settings_.warm_start) continue;
+    if (!settings_.warm_start) return;
     if (bodies_[p.row_a].asks_for_impulses)
       remember_impulses(of_pair, impulses, of_pair[0].b, bodies.stored_impulses[p.row_a]);
     if (bodies_[p.row_b].asks_for_impulses)
       remember_impulses(of_pair, impulses, of_pair[0].a, bodies.stored_impulses[p.row_b]);
-  }
+  });
   for (const std::size_t row : involved_)
     if (row < bodies.owned && bodies.keeps_impulses(row)) sort_by_partner(bodies.stored_impulses[row]);
 }

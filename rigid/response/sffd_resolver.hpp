@@ -46,7 +46,6 @@ class SffdResolver : public ContactResolver {
 
   std::size_t collect_pairs(BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
-  const Pair* pair_ahead(std::size_t k) const;
   void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
   void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
   void take_sum(BodyState&, std::size_t row, double number) const;

@@ -2,40 +2,18 @@
 // One number of each of eight pairs, in as many of the machine's vectors as it takes. A vector type of eight
 // would do where one register holds it; elsewhere compilers compare and choose such a type number by number.
 // Only for *_kernel.cpp: built once an instruction set.
-#include <cmath>
-#include <cstring>
 #include <type_traits>
-#include <utility>
 
-#if defined SILT_ISA_avx512 || defined SILT_ISA_avx2
-#include <immintrin.h>
-#endif
-
+#include "cpu/lanes.hpp"
 #include "rigid/response/contact_lanes.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-#if defined SILT_ISA_avx512
-constexpr int part_lanes = 8;
-#elif defined SILT_ISA_avx2
-constexpr int part_lanes = 4;
-#else
-constexpr int part_lanes = 2;
-#endif
-constexpr int part_count = lane_count / part_lanes;
-
-using Part = double __attribute__((vector_size(part_lanes * sizeof(double))));
-using PartMask = decltype(Part{} < Part{});
-
-/// Calls use(0), use(1), ... with constants, and makes a Result of what they return.
-template <class Result, int count, class Use>
-[[gnu::always_inline]] inline Result each(Use use) {
-  return [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
-    return Result{use(std::integral_constant<int, k>())...};
-  }
-  (std::make_integer_sequence<int, count>());
-}
+using PartLanes = silt::Lanes<double>;
+using Part = PartLanes::Real;
+using PartMask = PartLanes::Mask;
+constexpr int part_lanes = PartLanes::count, part_count = lane_count / part_lanes;
 
 /// All bits of a lane set: true.
 struct Mask {
@@ -53,14 +31,10 @@ struct Lanes {
       : part{parts...} {}
   Lanes(double x) : Lanes(each<Lanes, part_count>([&](auto) { return x - Part{}; })) {}
   Lanes(const Real8& of)
-      : Lanes(each<Lanes, part_count>([&](auto k) {
-          Part p;
-          std::memcpy(&p, of.lane + k * part_lanes, sizeof p);
-          return p;
-        })) {}
+      : Lanes(each<Lanes, part_count>([&](auto k) { return silt::load<Part>(of.lane + k * part_lanes); })) {}
   /// Part by part: of all at once compilers make a copy in pieces of eight bytes.
   [[gnu::always_inline]] void store(double* lane) const {
-    for (int k = 0; k < part_count; ++k) std::memcpy(lane + k * part_lanes, &part[k], sizeof part[k]);
+    for (int k = 0; k < part_count; ++k) silt::store(lane + k * part_lanes, part[k]);
   }
   double operator[](int l) const { return part[l / part_lanes][l % part_lanes]; }
 };
@@ -117,11 +91,8 @@ template <class Of>
       [&](auto k) { return each<Part, part_lanes>([&](auto l) { return double(of(k * part_lanes + l)); }); });
 }
 [[gnu::always_inline]] inline Lanes whole_numbers(const std::int32_t (&of)[lane_count]) {
-  return each<Lanes, part_count>([&](auto k) {
-    std::int32_t __attribute__((vector_size(part_lanes * sizeof(std::int32_t)))) part;
-    std::memcpy(&part, of + k * part_lanes, sizeof part);
-    return __builtin_convertvector(part, Part);
-  });
+  return each<Lanes, part_count>(
+      [&](auto k) { return PartLanes::real(silt::load<PartLanes::Whole>(of + k * part_lanes)); });
 }
 template <class Of>
 [[gnu::always_inline]] inline Mask mask_of(Of of) {
@@ -130,24 +101,12 @@ template <class Of>
   });
 }
 [[gnu::always_inline]] inline Lanes square_root(const Lanes& x) {
-  return each<Lanes, part_count>([&](auto k) {
-    Part root;
-    for (int l = 0; l < part_lanes; ++l) root[l] = std::sqrt(x.part[k][l]);
-    return root;
-  });
+  return each<Lanes, part_count>([&](auto k) { return PartLanes::root(x.part[k]); });
 }
 /// Bit l: lane l.
 [[gnu::always_inline]] inline unsigned lane_bits(const Mask& m) {
   unsigned bits = 0;
-  for (int k = 0; k < part_count; ++k) {
-#if defined SILT_ISA_avx512
-    bits |= unsigned(_mm512_movepi64_mask(__m512i(m.part[k]))) << (k * part_lanes);
-#elif defined SILT_ISA_avx2
-    bits |= unsigned(_mm256_movemask_pd(__m256d(m.part[k]))) << (k * part_lanes);
-#else
-    for (int l = 0; l < part_lanes; ++l) bits |= unsigned(m.part[k][l] & 1) << (k * part_lanes + l);
-#endif
-  }
+  for (int k = 0; k < part_count; ++k) bits |= silt::lane_bits(m.part[k]) << (k * part_lanes);
   return bits;
 }
 inline bool any(const Mask& m) {

@@ -1,12 +1,10 @@
 // What the machine can do: memory updated in place, and arithmetic without memory.
 #include <algorithm>
 
-#include "lbm/isa_vector.hpp"
+#include "cpu/lanes.hpp"
 #include "tests/bench/fluid_kernels.hpp"
 
 namespace silt::bench::SILT_ISA {
-
-using lbm::SILT_ISA::vector_bytes, lbm::SILT_ISA::VectorOf;
 
 namespace {
 

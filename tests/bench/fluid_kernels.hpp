@@ -45,33 +45,17 @@ struct BoundKernels {
 template <class T>
 using PullAndRelax = void (*)(const TwoArrays<T>&, Layout, Effort);
 
-namespace portable {
-template <class T>
-BoundKernels<T> bound_kernels();
-template <class T>
-PullAndRelax<T> pull_and_relax();
-}  // namespace portable
-namespace avx2 {
-template <class T>
-BoundKernels<T> bound_kernels();
-template <class T>
-PullAndRelax<T> pull_and_relax();
-}  // namespace avx2
-namespace avx512 {
-template <class T>
-BoundKernels<T> bound_kernels();
-template <class T>
-PullAndRelax<T> pull_and_relax();
-}  // namespace avx512
+SILT_BUILDS(template <class T> BoundKernels<T> bound_kernels();
+            template <class T> PullAndRelax<T> pull_and_relax();)
 
 /// What the build that runs here offers.
 template <class T>
 BoundKernels<T> bound_kernels() {
-  return chosen(portable::bound_kernels<T>, avx2::bound_kernels<T>, avx512::bound_kernels<T>)();
+  return SILT_CHOSEN(bound_kernels<T>)();
 }
 template <class T>
 PullAndRelax<T> pull_and_relax() {
-  return chosen(portable::pull_and_relax<T>, avx2::pull_and_relax<T>, avx512::pull_and_relax<T>)();
+  return SILT_CHOSEN(pull_and_relax<T>)();
 }
 
 }  // namespace silt::bench

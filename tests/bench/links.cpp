@@ -101,11 +101,13 @@ class Links {
  private:
   template <class F>
   void for_groups(const std::vector<Group>& order, bool next, F&& f) {
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      if (next) links_.prefetch(order, k);
-      const lbm::CutLinks<float>& links = links_.surfaces[order[k].surface].links;
-      f(links, links.groups[order[k].number],
-        next ? links_.next_group(order, k, order.size()) : lbm::NextGroup<float>{});
+    if (next)
+      return links_.for_groups(
+          order, 0, order.size(),
+          [&](const auto& surface, const auto& group, auto after) { f(surface.links, group, after); });
+    for (const Group& g : order) {
+      const lbm::CutLinks<float>& links = links_.surfaces[g.surface].links;
+      f(links, links.groups[g.number], lbm::NextGroup<float>{});
     }
   }
 

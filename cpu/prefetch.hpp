@@ -1,0 +1,42 @@
+#pragma once
+// Cache lines fetched ahead of use. GCC takes a function that does nothing else for one without effect and
+// leaves its calls out: the empty statement is an effect that it keeps.
+#include <cstddef>
+
+namespace silt {
+
+[[gnu::always_inline]] inline void prefetch_to_read(const void* line) {
+  __builtin_prefetch(line, 0);
+  asm volatile("");
+}
+[[gnu::always_inline]] inline void prefetch_to_write(const void* line) {
+  __builtin_prefetch(line, 1);
+  asm volatile("");
+}
+
+template <class List, class Visit>
+[[gnu::always_inline]] inline void fetch_and_visit(const List&, std::size_t k, Visit& visit) {
+  visit(k);
+}
+template <class List, class Fetch, class... More>
+[[gnu::always_inline]] inline void fetch_and_visit(const List& list, std::size_t k, std::size_t distance,
+                                                   Fetch& fetch, More&... more) {
+  if (k + distance < list.size()) fetch(list[k + distance]);
+  fetch_and_visit(list, k, more...);
+}
+
+/// Calls visit(k) for the entries of a list from the one at `begin` to the one before `end`, and before that
+/// fetch(entry) of the one so far ahead, which may lie beyond `end`: memory should have answered when it is
+/// visited, and nothing have thrown it out of the cache. Several pairs of distance and fetch may be given.
+template <class List, class... FetchesAndVisit>
+[[gnu::always_inline]] inline void for_ahead_in(const List& list, std::size_t begin, std::size_t end,
+                                                FetchesAndVisit&&... distance_fetch_visit) {
+  for (std::size_t k = begin; k < end; ++k) fetch_and_visit(list, k, distance_fetch_visit...);
+}
+/// Does so with the whole list.
+template <class List, class... FetchesAndVisit>
+[[gnu::always_inline]] inline void for_ahead(const List& list, FetchesAndVisit&&... distance_fetch_visit) {
+  for_ahead_in(list, 0, list.size(), distance_fetch_visit...);
+}
+
+}  // namespace silt
