@@ -136,21 +136,13 @@ class FlowOf final : public Flow {
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
-    for_fetched(cells.covered, [&](const CoveredCell& c) { take_cell(+1, c, bodies, changes); });
+    const auto fetch = [&](const CoveredCell& c) { fluid_.prefetch(c.block, c.cell); };
+    for_ahead(cells.covered, 8, fetch,
+              [&](std::size_t n) { take_cell(+1, cells.covered[n], bodies, changes); });
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill);
     for (const CoveredCell& c : cells.uncovered) take_cell(-1, c, bodies, changes);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
-  }
-
-  /// Visits cells whose populations are asked for a few cells ahead.
-  template <class Visit>
-  void for_fetched(const std::vector<CoveredCell>& cells, Visit&& visit) const {
-    constexpr std::size_t ahead = 8;
-    for (std::size_t n = 0; n < cells.size(); ++n) {
-      if (n + ahead < cells.size()) fluid_.prefetch(cells[n + ahead].block, cells[n + ahead].cell);
-      visit(cells[n]);
-    }
   }
 
   bool is_exact() const { return coupling_.force == ForceForm::exact; }

@@ -111,7 +111,7 @@ void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, Gro
   const auto& inner = links.inner;
   const std::uint32_t end = groups.end;
   std::uint32_t soon = groups.begin + 2;
-  links.for_groups(inner, groups.begin, end, [&](SurfaceLinks<T>& surface, const auto& group, const auto& next) {
+  links.for_groups(inner, groups.begin, end, [&](auto& surface, const auto& group, const auto& next) {
     apply(block, links, surface, group, next, at_hand);
     if (!time_.is_implicit()) return;
     if (soon < end) prefetch_row(links.surfaces[inner[soon].surface]);
