@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coupler/flow_totals.hpp"
+#include "coupler/fluid_fields.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
@@ -35,8 +35,8 @@ TEST(MassCorrection, SumsWhatLinksAndCellsOfATrillionBring) {
 
 TEST(MassCorrection, CountsACellAsItsDensity) {
   MassCorrection correction;
-  correction.cell_uncovered(0.25);
-  correction.cell_covered(-0.5);
+  correction.gain_cells(1, 0.25);
+  correction.gain_cells(-1, -0.5);
   const MassCorrection::Gain gain = correction.take_gain(7);
   EXPECT_EQ(gain.cell_mass, quanta(0.75));
   EXPECT_EQ(gain.link_mass, 7);
