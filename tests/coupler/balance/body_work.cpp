@@ -15,6 +15,7 @@ using rigid::Vec3;
 struct Body {
   std::vector<rigid::BodyId> partners;  // that it remembers; ids count from 1
   rigid::Motion motion = rigid::Motion::free;
+  rigid::Wakefulness wakefulness = rigid::Wakefulness::awake;
   bool held = false;  // all of these
 };
 
@@ -24,7 +25,7 @@ std::int64_t work_of(const std::vector<Body>& all) {
   for (const Body& body : all) {
     rigid::BodyRecord record;
     record.id = bodies.size() + 1;
-    record.motion = body.motion;
+    record.motion = body.motion, record.wakefulness = body.wakefulness;
     bodies.add(record);
     for (const rigid::BodyId partner : body.partners)
       bodies.stored_impulses.back().push_back({partner, {}, 0, Vec3(0, 0, 1), body.held});
@@ -52,9 +53,10 @@ TEST(BodyWork, AContactCountsAlikeWhereverItIs) {
 
 TEST(BodyWork, ContactsThatAreHeldAreNone) {
   using enum rigid::Motion;
-  EXPECT_EQ(work_of({{{2}, asleep, true}, {{1}, asleep, true}}), 2 * 150);
-  EXPECT_EQ(work_of({{{rigid::first_wall_id}, asleep, true}, {}}), 2 * 150);
-  EXPECT_EQ(work_of({{{2}, asleep}, {{1}}}), 2 * 150 + 200) << "with one that moves";
+  using enum rigid::Wakefulness;
+  EXPECT_EQ(work_of({{{2}, free, asleep, true}, {{1}, free, asleep, true}}), 2 * 150);
+  EXPECT_EQ(work_of({{{rigid::first_wall_id}, free, asleep, true}, {}}), 2 * 150);
+  EXPECT_EQ(work_of({{{2}, free, asleep}, {{1}}}), 2 * 150 + 200) << "with one that moves";
 }
 
 }  // namespace
