@@ -60,10 +60,6 @@ double bodies_in_box(const Simulation&, const QuantitySpec&);
 template <>
 inline constexpr Computation computation<"body-count"> = at_end<bodies_in_box>;
 
-double packing_fraction(const Simulation&, const QuantitySpec&);
-template <>
-inline constexpr Computation computation<"packing-fraction"> = at_end<packing_fraction>;
-
 /// Returns what the run's counters hold.
 double max_penetration(const Simulation&);
 template <>

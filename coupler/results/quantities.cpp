@@ -9,6 +9,7 @@
 #include "coupler/results/bed_quantities.hpp"
 #include "coupler/results/body_quantities.hpp"
 #include "coupler/results/flow_quantities.hpp"
+#include "coupler/results/packing_fraction.hpp"
 #include "coupler/results/wall_quantities.hpp"
 #include "parallel/collectives.hpp"
 
