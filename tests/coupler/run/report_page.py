@@ -51,7 +51,7 @@ class Outline(html.parser.HTMLParser):
 
 
 class Page(SiltTest):
-    def page(self, case=CASE, value=8.0, code=0, plot=True):
+    def page(self, case=CASE, value=8.0, code=0, plot=False):
         self.write(case.replace("[output]", "[output]\nreport = { every = 10 }"))
         (self.case / "reference.toml").write_text(REFERENCE.format(value=value))
         self.silt("run", self.case, "--overwrite", code=code)
@@ -63,7 +63,7 @@ class Page(SiltTest):
         return subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True).stdout
 
     def test_is_whole_and_alone(self):
-        said, text = self.page()
+        said, text = self.page(plot=True)
         self.assertNotIn("http-equiv", text)  # it has ended
         (self.out / "film.mp4").write_bytes(b"a film")
         self.told()
@@ -89,7 +89,7 @@ class Page(SiltTest):
             case = kinds if system == "lattice" else kinds.replace('"lattice"', '"si"\ncell_size = 1.0\ntime_step = 1.0').replace(
                 "[fluid]", "[fluid]\ndensity = 1.0").replace("relaxation_time = 0.8", "kinematic_viscosity = 0.1")
             self.write(case)
-            text = self.page(case, plot=False)[1]
+            text = self.page(case)[1]
             figures = re.findall(r"<figure>(<svg.*?</svg>)", text, flags=re.S)
             for figure in figures:
                 letters = re.findall(r"<text[^>]*>([^<]*)</text>", figure)
@@ -168,7 +168,7 @@ class Page(SiltTest):
         self.assertNotIn("theory", self.told())
 
     def test_a_title_is_text(self):
-        text = self.page(CASE.replace("two balls", r"<b>two</b> & $\\frac{1}$"), plot=False)[1]
+        text = self.page(CASE.replace("two balls", r"<b>two</b> & $\\frac{1}$"))[1]
         self.assertIn(r"<h1>&lt;b&gt;two&lt;/b&gt; &amp; $\frac{1}$</h1>", text)
 
     def test_a_stopped_run_says_why(self):
@@ -183,7 +183,7 @@ class Page(SiltTest):
 
     @unittest.skipUnless(BROWSER, "no Chromium is installed")
     def test_fits_a_phone(self):
-        text = self.page()[1]
+        text = self.page(plot=True)[1]
         probe = "<script>document.title = document.documentElement.scrollWidth + ' of ' + window.innerWidth</script></body>"
         wide = self.case / "wide.html"
         wide.write_text(text.replace("</body>", probe))
