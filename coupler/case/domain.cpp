@@ -21,13 +21,15 @@ constexpr double most_cells_an_axis = 1 << 20;
 constexpr std::tuple system_keys{
     HandKey{"system", "\"si\", \"lattice\"", "", required,
             "\"si\" or \"lattice\": system of units of the whole file; the other keys are for \"si\""}};
-constexpr std::tuple si_keys{Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
-                                 "the length of a cell in m", required},
-                             HandKey{"time_step", "number", "s", "one of three", "length of a step"},
-                             HandKey{"relaxation_time", "number", "1", "one of three",
-                                     "a step as long as gives the fluid's viscosity this relaxation time"},
-                             HandKey{"max_velocity", "number", "m/s", "one of three",
-                                     "a step as long as makes this velocity 0.05 cells a step"}};
+constexpr std::tuple si_keys{
+    Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
+        "the length of a cell in m", required},
+    HandKey{"time_step", "number", "s", "one of three", "length of a step"},
+    HandKey{"relaxation_time", "number", "1", "one of three",
+            "a step as long as gives the fluid's viscosity this relaxation time"},
+    HandKey{"max_velocity", "number", "m/s", "one of three",
+            "a step as long as makes this velocity 0.05 cells a step"},
+    HandKey{"density", "number", "kg/m³", "1000", "the scale of mass of a case without a fluid"}};
 
 constexpr std::tuple domain_keys{
     HandKey{"size", "[x, y, z]", "m", required,
@@ -80,16 +82,18 @@ void read_time_step(TableReader& units, TableReader& fluid, Case& scene) {
 }
 
 void read_si_scales(TableReader& units, TableReader& fluid, Case& scene) {
-  constexpr double water = 1000;  // kg/m3: the scale of mass of a dry case
+  constexpr double water = 1000;  // kg/m3
   Units& u = scene.units;
   u.si = true;
   u.cell_size = 0;
   read_keys(units, u, si_keys);
   read_time_step(units, fluid, scene);
   if (!fluid.present()) {
-    u.density = water;
+    u.density = units.has("density") ? units.number("density", range::above(0)).value_or(0) : water;
     return;
   }
+  if (units.has("density"))
+    units.fail("density", "units.density is only for cases without [fluid]; it is fluid.density");
   if (!fluid.has("density")) fluid.missing("density", "the density of the fluid in kg/m3");
   u.density = fluid.number("density", range::above(0)).value_or(0);
 }
