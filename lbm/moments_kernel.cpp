@@ -29,7 +29,7 @@ void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptr
 template <class T, int n>
 class LaneTotals {
  public:
-  /// The cells from k on, the first `seen` of which have been added before.
+  /// Adds the cells from k on; the first `seen` of them have been added before, and add nothing.
   template <bool some_seen>
   [[gnu::always_inline]] void add(const T* const (&g)[directions], std::ptrdiff_t k,
                                   const std::array<T, 3>& half_force, int seen = 0) {
@@ -67,7 +67,7 @@ class LaneTotals {
     }
   }
 
-  /// Of so many cells, those seen before among them.
+  /// Adds the totals to t; `cells` counts those that were seen before, too.
   void give(std::ptrdiff_t cells, CellTotals& t) const {
     t.mass += quanta(mass_, cells, mass_quantum);
     for (int d = 0; d < 3; ++d) t.momentum[d] += quanta(momentum_[d], cells, CellTotals::momentum_quantum);

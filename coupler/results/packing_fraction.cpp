@@ -56,7 +56,8 @@ struct SampledBox {
   }
 };
 
-/// How much of a line along z through x, from there to `length` above it, is inside any of the parts.
+/// Returns how much of a line along z, from x to `length` above it, is inside any of the parts (lattice
+/// units).
 double length_inside(const Vec3& x, double length, std::span<const rigid::Part> parts,
                      const rigid::Pose& pose) {
   const Vec3 first = pose.to_body(x), up = pose.orientation.conjugate() * Vec3::UnitZ();
@@ -74,8 +75,8 @@ double length_inside(const Vec3& x, double length, std::span<const rigid::Part> 
   return inside;
 }
 
-/// What of a body's volume lies in the box: exact for a convex body all inside, along lines for convex parts,
-/// else by points.
+/// Returns the volume of a body that lies in the box (cells): it is exact for a convex body all inside, else
+/// summed along lines through convex parts, or by points where there are none.
 double volume_inside(const SampledBox& box, const rigid::Shape& shape, const rigid::Pose& pose) {
   const rigid::BoundingBox bounds = rigid::bounding_box(shape, pose);
   if (!box.meets(bounds)) return 0;

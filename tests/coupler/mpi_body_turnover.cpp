@@ -155,7 +155,7 @@ TEST(BodyTurnover, BodiesLeavePastAnOpenSide) {
   EXPECT_EQ(s.counters().left, 2u);
 }
 
-/// At the start and after 5 and 10 steps, not after 15.
+/// A fill of every 5 steps until step 10 gives bodies at the start and after 5 and 10 steps, none after 15.
 TEST(BodyTurnover, NoneComesAfterTheEndOfAFill) {
   CaseText c;
   c.domain = domain_of({24, 24, 40}, "\"no-slip\"");
