@@ -6,15 +6,17 @@ in a file beside it, and does as the case says: fail = true ends with code 3, an
 """
 import csv
 import json
-import os
 import pathlib
 import stat
-import subprocess
 import sys
 import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.append(str(ROOT / "tests"))
+
+from run_script import run_script  # noqa: E402
+
 MAIN = ROOT / "scripts" / "accuracy" / "harness" / "main.py"
 
 PROGRAM = '''#!/usr/bin/python3
@@ -72,9 +74,8 @@ class Harness(unittest.TestCase):
         path.write_text(text)
 
     def bench(self, *arguments, code=0):
-        command = [MAIN, *arguments, "--silt", self.program, "--folder", self.folder / "problems", "--out", self.out]
-        done = subprocess.run(["/usr/bin/python3", *map(str, command)], capture_output=True, text=True,
-                              env={**os.environ, "SILT_COMMIT": "c0ffee"})
+        done = run_script(MAIN, *arguments, "--silt", self.program, "--folder", self.folder / "problems", "--out", self.out,
+                          env={"SILT_COMMIT": "c0ffee"})
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
 

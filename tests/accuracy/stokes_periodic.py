@@ -49,24 +49,24 @@ class Periodic(unittest.TestCase):
         exact = {float(r["phi"]): float(r["K_computed"]) for r in rows("01_periodic_arrays_stokes.csv") if r["lattice"] == "SC"}
         for phi in (0.01, 0.064, 0.2):
             edge = (4 * math.pi / 3 / phi)**(1 / 3)
-            flow, = solve(PeriodicBox((edge,) * 3), [sphere_points(ORIGIN, 1, 400)], [uniform((1, 0, 0))],
+            flow, = solve(PeriodicBox((edge,) * 3), [sphere_points(ORIGIN, 1, 320)], [uniform((1, 0, 0))],
                           Mirrors(ORIGIN, (-1, 1, 1)))
             self.assertAlmostEqual(flow.force(0)[0] / (6 * math.pi) / exact[phi], 1, delta=1e-4)
 
     def test_two_spheres_of_stimson_and_jeffery(self):
         exact = {float(r["r_over_2a"]): float(r["lambda_par"]) for r in rows("04_two_sphere_stokes.csv")}
         for half in (1.1, 1.5):
-            body = sphere_points((half, 0, 0), 1, 400, 0.76 if half < 1.2 else 0.6)
+            body = sphere_points((half, 0, 0), 1, 300, 0.76 if half < 1.2 else 0.6)
             flow, = solve(PeriodicBox((80,) * 3), [body], [uniform((1, 0, 0))], Mirrors(ORIGIN, (-1, 1, 1)))
             found = unbounded(flow.force(0)[0] / (12 * math.pi), 2, 80, 4 * math.pi / 3)
             self.assertAlmostEqual(found / exact[half], 1, delta=2e-4)
 
     def test_spheroids_of_oberbeck(self):
         table = tomllib.loads((ACCURACY / "reference" / "07_nonspherical_drag.toml").read_text())["spheroid"]
-        for aspect in (0.5, 2, 3):
+        for aspect in (0.5, 3):
             polar, equatorial = aspect**(2 / 3), aspect**(-1 / 3)
             for name, direction in (("K_par", 2), ("K_perp", 0)):
-                body = spheroid_points(ORIGIN, polar, equatorial, np.eye(3), 600, 0.55)
+                body = spheroid_points(ORIGIN, polar, equatorial, np.eye(3), 450, 0.55)
                 flow, = solve(PeriodicBox((30,) * 3), [body], [uniform(np.eye(3)[direction])],
                               Mirrors(ORIGIN, tuple(-1 if d == direction else 1 for d in range(3))))
                 found = unbounded(flow.force(0)[direction] / (6 * math.pi), 1, 30, 4 * math.pi / 3)
@@ -75,7 +75,7 @@ class Periodic(unittest.TestCase):
     def test_torus_of_johnson_and_wu(self):
         """Broadside, of a thin torus; the next term is of the order of the square of the tube's radius, over the ring's."""
         ring, edge = 8, 64
-        flow, = solve(PeriodicBox((edge,) * 3), [torus_points(ORIGIN, ring, 1, np.eye(3), 1200)], [uniform((0, 0, 1))],
+        flow, = solve(PeriodicBox((edge,) * 3), [torus_points(ORIGIN, ring, 1, np.eye(3), 700)], [uniform((0, 0, 1))],
                       Mirrors(ORIGIN, (1, 1, -1)))
         found = 1 / (1 / flow.force(0)[2] + HASIMOTO / (6 * math.pi * edge))
         self.assertAlmostEqual(found / (8 * math.pi**2 * ring / (math.log(8 * ring) + 0.5)), 1, delta=6e-3)
@@ -89,7 +89,7 @@ class Periodic(unittest.TestCase):
         exact = 16 * math.pi * (axes[0]**2 + axes[1]**2) / (3 * (axes[0]**2 * alpha + axes[1]**2 * beta))
         torque = {}
         for edge in (6, 8):
-            flow, = solve(PeriodicBox((edge,) * 3), [ellipsoid_points(ORIGIN, axes, np.eye(3), 500, 0.55)],
+            flow, = solve(PeriodicBox((edge,) * 3), [ellipsoid_points(ORIGIN, axes, np.eye(3), 350, 0.55)],
                           [rotation_about(ORIGIN, (0, 0, 1))], Mirrors(ORIGIN, (-1, -1, 1)))
             torque[edge] = flow.torque(0, ORIGIN)[2]
         far = (8**3 * torque[8] - 6**3 * torque[6]) / (8**3 - 6**3)

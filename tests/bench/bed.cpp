@@ -66,7 +66,7 @@ std::string stage_shares(const coupler::StageSeconds& before, const coupler::Sta
 
 void run(const Options& o) {
   require_no_others(o);
-  const int repetitions = o.quick ? 3 : 7;
+  const int repetitions = o.quick ? 1 : 7;
   std::vector<Bed> beds;
   for (const int spheres : {63, 225})
     for (const bool single : {true, false}) beds.push_back(make_bed(spheres, single));

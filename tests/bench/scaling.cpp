@@ -233,7 +233,7 @@ class Ranks {
     const double cells = all_cells / ranks_;
     Bound<float> bound{std::ptrdiff_t(cells)};
     Bound<float> alone{std::ptrdiff_t(cells)};
-    const int turns = options_.quick ? 3 : 9, steps = std::max(4, int((options_.quick ? 2e6 : 8e6) / cells));
+    const int turns = options_.quick ? 1 : 9, steps = std::max(4, int((options_.quick ? 1e6 : 8e6) / cells));
     const auto together = [] { MPI_Barrier(MPI_COMM_WORLD); };
     for (int turn = 0; turn <= turns; ++turn) {
       if (turn == 1) all.forget(), bound.forget(), alone.forget();

@@ -77,10 +77,10 @@ void expect_one_hash(const std::string& fluid, const Overrides& overrides, int s
   const CaseText text = stream(fluid);
   const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF, overrides), steps); });
   EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, overrides), steps), one);
-  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, overrides), steps, 7), one) << "across cuts";
-  Overrides more = overrides;
-  more.push_back("run.balance.every=10");
-  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, more), steps), one) << "across looks at the balance";
+  Overrides balanced = overrides;
+  balanced.push_back("run.balance.every=10");
+  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, balanced), steps, 7), one)
+      << "across cuts and looks at the balance";
 }
 
 TEST(BodyTurnover, DryBodiesComeAndGoAlikeOnAnyRanks) {

@@ -64,21 +64,22 @@ std::pair<double, double> disturbances(const std::string& shape, double density,
   return {early, disturbance(s)};
 }
 
-void expect_decay(std::string_view collision) {
+void expect_decay(std::string_view collision, std::initializer_list<double> densities,
+                  std::initializer_list<double> taus) {
   constexpr double rounding = 1e-4 * size;  // of the forces' quanta
   for (const char* const shape : shapes)
-    for (const double density : {0.0, 0.02, 0.2, 1.0, 5.0, 20.0})
-      for (const double tau : {0.502, 0.51, 0.55, 0.7, 3.0}) {
+    for (const double density : densities)
+      for (const double tau : taus) {
         const auto [early, late] = disturbances(shape, density, tau, collision);
         EXPECT_LT(late, std::max(early, rounding))
             << collision << ", " << shape << "density " << density << ", tau " << tau;
       }
 }
 TEST(BodyModes, DisturbancesDieAway) {
-  expect_decay("trt");
+  expect_decay("trt", {0.0, 0.02, 0.2, 1.0, 20.0}, {0.502, 0.51, 0.7, 3.0});
 }
 TEST(BodyModes, DisturbancesDieAwayWithRegularised) {
-  expect_decay("regularised");
+  expect_decay("regularised", {0.0, 0.2, 5.0}, {0.502, 0.51, 0.7});
 }
 
 /// A heavy cube let go while it turns about an axis of no symmetry, its edges across many cells in a turn.

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""stability_map SILT: what `silt check` calls safe was measured to last (scripts/stability/map.csv), and what a guard advises cures."""
+"""stability_map SILT [--all]: what `silt check` calls safe was measured to last (scripts/stability/map.csv), and what a guard advises cures."""
 import concurrent.futures
 import csv
 import pathlib
@@ -14,6 +14,8 @@ sys.path[:0] = [str(ROOT / "scripts" / "stability"), str(ROOT / "scripts" / "acc
 from scenes import MODELS, SCENES  # noqa: E402
 
 SILT = sys.argv.pop(1)
+ALL = "--all" in sys.argv
+sys.argv = [word for word in sys.argv if word != "--all"]
 
 
 def silt(command, text, *options):
@@ -29,8 +31,9 @@ class Map(unittest.TestCase):
     def test_every_point_that_check_calls_safe_is(self):
         with open(ROOT / "scripts" / "stability" / "map.csv") as stream:
             all_rows = list(csv.DictReader(stream))
-        # what did not last must be warned of; that much of the rest is not is seen on a fourth of it
-        rows = [row for row in all_rows if row["verdict"] != "stable"] + [row for row in all_rows if row["verdict"] == "stable"][::4]
+        # what did not last must be warned of; that much of the rest is not is seen on an eighth of it
+        rows = [row for row in all_rows if row["verdict"] != "stable"][::1 if ALL else 2]
+        rows += [row for row in all_rows if row["verdict"] == "stable"][::1 if ALL else 8]
         safe = {model: 0 for model in MODELS}
         texts = [SCENES[row["scene"]](row["model"], float(row["tau_less_half"]), float(row["velocity"])) for row in rows]
         with concurrent.futures.ThreadPoolExecutor(12) as pool:  # a check waits most of its time for MPI
@@ -39,8 +42,8 @@ class Map(unittest.TestCase):
             if code == 0 and "warning" not in said:
                 safe[row["model"]] += 1
                 self.assertEqual(row["verdict"], "stable", row)
-        self.assertGreater(safe["trt"], 10)
-        self.assertGreater(safe["regularised"], 20)
+        self.assertGreater(safe["trt"], 5)
+        self.assertGreater(safe["regularised"], 10)
 
 
 class Cure(unittest.TestCase):

@@ -5,13 +5,18 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import time
 import unittest
 import urllib.parse
 
-from silt_test import CASE, ENVIRONMENT, UNSTABLE, SiltTest
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.append(str(ROOT / "tests"))
 
-SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
+from run_script import run_script  # noqa: E402
+from silt_test import CASE, ENVIRONMENT, UNSTABLE, SiltTest  # noqa: E402
+
+SCRIPTS = ROOT / "scripts"
 BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
 REFERENCE = """
 [[quantity]]
@@ -56,13 +61,15 @@ class Page(SiltTest):
         (self.case / "reference.toml").write_text(REFERENCE.format(value=value))
         self.silt("run", self.case, "--overwrite", code=code)
         if plot:
-            subprocess.run([SCRIPTS / "plot", self.case], check=True, capture_output=True)
+            run_script(SCRIPTS / "plot", self.case).check_returncode()
         return self.told(), (self.out / "report.html").read_text()
 
     def told(self):
-        return subprocess.run([SCRIPTS / "report", self.case], check=True, capture_output=True, text=True).stdout
+        done = run_script(SCRIPTS / "report", self.case)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
 
-    def test_is_whole_and_alone(self):
+    def test_is_whole_and_alone_and_fits_a_phone(self):
         said, text = self.page(plot=True)
         self.assertNotIn("http-equiv", text)  # it has ended
         (self.out / "film.mp4").write_bytes(b"a film")
@@ -79,6 +86,18 @@ class Page(SiltTest):
         for link in outline.links:
             self.assertTrue((self.out / urllib.parse.unquote(link)).exists(), link)
         self.assertTrue({"../case.toml", "report.json", "series.csv", "bodies.h5", "fields_000000000060.hdf"} <= set(outline.links))
+        if BROWSER:
+            self.fits_a_phone(text)
+
+    def fits_a_phone(self, text):
+        probe = "<script>document.title = document.documentElement.scrollWidth + ' of ' + window.innerWidth</script></body>"
+        wide = self.case / "wide.html"
+        wide.write_text(text.replace("</body>", probe))
+        done = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=500,800", "--dump-dom", wide.as_uri()],
+                              capture_output=True, text=True, timeout=60)
+        width, of = map(int, re.search(r"<title>(\d+) of (\d+)", done.stdout).groups())
+        self.assertLessEqual(width, of)
+        self.assertLessEqual(of, 500)
 
     def test_units_and_sources(self):
         """Every axis has its unit, in letters that a phone shows, every quantity too; where a reference is from is told, and so are the speeds
@@ -177,21 +196,9 @@ class Page(SiltTest):
         self.assertRegex(text, r"<p class=warning>step \d+: ")
 
     def test_without_results(self):
-        done = subprocess.run([SCRIPTS / "report", self.case], capture_output=True, text=True)
+        done = run_script(SCRIPTS / "report", self.case)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, "report: .*report.json: not there; a run writes it")
-
-    @unittest.skipUnless(BROWSER, "no Chromium is installed")
-    def test_fits_a_phone(self):
-        text = self.page(plot=True)[1]
-        probe = "<script>document.title = document.documentElement.scrollWidth + ' of ' + window.innerWidth</script></body>"
-        wide = self.case / "wide.html"
-        wide.write_text(text.replace("</body>", probe))
-        done = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=500,800", "--dump-dom", wide.as_uri()],
-                              capture_output=True, text=True, timeout=60)
-        width, of = map(int, re.search(r"<title>(\d+) of (\d+)", done.stdout).groups())
-        self.assertLessEqual(width, of)
-        self.assertLessEqual(of, 500)
 
 
 if __name__ == "__main__":
