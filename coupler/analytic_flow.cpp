@@ -42,26 +42,27 @@ std::unique_ptr<ExactProfile> exact_profile(const Case& scene, Profile profile) 
 
 PipeProfile::PipeProfile(const Case& scene) : viscosity_(scene.fluid->kinematic_viscosity) {
   const rigid::Vec3& force = scene.fluid->body_force;
-  const bool is_tube = scene.walls.size() == 1 && scene.walls[0].tube();
-  if (is_tube) tube_ = *scene.walls[0].tube();
-  const bool along = force.cross(tube_.axis).norm() <= 1e-12 * force.norm();
+  const rigid::HollowWallSpec* const wall = scene.walls.size() == 1 ? scene.walls[0].hollow() : nullptr;
+  const auto* const tube = wall ? std::get_if<rigid::Tube>(&wall->shape) : nullptr;
+  if (tube) wall_ = *wall, radius_ = tube->radius;
+  const bool along = force.cross(wall_.axis).norm() <= 1e-12 * force.norm();
   int axis = 0;
-  tube_.axis.cwiseAbs().maxCoeff(&axis);
-  if (!is_tube || !along || !scene.periodic(axis))
+  wall_.axis.cwiseAbs().maxCoeff(&axis);
+  if (!tube || !along || !scene.periodic(axis))
     throw CaseError(scene.place("quantities"),
                     "the profile \"pipe\" needs one tube in [[walls]], along a periodic axis, and a "
                     "fluid.body_force (if any) along it");
-  acceleration_ = force.dot(tube_.axis);
+  acceleration_ = force.dot(wall_.axis);
 }
 
 rigid::Vec3 PipeProfile::velocity(const rigid::Vec3& x) const {
-  const rigid::Vec3 from = x - tube_.point, arm = from - tube_.axis.dot(from) * tube_.axis;
-  const double flow = acceleration_ * (tube_.radius * tube_.radius - arm.squaredNorm()) / (4 * viscosity_);
-  return (flow + tube_.velocity) * tube_.axis + tube_.angular_velocity * tube_.axis.cross(arm);
+  const rigid::Vec3 from = x - wall_.point, arm = from - wall_.axis.dot(from) * wall_.axis;
+  const double flow = acceleration_ * (radius_ * radius_ - arm.squaredNorm()) / (4 * viscosity_);
+  return (flow + wall_.velocity) * wall_.axis + wall_.angular_velocity * wall_.axis.cross(arm);
 }
 
 double PipeProfile::largest() const {
-  return std::abs(velocity(tube_.point).dot(tube_.axis)) + std::abs(tube_.angular_velocity) * tube_.radius;
+  return std::abs(velocity(wall_.point).dot(wall_.axis)) + std::abs(wall_.angular_velocity) * radius_;
 }
 
 WallProfile::WallProfile(const Case& scene, Profile profile)

@@ -47,7 +47,8 @@ class PipeProfile : public ExactProfile {
   double largest() const override;
 
  private:
-  rigid::TubeSpec tube_;
+  rigid::HollowWallSpec wall_;
+  double radius_ = 0;
   double acceleration_, viscosity_;
 };
 

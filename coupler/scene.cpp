@@ -59,9 +59,9 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& scene) {
 }
 
 /// With that point of its axis that is nearest to the middle of the domain: torques are summed about it.
-rigid::TubeSpec at_the_domain(rigid::TubeSpec tube, const rigid::Extent& extent) {
-  tube.point += tube.axis.dot(0.5 * extent.size - tube.point) * tube.axis;
-  return tube;
+rigid::HollowWallSpec at_the_domain(rigid::HollowWallSpec wall, const rigid::Extent& extent) {
+  if (wall.shape.slides()) wall.point += wall.axis.dot(0.5 * extent.size - wall.point) * wall.axis;
+  return wall;
 }
 
 }  // namespace
@@ -87,10 +87,10 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
   if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (std::size_t k = 0; k < setup.walls.size(); ++k) {
     if (const MeshWall* mesh = setup.walls[k].mesh()) {
-      rigid::add_mesh_wall(bodies, world, *mesh);
+      rigid::add_wall(bodies, world, *mesh);
       if (mesh->motion.moves()) moving_walls_.push_back({k, {*mesh, setup.coupling.remap_tolerance}});
     } else {
-      rigid::add_tube(bodies, world, at_the_domain(*setup.walls[k].tube(), extent_of(setup)));
+      rigid::add_wall(bodies, world, at_the_domain(*setup.walls[k].hollow(), extent_of(setup)));
     }
   }
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
@@ -115,7 +115,7 @@ void Scene::move_walls(std::int64_t step) {
   const std::size_t first = bodies.size() - setup.walls.size();
   for (const MovingWall& wall : moving_walls_) {
     const std::size_t row = first + wall.number;
-    rigid::move_mesh_wall(bodies, row, *setup.walls[wall.number].mesh(), static_cast<double>(step));
+    rigid::move_wall(bodies, row, *setup.walls[wall.number].mesh(), static_cast<double>(step));
     set_mapping_pose(bodies, row, wall.mapping.pose(step));
   }
 }

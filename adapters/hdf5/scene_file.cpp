@@ -42,7 +42,7 @@ void write_wall(File& file, const std::string& name, const SceneWall& wall) {
   numbers(file, group, "position", wall.position);
   if (wall.type == "mesh") return write_mesh(file, group, name, wall);
   numbers(file, group, "axis", wall.axis);
-  file.attribute(group, "radius", wall.radius);
+  for (const auto& [key, size] : wall.sizes) file.attribute(group, key, size);
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 // scene.h5: what a picture has to know of a case as it was run, with its overrides and with the files that it
 // names as they were read. Layout, numbers in the units of the case:
 //   attributes of /: title, length_unit, time_unit, domain_upper [3], gravity [3], sides [6], driven_kinds
-//   /walls/0, /walls/1, ...: attributes name, type; of a tube also position, axis, radius; of a mesh solid,
-//   position, orientation, velocity, angular_velocity, amplitude, frequency, phase, and the datasets
-//   vertices [V][3], triangles [T][3], table [rows][7]
+//   /walls/0, /walls/1, ...: attributes name, type; of a hollow (tube) also position, axis and its sizes
+//   (radius); of a mesh solid, position, orientation, velocity, angular_velocity, amplitude, frequency,
+//   phase, and the datasets vertices [V][3], triangles [T][3], table [rows][7]
 // scripts/silt_results/scene.py reads it.
 #include <array>
 #include <cstdint>
@@ -19,10 +19,10 @@ namespace silt::adapters {
 /// table says, turned by angular_velocity t and by the rotation of the table.
 struct SceneWall {
   using Vector = std::array<double, 3>;
-  std::string name, type;  // type: "tube" or "mesh"
+  std::string name, type;  // type: of a hollow, "tube", or "mesh"
   Vector position{};
-  Vector axis{};      // of a tube
-  double radius = 0;  // of a tube
+  Vector axis{};                                      // of a hollow
+  std::vector<std::pair<std::string, double>> sizes;  // of a hollow
   bool hollow = false;
   std::array<double, 4> orientation{1, 0, 0, 0};
   Vector velocity{}, angular_velocity{}, amplitude{};

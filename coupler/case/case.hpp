@@ -119,15 +119,23 @@ struct MeshWall : rigid::MeshWallSpec {
 /// A curved wall of the domain, for fluid and bodies alike.
 struct CurvedWall {
   std::string name;
-  std::variant<rigid::TubeSpec, MeshWall> surface;
+  std::variant<rigid::HollowWallSpec, MeshWall> surface;
 
-  const rigid::TubeSpec* tube() const { return std::get_if<rigid::TubeSpec>(&surface); }
+  const rigid::HollowWallSpec* hollow() const { return std::get_if<rigid::HollowWallSpec>(&surface); }
   const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
-  /// Whether its surface moves, as prescribed; that of a tube slides along itself.
+  /// Whether its surface moves, as prescribed; that of a hollow slides along itself.
   bool moves() const {
-    if (mesh()) return mesh()->motion.moves();
-    return tube()->angular_velocity != 0 || tube()->velocity != 0;
+    return std::visit([](const auto& wall) { return wall.moves(); }, surface);
   }
+  /// Velocities of the origin of its frame.
+  rigid::WallMotion::Velocity velocity_at(double time) const {
+    return std::visit([&](const auto& wall) { return wall.velocity_at(time); }, surface);
+  }
+  /// About which it turns; of a mesh where it is at the start.
+  rigid::Vec3 axis() const {
+    return std::visit([](const auto& wall) { return wall.axis; }, surface);
+  }
+  rigid::Vec3 point_of_axis() const { return mesh() ? mesh()->start.position : hollow()->point; }
 };
 
 /// How bodies collide: the table [contacts].

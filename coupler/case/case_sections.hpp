@@ -46,8 +46,9 @@ inline constexpr std::tuple orientation_keys{
 /// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);
-/// Reads a tube of the given radius or diameter.
-rigid::Tube read_tube(TableReader&);
+/// Reads the sizes of a hollow; the names of the hollows there are.
+rigid::HollowShape read_hollow(TableReader&, const std::string& name);
+std::vector<std::string> hollow_names();
 
 // bodies.cpp
 std::vector<KeySection> body_sections();
@@ -89,7 +90,7 @@ void find_contact_faults(const Case&, Findings&);  // coefficients, margin, lubr
 void find_run_faults(const Case&, Findings&);      // length, what becomes steady, output of what is not there
 void find_density_faults(const Case&, Findings&);  // of fluid and bodies, and slips of units in them
 void find_quantity_faults(const Case&, Findings&);  // what the scene has not, or the run is too short for
-void find_wall_faults(const Case&, Findings&);      // tubes and meshes: room, periodic borders, speed
+void find_wall_faults(const Case&, Findings&);      // room, periodic borders, speed
 void find_body_faults(const Case&, Findings&);      // sizes, backend, room in fills
 void find_turnover_faults(const Case&, Findings&);  // bodies that come and go
 void find_driving_faults(const Case&, Findings&);   // gravity, body force, and the speeds that come of them

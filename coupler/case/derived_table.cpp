@@ -57,8 +57,11 @@ std::string lines_text(std::uint64_t numbers, int headings) {
 }
 
 void add_wall(const Case& scene, const CurvedWall& wall, Table& table) {
-  if (const auto* tube = wall.tube())
-    return table.quantity("tube '" + wall.name + "', radius", tube->radius, dimension::length, "m", "cells");
+  if (const auto* hollow = wall.hollow())
+    return hollow->shape.for_sizes([&](const std::string& key, double size) {
+      table.quantity(fmt::format("{} '{}', {}", hollow->shape.name(), wall.name, key), size,
+                     dimension::length, "m", "cells");
+    });
   const MeshWall& mesh = *wall.mesh();
   const rigid::BoundingBox box = rigid::Mesh{mesh.mesh.surface, false}.bounding_box(mesh.pose(0));
   const auto from_to = [&](double scale) {

@@ -216,8 +216,8 @@ double laminar_speed(const Case& scene) {
     speed = std::min(speed, along.norm() * scene.cells[d] * scene.cells[d] / (8 * nu));
   }
   for (const CurvedWall& wall : scene.walls)
-    if (const rigid::TubeSpec* tube = wall.tube())
-      speed = std::min(speed, force.norm() * tube->radius * tube->radius / (4 * nu));
+    if (const rigid::HollowWallSpec* hollow = wall.hollow())
+      speed = std::min(speed, force.norm() * hollow->shape.widest() * hollow->shape.widest() / (4 * nu));
   return speed;
 }
 

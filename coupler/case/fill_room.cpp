@@ -8,7 +8,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/counter_random.hpp"
-#include "rigid/collision/tube_contacts.hpp"
+#include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -17,23 +17,22 @@ using rigid::Vec3;
 
 CurvedWalls::CurvedWalls(const Case& scene) {
   for (const CurvedWall& wall : scene.walls)
-    if (const auto* tube = wall.tube())
-      tubes_.push_back({{tube->radius}, rigid::pose_of(*tube)});
+    if (const auto* hollow = wall.hollow())
+      hollows_.push_back({hollow->shape, hollow->pose()});
     else if (const auto* mesh = wall.mesh())
       meshes_.push_back({mesh->mesh, mesh->pose(0)});
 }
 
 bool CurvedWalls::are_clear_of(const Vec3& centre, double radius) const {
-  const auto clear_of_mesh = [&](const PlacedMesh& wall) {
+  const auto clear_of_mesh = [&](const Placed<rigid::Mesh>& wall) {
     const Vec3 x = wall.pose.to_body(centre);
-    return wall.mesh.surface->nearest(x, radius).distance >= radius && !wall.mesh.contains(x);
+    return wall.shape.surface->nearest(x, radius).distance >= radius && !wall.shape.contains(x);
   };
-  const auto clear_of_tube = [&](const PlacedTube& wall) {
-    return rigid::gap_in_tube(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, wall.tube,
-                              wall.pose) >= 0;
+  const auto clear_of_hollow = [&](const Placed<rigid::HollowShape>& wall) {
+    return rigid::gap_in_hollow(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, wall.shape,
+                                wall.pose) >= 0;
   };
-  return std::all_of(tubes_.begin(), tubes_.end(), clear_of_tube) &&
-         std::all_of(meshes_.begin(), meshes_.end(), clear_of_mesh);
+  return std::ranges::all_of(hollows_, clear_of_hollow) && std::ranges::all_of(meshes_, clear_of_mesh);
 }
 
 double CurvedWalls::share_left(const rigid::BoundingBox& room, double radius) const {

@@ -9,9 +9,9 @@
 #include "coupler/case/case.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/shapes/bounding_box.hpp"
+#include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
-#include "rigid/shapes/tube.hpp"
 
 namespace silt::coupler {
 
@@ -37,19 +37,16 @@ class CurvedWalls {
   bool are_clear_of(const rigid::Vec3& centre, double radius) const;
   /// Returns the share of a box in which a ball's centre may be, by a look at 32 points along each edge.
   double share_left(const rigid::BoundingBox& room, double radius) const;
-  bool empty() const { return tubes_.empty() && meshes_.empty(); }
+  bool empty() const { return hollows_.empty() && meshes_.empty(); }
 
  private:
-  struct PlacedTube {
-    rigid::Tube tube;
+  template <class Shape>
+  struct Placed {
+    Shape shape;
     rigid::Pose pose;
   };
-  struct PlacedMesh {
-    rigid::Mesh mesh;
-    rigid::Pose pose;
-  };
-  std::vector<PlacedTube> tubes_;
-  std::vector<PlacedMesh> meshes_;
+  std::vector<Placed<rigid::HollowShape>> hollows_;
+  std::vector<Placed<rigid::Mesh>> meshes_;
 };
 
 /// Returns the box of a fill less a radius, and less the gap too where a side of the box is a wall; all of

@@ -127,37 +127,49 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
   return rigid::Polyhedron{mesh};
 }
 
-struct ConvexType {
+/// An alternative of ConvexShape or HollowShape.
+template <class Any>
+struct Type {
   std::string name;
-  rigid::ConvexShape (*read)(TableReader&);
+  Any (*read)(TableReader&);
 };
 
-template <class S>
-void add_type(std::vector<ConvexType>& types) {
+template <class S, class Any>
+void add_type(std::vector<Type<Any>>& types) {
   if constexpr (std::is_same_v<S, rigid::Polyhedron>)
     types.push_back({std::string(S::name), read_polyhedron});
   else if constexpr (!std::is_same_v<S, rigid::HalfSpace>)  // only walls are half-spaces
-    types.push_back({std::string(S::name),
-                     [](TableReader& table) -> rigid::ConvexShape { return read_sizes<S>(table); }});
+    types.push_back({std::string(S::name), [](TableReader& table) -> Any { return read_sizes<S>(table); }});
 }
 
-template <class... S>
-std::vector<ConvexType> types_of(const std::variant<S...>*) {
-  std::vector<ConvexType> types;
+template <class Any, class... S>
+std::vector<Type<Any>> types_of(const std::variant<S...>&) {
+  std::vector<Type<Any>> types;
   (add_type<S>(types), ...);
   return types;
 }
 
-/// Every alternative of ConvexShape, by its name.
-const std::vector<ConvexType>& convex_types() {
-  static const std::vector<ConvexType> types = types_of(static_cast<const rigid::ConvexShape*>(nullptr));
+template <class Any>
+const std::vector<Type<Any>>& types_of() {
+  static const std::vector<Type<Any>> types = types_of<Any>(Any());
   return types;
 }
 
-std::vector<std::string> convex_names() {
+template <class Any>
+std::vector<std::string> names_of_types() {
   std::vector<std::string> names;
-  for (const ConvexType& type : convex_types()) names.push_back(type.name);
+  for (const Type<Any>& type : types_of<Any>()) names.push_back(type.name);
   return names;
+}
+
+template <class Any>
+Any read_type(TableReader& table, const std::string& name) {
+  const auto& types = types_of<Any>();
+  return std::ranges::find(types, name, &Type<Any>::name)->read(table);
+}
+
+std::vector<std::string> convex_names() {
+  return names_of_types<rigid::ConvexShape>();
 }
 
 std::vector<std::string> shape_types() {
@@ -165,12 +177,6 @@ std::vector<std::string> shape_types() {
   names.emplace_back(rigid::Compound::name);
   names.emplace_back(rigid::Mesh::name);
   return names;
-}
-
-rigid::ConvexShape read_convex(TableReader& table, const std::string& name) {
-  const auto type = std::find_if(convex_types().begin(), convex_types().end(),
-                                 [&](const ConvexType& t) { return t.name == name; });
-  return type->read(table);
 }
 
 rigid::Compound read_compound(TableReader& table) {
@@ -185,7 +191,7 @@ rigid::Compound read_compound(TableReader& table) {
     rigid::Pose pose;
     pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
     pose.orientation = read_orientation(part);
-    compound.parts.push_back({read_convex(part, *type), pose});
+    compound.parts.push_back({read_type<rigid::ConvexShape>(part, *type), pose});
   }
   if (compound.parts.empty() && table.has("parts"))
     table.fail("parts", table.path("parts") + " has no usable part");
@@ -195,7 +201,7 @@ rigid::Compound read_compound(TableReader& table) {
 rigid::Shape read_shape(TableReader& table, const std::string& type) {
   if (type == rigid::Compound::name) return read_compound(table);
   if (type == rigid::Mesh::name) return read_mesh_body(table);
-  return read_convex(table, type);
+  return read_type<rigid::ConvexShape>(table, type);
 }
 
 }  // namespace
@@ -205,8 +211,12 @@ std::vector<KeySection> shape_sections() {
           section_of("bodies.axis_angle", turn_keys)};
 }
 
-rigid::Tube read_tube(TableReader& table) {
-  return read_sizes<rigid::Tube>(table);
+rigid::HollowShape read_hollow(TableReader& table, const std::string& name) {
+  return read_type<rigid::HollowShape>(table, name);
+}
+
+std::vector<std::string> hollow_names() {
+  return names_of_types<rigid::HollowShape>();
 }
 
 Quat read_orientation(TableReader& table) {

@@ -9,7 +9,7 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/limits.hpp"
-#include "rigid/collision/tube_contacts.hpp"
+#include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -128,36 +128,35 @@ void check_mesh(const Case& scene, Findings& findings, std::size_t index) {
   if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(scene, wall));
 }
 
-using rigid::Vec3;
-
-/// How far the axis of a tube passes the domain at; 0: through it. By going to and fro between the two.
-double distance_from_domain(const Case& scene, const rigid::TubeSpec& tube) {
+/// Whether a point of the domain is in the hole of a wall, by going to and fro between the two.
+bool is_open(const Case& scene, const rigid::HollowWallSpec& wall) {
   constexpr int projections = 1000;
   const Vec3 size(scene.cells[0], scene.cells[1], scene.cells[2]);
-  Vec3 on_axis = tube.point, inside;
+  const rigid::Pose pose = wall.pose();
+  Vec3 in_hole = wall.point, in_domain;
   for (int i = 0; i < projections; ++i) {
-    inside = on_axis.cwiseMax(0.0).cwiseMin(size);
-    on_axis = tube.point + tube.axis.dot(inside - tube.point) * tube.axis;
+    in_domain = in_hole.cwiseMax(0.0).cwiseMin(size);
+    in_hole = pose.to_world(wall.shape.innermost(pose.to_body(in_domain)));
   }
-  return (inside - on_axis).norm();
+  return wall.shape.gap(pose, in_domain) > 0;
 }
 
 /// The hole must not cross a periodic border, unless it is the same on both sides: where the axis is that of
-/// the tube. Elsewhere the outermost cells must be solid.
+/// a hollow that is alike all along it. Elsewhere the outermost cells must be solid.
 void check_borders(const Case& scene, Findings& findings, std::size_t index) {
-  const rigid::TubeSpec& tube = *scene.walls[index].tube();
+  const rigid::HollowWallSpec& wall = *scene.walls[index].hollow();
   constexpr double straight = 1e-12;  // rounding of a unit vector
+  const rigid::BoundingBox hole = wall.shape.hole(wall.pose());
   for (int d = 0; d < 3; ++d) {
-    const double along = std::abs(tube.axis[d]), size = scene.cells[d];
-    if (!scene.periodic(d) || along > 1 - straight) continue;
-    if (along > straight) {
+    const double low = hole.lower[d], high = hole.upper[d], size = scene.cells[d];
+    if (!scene.periodic(d) || (wall.shape.slides() && std::abs(wall.axis[d]) > 1 - straight)) continue;
+    if (!std::isfinite(high - low)) {
       findings.error(wall_key(index, "axis"),
                      "walls[{}] leaves the domain through its periodic border across {}, at a slant; let its "
                      "axis be {} or lie across it, or give the domain sides there",
                      index, "xyz"[d], "xyz"[d]);
       continue;
     }
-    const double low = tube.point[d] - tube.radius, high = tube.point[d] + tube.radius;
     if (low >= 0.5 && high <= size - 0.5) continue;
     findings.error(wall_key(index, "point"),
                    "walls[{}] reaches from {} to {} along {}, which is periodic; it must stay half a cell "
@@ -171,20 +170,21 @@ void check_borders(const Case& scene, Findings& findings, std::size_t index) {
 
 void find_wall_faults(const Case& scene, Findings& findings) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    if (scene.walls[i].mesh()) {
+    const rigid::HollowWallSpec* const wall = scene.walls[i].hollow();
+    if (!wall) {
       check_mesh(scene, findings, i);
       continue;
     }
-    const rigid::TubeSpec& tube = *scene.walls[i].tube();
     check_borders(scene, findings, i);
-    if (distance_from_domain(scene, tube) >= tube.radius)
+    if (!is_open(scene, *wall))
       findings.error(wall_key(i, "point"),
                      "walls[{}] has its hole outside the domain: all of it would be solid; move its point, "
                      "or change its axis or radius",
                      i);
     if (!scene.fluid) continue;
-    check_speed(findings, wall_key(i, "velocity"), std::abs(tube.velocity));
-    check_speed(findings, wall_key(i, "angular_velocity"), std::abs(tube.angular_velocity) * tube.radius);
+    check_speed(findings, wall_key(i, "velocity"), std::abs(wall->velocity));
+    check_speed(findings, wall_key(i, "angular_velocity"),
+                std::abs(wall->angular_velocity) * wall->shape.widest());
   }
 }
 
@@ -217,15 +217,18 @@ std::string fault_in_curved_walls(const Case& scene, const BodySpec& body, const
                            wall.name);
       continue;
     }
-    const rigid::Tube tube{wall.tube()->radius};
+    const rigid::HollowShape& hollow = wall.hollow()->shape;
     const double gap =
-        rigid::gap_in_tube(scene.shapes[body.shape], body.pose, tube, rigid::pose_of(*wall.tube()));
+        rigid::gap_in_hollow(scene.shapes[body.shape], body.pose, hollow, wall.hollow()->pose());
     if (gap >= -allowed) continue;
+    std::string sizes;
+    hollow.for_sizes([&](const char* key, double size) {
+      sizes += fmt::format("{} {} {}", sizes.empty() ? " of" : ",", key, shown_length(scene, size));
+    });
     return fmt::format(
-        "{} is {}: the body reaches {} into the wall '{}', a tube of radius {}; move it towards the tube's "
-        "axis",
-        key, shown_point(scene, body.given_position()), shown_length(scene, -gap), wall.name,
-        shown_length(scene, tube.radius));
+        "{} is {}: the body reaches {} into the wall '{}', a {}{}; move it towards the {}'s axis", key,
+        shown_point(scene, body.given_position()), shown_length(scene, -gap), wall.name, hollow.name(), sizes,
+        hollow.name());
   }
   return "";
 }

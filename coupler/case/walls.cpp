@@ -12,7 +12,6 @@
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/csv_reader.hpp"
 #include "rigid/shapes/shape.hpp"
-#include "rigid/shapes/tube.hpp"
 
 namespace silt::coupler {
 
@@ -42,7 +41,7 @@ MotionFile read_motion_file(const std::string& text, const Units& units) {
 
 namespace {
 
-using rigid::Pose;
+using rigid::HollowWallSpec;
 using rigid::Vec3;
 
 /// Calls read(bytes) for the file that the key names; what is wrong with it is reported.
@@ -78,17 +77,17 @@ constexpr std::tuple wall_keys{
     HandKey{"type", "\"tube\", \"mesh\"", "", required, "kind of wall: \"tube\" or \"mesh\""},
     HandKey{"name", "string", "", "its path", "what quantities call the wall"},
     HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"}};
-constexpr std::tuple tube_keys{
+constexpr std::tuple hollow_keys{
     HandKey{"radius", "number", "m", "one of two", "of a tube: its size"},
     HandKey{"diameter", "number", "m", "one of two", "of a tube: its size"},
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", required,
             "direction of the tube: \"x\", \"y\", \"z\" or [x, y, z]"},
-    Key{"point", &rigid::TubeSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
+    Key{"point", &HollowWallSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
         required},
-    Key{"angular_velocity", &rigid::TubeSpec::angular_velocity, Number{dimension::angular_velocity},
-        "rotation of the tube about the axis (a drum)"},
-    Key{"velocity", &rigid::TubeSpec::velocity, Number{dimension::velocity},
-        "velocity of the tube along the axis"}};
+    Key{"angular_velocity", &HollowWallSpec::angular_velocity, Number{dimension::angular_velocity},
+        "rotation of the tube about the axis (a drum)"}};
+constexpr std::tuple sliding_keys{Key{"velocity", &HollowWallSpec::velocity, Number{dimension::velocity},
+                                      "velocity of the tube along the axis"}};
 constexpr std::tuple mesh_file_keys{HandKey{
     "file", "string", "", required, "the name of an STL, OBJ or PLY file in the directory of the case"}};
 constexpr std::tuple mesh_keys{
@@ -228,39 +227,40 @@ std::string read_name(TableReader& table, const std::vector<CurvedWall>& walls) 
   return name;
 }
 
-rigid::TubeSpec read_tube_wall(TableReader& table) {
-  rigid::TubeSpec tube;
-  read_keys(table, tube, tube_keys);
-  tube.radius = read_tube(table).radius;
-  if (table.has("axis")) tube.axis = read_direction(table, "");
-  return tube;
+HollowWallSpec read_hollow_wall(TableReader& table, const std::string& type) {
+  HollowWallSpec wall{read_hollow(table, type)};
+  read_keys(table, wall, hollow_keys);
+  if (wall.shape.slides()) read_keys(table, wall, sliding_keys);
+  if (table.has("axis")) wall.axis = read_direction(table, "");
+  return wall;
 }
 
 }  // namespace
 
 std::vector<KeySection> wall_sections() {
-  return {section_of("walls", wall_keys, tube_keys, mesh_file_keys, mesh_keys, orientation_keys),
-          section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
+  return {
+      section_of("walls", wall_keys, hollow_keys, sliding_keys, mesh_file_keys, mesh_keys, orientation_keys),
+      section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
 }
 
 void read_walls(TableReader& root, Case& scene) {
   std::vector<CurvedWall>& walls = scene.walls;
+  std::vector<std::string> types = hollow_names();
+  types.emplace_back(rigid::Mesh::name);
   for (TableReader& table : root.tables("walls")) {
     CurvedWall wall;
     read_keys(table, wall, wall_keys);
-    const auto type = table.choice("type", {"tube", "mesh"});
+    const auto type = table.choice("type", types);
     if (!type) table.judge_no_keys();
     wall.name = read_name(table, walls);
     const int material = read_material_name(table, scene.material_names);
-    if (type == "mesh") {
+    if (type == rigid::Mesh::name) {
       MeshWall mesh = read_mesh_wall(table);
-      mesh.material = material;
       if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else what is wrong has been said
     } else {
-      rigid::TubeSpec tube = read_tube_wall(table);
-      tube.material = material;
-      wall.surface = tube;
+      wall.surface = read_hollow_wall(table, type.value_or(types.front()));
     }
+    std::visit([&](auto& of_kind) { of_kind.material = material; }, wall.surface);
     walls.push_back(std::move(wall));
   }
 }

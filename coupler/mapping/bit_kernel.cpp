@@ -192,7 +192,7 @@ struct RowsOf {
 
   RowsOf(const BitFrame& frame, const PointInFrame& body, const SurfacePart<double>& part)
       : y1(frame.size.y - 2), z1(frame.size.z - 2) {
-    if (part.kind == PartKind::hollow || !(part.extent[0] < infinity)) return;
+    if (is_hollow(part.kind) || !(part.extent[0] < infinity)) return;
     const auto bound = [&](int d, double from, double low, int& first, int& end) {
       double middle = from - (low + 0.5), half = rounding;
       for (int k = 0; k < 3; ++k) {  // the axes of an ellipsoid are no unit vectors
@@ -228,7 +228,7 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfaceP
       for (int l = 0; l < std::min(lanes, rows.y1 - y); ++l) {
         const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
         const double enter = x + in.enter[l], leave = x + in.leave[l];
-        if constexpr (kind == PartKind::hollow) {
+        if constexpr (is_hollow(kind)) {
           set_cells(frame, row, -infinity, std::floor(enter) - centre.low.x, words);
           set_cells(frame, row, std::ceil(leave) - centre.low.x, infinity, words);
         } else if (enter <= leave) {

@@ -80,10 +80,10 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
     const rigid::Shape& shape = world_.shapes[bodies.shape[row]];
-    const auto* const mesh = std::get_if<rigid::Mesh>(&shape);
-    if (mesh && !mesh->hollow) add_images(block, bodies, row);
-    if (std::holds_alternative<rigid::Tube>(shape) || (mesh && mesh->hollow))
-      add_around_hollow(block, bodies, row);
+    if (rigid::is_endless(shape))
+      add_endless(block, bodies, row);
+    else if (std::holds_alternative<rigid::Mesh>(shape))
+      add_images(block, bodies, row);
   }
   const auto before = [](const Image& a, const Image& b) {
     return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
@@ -93,7 +93,7 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
 
 /// What is solid around a hollow has no end: the block is cut where periods of the domain meet, so that a
 /// cell is asked about at one place, whichever block holds it and as what.
-void MapBodies::add_around_hollow(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
+void MapBodies::add_endless(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
   struct Stretch {
     int first, end, shift;  // cells of the block's ghost layers and between; where their period begins
   };

@@ -37,7 +37,7 @@ class MapBodies {
   void map_block(BlockMap&, const rigid::BodySet&);
   void find_images(const BlockMap&, const rigid::BodySet&);
   void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
-  void add_around_hollow(const BlockMap&, const rigid::BodySet&, std::size_t row);
+  void add_endless(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
   /// Whether a cell changed sides that the links of the mask may read.

@@ -18,13 +18,13 @@ class MeasuredSurface {
              const lbm::SurfaceFrame& frame) {
     frame_ = &frame;
     if (!follows_) return;
-    way_ = std::holds_alternative<rigid::Mesh>(shape)   ? Way::mesh
-           : std::holds_alternative<rigid::Tube>(shape) ? Way::tube
-                                                        : Way::parts;
+    way_ = std::holds_alternative<rigid::Mesh>(shape) ? Way::mesh
+           : rigid::is_endless(shape)                 ? Way::hollow
+                                                      : Way::parts;
     if (way_ == Way::mesh)
       mesh_.find(std::get<rigid::Mesh>(shape), map, mask);
-    else if (way_ == Way::tube)
-      tube_.reset(shape, mask.pose.orientation);
+    else if (way_ == Way::hollow)
+      hollow_.reset(shape, mask.pose.orientation);
     else
       parts_.reset(shape, mask.pose.orientation);
   }
@@ -36,8 +36,8 @@ class MeasuredSurface {
       std::fill_n(links.q, links.n, T(0.5));
     else if (way_ == Way::mesh)
       mesh_.set(links.corner, links.place, links.n, links.q);
-    else if (way_ == Way::tube)
-      distance_kernel<double, T>()(links.place, padded, *frame_, links.corner, tube_.view(), 0.0, links.q);
+    else if (way_ == Way::hollow)
+      distance_kernel<double, T>()(links.place, padded, *frame_, links.corner, hollow_.view(), 0.0, links.q);
     else
       distance_kernel<T, T>()(links.place, padded, *frame_, links.corner, parts_.view(), T(0), links.q);
   }
@@ -47,13 +47,13 @@ class MeasuredSurface {
   SurfaceParts<T>& parts() { return parts_; }
 
  private:
-  enum class Way { parts, tube, mesh };
+  enum class Way { parts, hollow, mesh };
 
   bool follows_;  // else links meet it midway
   MeshDistances& mesh_;
   Way way_ = Way::parts;
   SurfaceParts<T> parts_;
-  SurfaceParts<double> tube_;  // in double: it may be far longer than anything else is wide
+  SurfaceParts<double> hollow_;  // in double: it may be far longer than anything else is wide
   const lbm::SurfaceFrame* frame_ = nullptr;
 };
 

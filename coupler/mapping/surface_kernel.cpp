@@ -16,7 +16,7 @@ auto first_inside(const IntervalLanes<T>& i, T past) {
   return V(t < -past ? V{} - past : t > end ? end : t);
 }
 
-/// Where lines from the hollow of a tube leave it, within [0, 1].
+/// Where lines from the hole of a hollow leave it, within [0, 1].
 template <class T>
 auto last_inside(const IntervalLanes<T>& i) {
   using V = typename IntervalLanes<T>::V;
@@ -28,7 +28,7 @@ template <PartKind kind, class T>
 auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part, const Plane<T>* planes,
                  T past) {
   const auto inside = lines.inside(part, planes);
-  if constexpr (kind == PartKind::hollow)
+  if constexpr (is_hollow(kind))
     return last_inside(inside);
   else
     return first_inside(inside, past);

@@ -21,7 +21,12 @@ struct Plane {
 };
 
 /// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
+/// `hollow`: the cylinder without end that is the hole of a tube.
 enum class PartKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, cone, planes, hollow };
+/// Whether what is inside of it is the hole, and all else solid.
+constexpr bool is_hollow(PartKind kind) {
+  return kind == PartKind::hollow;
+}
 
 /// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
 template <class T>
@@ -124,7 +129,7 @@ class LineLanes {
   /// a t^2 + 2 b t + c <= 0, a >= 0.
   static Interval between_roots(const V& a, const V& b, const V& c) {
     const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
-    const auto outside = kind == PartKind::hollow ? c >= T(0) : c > T(0);            // the surface is solid
+    const auto outside = is_hollow(kind) ? c >= T(0) : c > T(0);                     // the surface is solid
     const V parallel = outside ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
     const V enter = a > T(0) ? (-b - s) * per_a : parallel, leave = a > T(0) ? (s - b) * per_a : -parallel;
     return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};

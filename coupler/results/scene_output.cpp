@@ -19,17 +19,18 @@ struct InCaseUnits {
   }
 };
 
-void describe(const rigid::TubeSpec& tube, const InCaseUnits& physical, SceneWall& wall) {
-  wall.type = "tube";
-  wall.position = physical(tube.point, dimension::length);
-  wall.axis = physical(tube.axis, dimension::none);
-  wall.radius = physical(tube.radius, dimension::length);
+void describe(const rigid::HollowWallSpec& hollow, const InCaseUnits& physical, SceneWall& wall) {
+  wall.type = hollow.shape.name();
+  wall.position = physical(hollow.point, dimension::length);
+  wall.axis = physical(hollow.axis, dimension::none);
+  hollow.shape.for_sizes(
+      [&](const char* key, double size) { wall.sizes.emplace_back(key, physical(size, dimension::length)); });
 }
 
 void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall) {
   const rigid::WallMotion& motion = mesh.motion;
   const rigid::Quat& q = mesh.start.orientation;
-  wall.type = "mesh";
+  wall.type = rigid::Mesh::name;
   wall.hollow = mesh.mesh.hollow;
   wall.position = physical(mesh.start.position, dimension::length);
   wall.orientation = {q.w(), q.x(), q.y(), q.z()};

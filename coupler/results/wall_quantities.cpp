@@ -29,15 +29,6 @@ void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visi
     if (other.wall == wall) visit(other.impulse);
 }
 
-/// About which a wall turns; of a mesh where it is at the start.
-struct AxisOfWall {
-  Vec3 point, along;
-};
-AxisOfWall axis_of(const CurvedWall& wall) {
-  if (const MeshWall* mesh = wall.mesh()) return {mesh->start.position, mesh->axis};
-  return {wall.tube()->point, wall.tube()->axis};
-}
-
 /// Adds the torque of what bodies did to a wall, as add_fluid_load does.
 void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
   const double steps = simulation.setup().contacts.substeps;
@@ -79,10 +70,11 @@ Vec3 vector_of(std::span<const double> sums) {
 
 double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
   const BodySet& bodies = simulation.bodies();
-  const AxisOfWall axis = axis_of(simulation.setup().walls[q.wall]);
+  const CurvedWall& wall = simulation.setup().walls[q.wall];
+  const Vec3 point = wall.point_of_axis(), along = wall.axis();
   return mean_over_bodies(simulation, q, [&](std::size_t row) {
-    const Vec3 from = bodies.position[row] - axis.point;
-    return (from - axis.along.dot(from) * axis.along).norm();
+    const Vec3 from = bodies.position[row] - point;
+    return (from - along.dot(from) * along).norm();
   });
 }
 
@@ -143,17 +135,12 @@ double wall_torque(const Case& scene, const QuantitySpec& q, std::int64_t step,
     const rigid::Quat turned = mesh->motion.pose(mesh->start, static_cast<double>(step - 1)).orientation;
     torque += (turned * mesh->arm).cross(vector_of(load.first(3)));
   }
-  return torque.dot(axis_of(wall).along);
+  return torque.dot(wall.axis());
 }
 
 /// With the velocities that the wall had in the step.
 double wall_power(const Case& scene, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
-  const CurvedWall& wall = scene.walls[q.wall];
-  rigid::WallMotion::Velocity velocity;
-  if (const MeshWall* mesh = wall.mesh())
-    velocity = mesh->velocity(static_cast<double>(step - 1));
-  else
-    velocity = {wall.tube()->velocity * wall.tube()->axis, wall.tube()->angular_velocity * wall.tube()->axis};
+  const rigid::WallMotion::Velocity velocity = scene.walls[q.wall].velocity_at(static_cast<double>(step - 1));
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
 }
 

@@ -88,13 +88,13 @@ void add_contacts(const Case& scene, const Scenery& all, const WorkCosts& costs,
                             static_cast<double>(costs.impulse)));
 }
 
-/// Of tubes and meshes: links that cross their surface.
+/// The links that cross the surfaces of curved walls.
 double links_of_walls(const Case& scene) {
   double surface = 0;
   for (const CurvedWall& wall : scene.walls) {
-    if (const auto* tube = wall.tube()) {
+    if (const auto* hollow = wall.hollow()) {
       const rigid::Vec3 size(scene.cells[0], scene.cells[1], scene.cells[2]);
-      surface += 2 * std::numbers::pi * tube->radius * tube->axis.cwiseAbs().dot(size);
+      surface += hollow->shape.area(hollow->axis, size);
       continue;
     }
     const rigid::TriangleMesh& mesh = *wall.mesh()->mesh.surface;

@@ -33,58 +33,50 @@ void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::a
   bodies.reindex();
 }
 
-Pose pose_of(const TubeSpec& spec) {
-  return {spec.point, rotation_between(Vec3::UnitZ(), spec.axis)};
-}
-
 namespace {
 
-/// The row of a wall after all others, of the shape that was added last.
-void add_row(BodySet& bodies, const World& world, BodyRecord wall) {
-  const BodyId last = bodies.walls > 0 ? bodies.id.back() : first_wall_id;
-  wall.id = std::max(last + 1, first_tube_id);
+/// The row of a wall after all others, of a shape that is added.
+template <class Spec>
+void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec) {
+  world.shapes.push_back(shape);
+  world.bounding_radii.push_back(bounding_radius(shape));
+  BodyRecord wall;
+  wall.id = std::max(bodies.walls > 0 ? bodies.id.back() + 1 : first_tube_id, first_tube_id);
   wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
+  wall.material = spec.material;
   wall.kind = -1;
+  wall.motion = spec.moves() ? Motion::prescribed : Motion::fixed;
+  const Pose pose = spec.pose(0);
+  const Quat& q = pose.orientation;
+  const WallMotion::Velocity velocity = spec.velocity_at(0);
+  Eigen::Map<Vec3>{wall.position} = pose.position;
+  Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  Eigen::Map<Vec3>{wall.velocity} = velocity.linear;
+  Eigen::Map<Vec3>{wall.angular_velocity} = velocity.angular;
   bodies.insert(bodies.size(), wall);
   ++bodies.walls;
   bodies.reindex();
 }
 
-void set_pose(BodyRecord& wall, const Pose& pose) {
-  const Quat& q = pose.orientation;
-  Eigen::Map<Vec3>{wall.position} = pose.position;
-  Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
-}
-
 }  // namespace
 
-void add_tube(BodySet& bodies, World& world, const TubeSpec& spec) {
-  world.shapes.push_back(Tube{spec.radius});
-  world.bounding_radii.push_back(std::numeric_limits<double>::infinity());
-  BodyRecord wall;
-  wall.material = spec.material;
-  const bool moves = spec.angular_velocity != 0 || spec.velocity != 0;
-  wall.motion = moves ? Motion::prescribed : Motion::fixed;
-  set_pose(wall, pose_of(spec));
-  Eigen::Map<Vec3>{wall.velocity} = spec.velocity * spec.axis;
-  Eigen::Map<Vec3>{wall.angular_velocity} = spec.angular_velocity * spec.axis;
-  add_row(bodies, world, wall);
+void add_wall(BodySet& bodies, World& world, const HollowWallSpec& spec) {
+  append(bodies, world, std::visit([](const auto& hollow) -> Shape { return hollow; }, spec.shape), spec);
 }
 
-void add_mesh_wall(BodySet& bodies, World& world, const MeshWallSpec& spec) {
-  world.shapes.push_back(spec.mesh);
-  world.bounding_radii.push_back(spec.mesh.bounding_radius());
-  BodyRecord wall;
-  wall.material = spec.material;
-  wall.motion = spec.motion.moves() ? Motion::prescribed : Motion::fixed;
-  add_row(bodies, world, wall);
-  move_mesh_wall(bodies, bodies.size() - 1, spec, 0);
+void add_wall(BodySet& bodies, World& world, const MeshWallSpec& spec) {
+  append(bodies, world, spec.mesh, spec);
+  move_wall(bodies, bodies.size() - 1, spec, 0);
 }
 
-void move_mesh_wall(BodySet& bodies, std::size_t row, const MeshWallSpec& spec, double time) {
-  const WallMotion::Velocity velocity = spec.velocity(time);
+void move_wall(BodySet& bodies, std::size_t row, const MeshWallSpec& spec, double time) {
+  const WallMotion::Velocity velocity = spec.velocity_at(time);
   bodies.set_pose(row, spec.pose(time));
   bodies.set_velocity(row, velocity.linear, velocity.angular);
+}
+
+Pose HollowWallSpec::pose(double) const {
+  return {point, rotation_between(Vec3::UnitZ(), axis)};
 }
 
 Pose MeshWallSpec::pose(double time) const {
@@ -92,7 +84,7 @@ Pose MeshWallSpec::pose(double time) const {
   return {reference.to_world(arm), reference.orientation};
 }
 
-WallMotion::Velocity MeshWallSpec::velocity(double time) const {
+WallMotion::Velocity MeshWallSpec::velocity_at(double time) const {
   WallMotion::Velocity at = motion.velocity_at(time);
   if (!at.angular.isZero(0)) at.linear += at.angular.cross(motion.pose(start, time).orientation * arm);
   return at;

@@ -1,5 +1,5 @@
 #pragma once
-// The walls: sides of the domain as half-spaces, tubes and meshes. The last rows of a BodySet, the same on
+// The walls: sides of the domain as half-spaces, hollows and meshes. The last rows of a BodySet, the same on
 // every rank.
 #include <array>
 
@@ -7,7 +7,9 @@
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/wall_motion.hpp"
 #include "rigid/bodies/world.hpp"
+#include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/mesh.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {
 
@@ -21,21 +23,19 @@ struct WallSpec {
 /// to the world, and reindexes. Call once. std::invalid_argument for a velocity across the wall.
 void add_walls(BodySet&, World&, const Extent&, const std::array<WallSpec, 6>&);
 
-/// A round hole without end in a solid that fills the rest of the domain. It turns about its axis and slides
-/// along it, so its surface stays where it is.
-struct TubeSpec {
-  double radius = 0;
-  Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  // the centre line; axis: unit
+/// A hole in a solid that fills the rest of the domain. It turns about its axis, and one that is alike all
+/// along it slides along it: its surface stays where it is.
+struct HollowWallSpec {
+  HollowShape shape;
+  Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  // origin and z axis of the shape; axis: unit
   int material = 0;
   double angular_velocity = 0;  // about the axis, right-handed
   double velocity = 0;          // along the axis
+
+  bool moves() const { return angular_velocity != 0 || velocity != 0; }
+  Pose pose(double time = 0) const;
+  WallMotion::Velocity velocity_at(double) const { return {velocity * axis, angular_velocity * axis}; }
 };
-
-/// Its z axis is the tube's.
-Pose pose_of(const TubeSpec&);
-
-/// Appends the row of a tube, whatever there is already, adds its shape to the world, and reindexes.
-void add_tube(BodySet&, World&, const TubeSpec&);
 
 /// A wall of triangles. What moves as prescribed, and turns about itself, is its reference point, which may
 /// be far from the triangles.
@@ -47,16 +47,19 @@ struct MeshWallSpec {
   WallMotion motion;
   Vec3 arm = Vec3::Zero();  // from the reference point to the origin of the mesh's frame, in that frame
 
+  bool moves() const { return motion.moves(); }
   /// Pose and velocities of the mesh's frame.
   Pose pose(double time) const;
-  WallMotion::Velocity velocity(double time) const;
+  WallMotion::Velocity velocity_at(double time) const;
   /// How far its furthest corner is from the reference point.
   double reach() const;
 };
 
-/// Appends the row of a mesh, likewise. Its pose is that of time 0.
-void add_mesh_wall(BodySet&, World&, const MeshWallSpec&);
+/// Appends the row of a hollow or a mesh, whatever there is already, adds its shape to the world, and
+/// reindexes. Its pose is that of time 0.
+void add_wall(BodySet&, World&, const HollowWallSpec&);
+void add_wall(BodySet&, World&, const MeshWallSpec&);
 /// Gives a mesh's row the pose and the velocities of a time.
-void move_mesh_wall(BodySet&, std::size_t row, const MeshWallSpec&, double time);
+void move_wall(BodySet&, std::size_t row, const MeshWallSpec&, double time);
 
 }  // namespace silt::rigid

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "rigid/collision/facet_curvature.hpp"
+#include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/reduce_manifold.hpp"
-#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/math/twist.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -17,16 +17,16 @@ struct DetectContacts::ShapeParts {
   std::vector<Part> parts;
   std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
   bool sphere, half_space;
-  std::optional<Tube> tube;                                   // then there are no parts
+  std::optional<HollowShape> hollow;                          // then there are no parts
   std::shared_ptr<const MeshFeatures> mesh;                   // nor here
   std::shared_ptr<const FacetCurvature> facets;               // of the mesh, where there is lubrication
   std::vector<std::shared_ptr<const MeshFeatures>> surfaces;  // of the parts that are polytopes, for meshes
   bool plain;                                                 // one part, whose pose is the body's
   bool smooth;  // some part of it: lubrication films may form there
 
-  std::size_t pieces() const { return tube || mesh ? 1 : parts.size(); }
+  std::size_t pieces() const { return hollow || mesh ? 1 : parts.size(); }
   Pose pose_of(std::size_t piece, const Pose& body) const {
-    return tube || mesh || plain ? body : body * parts[piece].pose;
+    return hollow || mesh || plain ? body : body * parts[piece].pose;
   }
   ConvexPart part_with_surface(std::size_t i) const { return {parts[i].shape, surfaces[i].get()}; }
 };
@@ -92,7 +92,7 @@ void DetectContacts::learn_shapes(const World& world) {
                                [](const Part& part) { return is_smooth(part.shape); });
     known.sphere = is_sphere(world.shapes[s]);
     known.half_space = std::holds_alternative<HalfSpace>(world.shapes[s]);
-    if (const auto* tube = std::get_if<Tube>(&world.shapes[s])) known.tube = *tube;
+    known.hollow = hollow_of(world.shapes[s]);
     if (const auto* mesh = std::get_if<Mesh>(&world.shapes[s]))
       known.mesh = std::make_shared<const MeshFeatures>(*mesh), with_meshes_ = true;
     if (known.mesh && world.lubrication) known.facets = std::make_shared<const FacetCurvature>(*known.mesh);
@@ -131,12 +131,12 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     const Shape& shape = world.shapes[bodies.shape[row]];
     const Quat& turn = bodies.orientation[row];
     const bool moves = bodies.is_active(row);
-    if (const auto* tube = std::get_if<Tube>(&shape))
-      walls_.push_back({bodies.position[row], turn * Vec3::UnitZ(), tube->radius, moves});
+    if (const auto& hollow = shapes_[bodies.shape[row]].hollow)
+      walls_.push_back({.moves = moves, .hollow = hollow, .pose = bodies.pose(row)});
     else if (std::holds_alternative<Mesh>(shape))
       walls_.push_back(WallSurface::out_of_sight());
     else
-      walls_.push_back({bodies.position[row], turn * std::get<HalfSpace>(shape).normal, 0, moves});
+      walls_.push_back({bodies.position[row], turn * std::get<HalfSpace>(shape).normal, moves});
   }
 }
 
@@ -173,7 +173,7 @@ bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose&
                                  std::size_t j, const Pose& pose_b, double margin) const {
   if (a.mesh || b.mesh) return false;
   const Vec3 centre_a = pose_a.to_world(a.parts[i].pose.position);
-  if (b.tube) return signed_distance(*b.tube, pose_b.to_body(centre_a)) > a.radii[i] + margin;
+  if (b.hollow) return b.hollow->gap(pose_b, centre_a) > a.radii[i] + margin;
   if (b.half_space) {
     const Vec3 normal = pose_b.orientation * std::get<HalfSpace>(b.parts[j].shape).normal;
     return normal.dot(centre_a - pose_b.position) > a.radii[i] + margin;
@@ -198,7 +198,7 @@ bool DetectContacts::bodies_apart(const BodySet& bodies, const CandidatePair& p,
 
 /// A mesh stands for a smooth surface that it is near to. Of two meshes nothing is known.
 bool DetectContacts::may_lubricate(const ShapeParts& a, const ShapeParts& b) {
-  const auto any = [](const ShapeParts& s) { return s.smooth || s.mesh || s.tube; };
+  const auto any = [](const ShapeParts& s) { return s.smooth || s.mesh || s.hollow; };
   return (a.smooth && any(b)) || (b.smooth && any(a));
 }
 
@@ -223,8 +223,8 @@ void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, c
     const Mat3 r = piece.pose.orientation.toRotationMatrix();
     const Vec3 outward_B = r.transpose() * outward;
     const auto k = piece.of.mesh ? piece.of.facets->at(feature_of(point.feature))
-                   : piece.of.tube
-                       ? piece.of.tube->curvature(outward_B)
+                   : piece.of.hollow
+                       ? piece.of.hollow->curvature(outward_B)
                        : curvature(piece.of.parts[piece.index].shape, piece.pose.to_body(x), outward_B);
     if (!k) return std::nullopt;
     return r * *k * r.transpose();
@@ -246,8 +246,8 @@ void DetectContacts::collide_pieces(const Piece& a, const Piece& b, double margi
   points_.clear();
   if (a.of.mesh || b.of.mesh) return collide_meshes(a, b, margin, backend);
   const ConvexShape& shape = a.of.parts[a.index].shape;
-  if (b.of.tube)
-    append_tube_contacts(shape, a.pose, *b.of.tube, b.pose, margin, points_);
+  if (b.of.hollow)
+    append_hollow_contacts(shape, a.pose, *b.of.hollow, b.pose, margin, points_);
   else
     backend.collide(shape, a.pose, b.of.parts[b.index].shape, b.pose, margin, points_);
   reduce_manifold(points_);
@@ -260,8 +260,8 @@ void DetectContacts::collide_meshes(const Piece& a, const Piece& b, double margi
   } else if (b.of.mesh) {
     append_mesh_contacts(a.of.part_with_surface(a.index), a.pose, *b.of.mesh, b.pose, margin, backend,
                          points_);
-  } else if (b.of.tube) {
-    append_mesh_contacts(*a.of.mesh, a.pose, *b.of.tube, b.pose, margin, points_);
+  } else if (b.of.hollow) {
+    append_mesh_contacts(*a.of.mesh, a.pose, *b.of.hollow, b.pose, margin, points_);
   } else if (b.of.half_space) {
     append_mesh_contacts(*a.of.mesh, a.pose, std::get<HalfSpace>(b.of.parts[b.index].shape), b.pose, margin,
                          points_);
@@ -314,7 +314,7 @@ void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, cons
 /// other get the plane between which they do so.
 void DetectContacts::let_pass(const Call& call, const CandidatePair& p, const Piece& a, const Piece& b,
                               const Vec3& from_a_to_b, std::span<Contact> of_pieces) const {
-  if (a.of.sphere || b.of.sphere || b.of.half_space || b.of.tube) return;
+  if (a.of.sphere || b.of.sphere || b.of.half_space || b.of.hollow) return;
   const BodySet& bodies = call.bodies;
   const double slack =
       passing_slack * (reach_[p.row_a].radius + (is_wall(bodies.id[p.row_b]) ? 0.0 : reach_[p.row_b].radius));
@@ -368,12 +368,13 @@ void DetectContacts::count_lubrication(const LubricationLaw& law, std::span<cons
     if (c.gap < law.reach()) ++(c.lubrication ? lubrication_counts_.with : lubrication_counts_.without);
 }
 
-/// From a to b: small numbers, and the same ones on every rank. A tube is alike all along its axis: it is
+/// From a to b: small numbers, and the same ones on every rank. A hollow that is alike all along its axis is
 /// taken where a is abreast of it.
-Vec3 DetectContacts::displacement_to(const World& world, const BodySet& bodies, const Extent& extent,
+Vec3 DetectContacts::displacement_to(const BodySet& bodies, const Extent& extent,
                                      const CandidatePair& p) const {
   const Vec3 displacement = bodies.position[p.row_b] + extent.shift(p.image) - bodies.position[p.row_a];
-  if (!std::holds_alternative<Tube>(world.shapes[bodies.shape[p.row_b]])) return displacement;
+  const auto& hollow = shapes_[bodies.shape[p.row_b]].hollow;
+  if (!hollow || !hollow->slides()) return displacement;
   const Vec3 axis = bodies.orientation[p.row_b] * Vec3::UnitZ();
   return displacement - axis.dot(displacement) * axis;
 }
@@ -419,7 +420,7 @@ std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies
   if (with_meshes_) add_mesh_walls(call);
   for (const CandidatePair& p : pairs_) {
     const double margin = pair_margin(world, bodies, p, exchange.extent().shift(p.image), dt);
-    const Vec3 from_a_to_b = displacement_to(world, bodies, exchange.extent(), p);
+    const Vec3 from_a_to_b = displacement_to(bodies, exchange.extent(), p);
     if (!is_wall(bodies.id[p.row_b]) && bodies_apart(bodies, p, from_a_to_b, margin)) continue;
     collide_pair(call, p, from_a_to_b, margin, contacts);
   }

@@ -29,8 +29,8 @@ class DetectContacts {
   /// Fills contacts (sorted by key) with those whose pair this rank owns: exchange.owns_contact_at a point
   /// near both bodies where they are nearest, or deepest in each other. Every point with a gap up to the
   /// pair's margin: how far the surfaces may approach in dt, at most world.contact_margin; at least as far as
-  /// a lubrication film reaches where one may form (between a smooth surface and another, a mesh or a tube).
-  /// Returns the number of candidate pairs.
+  /// a lubrication film reaches where one may form (between a smooth surface and another, a mesh or a
+  /// hollow). Returns the number of candidate pairs.
   std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
                          std::vector<Contact>& contacts);
   /// Contacts of the last call within reach of a lubrication film, with and without one. Each contact is
@@ -46,7 +46,7 @@ class DetectContacts {
     CollisionBackend& backend;
     double dt;
   };
-  struct Piece {  // a part of a body, or a mesh or tube
+  struct Piece {  // a part of a body, or a mesh or hollow
     const ShapeParts& of;
     std::size_t index;
     const Pose& pose;  // in the frame of the query
@@ -57,7 +57,7 @@ class DetectContacts {
   Vec3 point_near_both(const BodySet&, const CandidatePair&, const ContactPoint&) const;
   void add_mesh_walls(const Call&);
   bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
-  Vec3 displacement_to(const World&, const BodySet&, const Extent&, const CandidatePair&) const;
+  Vec3 displacement_to(const BodySet&, const Extent&, const CandidatePair&) const;
   void collide_pieces(const Piece& a, const Piece& b, double margin, CollisionBackend&);
   void collide_meshes(const Piece& a, const Piece& b, double margin, CollisionBackend&);
   void collide_pair(const Call&, const CandidatePair&, const Vec3& from_a_to_b, double margin,

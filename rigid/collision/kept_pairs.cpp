@@ -17,10 +17,6 @@ constexpr double widest_cells = 2;                     // by slack: what reaches
 constexpr std::size_t sample = 256;                    // bodies that tell what all have in common
 constexpr double tried_calls[] = {1, 2, 4, 6, 9, 12};  // that a list is to serve after the first
 
-bool same(const WallSurface& a, const WallSurface& b) {
-  return a.point == b.point && a.direction == b.direction && a.radius == b.radius && a.moves == b.moves;
-}
-
 bool differ(const std::array<std::int32_t, 3>& a, const std::array<std::int32_t, 3>& b) {
   return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) != 0;
 }
@@ -29,7 +25,7 @@ bool differ(const std::array<std::int32_t, 3>& a, const std::array<std::int32_t,
 
 bool KeptPairs::same_extent_and_walls(const Surroundings& around, std::span<const WallSurface> walls) const {
   return !seen_.empty() && around.extent.size == extent_.size && around.extent.periodic == extent_.periodic &&
-         std::equal(walls.begin(), walls.end(), walls_.begin(), walls_.end(), same);
+         std::equal(walls.begin(), walls.end(), walls_.begin(), walls_.end());
 }
 
 bool KeptPairs::same_rows(const Surroundings& around) const {

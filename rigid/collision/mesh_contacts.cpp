@@ -174,26 +174,25 @@ void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const Half
   finish(points, pose, out);
 }
 
-void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const Tube& tube,
-                          const Pose& pose_of_tube, double tolerance, std::vector<ContactPoint>& out) {
-  const Pose seen = pose_of_tube.seen_from(pose);
-  const Vec3 axis = seen.orientation * Vec3::UnitZ();
-  const auto from_axis = [&](const Vec3& x) -> Vec3 {
-    const Vec3 from = x - seen.position;
-    return from - axis.dot(from) * axis;
-  };
+void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const HollowShape& wall,
+                          const Pose& pose_of_wall, double tolerance, std::vector<ContactPoint>& out) {
+  const Pose seen = pose_of_wall.seen_from(pose);
   thread_local std::vector<ContactPoint> points;
   points.clear();
-  const auto least = [&](const Vec3& middle, const Vec3& half) {
-    return tube.radius - from_axis(middle).norm() - half.norm();
-  };
-  for_corners(mesh, least, tolerance, [&](std::uint32_t v) {
-    const Vec3 &x = mesh.corner(v), from = from_axis(x);
-    const double distance = from.norm(), gap = tube.radius - distance;
-    if (gap > tolerance) return;
-    const Vec3 normal = distance > 0 ? Vec3(from / distance) : Vec3(seen.orientation * Vec3::UnitX());
-    points.push_back({x, x + gap * normal, normal, gap, mesh.code_of_corner(v)});
-  });
+  std::visit(
+      [&](const auto& hollow) {
+        const auto least = [&](const Vec3& middle, const Vec3& half) {
+          return hollow.gap(seen, middle) - half.norm();
+        };
+        for_corners(mesh, least, tolerance, [&](std::uint32_t v) {
+          const Vec3& x = mesh.corner(v);
+          const double gap = hollow.gap(seen, x);
+          if (gap > tolerance) return;
+          const Vec3 normal = hollow.outward(seen, x);
+          points.push_back({x, x + gap * normal, normal, gap, mesh.code_of_corner(v)});
+        });
+      },
+      wall);
   finish(points, pose, out);
 }
 

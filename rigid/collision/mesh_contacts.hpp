@@ -29,7 +29,7 @@ void append_mesh_contacts(const MeshFeatures& a, const Pose& pose_a, const MeshF
 /// The corners of the mesh.
 void append_mesh_contacts(const MeshFeatures&, const Pose&, const HalfSpace&, const Pose& pose_of_plane,
                           double tolerance, std::vector<ContactPoint>& out);
-void append_mesh_contacts(const MeshFeatures&, const Pose&, const Tube&, const Pose& pose_of_tube,
+void append_mesh_contacts(const MeshFeatures&, const Pose&, const HollowShape&, const Pose& pose_of_hollow,
                           double tolerance, std::vector<ContactPoint>& out);
 
 /// Exchanges the two bodies of the points.

@@ -1,10 +1,12 @@
 #pragma once
 // What a broad phase sees: the bodies at hand, how far they reach, and the walls; and what a pair of them is.
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/shapes/hollow_shape.hpp"
 
 namespace silt::rigid {
 
@@ -26,22 +28,20 @@ struct Reach {
   double sum() const { return radius + margin; }
 };
 
-/// A WallSurface is a plane through a point, or a tube about an axis through it. World frame.
+/// A WallSurface is a half-space whose surface goes through a point, or a hollow. World frame.
 struct WallSurface {
-  Vec3 point;
-  Vec3 direction;     // outward normal of a plane, or along the axis; unit
-  double radius = 0;  // of a tube; 0: a plane
+  Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  // of a half-space
   bool moves = false;
+  std::optional<HollowShape> hollow = {};
+  Pose pose = {};  // of the hollow
+
+  bool operator==(const WallSurface&) const = default;
 
   /// A wall that no body meets here (a mesh: rigid/collision/detect_contacts finds what is near it).
-  static WallSurface out_of_sight() {
-    return {Vec3::Zero(), Vec3::UnitZ(), std::numeric_limits<double>::infinity(), false};
-  }
+  static WallSurface out_of_sight() { return {{0, 0, -std::numeric_limits<double>::infinity()}}; }
   /// Returns the distance of a point from the surface, negative in the wall.
   double distance(const Vec3& x_W) const {
-    const Vec3 from = x_W - point;
-    return radius > 0 ? radius - (from - direction.dot(from) * direction).norm()
-                      : direction.dot(x_W) - direction.dot(point);
+    return hollow ? hollow->gap(pose, x_W) : normal.dot(x_W) - normal.dot(point);
   }
 };
 

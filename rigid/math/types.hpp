@@ -32,8 +32,8 @@ struct Pose {
 
 using BodyId = std::uint64_t;
 /// Ids from here on are walls: the half-spaces of the domain's sides, first_wall_id + 2 * axis + (upper
-/// side), then the tubes, from first_tube_id, in the order they were added. They are above every body's id,
-/// so that a wall is always the second of a pair.
+/// side), then the curved walls, from first_tube_id, in the order they were added. They are above every
+/// body's id, so that a wall is always the second of a pair.
 inline constexpr BodyId first_wall_id = BodyId{1} << 63;
 inline constexpr BodyId first_tube_id = first_wall_id + 6;
 inline bool is_wall(BodyId id) {

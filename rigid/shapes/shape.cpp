@@ -26,7 +26,7 @@ BoundingBox bounding_box(const Shape& shape, const Pose& pose) {
 }
 
 double bounding_radius(const Shape& shape) {
-  if (std::holds_alternative<Tube>(shape)) return std::numeric_limits<double>::infinity();
+  if (hollow_of(shape)) return std::numeric_limits<double>::infinity();
   if (const auto* mesh = std::get_if<Mesh>(&shape)) return mesh->bounding_radius();
   double radius = 0;
   for (const Part& part : convex_parts(shape)) radius = std::max(radius, reach(part));
@@ -47,6 +47,20 @@ Shape recentred(const Shape& shape, const Vec3& centre) {
 
 bool is_sphere(const Shape& shape) {
   return std::holds_alternative<Sphere>(shape);
+}
+
+std::optional<HollowShape> hollow_of(const Shape& shape) {
+  return std::visit(
+      []<class S>(const S& s) -> std::optional<HollowShape> {
+        if constexpr (HollowSolid<S>) return HollowShape(s);
+        return std::nullopt;
+      },
+      shape);
+}
+
+bool is_endless(const Shape& shape) {
+  const auto* const mesh = std::get_if<Mesh>(&shape);
+  return mesh ? mesh->hollow : hollow_of(shape).has_value();
 }
 
 std::vector<Part> convex_parts(const Shape& shape) {

@@ -1,16 +1,16 @@
 #pragma once
 // The shapes a body can have, in the body frame: origin at the centre of mass.
 #include "rigid/shapes/compound.hpp"
+#include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/mesh.hpp"
-#include "rigid/shapes/tube.hpp"
 
 namespace silt::rigid {
 
-template <class... S>
-std::variant<S..., Compound, Tube, Mesh> and_unions_walls_and_meshes(const std::variant<S...>&);
+template <class... S, class... H>
+std::variant<S..., Compound, H..., Mesh> all_of(const std::variant<S...>&, const std::variant<H...>&);
 
-/// A convex shape, a union of such, a wall that is not convex, or what a surface of triangles encloses.
-struct Shape : decltype(and_unions_walls_and_meshes(std::declval<ConvexShape>())) {
+/// A convex shape, a union of such, a hollow, or what a surface of triangles encloses.
+struct Shape : decltype(all_of(std::declval<ConvexShape>(), std::declval<HollowShape>())) {
   using variant::variant;
   Shape(const ConvexShape& convex) : Shape(std::visit([](const auto& s) { return Shape(s); }, convex)) {}
 };
@@ -23,13 +23,13 @@ bool contains(const Shape&, const Vec3& x_B);
 /// lower bound in magnitude inside overlapping parts).
 double signed_distance(const Shape&, const Vec3& x_B);
 /// Smallest t in [0, t_max] with origin + t direction on the surface, for an origin outside; t_max where
-/// there is none. Exact (closed form) for every convex shape and the tube; of a mesh with the rounding of its
-/// triangles. direction need not be a unit vector.
+/// there is none. Exact (closed form) for every convex shape and the hollows; of a mesh with the rounding of
+/// its triangles. direction need not be a unit vector.
 double ray_distance(const Shape&, const Vec3& origin_B, const Vec3& direction_B, double t_max);
-/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space, a tube and a
+/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space, a hollow and a
 /// hollow mesh.
 BoundingBox bounding_box(const Shape&, const Pose&);
-/// About the origin of the body frame; infinite for a half-space, a tube and a hollow mesh.
+/// About the origin of the body frame; infinite for a half-space, a hollow and a hollow mesh.
 double bounding_radius(const Shape&);
 /// Closed forms, exact; for a compound those of the union of its parts, relative error <= 1e-4,
 /// deterministic.
@@ -40,8 +40,12 @@ double least_width(const Shape&);
 Shape recentred(const Shape&, const Vec3& centre);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
+/// The hollow that a shape is, if it is one.
+std::optional<HollowShape> hollow_of(const Shape&);
+/// Whether it is a hollow or a hollow mesh: solid all around, without end.
+bool is_endless(const Shape&);
 
-/// The convex parts of any shape (one for a convex shape itself, none for a tube or a mesh).
+/// The convex parts of any shape (one for a convex shape itself, none for a hollow or a mesh).
 std::vector<Part> convex_parts(const Shape&);
 
 /// Balls and points inside a shape that together stand for it: exact for a sphere; for a compound those of

@@ -7,7 +7,7 @@ struct Shape;
 struct ConvexShape;
 struct Part;
 struct HalfSpace;
-struct Tube;
+struct HollowShape;
 struct Mesh;
 struct BoundingBox;
 struct MassProperties;

@@ -5,24 +5,34 @@
 
 namespace silt::rigid {
 
-/// All points at least `radius` from the body's z axis, without end: a wall round about what is inside. Only
-/// for walls: infinite mass, not convex, so no collision backend sees it (rigid/collision/tube_contacts.hpp).
+/// All points at least `radius` from the z axis, without end: a wall round about what is inside
+/// (hollow_shape.hpp).
 struct Tube {
   static constexpr std::string_view name = "tube";
   double radius;
+  bool operator==(const Tube&) const = default;
   static constexpr auto fields = std::tuple{radius_field(&Tube::radius)};
+  static constexpr bool slides = true;
 
   double signed_distance(const Vec3& x) const { return radius - std::sqrt(x[0] * x[0] + x[1] * x[1]); }
-  /// The part of the line that is in the hollow, in closed form; none if it is all in the wall.
-  std::optional<LineInterval> hollow_interval(const Vec3& o, const Vec3& d) const;
+  double gap(const Pose& at, const Vec3& x) const { return radius - from_axis(at, x).norm(); }
+  /// A point on the axis has the x axis.
+  Vec3 outward(const Pose& at, const Vec3& x) const {
+    const Vec3 from = from_axis(at, x);
+    const double distance = from.norm();
+    return distance > 0 ? Vec3(from / distance) : Vec3(at.orientation * Vec3::UnitX());
+  }
   double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
-  BoundingBox bounding_box(const Pose&) const { return BoundingBox::everything(); }
-  /// As that of a convex shape (convex_shape.hpp), where its outward normal, towards the axis, is n_B:
-  /// hollow, so negative.
   Mat3 curvature(const Vec3& n_B) const {
     const Vec3 around = n_B.cross(Vec3::UnitZ());
     return -1 / radius * around * around.transpose();
   }
+  BoundingBox hole(const Pose&) const;
+  Vec3 innermost(const Vec3& x) const { return {0, 0, x[2]}; }
+  double widest() const { return radius; }
+  double area(const Vec3& axis, const Vec3& size) const;
+
+  BoundingBox bounding_box(const Pose&) const { return BoundingBox::everything(); }
   double reach(const Pose&) const { return std::numeric_limits<double>::infinity(); }
   MassProperties mass_properties() const { throw std::invalid_argument("a tube has no mass"); }
   double least_width() const { return std::numeric_limits<double>::infinity(); }
@@ -30,6 +40,12 @@ struct Tube {
   void surface(Parts& parts) const {
     constexpr double endless = std::numeric_limits<double>::infinity();
     parts.add(Parts::Kind::hollow, {radius, radius, 0}, Vec3::Constant(endless));
+  }
+
+ private:
+  static Vec3 from_axis(const Pose& at, const Vec3& x) {
+    const Vec3 from = x - at.position, axis = at.orientation * Vec3::UnitZ();
+    return from - axis.dot(from) * axis;
   }
 };
 

@@ -15,13 +15,15 @@ from .surfaces import rotations
 
 
 class Wall:
-    """A Wall is a tube (position, axis, radius) or a mesh (vertices, triangles, hollow: a vessel), in the units of the case."""
+    """A Wall is a hollow (position, axis, sizes: {"radius": 3.0} of a tube) or a mesh (vertices, triangles, hollow: a vessel), in the units of
+    the case."""
 
     def __init__(self, group):
         self.name, self.type = text(group.attrs["name"]), text(group.attrs["type"])
         self.position = group.attrs["position"]
-        if self.type == "tube":
-            self.axis, self.radius = group.attrs["axis"], float(group.attrs["radius"])
+        if self.type != "mesh":
+            self.axis = group.attrs["axis"]
+            self.sizes = {key: float(value) for key, value in group.attrs.items() if key not in ("name", "type", "position", "axis")}
             return
         self.hollow = text(group.attrs["solid"]) == "outside"
         self.vertices, self.triangles, self.table = group["vertices"][:], group["triangles"][:].astype(int), group["table"][:]
@@ -31,7 +33,7 @@ class Wall:
 
     @property
     def moves(self):
-        """Says whether the surface of a mesh goes anywhere; that of a tube slides along itself."""
+        """Says whether the surface of a mesh goes anywhere; that of a hollow slides along itself."""
         return self.type == "mesh" and (len(self.table) > 1 or self.velocity.any() or self.angular_velocity.any()
                                         or bool(self.amplitude.any() and self.frequency))
 

@@ -128,11 +128,11 @@ Scene meshes_on_a_floor(unsigned order) {
     s.bodies.position[s.row(10 + 3 * n)][2] += 0.9;
   }
   const auto floor = testing::solid_of(testing::random_slab(9, 0.5, 6, 3));
-  add_mesh_wall(s.bodies, s.world, {floor, {{-3, -3, 0.6}, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
+  add_wall(s.bodies, s.world, {floor, {{-3, -3, 0.6}, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
   WallMotion turns;
   turns.angular_velocity = {0, 0, 0.5};
   const auto paddle = testing::solid_of(testing::cuboid_mesh({-0.8, -0.1, -0.2}, {0.8, 0.1, 0.2}));
-  add_mesh_wall(s.bodies, s.world, {paddle, {{0.2, 1.5, 0.9}, Quat::Identity()}, Vec3::UnitZ(), 0, turns});
+  add_wall(s.bodies, s.world, {paddle, {{0.2, 1.5, 0.9}, Quat::Identity()}, Vec3::UnitZ(), 0, turns});
   return s;
 }
 

@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(On, MeshBodies, ::testing::Values("auto", "analytic", "
                          [](const auto& name) { return std::string(name.param); });
 
 void add_wall(Scene& s, const Mesh& mesh, const Vec3& x, const WallMotion& motion = {}) {
-  add_mesh_wall(s.bodies, s.world, {mesh, {x, Quat::Identity()}, Vec3::UnitZ(), 0, motion});
+  add_wall(s.bodies, s.world, {mesh, {x, Quat::Identity()}, Vec3::UnitZ(), 0, motion});
 }
 
 /// A ball that starts to slide and comes to roll; on a half-space, or on 10 000 random triangles.
@@ -146,11 +146,11 @@ TEST_P(MeshBodies, MovingWallsCarryAndPush) {
   turns.angular_velocity = {0, 0, 1};
   s.add(s.shape(Sphere{0.3}), {13, 10.7, 10});
   const MeshWallSpec wall{paddle, {{10, 10, 10}, Quat::Identity()}, Vec3::UnitZ(), 0, turns};
-  add_mesh_wall(s.bodies, s.world, wall);
+  add_wall(s.bodies, s.world, wall);
   s.start();
   const double dt = 1e-3;
   for (int i = 0; i < 600; ++i) {
-    move_mesh_wall(s.bodies, s.bodies.first_wall(), wall, (i + 0.5) * dt);
+    move_wall(s.bodies, s.bodies.first_wall(), wall, (i + 0.5) * dt);
     s.run(1, dt);
     const Pose pose = s.bodies.pose(s.bodies.first_wall());
     ASSERT_GT(pose.to_body(s.x(0))[1], 0.5 - 4e-3) << i;

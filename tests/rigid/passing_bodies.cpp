@@ -60,7 +60,7 @@ constexpr const char* names[] = {"a box", "a polyhedron", "a mesh", "a compound"
 
 void add_fixed(Scene& s, Made made, const Vec3& half, const Vec3& x) {
   if (made == Made::wall)
-    return add_mesh_wall(s.bodies, s.world, {block(half), {x, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
+    return add_wall(s.bodies, s.world, {block(half), {x, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
   const Shape shapes[] = {Box{half}, cuboid(half), block(half), two_boxes(half)};
   const BodyId id = s.add(s.shape(shapes[static_cast<int>(made)]), x);
   s.bodies.motion[s.bodies.row_of(id)] = Motion::fixed;

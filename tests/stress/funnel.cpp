@@ -86,7 +86,7 @@ Outcome settle(bool of_triangles, const char* backend, int count, int steps) {
   s.bodies.reindex();
   const Mesh vessel = testing::vessel_of(funnel.surface());
   if (of_triangles)
-    add_mesh_wall(s.bodies, s.world, {vessel, {funnel.origin, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
+    add_wall(s.bodies, s.world, {vessel, {funnel.origin, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
   else
     add_planes(s, funnel);
   s.start();

@@ -42,7 +42,7 @@ Mapped mapped(const Mesh& mesh, const Pose& pose, bool periodic, Int3 blocks) {
   const lbm::Domain domain({n, n, n}, sides(periodic), blocks, 1);
   rigid::World world;
   rigid::BodySet bodies;
-  rigid::add_mesh_wall(bodies, world, {mesh, pose, Vec3::UnitZ(), 0, {}});
+  rigid::add_wall(bodies, world, {mesh, pose, Vec3::UnitZ(), 0, {}});
   set_mapping_pose(bodies, bodies.first_wall(), bodies.pose(bodies.first_wall()));
   std::vector<lbm::CellBox> boxes;
   for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);

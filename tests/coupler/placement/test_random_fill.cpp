@@ -6,7 +6,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/placement/overlap.hpp"
-#include "rigid/collision/tube_contacts.hpp"
+#include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/placement/placed.hpp"
@@ -101,8 +101,8 @@ TEST(Fill, StaysInATube) {
   const auto bodies = bodies_of(scene);
   ASSERT_EQ(bodies.size(), 16u);
   for (const BodySpec& body : bodies)
-    EXPECT_GE(rigid::gap_in_tube(scene.shapes[body.shape], body.pose, rigid::Tube{14},
-                                 rigid::pose_of(*scene.walls[0].tube())),
+    EXPECT_GE(rigid::gap_in_hollow(scene.shapes[body.shape], body.pose, rigid::Tube{14},
+                                   scene.walls[0].hollow()->pose()),
               0);
 }
 

@@ -113,7 +113,7 @@ TEST(Films, ABallCarriedByATurningDrumFeelsNone) {
   const double radius = 8, gap = 0.1, spin = 1e-3, dt = 1e-2, middle = radius - 1 - gap;
   Scene s = with_films(1, 0, 300, 200);
   const BodyId ball = s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle, 0}, {0, 0, spin});
-  add_tube(s.bodies, s.world, {radius, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
+  add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
   s.start();
   s.run(5, dt);
   ASSERT_EQ(s.report.lubrication.with, 1u);
@@ -128,7 +128,7 @@ TEST(Films, ADrumThatTurnsResistsInItsFrame) {
     Scene s = with_films(1, 0, 3, 2);
     const BodyId ball = s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle + 1e-3, 2e-3},
                               {4e-3, -3e-3, spin + 2e-3});
-    add_tube(s.bodies, s.world, {radius, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
+    add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
     s.start();
     s.run(1, dt);
     return std::array<double, 4>{s.v(ball)[1] - spin * middle, s.v(ball)[2], s.w(ball)[1],
