@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/limits.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "adapters/automatic/engines.hpp"
 #include "adapters/common/engine_backend.hpp"
 
 namespace silt::adapters {
@@ -33,14 +32,9 @@ bool needs_search(const ConvexShape& a, const ConvexShape& b) {
 
 }  // namespace
 
-AutomaticBackend::AutomaticBackend() {
-  for (const engines::MakeBackend make : {engines::bullet_backend, engines::fcl_backend})
-    if (make) engines_.push_back(make());
+AutomaticBackend::AutomaticBackend(std::vector<std::unique_ptr<CollisionBackend>> engines)
+    : engines_(std::move(engines)) {
   if (engines_.empty()) engines_.push_back(std::make_unique<AnalyticBackend>());  // for its trees
-}
-
-bool AutomaticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
-  return analytic_.supports(a, b);
 }
 
 void AutomaticBackend::find_triangles(const SharedMesh& mesh, const BoundingBox& near,
@@ -56,9 +50,8 @@ void AutomaticBackend::find_triangle_pairs(const SharedMesh& a, const Pose& pose
 
 void AutomaticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
                                const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
-  ++counters_.queries;
   const std::size_t first = out.size();
-  analytic_.collide(a, pose_a, b, pose_b, tolerance, out);
+  AnalyticBackend::collide(a, pose_a, b, pose_b, tolerance, out);
   if (out.size() == first || !needs_search(a, b)) return;
   const Query q{a, b, pose_a, pose_b, tolerance};
   for (const auto& engine : engines_) {

@@ -1,20 +1,22 @@
 #pragma once
-// Collision backends by name: all that is seen of the engines from outside adapters/.
+// Collision backends and broad phases by name: all that is seen of the engines from outside adapters/.
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "rigid/collision/broad_phase.hpp"
 #include "rigid/collision/collision_backend.hpp"
 
 namespace silt::adapters {
 
-/// The names make_backend knows, the default ("auto") first; without engines left out of this build.
+/// The names that make_backend and make_broad_phase know, the default ("auto") first; without engines left
+/// out of this build.
 std::vector<std::string_view> backend_names();
+std::vector<std::string_view> broad_phase_names();
 
 /// Returns what to say of a backend, or the broad phase of its engine, that this build was configured
-/// without;
-/// "" for any other name.
+/// without; "" for any other name.
 std::string left_out_of_this_build(std::string_view name);
 
 /// Makes a backend. "auto" is the best answer pair by pair, "analytic" closed forms, "bullet" and "fcl" that
@@ -22,5 +24,10 @@ std::string left_out_of_this_build(std::string_view name);
 /// std::runtime_error where the engine found at run time is not the one built against. One object serves one
 /// thread.
 std::unique_ptr<rigid::CollisionBackend> make_backend(std::string_view name);
+
+/// Makes a broad phase; throws likewise. "grid" is uniform grids, "bullet" and "fcl" are that engine's tree;
+/// "auto" is the tree of the backend of that name if it has one, otherwise the grid. All give the same pairs
+/// to the bit.
+std::unique_ptr<rigid::BroadPhase> make_broad_phase(std::string_view name, std::string_view backend = "auto");
 
 }  // namespace silt::adapters

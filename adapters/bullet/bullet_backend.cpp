@@ -1,5 +1,5 @@
 // The narrow phase; only files of this folder see Bullet's headers.
-#include "adapters/bullet/bullet_backend.hpp"
+#include "adapters/bullet/bullet.hpp"
 
 #include <btBulletCollisionCommon.h>
 
@@ -15,8 +15,6 @@
 #include <stdexcept>
 #include <variant>
 
-#include "adapters/bullet/bullet_meshes.hpp"
-#include "adapters/common/engine_backend.hpp"
 #include "rigid/shapes/convex_shape.hpp"
 
 #ifndef BT_USE_DOUBLE_PRECISION
@@ -74,23 +72,6 @@ class BulletSupport : public btConvexInternalShape {
   const ConvexShape& shape_;
 };
 
-/// What Bullet has a shape of its own for; an ellipsoid is neither its scaled sphere nor its scaled
-/// multi-sphere.
-template <class S>
-constexpr bool has_bullet_shape = false;
-template <>
-constexpr bool has_bullet_shape<Sphere> = true;
-template <>
-constexpr bool has_bullet_shape<Capsule> = true;
-template <>
-constexpr bool has_bullet_shape<Box> = true;
-template <>
-constexpr bool has_bullet_shape<Cylinder> = true;
-template <>
-constexpr bool has_bullet_shape<Polyhedron> = true;
-template <>
-constexpr bool has_bullet_shape<HalfSpace> = true;
-
 /// A Bullet shape on the stack; it refers to the shape. Margins: the radius of sphere and capsule, none of
 /// what is given by its support, else `margin` (Bullet's default of 0.04 would round the edges).
 class BulletShape {
@@ -98,7 +79,7 @@ class BulletShape {
   explicit BulletShape(const ConvexShape& shape, double margin = 0) {
     std::visit(
         [&]<class S>(const S& s) {
-          if constexpr (has_bullet_shape<S>)
+          if constexpr (requires { make(s, margin); })
             make(s, margin);
           else
             shape_.emplace<BulletSupport>(shape);
@@ -165,16 +146,6 @@ class BulletBackend : public EngineBackend {
   std::string_view name() const override { return "bullet"; }
 
  protected:
-  bool finds_triangles() const override { return true; }
-  void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
-                      std::vector<std::uint32_t>& out) override {
-    meshes_.append_near(mesh, near, out);
-  }
-  void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
-                           double margin, std::vector<TrianglePair>& out) override {
-    meshes_.append_pairs_near(a, pose_a, b, pose_b, margin, out);
-  }
-
   /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
   /// they are; with margins, where Bullet has them (coaxial cylinders that overlap are always wrong without).
   int methods(const Query& q) const override {
@@ -190,6 +161,8 @@ class BulletBackend : public EngineBackend {
     const auto near = closest(q);
     return near && std::abs(near->gap) < touching ? gjk_apart(q) : near;
   }
+
+  std::unique_ptr<MeshTree> make_tree(const SharedMesh& mesh) override { return make_bullet_tree(mesh); }
 
  private:
   /// Gap (lattice units) below which the normal, a difference of two nearly equal points, is asked for again
@@ -270,7 +243,6 @@ class BulletBackend : public EngineBackend {
     return answer;
   }
 
-  BulletMeshes meshes_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btCollisionWorld world_;

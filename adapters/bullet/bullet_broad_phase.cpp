@@ -1,10 +1,9 @@
 // btDbvt itself and not btDbvtBroadphase, which keeps a table of pairs from step to step that has to be
 // cleared of stale ones (three times the cost at 100 000 bodies).
-#include "adapters/bullet/bullet_broad_phase.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
-#include "adapters/bullet/bullet_backend.hpp"
+#include "adapters/bullet/bullet.hpp"
 #include "adapters/common/tree_broad_phase.hpp"
 
 #ifndef BT_USE_DOUBLE_PRECISION

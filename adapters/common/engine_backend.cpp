@@ -49,8 +49,20 @@ double support_gap(const Query& q, const Vec3& n) {
   return n.dot(support(q.b, q.pose_b, -n) - support(q.a, q.pose_a, n));
 }
 
-bool EngineBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
-  return !std::holds_alternative<HalfSpace>(a) && has_codes(a) && has_codes(b);
+MeshTree& EngineBackend::tree_of(const SharedMesh& mesh) {
+  auto& tree = trees_[mesh];
+  if (!tree) tree = make_tree(mesh);
+  return *tree;
+}
+
+void EngineBackend::find_triangles(const SharedMesh& mesh, const BoundingBox& near,
+                                   std::vector<std::uint32_t>& out) {
+  tree_of(mesh).append_near(near, out);
+}
+
+void EngineBackend::find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+                                        const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
+  tree_of(a).append_pairs_near(tree_of(b), pose_a, pose_b, margin, out);
 }
 
 void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, const ConvexShape& shape_b,

@@ -1,5 +1,6 @@
 #pragma once
 // Every engine's backend does the same around its engine: it asks, checks, falls back, and builds the points.
+#include <map>
 #include <optional>
 
 #include "rigid/collision/collision_backend.hpp"
@@ -7,6 +8,7 @@
 
 namespace silt::adapters {
 
+using rigid::SharedMesh;
 using rigid::Vec3;
 
 /// An engine's answer is taken where it agrees with the supporting planes to this part of the pair's size
@@ -38,6 +40,16 @@ struct Answer {
 /// normal, and never more than the gap.
 double support_gap(const Query&, const Vec3& n);
 
+/// An engine's tree of the triangles of one mesh.
+class MeshTree {
+ public:
+  virtual ~MeshTree() = default;
+  /// As CollisionBackend::triangles_near and triangle_pairs_near; `other` is a tree of the same engine.
+  virtual void append_near(const rigid::BoundingBox& near, std::vector<std::uint32_t>& out) = 0;
+  virtual void append_pairs_near(MeshTree& other, const rigid::Pose& pose, const rigid::Pose& pose_of_other,
+                                 double margin, std::vector<rigid::TrianglePair>& out) = 0;
+};
+
 /// From the engine come normal and gap of the deepest point. They are checked: the gap must be that of the
 /// supporting planes, n . (support_B(-n) - support_A(n)), which for overlap no direction may exceed by more
 /// than rounding. "No contact" is checked too. What fails is counted and asked by the engine's next method,
@@ -47,7 +59,6 @@ double support_gap(const Query&, const Vec3& n);
 /// append_manifold, alike for every engine, because engines give between one and four.
 class EngineBackend : public rigid::CollisionBackend {
  public:
-  bool supports(const rigid::ConvexShape& a, const rigid::ConvexShape& b) const override;
   void collide(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
                const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override;
 
@@ -56,12 +67,23 @@ class EngineBackend : public rigid::CollisionBackend {
   virtual int methods(const Query&) const = 0;
   /// The deepest point; nothing where the engine sees no contact within the tolerance.
   virtual std::optional<Answer> ask(int method, const Query&) = 0;
+  /// Called once for each mesh that is asked about.
+  virtual std::unique_ptr<MeshTree> make_tree(const SharedMesh&) = 0;
 
  private:
+  bool finds_triangles() const override { return true; }
+  void find_triangles(const SharedMesh&, const rigid::BoundingBox& near,
+                      std::vector<std::uint32_t>& out) override;
+  void find_triangle_pairs(const SharedMesh& a, const rigid::Pose& pose_a, const SharedMesh& b,
+                           const rigid::Pose& pose_b, double margin,
+                           std::vector<rigid::TrianglePair>& out) override;
+  MeshTree& tree_of(const SharedMesh&);
   void collide_boxes(const Query&, std::vector<rigid::ContactPoint>& out);
   void collide_convex(const Query&, std::vector<rigid::ContactPoint>& out);
   /// Asks the engine about a half-space and counts where it is wrong.
   void check_plane(const Query&);
+
+  std::map<SharedMesh, std::unique_ptr<MeshTree>> trees_;
 };
 
 }  // namespace silt::adapters

@@ -1,6 +1,6 @@
 // The narrow phase; only files of this folder see FCL's headers. FCL keeps its asserts, which end the
 // process: so no signed distance (it asserts where shapes nearly touch) and no distance to a half-space.
-#include "adapters/fcl/fcl_backend.hpp"
+#include "adapters/fcl/fcl.hpp"
 
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
@@ -18,8 +18,6 @@
 #include <type_traits>
 #include <variant>
 
-#include "adapters/common/engine_backend.hpp"
-#include "adapters/fcl/fcl_meshes.hpp"
 #include "rigid/collision/convex_core.hpp"
 
 // Debian's FCL is built for plain x86-64, where Eigen aligns to 16 bytes; another value changes its types.
@@ -54,24 +52,6 @@ fcl::Convexd to_fcl(const PolyhedronMesh& mesh) {
   return fcl::Convexd(vertices, static_cast<int>(mesh.faces.size()), faces, true);
 }
 
-/// What FCL has a shape of its own for.
-template <class S>
-constexpr bool has_fcl_shape = false;
-template <>
-constexpr bool has_fcl_shape<Sphere> = true;
-template <>
-constexpr bool has_fcl_shape<Capsule> = true;
-template <>
-constexpr bool has_fcl_shape<Box> = true;
-template <>
-constexpr bool has_fcl_shape<Cylinder> = true;
-template <>
-constexpr bool has_fcl_shape<Ellipsoid> = true;
-template <>
-constexpr bool has_fcl_shape<Polyhedron> = true;
-template <>
-constexpr bool has_fcl_shape<HalfSpace> = true;
-
 /// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius. It refers to the
 /// shape.
 class FclShape {
@@ -80,7 +60,7 @@ class FclShape {
       : shape_(shape), radius_share_(radius_share), lift_(lift) {
     std::visit(
         [&]<class S>(const S& s) {
-          if constexpr (has_fcl_shape<S>) make(s);
+          if constexpr (requires { make(s); }) make(s);
         },
         shape);
   }
@@ -204,16 +184,6 @@ class FclBackend : public EngineBackend {
   std::string_view name() const override { return "fcl"; }
 
  protected:
-  bool finds_triangles() const override { return true; }
-  void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
-                      std::vector<std::uint32_t>& out) override {
-    meshes_.append_near(mesh, near, out);
-  }
-  void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
-                           double margin, std::vector<TrianglePair>& out) override {
-    meshes_.append_pairs_near(a, pose_a, b, pose_b, margin, out);
-  }
-
   /// Best first: see ask.
   int methods(const Query& q) const override {
     return is<HalfSpace>(q.b) || (is<Box>(q.a) && is<Box>(q.b)) ? 1 : 2;
@@ -241,6 +211,8 @@ class FclBackend : public EngineBackend {
     if (cores) cores->gap -= radii;
     return within(q, cores);
   }
+
+  std::unique_ptr<MeshTree> make_tree(const SharedMesh& mesh) override { return make_fcl_tree(mesh); }
 
  private:
   /// Cores nearer than this (lattice units) are moved apart, along the normal found so far: the normal is the
@@ -327,8 +299,6 @@ class FclBackend : public EngineBackend {
     if (answer) answer->gap += lift;
     return within(q, answer);
   }
-
-  FclMeshes meshes_;
 };
 
 }  // namespace

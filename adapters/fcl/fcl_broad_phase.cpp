@@ -1,9 +1,9 @@
-#include "adapters/fcl/fcl_broad_phase.hpp"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/shape/box.h>
 
 #include "adapters/common/tree_broad_phase.hpp"
+#include "adapters/fcl/fcl.hpp"
 
 // Debian's FCL is built for plain x86-64, where Eigen aligns to 16 bytes; another value changes its types.
 static_assert(EIGEN_MAX_ALIGN_BYTES == 16, "compile this file with EIGEN_MAX_ALIGN_BYTES=16");

@@ -1,4 +1,8 @@
-#include "adapters/fcl/fcl_meshes.hpp"
+// The meshes as FCL has them: its tree says which triangles are near.
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/math/bv/OBB.h>
+
+#include "adapters/fcl/fcl.hpp"
 
 // Debian's FCL is built for plain x86-64, where Eigen aligns to 16 bytes; another value changes its types.
 static_assert(EIGEN_MAX_ALIGN_BYTES == 16, "compile this file with EIGEN_MAX_ALIGN_BYTES=16");
@@ -9,18 +13,18 @@ using namespace rigid;
 
 namespace {
 
-using Box = fcl::OBBd;
-using Model = fcl::BVHModel<Box>;
+using OrientedBox = fcl::OBBd;
+using Model = fcl::BVHModel<OrientedBox>;
 
-Box wider(Box box, double margin) {
+OrientedBox wider(OrientedBox box, double margin) {
   box.extent.array() += margin;
   return box;
 }
 
 /// Calls use(triangle) for the leaves at and below a node that meet the box.
 template <class Use>
-void descend(const Model& model, int at, const Box& box, Use&& use) {
-  const fcl::BVNode<Box>& node = model.getBV(at);
+void descend(const Model& model, int at, const OrientedBox& box, Use&& use) {
+  const fcl::BVNode<OrientedBox>& node = model.getBV(at);
   if (!node.bv.overlap(box)) return;
   if (node.isLeaf()) return use(static_cast<std::uint32_t>(node.primitiveId()));
   descend(model, node.leftChild(), box, use);
@@ -50,39 +54,44 @@ struct Descent {
   }
 };
 
+class FclTree : public MeshTree {
+ public:
+  explicit FclTree(const TriangleMesh& mesh) {
+    std::vector<fcl::Vector3d> corners(mesh.vertices().begin(), mesh.vertices().end());
+    std::vector<fcl::Triangle> triangles;
+    triangles.reserve(mesh.triangles().size());
+    for (const auto& [a, b, c] : mesh.triangles()) triangles.emplace_back(a, b, c);
+    model_.beginModel(static_cast<int>(triangles.size()), static_cast<int>(corners.size()));
+    model_.addSubModel(corners, triangles);
+    model_.endModel();
+  }
+  void append_near(const BoundingBox& near, std::vector<std::uint32_t>& out) override {
+    OrientedBox box;
+    box.axis.setIdentity();
+    box.To = 0.5 * (near.lower + near.upper);
+    box.extent = 0.5 * (near.upper - near.lower);
+    descend(model_, 0, box, [&](std::uint32_t triangle) { out.push_back(triangle); });
+  }
+  void append_pairs_near(MeshTree& other, const Pose& pose, const Pose& pose_of_other, double margin,
+                         std::vector<TrianglePair>& out) override {
+    const Pose seen = pose_of_other.seen_from(pose);
+    const Descent descent{model_,
+                          static_cast<FclTree&>(other).model_,
+                          seen.orientation.toRotationMatrix(),
+                          seen.position,
+                          margin,
+                          out};
+    descent.go(0, 0);
+  }
+
+ private:
+  Model model_;
+};
+
 }  // namespace
 
-FclMeshes::Tree::Tree(const SharedMesh& of) : mesh(of) {
-  std::vector<fcl::Vector3d> corners(of->vertices().begin(), of->vertices().end());
-  std::vector<fcl::Triangle> triangles;
-  triangles.reserve(of->triangles().size());
-  for (const auto& [a, b, c] : of->triangles()) triangles.emplace_back(a, b, c);
-  model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(corners.size()));
-  model.addSubModel(corners, triangles);
-  model.endModel();
-}
-
-FclMeshes::Tree& FclMeshes::tree_of(const SharedMesh& mesh) {
-  auto& tree = trees_[mesh.get()];
-  if (!tree) tree = std::make_unique<Tree>(mesh);
-  return *tree;
-}
-
-void FclMeshes::append_near(const SharedMesh& mesh, const BoundingBox& near,
-                            std::vector<std::uint32_t>& out) {
-  Box box;
-  box.axis.setIdentity();
-  box.To = 0.5 * (near.lower + near.upper);
-  box.extent = 0.5 * (near.upper - near.lower);
-  descend(tree_of(mesh).model, 0, box, [&](std::uint32_t triangle) { out.push_back(triangle); });
-}
-
-void FclMeshes::append_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
-                                  const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
-  const Pose seen = pose_b.seen_from(pose_a);
-  const Descent descent{tree_of(a).model, tree_of(b).model, seen.orientation.toRotationMatrix(),
-                        seen.position,    margin,           out};
-  descent.go(0, 0);
+std::unique_ptr<MeshTree> make_fcl_tree(const SharedMesh& mesh) {
+  return std::make_unique<FclTree>(*mesh);
 }
 
 }  // namespace silt::adapters

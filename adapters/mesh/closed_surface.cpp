@@ -1,10 +1,9 @@
-#include "adapters/mesh/closed_surface.hpp"
+#include "adapters/mesh/soup.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include "rigid/shapes/triangle_mesh.hpp"
@@ -15,8 +14,6 @@ namespace {
 
 using rigid::TriangleMesh;
 using rigid::Vec3;
-using Triangle = std::array<std::uint32_t, 3>;
-
 constexpr std::uint32_t none = ~std::uint32_t{0};
 
 std::string shown(const Vec3& x) {
@@ -25,28 +22,11 @@ std::string shown(const Vec3& x) {
   return text;
 }
 
-/// Side k of a triangle: from its corner k to the next.
-struct Side {
-  std::uint32_t low, high;  // corners
-  std::uint32_t triangle;
-  std::uint32_t k;
-  bool same_edge(const Side& o) const { return low == o.low && high == o.high; }
-};
-
 /// The triangles beyond the sides of each.
 class Neighbours {
  public:
   Neighbours(const Soup& soup, double scale) : beyond_(soup.triangles.size(), {none, none, none}) {
-    std::vector<Side> sides;
-    sides.reserve(3 * soup.triangles.size());
-    for (std::uint32_t t = 0; t < soup.triangles.size(); ++t)
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const auto [low, high] = std::minmax(soup.triangles[t][k], soup.triangles[t][(k + 1) % 3]);
-        sides.push_back({low, high, t, k});
-      }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-      return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-    });
+    const std::vector<rigid::TriangleSide> sides = rigid::sides_of(soup.triangles);
     Faults open, crowded;
     for (std::size_t i = 0; i < sides.size();) {
       std::size_t end = i + 1;
@@ -76,8 +56,8 @@ class Neighbours {
  private:
   struct Faults {
     std::size_t count = 0;
-    Side first{};
-    void add(const Side& side) {
+    rigid::TriangleSide first{};
+    void add(const rigid::TriangleSide& side) {
       if (count++ == 0) first = side;
     }
   };

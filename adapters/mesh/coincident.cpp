@@ -1,4 +1,4 @@
-#include "adapters/mesh/coincident.hpp"
+#include "adapters/mesh/soup.hpp"
 
 #include <algorithm>
 #include <map>
@@ -7,8 +7,6 @@
 namespace silt::adapters {
 
 namespace {
-
-using Triangle = std::array<std::uint32_t, 3>;
 
 Triangle sorted(Triangle t) {
   std::sort(t.begin(), t.end());
@@ -82,7 +80,7 @@ class Verdicts {
 
 }  // namespace
 
-CoincidentCounts leave_out_coincident(std::vector<Triangle>& triangles) {
+void leave_out_coincident(std::vector<Triangle>& triangles, WeldCounts& counts) {
   for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   std::sort(triangles.begin(), triangles.end(), [&](const Triangle& a, const Triangle& b) {
     return std::tuple(sorted(a), a) < std::tuple(sorted(b), b);
@@ -93,9 +91,8 @@ CoincidentCounts leave_out_coincident(std::vector<Triangle>& triangles) {
     while (end < triangles.size() && sorted(triangles[end]) == sorted(triangles[i])) ++end;
     groups.push_back({i, end, end - i == 1 ? Group::stays : Group::undecided});
   }
-  if (groups.size() == triangles.size()) return {};
+  if (groups.size() == triangles.size()) return;
   Verdicts(triangles, groups);
-  CoincidentCounts counts;
   std::vector<Triangle> left;
   for (const Group& group : groups) {
     const bool stays = group.verdict == Group::stays;
@@ -103,7 +100,6 @@ CoincidentCounts leave_out_coincident(std::vector<Triangle>& triangles) {
     (stays ? counts.duplicate : counts.thin) += group.end - group.begin - stays;
   }
   triangles.swap(left);
-  return counts;
 }
 
 }  // namespace silt::adapters

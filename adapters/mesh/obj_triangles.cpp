@@ -1,33 +1,17 @@
-#include "adapters/mesh/obj_triangles.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
-#include "adapters/mesh/polygons.hpp"
-#include "adapters/stl/number_word.hpp"
+#include "adapters/mesh/soup.hpp"
+#include "adapters/mesh/words.hpp"
 
 namespace silt::adapters {
 
 using rigid::Vec3;
 
 namespace {
-
-bool is_space(char c) {
-  return c == ' ' || c == '\t';
-}
-
-/// The words of a line, one after the other; "" at its end.
-std::string_view next_word(std::string_view& line) {
-  while (!line.empty() && is_space(line.front())) line.remove_prefix(1);
-  std::size_t n = 0;
-  while (n < line.size() && !is_space(line[n])) ++n;
-  const std::string_view word = line.substr(0, n);
-  line.remove_prefix(n);
-  return word;
-}
 
 class ObjReader {
  public:

@@ -1,5 +1,3 @@
-#include "adapters/mesh/ply_triangles.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/mesh/polygons.hpp"
-#include "adapters/stl/number_word.hpp"
+#include "adapters/mesh/soup.hpp"
+#include "adapters/mesh/words.hpp"
 
 namespace silt::adapters {
 
@@ -66,10 +64,6 @@ struct Element {
   bool is_strips() const { return name == "tristrips"; }
 };
 
-bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
 /// What follows the header, value by value; in any form.
 class Values {
  public:
@@ -119,15 +113,10 @@ class Values {
     return static_cast<double>(std::bit_cast<Number>(stored));
   }
   double word() {
-    bytes_.remove_prefix(
-        static_cast<std::size_t>(std::find_if_not(bytes_.begin(), bytes_.end(), is_space) - bytes_.begin()));
-    if (bytes_.empty()) cut_off();
-    const auto length =
-        static_cast<std::size_t>(std::find_if(bytes_.begin(), bytes_.end(), is_space) - bytes_.begin());
-    const std::string_view word = bytes_.substr(0, length);
+    const std::string_view word = next_word(bytes_);
+    if (word.empty()) cut_off();
     const auto x = number_in(word);
     if (!x) throw std::invalid_argument("expected a number, found " + shown_word(word));
-    bytes_.remove_prefix(length);
     return *x;
   }
 
@@ -156,14 +145,9 @@ class PlyReader {
   std::vector<std::string> next_line() {
     const std::size_t end = rest_.find(line_end_);
     if (end == rest_.npos) throw std::invalid_argument("its header has no line 'end_header'");
-    std::vector<std::string> words(1);
-    for (const char c : rest_.substr(0, end)) {
-      if (!is_space(c))
-        words.back() += c;
-      else if (!words.back().empty())
-        words.emplace_back();
-    }
-    if (words.back().empty()) words.pop_back();
+    std::vector<std::string> words;
+    std::string_view line = rest_.substr(0, end);
+    for (auto word = next_word(line); !word.empty(); word = next_word(line)) words.emplace_back(word);
     rest_.remove_prefix(end + line_end_.size());
     return words;
   }

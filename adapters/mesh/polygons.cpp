@@ -1,4 +1,4 @@
-#include "adapters/mesh/polygons.hpp"
+#include "adapters/mesh/soup.hpp"
 
 #include <Eigen/Geometry>
 #include <span>

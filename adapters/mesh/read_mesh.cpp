@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
-#include "adapters/mesh/obj_triangles.hpp"
-#include "adapters/mesh/ply_triangles.hpp"
-#include "adapters/stl/foreign_format.hpp"
-#include "adapters/stl/stl_triangles.hpp"
+#include "adapters/mesh/words.hpp"
+#include "adapters/qhull/convex_hull.hpp"
 
 namespace silt::adapters {
 
@@ -20,18 +18,6 @@ using rigid::Vec3;
 
 constexpr double same_corner = 5e-7;  // of the size: a few roundings to single precision
 
-Soup stl_soup(std::string_view bytes) {
-  Soup soup;
-  const StlTriangles read = stl_triangles(bytes);
-  soup.is_single = read.is_binary;
-  for (const Triangle& t : read.triangles) {
-    const auto first = static_cast<std::uint32_t>(soup.points.size());
-    soup.points.insert(soup.points.end(), t.begin(), t.end());
-    soup.triangles.push_back({first, first + 1, first + 2});
-  }
-  return soup;
-}
-
 Soup soup_of(std::string_view name, std::string_view bytes) {
   std::string ending(name.substr(std::min(name.rfind('.'), name.size())));
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -39,8 +25,8 @@ Soup soup_of(std::string_view name, std::string_view bytes) {
   if (ending != ".stl" && ending != ".obj" && ending != ".ply")
     throw std::invalid_argument("its name must end in .stl, .obj or .ply");
   refuse_foreign(bytes);
-  bytes = ending == ".stl" ? bytes : without_mark(bytes);
-  if (ending == ".stl") return stl_soup(bytes);
+  if (ending == ".stl") return stl_triangles(bytes);
+  bytes = without_mark(bytes);
   return ending == ".obj" ? obj_triangles(bytes) : ply_triangles(bytes);
 }
 
@@ -56,6 +42,19 @@ double single_step(const std::vector<Vec3>& points) {
   for (const Vec3& x : points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
   const auto single = static_cast<float>(largest);
   return std::nextafter(single, std::numeric_limits<float>::infinity()) - single;
+}
+
+double area_of(const rigid::TriangleMesh& surface) {
+  double twice = 0;
+  for (std::uint32_t t = 0; t < surface.triangles().size(); ++t) twice += surface.area_normal(t).norm();
+  return twice / 2;
+}
+
+/// How deep a dent in a flat face may be: what single precision leaves.
+double rounding_of(const ReadMesh& read) {
+  constexpr double rounding = 2e-7;  // of the size
+  const rigid::BoundingBox& box = read.surface->box();
+  return std::max(rounding * (box.upper - box.lower).maxCoeff(), read.coordinate_step);
 }
 
 }  // namespace
@@ -90,6 +89,21 @@ ReadMesh read_mesh(std::string_view name, std::string_view bytes, double scale) 
     throw std::invalid_argument(
         "its shells cut one another: what they enclose has no volume; take them apart");
   return read;
+}
+
+ReadPolyhedron read_polyhedron(std::string_view name, std::string_view bytes, double scale) {
+  const ReadMesh read = read_mesh(name, bytes, scale);
+  const auto hull = convex_hull(read.surface->vertices()).mesh;
+  const double volume = read.surface->mass_properties().volume, whole = rigid::integrals(*hull).volume;
+  if (!(std::abs(volume - whole) <= rounding_of(read) * area_of(*read.surface))) {
+    char shown[32];
+    std::snprintf(shown, sizeof shown, "%.6g", volume / whole);
+    throw std::invalid_argument("the surface is not convex: it encloses " + std::string(shown) +
+                                " of the volume of its hull; make the shape a mesh, or cut the body into "
+                                "convex pieces, one file each, and "
+                                "put them together as a compound");
+  }
+  return {hull, read.coordinate_step};
 }
 
 }  // namespace silt::adapters

@@ -1,21 +1,16 @@
 #pragma once
-// A closed surface of triangles out of a file.
-#include <memory>
-#include <string_view>
-
-#include "adapters/mesh/closed_surface.hpp"
-#include "adapters/mesh/welded.hpp"
-#include "rigid/shapes/triangle_mesh.hpp"
+// A closed surface of triangles out of a file, and a convex body.
+#include "adapters/mesh/soup.hpp"
+#include "rigid/shapes/polyhedron_mesh.hpp"
 
 namespace silt::adapters {
 
 struct ReadMesh {
-  std::shared_ptr<const rigid::TriangleMesh> surface;
+  rigid::SharedMesh surface;
   std::size_t triangles = 0;  // of the file
   WeldCounts welded;
   SurfaceCounts closed;
-  double coordinate_step =
-      0;  // between its largest coordinates, if they are in single precision; times `scale`
+  double coordinate_step = 0;  // between its largest coordinates, if in single precision; times `scale`
 };
 
 /// Reads the bytes of an STL, OBJ or PLY file, which of them its name's ending says, every length times
@@ -23,5 +18,14 @@ struct ReadMesh {
 /// std::invalid_argument says what is wrong, with points in the units of the file, and what to do. Memory:
 /// about 300 bytes a triangle, whatever a header claims.
 ReadMesh read_mesh(std::string_view name, std::string_view bytes, double scale);
+
+struct ReadPolyhedron {
+  std::shared_ptr<const rigid::PolyhedronMesh> mesh;
+  double coordinate_step = 0;  // as of ReadMesh
+};
+
+/// Reads a surface likewise, and requires that it is convex: its volume is that of its hull but for what
+/// numbers in single precision leave. Triangles in one plane become one face.
+ReadPolyhedron read_polyhedron(std::string_view name, std::string_view bytes, double scale);
 
 }  // namespace silt::adapters

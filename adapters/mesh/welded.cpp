@@ -1,4 +1,4 @@
-#include "adapters/mesh/welded.hpp"
+#include "adapters/mesh/soup.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,6 @@ namespace silt::adapters {
 using rigid::Vec3;
 
 namespace {
-
-using Triangle = std::array<std::uint32_t, 3>;
 
 bool is_before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
@@ -114,7 +112,7 @@ WeldCounts weld(Soup& soup, double distance) {
     for (std::uint32_t& k : t) k = number[k];
   WeldCounts counts;
   counts.degenerate = leave_out_degenerate(soup.triangles);
-  counts.coincident = leave_out_coincident(soup.triangles);
+  leave_out_coincident(soup.triangles, counts);
   leave_out_unused(soup);
   return counts;
 }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"

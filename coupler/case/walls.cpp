@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "adapters/mesh/read_mesh.hpp"
-#include "adapters/mesh/read_polyhedron.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/csv_reader.hpp"
@@ -67,8 +66,8 @@ std::string contents_of(const adapters::ReadMesh& read) {
   };
   add(read.closed.hollows, "of them hollows");
   add(read.welded.degenerate, "degenerate triangles left out");
-  add(read.welded.coincident.duplicate, "duplicate triangles left out");
-  add(read.welded.coincident.thin, "triangles of fins and membranes left out");
+  add(read.welded.duplicate, "duplicate triangles left out");
+  add(read.welded.thin, "triangles of fins and membranes left out");
   add(read.closed.turned, "triangles turned over");
   return text;
 }

@@ -36,10 +36,6 @@ void collide_convex(const ConvexShape& shape_a, const Pose& pose_a, const Convex
 
 }  // namespace
 
-bool AnalyticBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
-  return !std::holds_alternative<HalfSpace>(a) && has_codes(a) && has_codes(b);
-}
-
 void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
                               const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
   ++counters_.queries;

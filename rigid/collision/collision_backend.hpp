@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
-#include "rigid/collision/triangle_search.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::rigid {
+
+using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
 /// What the narrow phase was asked, and of that what an engine did. A query that is neither answered nor
 /// refined is ours, checked by the engine or not.
@@ -26,7 +28,9 @@ class CollisionBackend {
  public:
   virtual ~CollisionBackend() = default;
   virtual std::string_view name() const = 0;
-  virtual bool supports(const ConvexShape& a, const ConvexShape& b) const = 0;
+  /// Whether collide() answers the pair: every bounded convex shape against every convex shape, polyhedra of
+  /// up to some 10000 vertices (has_codes).
+  bool supports(const ConvexShape& a, const ConvexShape& b) const;
   /// Appends every contact point with gap <= tolerance (lattice units) between a and b. Poses are relative to
   /// the first *body* (small numbers). A pure function of its arguments: no state is kept from query to
   /// query. A flat face on a flat face or plane gives at least the corners of the common patch (4 for boxes).
@@ -34,36 +38,22 @@ class CollisionBackend {
   virtual void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
                        double tolerance, std::vector<ContactPoint>& out) = 0;
 
-  using SharedMesh = std::shared_ptr<const TriangleMesh>;
   /// Appends, in any order, each once, at least the triangles that reach into `near` (frame of the mesh).
-  void triangles_near(const SharedMesh& mesh, const BoundingBox& near, std::vector<std::uint32_t>& out) {
-    ++counters_.queries;
-    counters_.answered += finds_triangles();
-    find_triangles(mesh, near, out);
-  }
+  void triangles_near(const SharedMesh& mesh, const BoundingBox& near, std::vector<std::uint32_t>& out);
   /// Appends, in any order, each once, at least the pairs of triangles no further apart than `margin`
   /// (lattice units).
   void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
-                           double margin, std::vector<TrianglePair>& out) {
-    ++counters_.queries;
-    counters_.answered += finds_triangles();
-    find_triangle_pairs(a, pose_a, b, pose_b, margin, out);
-  }
+                           double margin, std::vector<TrianglePair>& out);
   const BackendCounters& counters() const { return counters_; }
 
  protected:
   /// Whether an engine's tree answers the two below.
   virtual bool finds_triangles() const { return false; }
-  /// What answers triangles_near and triangle_pairs_near: the mesh's own tree; an engine asks its own, made
-  /// once for a mesh.
+  /// What answers triangles_near and triangle_pairs_near: the mesh's own tree of boxes, if no engine's.
   virtual void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
-                              std::vector<std::uint32_t>& out) {
-    append_triangles_near(*mesh, near, out);
-  }
+                              std::vector<std::uint32_t>& out);
   virtual void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
-                                   const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
-    append_triangle_pairs_near(*a, pose_a, *b, pose_b, margin, out);
-  }
+                                   const Pose& pose_b, double margin, std::vector<TrianglePair>& out);
 
   BackendCounters counters_;
 };

@@ -11,11 +11,6 @@ namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-struct Side {
-  std::uint32_t low, high, triangle, k;
-  auto operator<=>(const Side&) const = default;
-};
-
 using Triangles = std::vector<TriangleMesh::Triangle>;
 
 Triangles fans_of(const PolyhedronMesh& mesh) {
@@ -77,20 +72,13 @@ std::uint32_t MeshFeatures::third_corner(std::uint32_t triangle, std::uint32_t l
 /// Of an edge of four triangles two and two are taken together.
 void MeshFeatures::find_edges() {
   const auto triangles = surface().triangles();
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
-      sides.push_back({low, high, t, k});
-    }
-  std::sort(sides.begin(), sides.end());
+  const std::vector<TriangleSide> sides = sides_of(triangles);
   edges_.reserve(sides.size() / 2);
   edges_of_.resize(triangles.size());
   for (std::size_t i = 0; i < sides.size();) {
-    const Side& s = sides[i];
-    const bool pair = i + 1 < sides.size() && sides[i + 1].low == s.low && sides[i + 1].high == s.high;
-    const Side& r = sides[i + pair];
+    const TriangleSide& s = sides[i];
+    const bool pair = i + 1 < sides.size() && sides[i + 1].same_edge(s);
+    const TriangleSide& r = sides[i + pair];
     const auto e = static_cast<std::uint32_t>(edges_.size());
     edges_.push_back({s.low,
                       s.high,

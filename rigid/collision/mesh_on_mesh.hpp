@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
+#include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/mesh_features.hpp"
-#include "rigid/collision/triangle_search.hpp"
 
 namespace silt::rigid {
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -88,5 +89,17 @@ class TriangleMesh {
   double radius_ = 0;
   BoxTree tree_;
 };
+
+/// Side k of a triangle: from its corner k to the next.
+struct TriangleSide {
+  std::uint32_t low, high;  // corners
+  std::uint32_t triangle, k;
+  auto operator<=>(const TriangleSide&) const = default;
+  bool same_edge(const TriangleSide& o) const { return low == o.low && high == o.high; }
+};
+/// All sides of triangles, those of one edge one after the other.
+std::vector<TriangleSide> sides_of(std::span<const TriangleMesh::Triangle>);
+
+using SharedMesh = std::shared_ptr<const TriangleMesh>;
 
 }  // namespace silt::rigid

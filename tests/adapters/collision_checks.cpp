@@ -22,6 +22,7 @@ class Parrot : public adapters::EngineBackend {
  protected:
   int methods(const Query&) const override { return 2; }
   std::optional<Answer> ask(int, const Query&) override { return answer_; }
+  std::unique_ptr<adapters::MeshTree> make_tree(const rigid::SharedMesh&) override { return nullptr; }
 
  private:
   std::optional<Answer> answer_;

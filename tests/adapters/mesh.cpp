@@ -131,8 +131,8 @@ TEST(ReadMesh, EveryFormatHoldsTheCube) {
     EXPECT_EQ(read.surface->vertices().size(), 8u);
     EXPECT_NEAR(read.surface->mass_properties().volume, 8, 1e-14);
     EXPECT_EQ(read.closed.shells, 1u);
-    EXPECT_EQ(read.closed.turned + read.closed.hollows + read.welded.degenerate +
-                  read.welded.coincident.duplicate + read.welded.coincident.thin,
+    EXPECT_EQ(read.closed.turned + read.closed.hollows + read.welded.degenerate + read.welded.duplicate +
+                  read.welded.thin,
               0u);
   }
 }
@@ -153,7 +153,7 @@ TEST(ReadMesh, DefectsAreMendedAndCounted) {
   triangles.push_back({0, 0, 1});
   const ReadMesh read = read_mesh("a.obj", obj_of({{}}, triangles), 1);
   EXPECT_EQ(read.closed.turned, 2u);
-  EXPECT_EQ(read.welded.coincident.duplicate, 1u);
+  EXPECT_EQ(read.welded.duplicate, 1u);
   EXPECT_EQ(read.welded.degenerate, 1u);
   EXPECT_NEAR(read.surface->mass_properties().volume, 1, 1e-15);
   for (auto& t : triangles) std::swap(t[0], t[1]);
@@ -169,26 +169,26 @@ TEST(ReadMesh, SheetsOfNoThicknessAreLeftOut) {
   };
   const auto cube = indexed_cube();
   ReadMesh found = read_mesh("a.obj", "v -1 -1 2\n" + obj_of({{}}, cube) + "f 1 -8 -7\nf -8 1 -7\n", 1);
-  EXPECT_EQ(found.welded.coincident.thin, 2u);
+  EXPECT_EQ(found.welded.thin, 2u);
   EXPECT_EQ(found.surface->triangles().size(), 12u);
   EXPECT_NEAR(found.surface->mass_properties().volume, 1, 1e-15);
   found = read_mesh("a.obj", obj_of({{}, {{1, 0, 0}, 1}}), 1);  // the square between them, of four triangles
-  EXPECT_EQ(found.welded.coincident.thin, 4u);
+  EXPECT_EQ(found.welded.thin, 4u);
   EXPECT_EQ(found.closed.shells, 1u);
   EXPECT_NEAR(found.surface->mass_properties().volume, 2, 1e-15);
   found = read_mesh("a.obj", obj_of({{}}) + "v 5 5 5\nv 6 5 5\nv 5 6 5\nf -1 -2 -3\nf -3 -2 -1\n", 1);
-  EXPECT_EQ(found.welded.coincident.thin, 2u);
+  EXPECT_EQ(found.welded.thin, 2u);
   EXPECT_NEAR(found.surface->mass_properties().volume, 1, 1e-15);
   auto doubled = cube;
   for (const auto& [a, b, c] : cube) doubled.push_back({a, c, b});
   found = read(doubled, "");
-  EXPECT_EQ(found.welded.coincident.duplicate, 12u);
+  EXPECT_EQ(found.welded.duplicate, 12u);
   EXPECT_NEAR(found.surface->mass_properties().volume, 1, 1e-15);
   for (std::size_t missing = 12; missing < 24; ++missing) {  // a patch of any of them
     auto patch = doubled;
     patch.erase(patch.begin() + static_cast<std::ptrdiff_t>(missing), patch.end());
     found = read(patch, "");
-    EXPECT_EQ(found.welded.coincident.duplicate, missing - 12);
+    EXPECT_EQ(found.welded.duplicate, missing - 12);
     EXPECT_NEAR(found.surface->mass_properties().volume, 1, 1e-15);
   }
 }

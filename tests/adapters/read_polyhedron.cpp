@@ -5,34 +5,34 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/mesh/read_polyhedron.hpp"
-#include "adapters/stl/stl_triangles.hpp"
+#include "adapters/mesh/read_mesh.hpp"
 
 namespace silt::adapters {
 namespace {
 
 using rigid::Vec3;
+using Facet = std::array<Vec3, 3>;
 
 /// The unit cube in 12 triangles, its corners seen through a map.
 template <class Map>
-std::vector<Triangle> cube_triangles(Map&& map) {
+std::vector<Facet> cube_triangles(Map&& map) {
   const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                              {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   const auto corner = [&](int i) -> Vec3 { return map(Vec3(i & 1, i >> 1 & 1, i >> 2 & 1)); };
-  std::vector<Triangle> triangles;
+  std::vector<Facet> triangles;
   for (const auto& s : squares) {
     triangles.push_back({corner(s[0]), corner(s[1]), corner(s[2])});
     triangles.push_back({corner(s[0]), corner(s[2]), corner(s[3])});
   }
   return triangles;
 }
-std::vector<Triangle> cube_triangles() {
+std::vector<Facet> cube_triangles() {
   return cube_triangles([](const Vec3& x) { return x; });
 }
 
-std::string as_text(const std::vector<Triangle>& triangles, const char* newline = "\n") {
+std::string as_text(const std::vector<Facet>& triangles, const char* newline = "\n") {
   std::string text = std::string("solid a cube") + newline;
-  for (const Triangle& t : triangles) {
+  for (const Facet& t : triangles) {
     text += std::string("facet normal 0 0 0") + newline + " outer loop" + newline;
     for (const Vec3& v : t) {
       char line[100];
@@ -44,12 +44,12 @@ std::string as_text(const std::vector<Triangle>& triangles, const char* newline 
   return text + "endsolid a cube" + newline;
 }
 
-std::string as_binary(const std::vector<Triangle>& triangles, const char* header = "binary") {
+std::string as_binary(const std::vector<Facet>& triangles, const char* header = "binary") {
   std::string bytes = header;
   bytes.resize(80);
   const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
   put(static_cast<std::uint32_t>(triangles.size()));
-  for (const Triangle& t : triangles) {
+  for (const Facet& t : triangles) {
     for (int k = 0; k < 3; ++k) put(0.f);
     for (const Vec3& v : t)
       for (int d = 0; d < 3; ++d) put(static_cast<float>(v[d]));
@@ -78,8 +78,8 @@ TEST(ReadPolyhedron, TextAndBinaryGiveTheSameBody) {
     EXPECT_EQ(mesh->faces.size(), 6u) << "two triangles a face, put together";
     EXPECT_NEAR(rigid::integrals(*mesh).volume, 8, 1e-5);
   }
-  EXPECT_EQ(stl_triangles(as_text(cube_triangles())).triangles,
-            stl_triangles(as_binary(cube_triangles())).triangles);
+  EXPECT_EQ(stl_triangles(as_text(cube_triangles())).points,
+            stl_triangles(as_binary(cube_triangles())).points);
 }
 
 TEST(ReadPolyhedron, CornersAreWeldedAndTurnedOverBodiesTaken) {
@@ -88,7 +88,7 @@ TEST(ReadPolyhedron, CornersAreWeldedAndTurnedOverBodiesTaken) {
     for (int k = 0; k < 3; ++k) shaken[t][k][(t + k) % 3] += 1e-7 * ((t * k) % 3);
   EXPECT_EQ(read_polyhedron("a.stl", as_text(shaken), 1).mesh->vertices.size(), 8u);
   auto inside_out = cube_triangles();
-  for (Triangle& t : inside_out) std::swap(t[0], t[1]);
+  for (Facet& t : inside_out) std::swap(t[0], t[1]);
   EXPECT_EQ(read_polyhedron("a.stl", as_text(inside_out), 1).mesh->faces.size(), 6u);
   auto turned = cube_triangles();
   std::swap(turned[3][0], turned[3][1]);

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
 #include "tests/bench/figures.hpp"
 
 namespace silt::bench {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <memory>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/mapping/body_changes.hpp"
 #include "coupler/run/run.hpp"

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "adapters/mesh/read_polyhedron.hpp"
+#include "adapters/mesh/read_mesh.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   for (const char* name : {"a.stl", "a.obj", "a.ply"}) try {

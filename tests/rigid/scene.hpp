@@ -2,7 +2,6 @@
 // What the tests of rigid/ share: a small world, bodies put into it, and steps.
 #include <memory>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"

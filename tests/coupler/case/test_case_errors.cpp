@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"

@@ -29,9 +29,6 @@ class OffByABit : public rigid::CollisionBackend {
  public:
   bool wrong = false;
   std::string_view name() const override { return "off by a bit"; }
-  bool supports(const rigid::ConvexShape& a, const rigid::ConvexShape& b) const override {
-    return right_->supports(a, b);
-  }
   void collide(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
                const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override {
     const std::size_t first = out.size();

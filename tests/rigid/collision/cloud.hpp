@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "adapters/automatic/broad_phase_factory.hpp"
+#include "adapters/automatic/collision_factory.hpp"
 
 namespace silt::rigid::testing {
 

@@ -1,4 +1,6 @@
-#include "rigid/collision/triangle_search.hpp"
+#include "rigid/collision/collision_backend.hpp"
+
+#include "rigid/collision/convex_core.hpp"
 
 namespace silt::rigid {
 
@@ -63,14 +65,34 @@ class PairSearch {
 
 }  // namespace
 
-void append_triangles_near(const TriangleMesh& mesh, const BoundingBox& near,
-                           std::vector<std::uint32_t>& out) {
-  mesh.for_near(near, [&](std::uint32_t t) { out.push_back(t); });
+bool CollisionBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
+  return !std::holds_alternative<HalfSpace>(a) && has_codes(a) && has_codes(b);
 }
 
-void append_triangle_pairs_near(const TriangleMesh& a, const Pose& pose_a, const TriangleMesh& b,
-                                const Pose& pose_b, double margin, std::vector<TrianglePair>& out) {
-  PairSearch(a, pose_a, b, pose_b, margin, out).descend(0, 0);
+void CollisionBackend::triangles_near(const SharedMesh& mesh, const BoundingBox& near,
+                                      std::vector<std::uint32_t>& out) {
+  ++counters_.queries;
+  counters_.answered += finds_triangles();
+  find_triangles(mesh, near, out);
+}
+
+void CollisionBackend::triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+                                           const Pose& pose_b, double margin,
+                                           std::vector<TrianglePair>& out) {
+  ++counters_.queries;
+  counters_.answered += finds_triangles();
+  find_triangle_pairs(a, pose_a, b, pose_b, margin, out);
+}
+
+void CollisionBackend::find_triangles(const SharedMesh& mesh, const BoundingBox& near,
+                                      std::vector<std::uint32_t>& out) {
+  mesh->for_near(near, [&](std::uint32_t t) { out.push_back(t); });
+}
+
+void CollisionBackend::find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
+                                           const Pose& pose_b, double margin,
+                                           std::vector<TrianglePair>& out) {
+  PairSearch(*a, pose_a, *b, pose_b, margin, out).descend(0, 0);
 }
 
 }  // namespace silt::rigid

@@ -1,16 +1,12 @@
-#include "adapters/stl/stl_triangles.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <stdexcept>
-#include <string>
 
-#include "adapters/stl/foreign_format.hpp"
-#include "adapters/stl/number_word.hpp"
+#include "adapters/mesh/soup.hpp"
+#include "adapters/mesh/words.hpp"
 
 namespace silt::adapters {
 
@@ -35,18 +31,29 @@ std::size_t binary_length(std::uint32_t count) {
   return first_triangle + triangle_bytes * count;
 }
 
-StlTriangles from_binary(std::string_view bytes, bool is_swapped) {
-  StlTriangles read{std::vector<Triangle>(triangle_count(bytes, is_swapped)), true};
+/// Adds a triangle of the three points that were added last.
+void close_triangle(Soup& soup) {
+  const auto end = static_cast<std::uint32_t>(soup.points.size());
+  soup.triangles.push_back({end - 3, end - 2, end - 1});
+}
+
+Soup from_binary(std::string_view bytes, bool is_swapped) {
+  Soup soup;
+  soup.is_single = true;
+  const std::uint32_t count = triangle_count(bytes, is_swapped);
   const char* at = bytes.data() + first_triangle;
-  for (std::size_t t = 0; t < read.triangles.size(); ++t, at += triangle_bytes)
+  for (std::uint32_t t = 0; t < count; ++t, at += triangle_bytes) {
     for (int k = 0; k < 9; ++k) {
       const float x =
           std::bit_cast<float>(word_at(at + (3 + k) * sizeof(float), is_swapped));  // behind the normal
       if (!std::isfinite(x))
         throw std::invalid_argument("triangle " + std::to_string(t) + " has a coordinate that is not finite");
-      read.triangles[t][k / 3][k % 3] = x;
+      if (k % 3 == 0) soup.points.emplace_back();
+      soup.points.back()[k % 3] = x;
     }
-  return read;
+    close_triangle(soup);
+  }
+  return soup;
 }
 
 /// Of a binary file whose length is not what its count says.
@@ -64,30 +71,27 @@ StlTriangles from_binary(std::string_view bytes, bool is_swapped) {
   throw std::invalid_argument("it is no STL, or cut off: " + is);
 }
 
-/// The words of a text, without regard to case, and the line they stand in.
+/// The words of a text, without regard to case.
 class Words {
  public:
-  explicit Words(std::string_view text) : text_(text) {}
+  explicit Words(std::string_view text) : text_(text), rest_(text) {}
 
   std::string next() {
-    while (at_ < text_.size() && is_space(text_[at_])) pass();
-    std::string word;
-    while (at_ < text_.size() && !is_space(text_[at_]))
-      word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_++])));
+    std::string word(next_word(rest_));
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return word;
   }
   /// Goes to the end of the line, or where in it a facet begins: all may stand in one line.
   void skip_name() {
-    Words ahead = *this;
-    ahead.text_ = text_.substr(0, std::min(text_.find_first_of("\r\n", at_), text_.size()));
-    for (at_ = ahead.at_; at_ < ahead.text_.size(); at_ = ahead.at_) {
-      const std::size_t before = ahead.at_;
-      if (ahead.next() != "facet") continue;
-      Words facet = ahead;
+    const std::size_t length = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    Words line(rest_.substr(0, length));
+    for (std::string_view from = line.rest_; !from.empty(); from = line.rest_) {
+      if (line.next() != "facet") continue;
+      Words facet = line;
       if (facet.next() != "normal" || !number_in(facet.next())) continue;
-      at_ = before;
-      return;
+      return rest_.remove_prefix(length - from.size());
     }
+    rest_.remove_prefix(length);
   }
   void expect(const char* wanted) {
     const std::string word = next();
@@ -107,24 +111,19 @@ class Words {
   [[noreturn]] void fail(const std::string& wanted, const std::string& found) const {
     refuse("expected " + wanted + ", found " + shown_word(found));
   }
+  /// Lines end with a line feed, a carriage return, or both.
   [[noreturn]] void refuse(const std::string& text) const {
-    throw std::invalid_argument("line " + std::to_string(line_) + ": " + text);
+    int line = 1;
+    for (std::size_t k = 0; k < text_.size() - rest_.size(); ++k)
+      line += text_[k] == '\r' || (text_[k] == '\n' && (k == 0 || text_[k - 1] != '\r'));
+    throw std::invalid_argument("line " + std::to_string(line) + ": " + text);
   }
 
  private:
-  static bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)); }
-  /// Lines end with a line feed, a carriage return, or both.
-  void pass() {
-    const char c = text_[at_++];
-    line_ += c == '\n' ? (at_ < 2 || text_[at_ - 2] != '\r') : c == '\r';
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-  int line_ = 1;
+  std::string_view text_, rest_;
 };
 
-Triangle facet(Words& words) {
+void add_facet(Words& words, Soup& soup) {
   std::string word = words.next();
   if (word == "normal") {
     for (int d = 0; d < 3; ++d) words.skip_number();
@@ -132,20 +131,20 @@ Triangle facet(Words& words) {
   }
   if (word != "outer") words.fail("'outer'", word);
   words.expect("loop");
-  Triangle triangle;
-  for (rigid::Vec3& corner : triangle) {
+  for (int corner = 0; corner < 3; ++corner) {
     words.expect("vertex");
-    for (int d = 0; d < 3; ++d) corner[d] = words.number();
+    rigid::Vec3& x = soup.points.emplace_back();
+    for (int d = 0; d < 3; ++d) x[d] = words.number();
   }
   word = words.next();
   if (word == "vertex") words.refuse("the facet has more than three vertices; divide it into triangles");
   if (word != "endloop") words.fail("'endloop'", word);
   words.expect("endfacet");
-  return triangle;
+  close_triangle(soup);
 }
 
-StlTriangles from_text(std::string_view text) {
-  StlTriangles read;
+Soup from_text(std::string_view text) {
+  Soup soup;
   Words words(text);
   words.expect("solid");
   words.skip_name();
@@ -156,7 +155,7 @@ StlTriangles from_text(std::string_view text) {
     } else if (word == "endsolid" && is_open) {
       words.skip_name(), is_open = false;
     } else if (word == "facet") {
-      read.triangles.push_back(facet(words)), is_open = true;
+      add_facet(words, soup), is_open = true;
     } else if ((word == "color" || word == "colour") && is_open) {
       for (int d = 0; d < 3; ++d) words.skip_number();
     } else {
@@ -164,7 +163,7 @@ StlTriangles from_text(std::string_view text) {
     }
   }
   if (is_open) words.fail("'facet' or 'endsolid' (the file is cut off)", "");
-  return read;
+  return soup;
 }
 
 bool is_text(std::string_view bytes) {
@@ -176,7 +175,7 @@ bool is_text(std::string_view bytes) {
 
 }  // namespace
 
-StlTriangles stl_triangles(std::string_view bytes) {
+Soup stl_triangles(std::string_view bytes) {
   refuse_foreign(bytes);
   const bool has_count = bytes.size() >= first_triangle;
   for (const bool is_swapped : {false, true})
