@@ -26,8 +26,9 @@ bool supported(const Query& q, const std::vector<ContactPoint>& points, std::siz
 bool needs_search(const ConvexShape& a, const ConvexShape& b) {
   if (std::holds_alternative<Sphere>(a) && std::holds_alternative<Sphere>(b)) return false;
   if (std::holds_alternative<HalfSpace>(b)) return false;
+  const auto is_box = [](const ConvexShape& s) { return convex_core(s, Pose{}).is_box; };
   const bool with_sphere = std::holds_alternative<Sphere>(a) || std::holds_alternative<Sphere>(b);
-  return !(with_sphere && has_rounded_box(a) && has_rounded_box(b));
+  return !(with_sphere && is_box(a) && is_box(b));
 }
 
 }  // namespace

@@ -2,9 +2,6 @@
 
 #include <cmath>
 
-#include "rigid/collision/convex_manifold.hpp"
-#include "rigid/collision/deepest.hpp"
-#include "rigid/collision/deepest_direction.hpp"
 #include "rigid/collision/manifold.hpp"
 
 namespace silt::adapters {
@@ -15,7 +12,7 @@ namespace {
 
 /// Whether `answer` is the pair's separation: attained by the supporting planes, exceeded in no direction.
 /// Sets the gap to that of the supporting planes, so that the two agree to the last bit the arithmetic has.
-bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer& answer) {
+bool confirmed(const Query& q, const ConvexCore& a, const ConvexCore& b, Answer& answer) {
   const double slack = answer_tolerance * length_scale(a, b);
   if (!(std::abs(answer.normal.squaredNorm() - 1) < 1e-6)) return false;  // also refuses NaN
   answer.normal.normalize();
@@ -34,7 +31,7 @@ bool confirmed(const Query& q, const RoundedBox& a, const RoundedBox& b, Answer&
 }
 
 /// Whether no contact is right.
-bool confirmed_apart(const RoundedBox& a, const RoundedBox& b, double tolerance) {
+bool confirmed_apart(const ConvexCore& a, const ConvexCore& b, double tolerance) {
   const double slack = answer_tolerance * length_scale(a, b);
   return best_separating_axis(a, b).core_gap - a.radius - b.radius > tolerance - slack ||
          !deepest_separation(a, b, tolerance - slack);
@@ -69,39 +66,35 @@ void EngineBackend::collide(const ConvexShape& shape_a, const Pose& pose_a, cons
                             const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {
   ++counters_.queries;
   const Query q{shape_a, shape_b, pose_a, pose_b, tolerance};
-  const auto* wall = std::get_if<HalfSpace>(&shape_b);
-  if (!wall && has_rounded_box(shape_a) && has_rounded_box(shape_b)) return collide_boxes(q, out);
-  if (!wall) return collide_convex(q, out);
-  check_plane(q);
-  const Vec3 outward = pose_b.orientation * wall->normal;
-  if (has_rounded_box(shape_a))
-    append_plane_manifold(rounded_box(shape_a, pose_a), pose_b.position, outward, tolerance, out);
-  else
-    append_convex_plane_manifold(convex_core(shape_a, pose_a), pose_b.position, outward, tolerance, out);
+  const ConvexCore a = convex_core(shape_a, pose_a);
+  if (const auto* wall = std::get_if<HalfSpace>(&shape_b)) {
+    check_plane(q);
+    return append_plane_manifold(a, pose_b.position, pose_b.orientation * wall->normal, tolerance, out);
+  }
+  const ConvexCore b = convex_core(shape_b, pose_b);
+  a.is_box&& b.is_box ? collide_boxes(q, a, b, out) : collide_convex(q, a, b, out);
 }
 
-void EngineBackend::collide_boxes(const Query& q, std::vector<ContactPoint>& out) {
-  const RoundedBox a = rounded_box(q.a, q.pose_a), b = rounded_box(q.b, q.pose_b);
+void EngineBackend::collide_boxes(const Query& q, const ConvexCore& a, const ConvexCore& b,
+                                  std::vector<ContactPoint>& out) {
   const double radii = a.radius + b.radius, tolerance = q.tolerance;
   for (int method = 0; method < methods(q); ++method) {
     std::optional<Answer> answer = ask(method, q);
     if (answer ? confirmed(q, a, b, *answer) : confirmed_apart(a, b, tolerance)) {
       ++counters_.answered;
-      if (answer) append_manifold(a, b, answer->normal, answer->gap + radii, tolerance, out);
+      if (answer) append_box_manifold(a, b, {answer->normal, answer->gap + radii}, tolerance, out);
       return;
     }
     ++counters_.fallbacks;
   }
   if (const auto deepest = deepest_separation(a, b, tolerance))
-    append_manifold(a, b, deepest->normal, deepest->core_gap, tolerance, out);
+    append_box_manifold(a, b, *deepest, tolerance, out);
 }
 
-void EngineBackend::collide_convex(const Query& q, std::vector<ContactPoint>& out) {
-  const ConvexCore a = convex_core(q.a, q.pose_a), b = convex_core(q.b, q.pose_b);
+void EngineBackend::collide_convex(const Query& q, const ConvexCore& a, const ConvexCore& b,
+                                   std::vector<ContactPoint>& out) {
   const double radii = a.radius + b.radius, slack = curved_tolerance * length_scale(a, b);
-  const auto append = [&](const Approach& found) {
-    append_convex_manifold(a, b, found.peak.normal, found.peak.core_gap, found.where, q.tolerance, out);
-  };
+  const auto append = [&](const Approach& found) { append_manifold(a, b, found, q.tolerance, out); };
   for (int method = 0; method < methods(q); ++method) {
     const std::optional<Answer> answer = ask(method, q);
     if (!answer) {

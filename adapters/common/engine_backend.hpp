@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "rigid/collision/collision_backend.hpp"
-#include "rigid/collision/rounded_box.hpp"
+#include "rigid/collision/convex_core.hpp"
 
 namespace silt::adapters {
 
@@ -21,7 +21,7 @@ inline constexpr double snap_angle = 1e-7;
 /// of curved shapes to 1e-4 or worse, the gap to 1e-5.
 inline constexpr double curved_tolerance = 1e-5;
 
-/// A pair as asked; the cores are those of rounded_box (b's is of no use for a half-space).
+/// A pair as asked.
 struct Query {
   const rigid::ConvexShape &a, &b;
   const rigid::Pose &pose_a, &pose_b;
@@ -78,8 +78,10 @@ class EngineBackend : public rigid::CollisionBackend {
                            const rigid::Pose& pose_b, double margin,
                            std::vector<rigid::TrianglePair>& out) override;
   MeshTree& tree_of(const SharedMesh&);
-  void collide_boxes(const Query&, std::vector<rigid::ContactPoint>& out);
-  void collide_convex(const Query&, std::vector<rigid::ContactPoint>& out);
+  void collide_boxes(const Query&, const rigid::ConvexCore& a, const rigid::ConvexCore& b,
+                     std::vector<rigid::ContactPoint>& out);
+  void collide_convex(const Query&, const rigid::ConvexCore& a, const rigid::ConvexCore& b,
+                      std::vector<rigid::ContactPoint>& out);
   /// Asks the engine about a half-space and counts where it is wrong.
   void check_plane(const Query&);
 

@@ -26,7 +26,7 @@
 #include "rigid/bodies/sleep_rule.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/response/contact_resolver.hpp"
-#include "rigid/shapes/shape_list.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::coupler {
 

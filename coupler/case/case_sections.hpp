@@ -10,7 +10,7 @@
 #include "coupler/case/key_table.hpp"
 #include "rigid/bodies/wall_motion.hpp"
 #include "rigid/shapes/polyhedron_mesh.hpp"
-#include "rigid/shapes/shape_list.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::coupler {
 

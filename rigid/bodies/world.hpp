@@ -6,7 +6,7 @@
 
 #include "rigid/bodies/lubrication.hpp"
 #include "rigid/bodies/sleep_rule.hpp"
-#include "rigid/shapes/shape_list.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {
 

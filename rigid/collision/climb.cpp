@@ -1,8 +1,6 @@
-#include "rigid/collision/climb.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 #include <cmath>
-#include <limits>
-#include <optional>
 #include <utility>
 
 namespace silt::rigid {

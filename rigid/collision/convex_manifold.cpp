@@ -1,12 +1,10 @@
-#include "rigid/collision/convex_manifold.hpp"
+#include "rigid/collision/manifold.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
-
-#include "rigid/collision/reduce_manifold.hpp"
 
 namespace silt::rigid {
 
@@ -25,15 +23,19 @@ std::uint32_t pair_code(std::uint32_t of_a, std::uint32_t of_b) {
   return of_a << 16 | of_b;
 }
 
-/// A contact as seen from the first of the two, or with the two exchanged.
-void add(std::vector<ContactPoint>& points, const Vec3& on_first, const Vec3& m, double gap,
-         std::uint32_t first, std::uint32_t second, bool swap) {
-  const Vec3 on_second = on_first + gap * m;
-  if (!swap)
-    add_unique(points, {on_first, on_second, m, gap, pair_code(first, second)});
-  else
-    add_unique(points, {on_second, on_first, -m, gap, pair_code(second, first)});
-}
+/// Contact points as seen from the first of the two bodies, or with the two exchanged.
+struct SeenPoints {
+  std::vector<ContactPoint>& points;
+  bool swap;
+
+  void add(const Vec3& on_first, const Vec3& m, double gap, std::uint32_t first, std::uint32_t second) const {
+    const Vec3 on_second = on_first + gap * m;
+    if (!swap)
+      add_unique(points, {on_first, on_second, m, gap, pair_code(first, second)});
+    else
+      add_unique(points, {on_second, on_first, -m, gap, pair_code(second, first)});
+  }
+};
 
 Vec3 cut(const Vec3& x, const Vec3& y, double d_x, double d_y) {
   return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
@@ -82,7 +84,7 @@ std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m
 }
 
 void line_on_face(const ConvexCore& core, const ContactOutline& line, const ContactOutline& face,
-                  const Vec3& m, bool swap, double slack, std::vector<ContactPoint>& points) {
+                  const Vec3& m, double slack, const SeenPoints& points) {
   if (-face.normal.dot(m) < oblique_cosine) return;
   const Prism prism(face, m);
   std::array<Vec3, 2> end{line.corners[0].x, line.corners[1].x};
@@ -99,8 +101,7 @@ void line_on_face(const ConvexCore& core, const ContactOutline& line, const Cont
     if (!offset) continue;
     const Vec3 surface = end[e] + *offset * m;
     // both ends cut: the features of the face tell them apart
-    add(points, surface, m, face.height(surface, m), code[e], code_under(face, prism, end[e], 10 * slack),
-        swap);
+    points.add(surface, m, face.height(surface, m), code[e], code_under(face, prism, end[e], 10 * slack));
   }
 }
 
@@ -111,8 +112,7 @@ double barrel_radius(const ConvexCore& core, const ContactOutline& line) {
 
 /// The points at the ends of a's barrel, along its own normal there to the barrel of b.
 void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
-                      const ContactOutline& line_b, const Vec3& n, bool swap,
-                      std::vector<ContactPoint>& points) {
+                      const ContactOutline& line_b, const Vec3& n, const SeenPoints& points) {
   const Vec3 u = a.axes.col(2), v = b.axes.col(2);
   const Vec3 m = (n - n.dot(u) * u).normalized();
   if (!(m.dot(n) >= same_side_cosine)) return;
@@ -127,7 +127,7 @@ void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const C
     if (std::abs(t) > half * (1 + length_rounding)) continue;
     const std::uint32_t code_b =
         std::abs(t) < half * (1 - length_rounding) ? line_b.code : line_b.corners[t > 0].code;
-    add(points, x, m, gap, line_a.corners[e].code, code_b, swap);
+    points.add(x, m, gap, line_a.corners[e].code, code_b);
   }
 }
 
@@ -135,8 +135,8 @@ void line_on_line(const ConvexCore& a, const ContactOutline& line_a, const Conve
                   const ContactOutline& line_b, const Vec3& n, std::vector<ContactPoint>& points) {
   if (!(barrel_radius(a, line_a) > 0 && barrel_radius(b, line_b) > 0)) return;
   if (a.axes.col(2).cross(b.axes.col(2)).norm() > parallel_lines_sine) return;
-  ends_over_barrel(a, line_a, b, line_b, n, false, points);
-  ends_over_barrel(b, line_b, a, line_a, -n, true, points);
+  ends_over_barrel(a, line_a, b, line_b, n, {points, false});
+  ends_over_barrel(b, line_b, a, line_a, -n, {points, true});
 }
 
 void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double slack,
@@ -147,17 +147,20 @@ void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double
   if (of_a.is_face() && of_b.is_face())
     face_on_face(of_a, of_b, n, slack, points);
   else if (of_a.size() == 2 && of_b.is_face())
-    line_on_face(a, of_a, of_b, n, false, slack, points);
+    line_on_face(a, of_a, of_b, n, slack, {points, false});
   else if (of_b.size() == 2 && of_a.is_face())
-    line_on_face(b, of_b, of_a, -n, true, slack, points);
+    line_on_face(b, of_b, of_a, -n, slack, {points, true});
   else if (of_a.size() == 2 && of_b.size() == 2)
     line_on_line(a, of_a, b, of_b, n, points);
 }
 
 }  // namespace
 
-void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
-                            const CommonPoint& deepest, double tolerance, std::vector<ContactPoint>& out) {
+void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach& approach, double tolerance,
+                     std::vector<ContactPoint>& out) {
+  if (a.is_box && b.is_box) return append_box_manifold(a, b, approach.peak, tolerance, out);
+  const auto& [n, core_gap] = approach.peak;
+  const CommonPoint& deepest = approach.where;
   const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
   const double slack = length_rounding * scale, deep = same_depth * scale;
   if (gap > tolerance) return;
@@ -177,8 +180,9 @@ void append_convex_manifold(const ConvexCore& a, const ConvexCore& b, const Vec3
   out.insert(out.end(), points.begin(), points.end());
 }
 
-void append_convex_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward,
-                                  double tolerance, std::vector<ContactPoint>& out) {
+void append_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
+                           std::vector<ContactPoint>& out) {
+  if (a.is_box) return append_box_plane_manifold(a, origin, outward, tolerance, out);
   const Vec3 n = -outward;
   thread_local std::vector<PlanePoint> points;
   points.clear();

@@ -4,9 +4,6 @@
 #include <array>
 #include <map>
 
-#include "rigid/collision/climb.hpp"
-#include "rigid/collision/convex_manifold.hpp"
-#include "rigid/collision/deepest_direction.hpp"
 #include "rigid/collision/manifold.hpp"
 
 namespace silt::rigid {
@@ -171,8 +168,7 @@ class OnTriangle {
     if (!is_true(triangle, m, normal_rounding * length_scale(core_, flat()))) return m;
     thread_local std::vector<ContactPoint> points;
     points.clear();
-    append_convex_manifold(core_, flat(), found->peak.normal, found->peak.core_gap, found->where, tolerance_,
-                           points);
+    append_manifold(core_, flat(), *found, tolerance_, points);
     for (const ContactPoint& p : points)
       if (const auto code = sharp_code(triangle, p.feature & 0xffff))
         add({p, static_cast<std::uint32_t>(p.feature >> 16), *code});
@@ -251,13 +247,10 @@ void append_on_plane(const ConvexShape& body, const Pose& pose, const Vec3& orig
                      std::uint32_t code, double tolerance, std::vector<MeshContact>& out) {
   thread_local std::vector<ContactPoint> points;
   points.clear();
-  const bool rounded = has_rounded_box(body);
-  if (rounded)
-    append_plane_manifold(rounded_box(body, pose), origin, outward, tolerance, points);
-  else
-    append_convex_plane_manifold(convex_core(body, pose), origin, outward, tolerance, points);
+  const ConvexCore core = convex_core(body, pose);
+  append_plane_manifold(core, origin, outward, tolerance, points);
   for (const ContactPoint& p : points)
-    out.push_back({p, static_cast<std::uint32_t>(rounded ? p.feature : p.feature >> 16), code});
+    out.push_back({p, static_cast<std::uint32_t>(core.is_box ? p.feature : p.feature >> 16), code});
 }
 
 void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,

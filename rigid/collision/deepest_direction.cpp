@@ -1,10 +1,5 @@
 #include "rigid/collision/deepest_direction.hpp"
 
-#include "rigid/collision/depth_proof.hpp"
-#include "rigid/collision/gjk.hpp"
-#include "rigid/collision/polytope_depth.hpp"
-#include "rigid/collision/search_directions.hpp"
-
 namespace silt::rigid {
 
 namespace {
@@ -89,6 +84,12 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
   const Vec3 d = b.centre - a.centre;
   const double distance = d.norm();
   return distance > 1e-13 * length_scale(a, b) ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+}
+
+std::optional<Approach> nearest_approach(const ConvexCore& a, const ConvexCore& b, double tolerance) {
+  if (!a.is_box || !b.is_box) return deepest_direction(a, b, tolerance + a.radius + b.radius);
+  const auto found = deepest_separation(a, b, tolerance);
+  return found ? std::optional(Approach{*found, {}}) : std::nullopt;
 }
 
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach) {

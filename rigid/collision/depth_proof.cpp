@@ -1,4 +1,4 @@
-#include "rigid/collision/depth_proof.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 
 #include "rigid/collision/facet_curvature.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/collision/manifold.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
-#include "rigid/collision/reduce_manifold.hpp"
 #include "rigid/math/twist.hpp"
 #include "rigid/shapes/shape.hpp"
 

@@ -1,4 +1,4 @@
-#include "rigid/collision/gjk.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "rigid/collision/outline.hpp"
-#include "rigid/collision/reduce_manifold.hpp"
 
 namespace silt::rigid {
 
@@ -26,8 +25,8 @@ ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Fea
 }
 
 /// The feature of a core that is nearest to x, where `towards` decides for an x inside.
-Feature nearest_feature(const RoundedBox& core, const Vec3& x, const Vec3& towards, double slack) {
-  const Vec3 local = core.local(x);
+Feature nearest_feature(const ConvexCore& core, const Vec3& x, const Vec3& towards, double slack) {
+  const Vec3 local = core.direction_B(x - core.centre);
   Feature f;
   bool outside = false;
   for (int k = 0; k < 3; ++k) {
@@ -43,7 +42,7 @@ struct OnSegment {
   Feature feature;
 };
 
-OnSegment clamp_to(const RoundedBox& capsule, double t) {
+OnSegment clamp_to(const ConvexCore& capsule, double t) {
   const double half = capsule.half.z();
   const double slack = gap_rounding * half;
   Feature f;
@@ -55,7 +54,7 @@ OnSegment clamp_to(const RoundedBox& capsule, double t) {
 /// From the point of a capsule's segment `t` from its middle along unit m to the surface: on the hemisphere
 /// of the end if m leads away from the other, else on the side; nothing where that is under the other
 /// hemisphere, which has a point of its own.
-std::optional<double> to_surface(const RoundedBox& capsule, const OnSegment& at, const Vec3& m) {
+std::optional<double> to_surface(const ConvexCore& capsule, const OnSegment& at, const Vec3& m) {
   const double tilt = capsule.axes.col(2).dot(m);
   if (at.feature.sign[2] * tilt >= 0 && (at.feature.sign[2] != 0 || std::abs(tilt) < 1e-12))
     return capsule.radius;
@@ -65,7 +64,7 @@ std::optional<double> to_surface(const RoundedBox& capsule, const OnSegment& at,
 }
 
 /// Both are spheres, or one is and the other is anything.
-void sphere_point(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+void sphere_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                   std::vector<ContactPoint>& points) {
   const double gap = core_gap - a.radius - b.radius;
   if (a.extent() == 0) {
@@ -78,7 +77,7 @@ void sphere_point(const RoundedBox& a, const RoundedBox& b, const Vec3& n, doubl
 
 /// The point of b's segment over the point t of a's, as spheres at the two; nothing where it lies past b's
 /// end.
-void end_over(const RoundedBox& a, const OnSegment& end, const RoundedBox& b, const Vec3& n, bool swap,
+void end_over(const ConvexCore& a, const OnSegment& end, const ConvexCore& b, const Vec3& n, bool swap,
               std::vector<ContactPoint>& points) {
   const Vec3 x = a.centre + end.t * a.axes.col(2);
   const double t = (x - b.centre).dot(b.axes.col(2));
@@ -97,7 +96,7 @@ void end_over(const RoundedBox& a, const OnSegment& end, const RoundedBox& b, co
     add_unique(points, contact(x + (*of_a + gap) * normal, -normal, gap, other.feature, end.feature));
 }
 
-void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+void capsule_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                     std::vector<ContactPoint>& points) {
   const Vec3 u = a.axes.col(2), v = b.axes.col(2);
   const double sine = u.cross(v).norm();
@@ -124,7 +123,7 @@ void capsule_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, dou
 }
 
 /// A capsule over the face of a box; `m` is unit, from the capsule to the box.
-void capsule_on_box(const RoundedBox& capsule, const RoundedBox& box, const Vec3& m, bool swap, double slack,
+void capsule_on_box(const ConvexCore& capsule, const ConvexCore& box, const Vec3& m, bool swap, double slack,
                     std::vector<ContactPoint>& points) {
   const BoxFace face = face_towards(box, -m);
   const FacePrism prism = prism_over(face, m);
@@ -144,7 +143,7 @@ void capsule_on_box(const RoundedBox& capsule, const RoundedBox& box, const Vec3
   }
 }
 
-void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double slack,
+void box_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double slack,
                 std::vector<ContactPoint>& points) {
   const BoxFace face_a = face_towards(a, n), face_b = face_towards(b, -n);
   const FacePrism over_a = prism_over(face_a, n), over_b = prism_over(face_b, n);
@@ -163,7 +162,7 @@ void box_points(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double 
 /// The last resort where a normal that is not exact enough leaves nothing over anything (an edge along an
 /// edge): of the vertices that touch, on either side, the one with the other core nearest to where its
 /// partner should be.
-void add_deepest(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double core_gap,
+void add_deepest(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                  std::vector<ContactPoint>& points) {
   constexpr double touching = 1e-6;  // part of the pair's size
   const double slack = touching * length_scale(a, b), gap = core_gap - a.radius - b.radius;
@@ -188,8 +187,9 @@ void add_deepest(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double
 
 }  // namespace
 
-void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap,
-                     double tolerance, std::vector<ContactPoint>& out) {
+void append_box_manifold(const ConvexCore& a, const ConvexCore& b, const Peak& peak, double tolerance,
+                         std::vector<ContactPoint>& out) {
+  const auto& [normal, core_gap] = peak;
   if (core_gap - a.radius - b.radius > tolerance) return;
   const int extent_a = a.extent(), extent_b = b.extent();
   if (extent_a == 0 || extent_b == 0) return sphere_point(a, b, normal, core_gap, out);
@@ -222,8 +222,8 @@ void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& norma
   out.insert(out.end(), points.begin(), points.end());
 }
 
-void append_plane_manifold(const RoundedBox& a, const Vec3& origin, const Vec3& outward, double tolerance,
-                           std::vector<ContactPoint>& out) {
+void append_box_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
+                               std::vector<ContactPoint>& out) {
   const Vec3 normal = -outward;
   const bool capsule = a.extent() == 1;
   a.for_each_vertex([&](const Feature& f) {
@@ -233,6 +233,33 @@ void append_plane_manifold(const RoundedBox& a, const Vec3& origin, const Vec3& 
     const double gap = outward.dot(on_a - origin);
     if (gap <= tolerance) out.push_back(contact(on_a, normal, gap, f, {}));
   });
+}
+
+void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
+  for (ContactPoint& q : points)
+    if (q.feature == p.feature) {
+      if (p.gap < q.gap) q = p;
+      return;
+    }
+  points.push_back(p);
+}
+
+void reduce_manifold(std::vector<ContactPoint>& points) {
+  if (points.size() <= most_contact_points) return;
+  std::vector<double> apart(points.size(),
+                            std::numeric_limits<double>::infinity());  // squared, from those kept
+  std::vector<char> kept(points.size(), 0);
+  std::size_t next = std::min_element(points.begin(), points.end(),
+                                      [](const auto& p, const auto& q) { return p.gap < q.gap; }) -
+                     points.begin();
+  for (std::size_t count = 0; count < most_contact_points; ++count) {
+    kept[next] = 1;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      apart[k] = std::min(apart[k], (points[k].on_a - points[next].on_a).squaredNorm());
+    next = std::max_element(apart.begin(), apart.end()) - apart.begin();
+  }
+  std::size_t k = 0;
+  std::erase_if(points, [&](const ContactPoint&) { return !kept[k++]; });
 }
 
 }  // namespace silt::rigid

@@ -1,25 +1,52 @@
 #pragma once
 // From the direction of a contact to its points: what lies flat touches in more than one.
-#include <vector>
-
 #include "rigid/bodies/contact.hpp"
-#include "rigid/collision/rounded_box.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 namespace silt::rigid {
 
-/// Appends the points of a contact along unit `normal` (from a to b), ordered by feature, those with
-/// gap <= tolerance (lattice units): for two boxes the corners of the common patch of the two faces that face
-/// each other (Sutherland, Hodgman, CACM 17 (1974) 32, the face of b clipped by the planes through the edges
-/// of a's face along the normal); for a capsule the ends of its part over the face; for capsules within
-/// parallel_sine of parallel the ends of their common length. Requires: `core_gap`
-/// is the core_separation along `normal` and the largest there is. The point that is deepest is always among
-/// them.
-void append_manifold(const RoundedBox& a, const RoundedBox& b, const Vec3& normal, double core_gap,
-                     double tolerance, std::vector<ContactPoint>& out);
+/// Appends the points of a contact, ordered by feature, those with gap <= tolerance (lattice units).
+/// Requires: the approach is the deepest there is. The point that is deepest is always among the points.
+///
+/// Two boxes: the corners of the common patch of the two faces that face each other
+/// (Sutherland, Hodgman, CACM 17 (1974) 32, the face of b clipped by the planes through the edges of a's face
+/// along the normal); for a capsule the ends of its part over the face; for capsules nearly parallel the ends
+/// of their common length.
+///
+/// Other cores: where faces look at each other (ConvexCore::facing_outline) the
+/// corners of their common patch, a cylinder's end standing as the octagon of its rim points; where a line
+/// (of a capsule, of a cylinder's side) lies over a face the ends of its part over it; where two lines are
+/// nearly parallel the ends of their common length; where the cores meet, if none of the others is as deep.
+void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach&, double tolerance,
+                     std::vector<ContactPoint>& out);
 
-/// Appends the vertices of a box, the ends of a capsule, the lowest point of a sphere that are within
-/// `tolerance` of the plane through `origin` with unit `outward` normal (out of the solid half-space b).
-void append_plane_manifold(const RoundedBox& a, const Vec3& origin, const Vec3& outward, double tolerance,
+/// Appends those points of a core that are within `tolerance` of the plane through `origin` with unit
+/// `outward` normal (out of the solid half-space b): the vertices of a box or polyhedron, the ends of a
+/// capsule, the rim points of a disc that lies flat, else the lowest of its rim, the lowest point of a sphere
+/// or an ellipsoid.
+void append_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
                            std::vector<ContactPoint>& out);
+
+// ---- what the two above do for boxes (manifold.cpp) ----
+
+void append_box_manifold(const ConvexCore& a, const ConvexCore& b, const Peak&, double tolerance,
+                         std::vector<ContactPoint>& out);
+void append_box_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
+                               std::vector<ContactPoint>& out);
+
+/// The identity of a contact point of two boxes: the feature of either that it lies on. The codes are those
+/// of the shapes' own axes, so they stay while the same vertex, edge or face touches.
+inline std::uint32_t feature_id(const Feature& of_a, const Feature& of_b) {
+  return of_a.code() * 27 + of_b.code();
+}
+
+/// Appends a point; of two of the same feature the deeper stays.
+void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p);
+
+/// Of two convex shapes: a face of two boxes turned by 45 degrees has as many.
+inline constexpr std::size_t most_contact_points = 8;
+
+/// Leaves at most most_contact_points: the deepest, and those furthest from each other. Keeps the order.
+void reduce_manifold(std::vector<ContactPoint>& points);
 
 }  // namespace silt::rigid

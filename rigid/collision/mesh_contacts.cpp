@@ -5,8 +5,8 @@
 
 #include "rigid/collision/ball_on_mesh.hpp"
 #include "rigid/collision/curved_on_mesh.hpp"
+#include "rigid/collision/manifold.hpp"
 #include "rigid/collision/mesh_on_mesh.hpp"
-#include "rigid/collision/reduce_manifold.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {

@@ -12,7 +12,7 @@ constexpr double mesh_rounding = 1e-12;  // part of the meshes' size: lengths be
 constexpr double exact = 1e-9;           // sine of an angle that is none
 
 /// A mesh and where it is, in the frame of the query.
-struct Placed {
+struct PlacedFeatures {
   const MeshFeatures& mesh;
   Vec3 shift;
   Mat3 turn;
@@ -55,7 +55,7 @@ bool is_over(const std::array<Vec3, 3>& corners, const Vec3& n, const Vec3& x, d
 /// Corners of one mesh on the other.
 class CornersOn {
  public:
-  CornersOn(const Placed& corners, const Placed& faces, double tolerance, double slack)
+  CornersOn(const PlacedFeatures& corners, const PlacedFeatures& faces, double tolerance, double slack)
       : of_(corners),
         on_(faces),
         tolerance_(tolerance),
@@ -155,7 +155,7 @@ class CornersOn {
     return true;
   }
 
-  const Placed &of_, &on_;
+  const PlacedFeatures &of_, &on_;
   double tolerance_, deepest_, slack_;
   std::vector<OnFace> found_;
   std::vector<BesideFace> beside_;
@@ -166,13 +166,13 @@ struct EdgeSegment {
   Vec3 at(double t) const { return x + t * d; }
 };
 
-EdgeSegment segment_of(const Placed& placed, std::uint32_t e) {
+EdgeSegment segment_of(const PlacedFeatures& placed, std::uint32_t e) {
   const Vec3 x = placed.corner(placed.mesh.edge(e).low);
   return {x, placed.corner(placed.mesh.edge(e).high) - x};
 }
 
 /// The length of a segment that is behind both faces of an edge.
-double length_behind(const EdgeSegment& s, const Placed& placed, std::uint32_t e) {
+double length_behind(const EdgeSegment& s, const PlacedFeatures& placed, std::uint32_t e) {
   const MeshFeatures::Edge& edge = placed.mesh.edge(e);
   const Vec3 origin = placed.corner(edge.low);
   double first = 0, last = 1;
@@ -187,7 +187,7 @@ double length_behind(const EdgeSegment& s, const Placed& placed, std::uint32_t e
 }
 
 /// Two edges that cross.
-void cross_edges(const Placed& a, std::uint32_t edge_a, const Placed& b, std::uint32_t edge_b,
+void cross_edges(const PlacedFeatures& a, std::uint32_t edge_a, const PlacedFeatures& b, std::uint32_t edge_b,
                  double tolerance, std::vector<MeshContact>& out) {
   constexpr double parallel = 1e-3;  // sine
   const EdgeSegment s = segment_of(a, edge_a), r = segment_of(b, edge_b);
@@ -232,7 +232,7 @@ double deepest(const MeshFeatures& a, const MeshFeatures& b) {
 void append_mesh_on_mesh(const MeshFeatures& mesh_a, const Pose& pose, const MeshFeatures& mesh_b,
                          std::span<const TrianglePair> near, double tolerance,
                          std::vector<MeshContact>& out) {
-  const Placed a{mesh_a, pose.position, pose.orientation.toRotationMatrix()},
+  const PlacedFeatures a{mesh_a, pose.position, pose.orientation.toRotationMatrix()},
       b{mesh_b, Vec3::Zero(), Mat3::Identity()};
   const auto size = [](const MeshFeatures& mesh) {
     return (mesh.surface().box().upper - mesh.surface().box().lower).norm();

@@ -14,7 +14,7 @@ Vec3 crossing(const Vec3& x, const Vec3& y, double d_x, double d_y) {
 
 }  // namespace
 
-BoxFace face_towards(const RoundedBox& box, const Vec3& direction) {
+BoxFace face_towards(const ConvexCore& box, const Vec3& direction) {
   const Vec3 along = box.axes.transpose() * direction;
   int k = 0;
   for (int i = 1; i < 3; ++i)
@@ -73,7 +73,7 @@ Polygon clip_face(const FacePrism& prism, const BoxFace& face, double slack) {
   return polygon;
 }
 
-ClippedSegment clip_segment(const FacePrism& prism, const RoundedBox& capsule, double slack) {
+ClippedSegment clip_segment(const FacePrism& prism, const ConvexCore& capsule, double slack) {
   ClippedSegment s{{capsule.vertex(Vec3(0, 0, -1)), capsule.vertex(Vec3(0, 0, 1))}, {-1, 1}, false};
   for (int k = 0; k < 4; ++k) {
     const std::array<double, 2> d{prism.beyond(k, s.end[0]), prism.beyond(k, s.end[1])};

@@ -2,7 +2,7 @@
 // The side of a box that faces a direction, and what of another shape lies over it.
 #include <array>
 
-#include "rigid/collision/rounded_box.hpp"
+#include "rigid/collision/convex_core.hpp"
 
 namespace silt::rigid {
 
@@ -16,7 +16,7 @@ struct BoxFace {
   /// How far from x to the face's plane, along unit n.
   double height(const Vec3& x, const Vec3& n) const { return normal.dot(corner[0] - x) / normal.dot(n); }
 };
-BoxFace face_towards(const RoundedBox& box, const Vec3& direction);
+BoxFace face_towards(const ConvexCore& box, const Vec3& direction);
 
 /// A face as seen along unit n (not in its plane): inside are the points with outward[k] . x <= bound[k] for
 /// every edge.
@@ -50,6 +50,6 @@ struct ClippedSegment {
   bool empty;
 };
 /// The part of the capsule's segment within the prism.
-ClippedSegment clip_segment(const FacePrism&, const RoundedBox& capsule, double slack);
+ClippedSegment clip_segment(const FacePrism&, const ConvexCore& capsule, double slack);
 
 }  // namespace silt::rigid

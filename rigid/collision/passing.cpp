@@ -8,10 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rigid/collision/deepest.hpp"
 #include "rigid/collision/deepest_direction.hpp"
-#include "rigid/collision/gjk.hpp"
-#include "rigid/shapes/defaults.hpp"
 
 namespace silt::rigid {
 
@@ -19,17 +16,6 @@ namespace {
 
 /// Part of a pair's size by which bodies that pass each other may overlap.
 constexpr double touching = 1e-7;
-
-/// The direction in which two bodies are furthest apart, or least deep in each other, in the frame of b.
-std::optional<Vec3> separating_direction(const ConvexShape& a, const Pose& pose, const ConvexShape& b) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (has_rounded_box(a) && has_rounded_box(b)) {
-    const auto found = deepest_separation(rounded_box(a, pose), rounded_box(b, Pose{}), infinity);
-    return found ? std::optional(found->normal) : std::nullopt;
-  }
-  const auto found = deepest_direction(convex_core(a, pose), convex_core(b, Pose{}), infinity);
-  return found ? std::optional(found->peak.normal) : std::nullopt;
-}
 
 /// A point inside a core.
 Vec3 middle_of(const ConvexCore& core) {
@@ -47,7 +33,9 @@ std::optional<Passing> convex_passing(const ConvexShape& shape_a, const Pose& be
   const auto least_gap = [&](const Vec3& n) {
     return std::min(core_separation(a, b, n), core_separation(moved, b, n)) - radii;
   };
-  std::optional<Vec3> n = separating_direction(shape_a, after, shape_b);
+  std::optional<Vec3> n;
+  if (const auto found = nearest_approach(moved, b, std::numeric_limits<double>::infinity()))
+    n = found->peak.normal;
   if (!n || least_gap(*n) < -slack)
     n = gjk_direction(SweptCore{a, moved}, ShrunkCore{b, middle_of(b), touching}, between_centres(a, b),
                       size);

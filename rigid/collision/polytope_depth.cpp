@@ -1,8 +1,7 @@
-#include "rigid/collision/polytope_depth.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <vector>
 
 namespace silt::rigid {

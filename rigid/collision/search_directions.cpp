@@ -1,11 +1,9 @@
-#include "rigid/collision/search_directions.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include "rigid/collision/gjk.hpp"
 
 namespace silt::rigid {
 

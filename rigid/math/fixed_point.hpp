@@ -2,7 +2,8 @@
 // Sums that do not depend on their order: each term is rounded once to a whole number of quanta and added as
 // an integer. Used for whatever is summed over ranks or in a varying order.
 #include <array>
-#include <cstdint>
+#include <cmath>
+#include <stdexcept>
 
 #include "rigid/math/types.hpp"
 
@@ -13,8 +14,13 @@ using FixedSum = __int128;
 
 /// Rounds x to a whole number of quanta (exact scaling, truncation of the last bit). |x| < 2^62, finite:
 /// else std::overflow_error.
-FixedSum to_fixed(double x);
-double from_fixed(FixedSum);
+inline FixedSum to_fixed(double x) {
+  if (!(std::abs(x) < 0x1p62)) throw std::overflow_error("a force or torque is not finite or above 2^62");
+  return static_cast<FixedSum>(x * 0x1p64);
+}
+inline double from_fixed(FixedSum q) {
+  return static_cast<double>(q) / 0x1p64;
+}
 
 struct FixedVec3 {
   std::array<FixedSum, 3> q{};

@@ -1,5 +1,5 @@
 #pragma once
-// Velocity and angular velocity of a body, a small rotation, and the directions of a contact.
+// Velocity and angular velocity of a body, rotations, and the directions of a contact.
 #include <array>
 
 #include "rigid/math/types.hpp"
@@ -16,6 +16,11 @@ struct Twist {
 inline Quat cayley(const Vec3& a) {
   return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
 }
+
+/// Returns the rotation by the angle between two vectors, neither of them zero, about the normal of both; of
+/// opposite ones about some normal. Compiled in one place: Eigen solves for that normal, which takes a
+/// compiler seconds.
+Quat rotation_between(const Vec3& from, const Vec3& to);
 
 /// The normal and two tangents.
 inline std::array<Vec3, 3> contact_directions(const Vec3& n) {

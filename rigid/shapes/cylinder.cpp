@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "rigid/math/elementary.hpp"
-#include "rigid/shapes/ball_under_planes.hpp"
 
 namespace silt::rigid {
 

@@ -1,6 +1,5 @@
 #pragma once
-#include <memory>
-#include <optional>
+#include <stdexcept>
 
 #include "rigid/shapes/solid.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
@@ -11,20 +10,42 @@ namespace silt::rigid {
 /// hollow one is for walls only: infinite mass.
 struct Mesh {
   static constexpr std::string_view name = "mesh";
-  std::shared_ptr<const TriangleMesh> surface;  // never null
+  SharedMesh surface;  // never null
   bool hollow = false;
 
   /// A point on the surface, to rounding, is on either side.
   bool contains(const Vec3& x) const { return surface->encloses(x) != hollow; }
-  double signed_distance(const Vec3& x) const;
-  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
+  double signed_distance(const Vec3& x) const {
+    const double distance = surface->nearest(x).distance;
+    return contains(x) ? -distance : distance;
+  }
+  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const {
+    const auto hit = surface->first_hit(o, d, t_max);
+    return hit ? hit->t : t_max;
+  }
   /// Of its turned box: not the tightest.
-  BoundingBox bounding_box(const Pose&) const;
-  double bounding_radius() const;
-  MassProperties mass_properties() const;
+  BoundingBox bounding_box(const Pose& pose) const {
+    if (hollow) return BoundingBox::everything();
+    const Vec3 half = 0.5 * (surface->box().upper - surface->box().lower);
+    const Vec3 middle = 0.5 * (surface->box().upper + surface->box().lower);
+    const Mat3 turn = pose.orientation.toRotationMatrix();
+    return BoundingBox::around(pose.position + turn * middle, turn.cwiseAbs() * half);
+  }
+  double bounding_radius() const { return hollow ? boundless : surface->radius(); }
+  MassProperties mass_properties() const {
+    if (hollow) throw std::invalid_argument("a hollow mesh has no mass");
+    return surface->mass_properties();
+  }
   /// Of its box in the body frame; infinite if hollow.
-  double least_width() const;
-  Mesh recentred(const Vec3& centre) const;
+  double least_width() const {
+    return hollow ? boundless : (surface->box().upper - surface->box().lower).minCoeff();
+  }
+  Mesh recentred(const Vec3& centre) const {
+    return {std::make_shared<const TriangleMesh>(surface->shifted(-centre)), hollow};
+  }
+
+ private:
+  static constexpr double boundless = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace silt::rigid

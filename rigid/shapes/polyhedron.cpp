@@ -1,7 +1,6 @@
 #include "rigid/shapes/polyhedron.hpp"
 
 #include "rigid/math/elementary.hpp"
-#include "rigid/shapes/ball_under_planes.hpp"
 
 namespace silt::rigid {
 

@@ -1,7 +1,5 @@
 #include "rigid/shapes/shape.hpp"
 
-#include "rigid/shapes/defaults.hpp"
-
 namespace silt::rigid {
 
 std::string_view shape_name(const Shape& shape) {
@@ -87,5 +85,13 @@ std::vector<InnerBall> inner_balls(const Shape& shape) {
   }
   return balls;
 }
+
+ShapeList::ShapeList() = default;
+ShapeList::ShapeList(std::initializer_list<Shape> shapes) : vector(shapes) {}
+ShapeList::ShapeList(const ShapeList&) = default;
+ShapeList::ShapeList(ShapeList&&) noexcept = default;
+ShapeList& ShapeList::operator=(const ShapeList&) = default;
+ShapeList& ShapeList::operator=(ShapeList&&) noexcept = default;
+ShapeList::~ShapeList() = default;
 
 }  // namespace silt::rigid

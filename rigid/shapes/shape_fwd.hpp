@@ -1,5 +1,6 @@
 #pragma once
-// Names of the shapes, for headers that only refer to them.
+// Names of the shapes, and a list of them, for headers that only refer to them or pass them on.
+#include <vector>
 
 namespace silt::rigid {
 
@@ -11,5 +12,16 @@ struct HollowShape;
 struct Mesh;
 struct BoundingBox;
 struct MassProperties;
+
+/// The shapes of a scene.
+struct ShapeList : std::vector<Shape> {
+  ShapeList();
+  ShapeList(std::initializer_list<Shape>);
+  ShapeList(const ShapeList&);
+  ShapeList(ShapeList&&) noexcept;
+  ShapeList& operator=(const ShapeList&);
+  ShapeList& operator=(ShapeList&&) noexcept;
+  ~ShapeList();
+};
 
 }  // namespace silt::rigid

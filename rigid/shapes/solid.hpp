@@ -1,23 +1,62 @@
 #pragma once
 // What a convex shape says of itself. Its own frame and lattice units throughout; directions are unit
 // vectors. README.md of this folder says how to add one.
+#include <algorithm>
 #include <concepts>
+#include <limits>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "rigid/shapes/bounding_box.hpp"
 #include "rigid/shapes/contact_outline.hpp"
-#include "rigid/shapes/field.hpp"
 #include "rigid/shapes/line_interval.hpp"
 #include "rigid/shapes/mass_properties.hpp"
 
 namespace silt::rigid {
 
+/// How a case gives a size of a shape: an entry of its table `fields`. A length, or for a member that is a
+/// vector three lengths along the axes. member = share * what `key` gives, or other_share * what `other_key`
+/// gives, where there is one; the case has one of the two.
+template <class Solid, class Value>
+struct Field {
+  const char* key;
+  Value Solid::*member;
+  const char* doc;  // ends the message that it is missing
+  double share = 1;
+  const char* other_key = nullptr;
+  double other_share = 1;
+};
+
+template <class Solid>
+constexpr Field<Solid, double> radius_field(double Solid::*radius) {
+  return {"radius", radius, "how large it is", 1, "diameter", 0.5};
+}
+
 /// A ball inside a shape; radius 0: a point of it.
 struct InnerBall {
   Vec3 centre;
   double radius;
+};
+
+/// The radius of the largest ball that touches the plane normal to unit n at a point from below and stays
+/// below the planes added: it proves a depth of overlap the least one (rigid/collision/depth_proof.cpp).
+struct BallUnderPlanes {
+  explicit BallUnderPlanes(const Vec3& normal) : n(normal) {}
+
+  /// A plane with unit `outward` normal, which the point is `below` it (lattice units).
+  void add(const Vec3& outward, double below) {
+    const double turned = (outward - n).squaredNorm() / 2;  // 1 - cosine
+    if (turned > same_plane) radius = std::min(radius, std::max(below, 0.0) / turned);
+  }
+
+  Vec3 n;
+  double radius = std::numeric_limits<double>::infinity();
+
+ private:
+  /// Half the square of an angle below which two directions are one.
+  static constexpr double same_plane = 1e-18;
 };
 
 /// Projects onto the plane across unit n.
@@ -53,5 +92,42 @@ concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std:
   { s.least_width() } -> std::same_as<double>;
   s.add_inner_balls(balls);
 };
+
+// What a shape need not tell of itself, since it follows from what it does tell. A shape that has a member of
+// the same name is asked instead: it is faster, or knows better. rigid/collision/convex_core does the same
+// with what a search for contacts asks.
+namespace solid {
+
+/// Whether x is inside or on the surface.
+template <class S>
+bool contains(const S& s, const Vec3& x) {
+  if constexpr (requires { s.contains(x); })
+    return s.contains(x);
+  else
+    return s.signed_distance(x) <= 0;
+}
+
+/// From o, outside, along the ray o + t d to the surface: t, at most t_max.
+template <class S>
+double ray_distance(const S& s, const Vec3& o, const Vec3& d, double t_max) {
+  if constexpr (requires { s.ray_distance(o, d, t_max); }) {
+    return s.ray_distance(o, d, t_max);
+  } else {
+    const auto inside = s.line_interval(o, d);
+    if (!inside || inside->leave < 0) return t_max;
+    return std::clamp(inside->enter, 0.0, t_max);
+  }
+}
+
+/// The same shape about its centre of mass: itself where that is its origin.
+template <class S>
+S recentred(const S& s, const Vec3& centre) {
+  if constexpr (requires { s.recentred(centre); })
+    return s.recentred(centre);
+  else
+    return s;
+}
+
+}  // namespace solid
 
 }  // namespace silt::rigid

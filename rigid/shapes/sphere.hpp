@@ -1,4 +1,6 @@
 #pragma once
+#include <numbers>
+
 #include "rigid/shapes/box.hpp"
 
 namespace silt::rigid {
@@ -18,11 +20,14 @@ struct Sphere {
   }
   double reach(const Pose& pose) const { return pose.position.norm() + radius; }
   Vec3 support(const Vec3& n) const { return radius * n; }
-  MassProperties mass_properties() const;
+  MassProperties mass_properties() const {
+    const double volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+    return {volume, Vec3::Zero(), 0.4 * volume * radius * radius * Mat3::Identity()};
+  }
   double least_width() const { return 2 * radius; }
   void add_inner_balls(std::vector<InnerBall>& balls) const { balls.push_back({Vec3::Zero(), radius}); }
 
-  Mat3 curvature(const Vec3& x, const Vec3& n) const;
+  Mat3 curvature(const Vec3&, const Vec3& n) const { return across(n) / radius; }
   Box core() const { return {Vec3::Zero()}; }
   double core_radius() const { return radius; }
   template <class Use>

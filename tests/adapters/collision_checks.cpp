@@ -91,11 +91,12 @@ TEST(Manifold, TheDeepestPointSurvivesANormalThatIsSlightlyOff) {
   const rigid::Box box{{4, 3, 2}};
   const Vec3 right = Vec3(1, 0, 1).normalized();
   const Pose above{Vec3(4, 0, 2) + 2.1 * right, turned(90, Vec3::UnitX())};
-  const auto a = rigid::rounded_box(box, {}), b = rigid::rounded_box(capsule, above);
+  const rigid::ConvexShape shape_a = box, shape_b = capsule;
+  const auto a = rigid::convex_core(shape_a, {}), b = rigid::convex_core(shape_b, above);
   for (const double off : {0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-6, -1e-6}) {
     const Vec3 n = (right + off * Vec3(1, 0, -1)).normalized();
     Points points;
-    rigid::append_manifold(a, b, n, rigid::core_separation(a, b, n), 1, points);
+    rigid::append_box_manifold(a, b, {n, rigid::box_separation(a, b, n)}, 1, points);
     ASSERT_FALSE(points.empty()) << off;
     EXPECT_NEAR(deepest(points).gap, 0.1, 1e-8) << off;
     EXPECT_LE(off_surface(box, {}, deepest(points).on_a), 1e-5) << off;

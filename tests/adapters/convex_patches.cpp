@@ -7,7 +7,7 @@
 #include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "rigid/collision/reduce_manifold.hpp"
+#include "rigid/collision/manifold.hpp"
 #include "tests/adapters/collision_scenes.hpp"
 #include "tests/adapters/every_backend.hpp"
 

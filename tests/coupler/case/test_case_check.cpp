@@ -9,7 +9,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/placement/overlap.hpp"
-#include "rigid/math/rotation_between.hpp"
+#include "rigid/math/twist.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 

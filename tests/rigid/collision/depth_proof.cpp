@@ -1,11 +1,9 @@
 // What proves a depth of overlap the least, against many directions that might be less deep.
-#include "rigid/collision/depth_proof.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "rigid/collision/climb.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::rigid {

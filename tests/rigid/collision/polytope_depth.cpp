@@ -1,13 +1,9 @@
 // The least depth of polytopes that overlap, against the search over all directions.
-#include "rigid/collision/polytope_depth.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "rigid/collision/deepest_direction.hpp"
-#include "rigid/collision/gjk.hpp"
-#include "rigid/collision/search_directions.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::rigid {

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "rigid/math/rotation_between.hpp"
+#include "rigid/math/twist.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/math/rotation_between.hpp"
+#include "rigid/math/twist.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/shape_rows.hpp"
 

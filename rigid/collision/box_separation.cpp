@@ -1,8 +1,7 @@
-#include "rigid/collision/deepest.hpp"
+#include "rigid/collision/deepest_direction.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace silt::rigid {
 
@@ -20,7 +19,7 @@ Vec3 oriented(const Vec3& axis, const Vec3& d) {
 }
 
 /// Normal to the edges along axis i of a and j of b; nothing where they are parallel.
-std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& b, int j) {
+std::optional<Vec3> crossed_edges(const ConvexCore& a, int i, const ConvexCore& b, int j) {
   if (a.half[i] <= 0 || b.half[j] <= 0) return {};
   const Vec3 cross = a.axes.col(i).cross(b.axes.col(j));
   const double sine = cross.norm();
@@ -31,9 +30,9 @@ std::optional<Vec3> crossed_edges(const RoundedBox& a, int i, const RoundedBox& 
 /// Calls use(unit axis from a to b, whether of two crossed edges): the normals of the faces of the Minkowski
 /// difference of the cores.
 template <class Use>
-void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
+void for_each_candidate(const ConvexCore& a, const ConvexCore& b, Use use) {
   const Vec3 d = b.centre - a.centre;
-  for (const RoundedBox* box : {&a, &b})
+  for (const ConvexCore* box : {&a, &b})
     if (box->extent() == 3)
       for (int i = 0; i < 3; ++i) use(oriented(box->axes.col(i), d), false);
   if (!a.extent() || !b.extent()) return;
@@ -45,11 +44,11 @@ void for_each_candidate(const RoundedBox& a, const RoundedBox& b, Use use) {
 /// The separations along all candidates from one table of cosines, in a's axes (Gottschalk, Lin, Manocha,
 /// SIGGRAPH 1996, section 5).
 struct AxisTable {
-  const RoundedBox &a, &b;
+  const ConvexCore &a, &b;
   Vec3 d, d_a, d_b;     // from a to b: as it is, along the axes of a and of b
   Mat3 cosine, extent;  // of axis i of a with axis j of b, and its size
 
-  AxisTable(const RoundedBox& first, const RoundedBox& second)
+  AxisTable(const ConvexCore& first, const ConvexCore& second)
       : a(first),
         b(second),
         d(b.centre - a.centre),
@@ -76,7 +75,7 @@ struct AxisTable {
 
 /// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the
 /// distance.
-Separation point_to_core(const Vec3& x, const RoundedBox& core) {
+Peak point_to_core(const Vec3& x, const ConvexCore& core) {
   const Vec3 outside = core.outside(x);
   const double distance = outside.norm();
   if (distance == 0) return {Vec3::Zero(), 0};
@@ -84,17 +83,17 @@ Separation point_to_core(const Vec3& x, const RoundedBox& core) {
 }
 
 /// Nearest of the vertices of `core` to `other`; normal from `other` to `core`.
-Separation nearest_vertex(const RoundedBox& core, const RoundedBox& other) {
-  Separation best{Vec3::Zero(), infinity};
+Peak nearest_vertex(const ConvexCore& core, const ConvexCore& other) {
+  Peak best{Vec3::Zero(), infinity};
   core.for_each_vertex([&](const Feature& f) {
-    const Separation s = point_to_core(core.vertex(f), other);
+    const Peak s = point_to_core(core.vertex(f), other);
     if (s.core_gap < best.core_gap) best = s;
   });
   return best;
 }
 
 /// Whether the interiors of the two edges that support n, along axis i of a and j of b, lie over each other.
-bool edges_cross(const RoundedBox& a, int i, const RoundedBox& b, int j, const Vec3& n) {
+bool edges_cross(const ConvexCore& a, int i, const ConvexCore& b, int j, const Vec3& n) {
   Vec3 mid_a = a.centre, mid_b = b.centre;
   for (int k = 0; k < 3; ++k) {
     if (k != i) mid_a += (a.axes.col(k).dot(n) < 0 ? -a.half[k] : a.half[k]) * a.axes.col(k);
@@ -107,14 +106,14 @@ bool edges_cross(const RoundedBox& a, int i, const RoundedBox& b, int j, const V
 }
 
 /// The exact distance of cores that do not overlap.
-Separation closest_features(const RoundedBox& a, const RoundedBox& b) {
-  Separation best = nearest_vertex(b, a);
-  const Separation of_a = nearest_vertex(a, b);
+Peak closest_features(const ConvexCore& a, const ConvexCore& b) {
+  Peak best = nearest_vertex(b, a);
+  const Peak of_a = nearest_vertex(a, b);
   if (of_a.core_gap < best.core_gap) best = {-of_a.normal, of_a.core_gap};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       if (const auto n = crossed_edges(a, i, b, j)) {
-        const double gap = core_separation(a, b, *n);
+        const double gap = box_separation(a, b, *n);
         if (gap >= 0 && gap < best.core_gap && edges_cross(a, i, b, j, *n)) best = {*n, gap};
       }
   return best;
@@ -122,24 +121,24 @@ Separation closest_features(const RoundedBox& a, const RoundedBox& b) {
 
 /// Whether the vertex of `core` nearest to `other` along n, from `other` to `core` a face's normal, is over
 /// that face: then no distance is smaller than theirs.
-bool vertex_over_face(const RoundedBox& core, const RoundedBox& other, const Vec3& n) {
+bool vertex_over_face(const ConvexCore& core, const ConvexCore& other, const Vec3& n) {
   const Vec3 along = core.axes.transpose() * n;
   const Vec3 nearest(along.x() > 0 ? -1 : 1, along.y() > 0 ? -1 : 1, along.z() > 0 ? -1 : 1);
   return (other.outside(core.vertex(nearest)).array() != 0).count() == 1;
 }
 
 /// Whether the axis, along which the cores are apart, is known to be that of their distance.
-bool is_distance(const RoundedBox& a, const RoundedBox& b, const Vec3& axis) {
-  const auto face_of = [&](const RoundedBox& core) {
+bool is_distance(const ConvexCore& a, const ConvexCore& b, const Vec3& axis) {
+  const auto face_of = [&](const ConvexCore& core) {
     return core.extent() == 3 && (core.axes.transpose() * axis).cwiseAbs().maxCoeff() > 1 - 1e-15;
   };
   return (face_of(a) && vertex_over_face(b, a, axis)) || (face_of(b) && vertex_over_face(a, b, -axis));
 }
 
 /// Cores that touch and have no inside: spheres at one point, segments that cross or lie in one line.
-Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
+Peak touching_cores(const ConvexCore& a, const ConvexCore& b) {
   if (const auto n = crossed_edges(a, 2, b, 2)) return {*n, 0};
-  const RoundedBox& line = a.extent() ? a : b;
+  const ConvexCore& line = a.extent() ? a : b;
   const Vec3 d = b.centre - a.centre;
   // any unit vector will do, the same one every time
   return {line.extent() ? oriented(line.axes.col(0), d) : Vec3::UnitZ(), 0};
@@ -147,13 +146,13 @@ Separation touching_cores(const RoundedBox& a, const RoundedBox& b) {
 
 }  // namespace
 
-Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b, double enough) {
+Peak best_separating_axis(const ConvexCore& a, const ConvexCore& b, double enough) {
   const AxisTable table(a, b);
   const double edge_handicap =
       10 * difference_rounding * length_scale(a, b);  // of two equal axes the face's is kept
   double best = -infinity;
   Vec3 axis = Vec3::UnitZ();
-  const auto found = [&] { return Separation{axis, best > -infinity ? core_separation(a, b, axis) : best}; };
+  const auto found = [&] { return Peak{axis, best > -infinity ? box_separation(a, b, axis) : best}; };
   if (a.extent() == 3)
     for (int i = 0; i < 3; ++i)
       if (const double gap = table.of_face_a(i); gap > best)
@@ -171,7 +170,7 @@ Separation best_separating_axis(const RoundedBox& a, const RoundedBox& b, double
   return found();
 }
 
-Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3& n, double angle) {
+Vec3 nearest_candidate_axis(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle) {
   Vec3 nearest = n;
   double least = angle * angle;
   for_each_candidate(a, b, [&](const Vec3& axis, bool) {
@@ -184,27 +183,27 @@ Vec3 nearest_candidate_axis(const RoundedBox& a, const RoundedBox& b, const Vec3
   return nearest;
 }
 
-std::optional<Separation> deepest_separation(const RoundedBox& a, const RoundedBox& b, double tolerance) {
+std::optional<Peak> deepest_separation(const ConvexCore& a, const ConvexCore& b, double tolerance) {
   const int extent_a = a.extent(), extent_b = b.extent();
   const double reach = std::max(tolerance + a.radius + b.radius, 0.0), scale = length_scale(a, b);
   if (extent_a == 0 || extent_b == 0) {  // a point and a box, a segment, a point
     const bool a_is_point = extent_a == 0;
-    Separation s = a_is_point ? point_to_core(a.centre, b) : point_to_core(b.centre, a);
+    Peak s = a_is_point ? point_to_core(a.centre, b) : point_to_core(b.centre, a);
     if (s.core_gap > reach) return {};
     if (a_is_point) s.normal = -s.normal;
     if (s.core_gap > difference_rounding * scale) return s;
     return extent_a + extent_b == 3 ? best_separating_axis(a, b) : touching_cores(a, b);
   }
-  const Separation axis = best_separating_axis(a, b, reach);
+  const Peak axis = best_separating_axis(a, b, reach);
   if (axis.core_gap > reach) return {};
   const bool with_box = extent_a == 3 || extent_b == 3;
   if (with_box && axis.core_gap <= 0) return axis;
   if (axis.core_gap > difference_rounding * scale && is_distance(a, b, axis.normal)) return axis;
-  const Separation closest = closest_features(a, b);
+  const Peak closest = closest_features(a, b);
   if (closest.core_gap <= difference_rounding * scale) return with_box ? axis : touching_cores(a, b);
   // the better supported normal is the right one: where faces are parallel, with no vertex over either
   // (crossed beams), the closest features found are not the closest there are, and the axis shows it
-  const Separation best = core_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
+  const Peak best = box_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
   if (best.core_gap > reach) return {};
   return best;
 }

@@ -1,4 +1,4 @@
-#include "rigid/math/rotation_between.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
 
