@@ -1,12 +1,15 @@
 #pragma once
-// The vectors of the instruction set that a kernel is being built for: of numbers (VectorOf), and what is
-// done with them for which languages have no word (Lanes). Compilers take look-ups, gathers and the like
-// apart where the hardware has an instruction for them. A vector may have any number of lanes, one too: what
-// is no register's goes lane by lane. Only for *_kernel.cpp files, which are built once each (SILT_ISA).
+// The vectors of the instruction set that a kernel is being built for: of numbers (VectorOf), what is done
+// with them for which languages have no word (Lanes), and vectors of several registers (Registers). Compilers
+// take look-ups, gathers and the like apart where the hardware has an instruction for them. A vector may have
+// any number of lanes, one too: what is no register's goes lane by lane. Only for *_kernel.cpp files, which
+// are built once each (SILT_ISA).
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 #if defined(SILT_ISA_avx512) || defined(SILT_ISA_avx2)
 #include <immintrin.h>
@@ -197,6 +200,98 @@ struct Lanes {
       return _mm256_castsi128_si256(__m128i(w));
   }
 #endif
+};
+
+/// n elements in as many registers as they fill, to compute with as with one element. Of a vector of the
+/// language that no register holds compilers compare and choose element by element.
+template <class E, int n>
+struct Registers {
+  static constexpr int lanes = std::min(n, vector_bytes / int(sizeof(E))), count = n / lanes;
+  using Part = typename VectorOf<E, lanes>::type;
+  using Mask = Registers<std::conditional_t<sizeof(E) == 8, std::int64_t, std::int32_t>, n>;
+  Part part[count];
+
+  Registers() = default;
+  template <class... Parts>
+  requires(sizeof...(Parts) == count && (std::is_same_v<Parts, Part> && ...)) Registers(Parts... parts)
+      : part{parts...} {}
+  Registers(E x) : Registers(each<Registers, count>([&](auto) { return x - Part{}; })) {}
+  /// What lies in memory: a struct of n elements.
+  template <class Stored>
+  requires std::is_same_v<decltype(Stored::lane), E[n]> Registers(const Stored& of)
+      : Registers(each<Registers, count>([&](auto k) { return load<Part>(of.lane + k * lanes); })) {}
+  [[gnu::always_inline]] explicit Registers(const std::int32_t (&whole)[n])
+      : Registers(each<Registers, count>([&](auto k) {
+          using L = Lanes<E, lanes>;
+          return L::real(load<typename L::Whole>(whole + k * lanes));
+        })) {}
+  /// What of(lane) returns, in each lane.
+  template <class Of>
+  [[gnu::always_inline]] static Registers gathered(Of of) {
+    return each<Registers, count>(
+        [&](auto k) { return each<Part, lanes>([&](auto l) { return E(of(k * lanes + l)); }); });
+  }
+  /// Part by part: of all at once compilers make a copy in pieces of eight bytes.
+  [[gnu::always_inline]] void store(E* to) const {
+    for (int k = 0; k < count; ++k) silt::store(to + k * lanes, part[k]);
+  }
+  E operator[](int l) const { return part[l / lanes][l % lanes]; }
+
+#define SILT_OPERATOR(Result, op)                                                                   \
+  [[gnu::always_inline]] friend inline Result operator op(const Registers& a, const Registers& b) { \
+    return each<Result, count>([&](auto k) { return a.part[k] op b.part[k]; });                     \
+  }
+  SILT_OPERATOR(Registers, +)
+  SILT_OPERATOR(Registers, -)
+  SILT_OPERATOR(Registers, *)
+  SILT_OPERATOR(Registers, /)
+  SILT_OPERATOR(Registers, &)
+  SILT_OPERATOR(Registers, |)
+  SILT_OPERATOR(Mask, <)
+  SILT_OPERATOR(Mask, >)
+  SILT_OPERATOR(Mask, <=)
+  SILT_OPERATOR(Mask, >=)
+  SILT_OPERATOR(Mask, ==)
+  SILT_OPERATOR(Mask, !=)
+#undef SILT_OPERATOR
+  [[gnu::always_inline]] friend inline Registers operator~(const Registers& a) {
+    return each<Registers, count>([&](auto k) { return ~a.part[k]; });
+  }
+  Registers& operator+=(const Registers& b) {
+    return *this = *this + b;
+  }
+  Registers& operator-=(const Registers& b) {
+    return *this = *this - b;
+  }
+  Registers& operator*=(const Registers& b) {
+    return *this = *this * b;
+  }
+
+  /// Lane by lane, a where m is set, else b.
+  [[gnu::always_inline]] friend inline Registers choose(const Mask& m, const Registers& a,
+                                                        const Registers& b) {
+    return each<Registers, count>([&](auto k) -> Part { return m.part[k] ? a.part[k] : b.part[k]; });
+  }
+  [[gnu::always_inline]] friend inline Registers larger(const Registers& a, const Registers& b) {
+    return choose(a > b, a, b);
+  }
+  [[gnu::always_inline]] friend inline Registers square_root(const Registers& x) {
+    return each<Registers, count>([&](auto k) { return Lanes<E, lanes>::root(x.part[k]); });
+  }
+  /// The largest of the lanes.
+  friend inline E largest(const Registers& x) {
+    E most = x[0];
+    for (int l = 1; l < n; ++l) most = x[l] > most ? x[l] : most;
+    return most;
+  }
+  [[gnu::always_inline]] friend inline unsigned lane_bits(const Registers& mask) {
+    unsigned bits = 0;
+    for (int k = 0; k < count; ++k) bits |= lane_bits(mask.part[k]) << (k * lanes);
+    return bits;
+  }
+  friend inline bool any_lane(const Registers& mask) {
+    return lane_bits(mask) != 0;
+  }
 };
 
 }  // namespace silt::inline SILT_ISA

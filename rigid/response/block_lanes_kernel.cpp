@@ -13,21 +13,22 @@ constexpr double converged_push = 1e-6;  // the same where only positions are co
 struct Rounds {
   PairMotion motion;
   Mask active;
-  Lanes change{}, scale{};                        // squared, largest of the round
-  Lanes moved{};                                  // at most: a contact's impulse, in all rounds
+  Numbers change{}, scale{};                      // squared, largest of the round
+  Numbers moved{};                                // at most: a contact's impulse, in all rounds
   Mask cut_short{};                               // by the number of rounds
   const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
 
   /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of rigid/README.md, (L2)
   /// in a lubrication film.
-  static Lanes normal(const BlockContact& c, const BlockLubrication* lubrication, Lanes stop, Lanes u_n) {
-    const Lanes hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
-    return larger(lubrication ? lubrication->normal_damped * stop : Lanes(), hard);
+  static Numbers normal(const BlockContact& c, const BlockLubrication* lubrication, Numbers stop,
+                        Numbers u_n) {
+    const Numbers hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
+    return larger(lubrication ? lubrication->normal_damped * stop : Numbers(), hard);
   }
   static Vector tangential(const BlockContact& c, const BlockLubrication* lubrication, const Vector& stop,
-                           Lanes stop_n, Lanes p_n) {
+                           Numbers stop_n, Numbers p_n) {
     if (!lubrication) return into_cone(stop, c.friction * p_n);
-    const Lanes pressing = lubrication->normal_stiffness * (p_n - lubrication->normal_damped * stop_n);
+    const Numbers pressing = lubrication->normal_stiffness * (p_n - lubrication->normal_damped * stop_n);
     const Vector rubbed = into_cone(stop, c.friction * pressing);
     return rubbed + (stop - rubbed) * lubrication->tangential_damped;
   }
@@ -35,10 +36,10 @@ struct Rounds {
   /// (C4), then (C5): first the normal impulse, then the tangential one.
   void solve(const BlockGroup& g, BlockContact& c, const BlockLubrication* lubrication) {
     const Vector r = load(c.r), n = load(c.normal), u = motion.at(r), old_t = load(c.tangential_impulse);
-    const Lanes old_n = c.normal_impulse;
-    const Lanes u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n,
-                p_n = normal(c, lubrication, stop_n, u_n);
-    const Lanes d_n = choose(active, p_n - old_n, Lanes{});
+    const Numbers old_n = c.normal_impulse;
+    const Numbers u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n,
+                  p_n = normal(c, lubrication, stop_n, u_n);
+    const Numbers d_n = choose(active, p_n - old_n, Numbers{});
     const Vector s = u + load(c.k_normal) * d_n, stop_t = old_t - (s - n * dot(s, n)) * c.inverse_k_t;
     const Vector p_t = tangential(c, lubrication, stop_t, stop_n, p_n);
     const Vector d_t = choose(active, p_t - old_t, Vector{});
@@ -50,18 +51,18 @@ struct Rounds {
   }
 
   /// Squared, of the whole pair in this sweep.
-  Lanes total(const BlockGroup& g) const {
+  Numbers total(const BlockGroup& g) const {
     return dot(motion.impulse, motion.impulse) +
-           g.inverse_arm * g.inverse_arm * dot(motion.angular, motion.angular);
+           Numbers(g.inverse_arm) * g.inverse_arm * dot(motion.angular, motion.angular);
   }
 
   /// A lane that has settled ends, and keeps its result whatever the others do. With pairs that later sweeps
   /// go on with, one round is as good as many: beds overlap no less by more.
   void run(const BlockGroup& g, BlockContact* contacts, double tolerance) {
     const Mask final = ~goes_on(g.bodies);
-    for (int round = 0; round < most_rounds && any(active); ++round) {
-      change = Lanes{};
-      scale = choose(active, Lanes{}, scale);
+    for (int round = 0; round < most_rounds && any_lane(active); ++round) {
+      change = Numbers{};
+      scale = choose(active, Numbers{}, scale);
       for (std::uint32_t c = 0; c < g.count; ++c)
         solve(g, contacts[c], lubrication ? lubrication + c : nullptr);
       moved += square_root(change);
@@ -85,21 +86,21 @@ class CarryOn {
   void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion,
                   const LanesToSolve& lanes) const {
     if (!used_) return;
-    Lanes led_wrong{};
+    Numbers led_wrong{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse);
-      led_wrong += (old_n_[k] - c.normal_impulse) * (c.normal_impulse - c.last_normal) +
+      led_wrong += (old_n_[k] - c.normal_impulse) * (Numbers(c.normal_impulse) - c.last_normal) +
                    dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
     }
     const Mask on = lanes.on;
-    const Lanes beta = momentum(g.age, led_wrong, lanes.to_carry);
+    const Numbers beta = momentum(g.age, led_wrong, lanes.to_carry);
     g.carried = choose(on, beta, g.carried);
     Vector impulse{}, moment{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse), last_t = load(c.last_tangential);
-      const Lanes found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
+      const Numbers found_n = c.normal_impulse, on_n = beta * (found_n - c.last_normal);
       const Vector on_t = (found_t - last_t) * beta;
       c.last_normal = choose(on, found_n, c.last_normal);
       store(c.last_tangential, choose(on, found_t, last_t));
@@ -115,7 +116,7 @@ class CarryOn {
  private:
   static constexpr std::uint32_t most = 16;  // contacts of a pair; more are not carried on
   bool used_;
-  Lanes old_n_[most];
+  Numbers old_n_[most];
   Vector old_t_[most];
 };
 
@@ -123,11 +124,11 @@ class CarryOn {
 void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
-  const Lanes change = larger(rounds.total(g), rounds.moved * rounds.moved);
-  const Lanes scale = larger(rounds.scale, g.least_scale * g.least_scale);
-  const Lanes moved = choose(change > 0, square_root(change / scale), Lanes{});
-  for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l];
-  const Lanes relative = choose(rounds.cut_short, larger(moved, Lanes{} + 2 * tolerance), moved);
+  const Numbers change = larger(rounds.total(g), rounds.moved * rounds.moved);
+  const Numbers scale = larger(rounds.scale, Numbers(g.least_scale) * g.least_scale);
+  const Numbers moved = choose(change > 0, square_root(change / scale), Numbers{});
+  for (int l = 0; l < lane_count; ++l) g.bodies.again[l] |= rounds.cut_short[l] != 0;
+  const Numbers relative = choose(rounds.cut_short, larger(moved, Numbers{} + 2 * tolerance), moved);
   g.relative_change = choose(solved, relative, -1);
 }
 
@@ -145,8 +146,8 @@ SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* a
     BlockGroup& g = groups[k];
     BlockContact* contacts = all_contacts + g.first;
     const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
-    g.relative_change = Lanes{} - 1;
-    if (!any(lanes.on)) continue;
+    g.relative_change = Numbers{} - 1;
+    if (!any_lane(lanes.on)) continue;
     const CarryOn carry_on(g, contacts);
     Rounds rounds{PairMotion(g, twists(g.bodies.a, state), twists(g.bodies.b, state)), lanes.on};
     rounds.lubrication = g.first_lubrication != no_lubrication && !sweep.push
@@ -159,7 +160,7 @@ SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* a
     else
       try_sticking<false>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     rounds.run(g, contacts, sweep.push ? converged_push : converged);
-    g.carried = choose(lanes.on, Lanes{}, g.carried);
+    g.carried = choose(lanes.on, Numbers{}, g.carried);
     if (!sweep.plain) carry_on(g, contacts, rounds.motion, lanes);
     finish(g, rounds, lanes.on, sweep.tolerance);
     outcome.add(g, g.relative_change);

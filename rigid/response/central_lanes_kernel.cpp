@@ -6,7 +6,7 @@ namespace {
 
 struct CentralChange {
   Vector impulse, torque;  // torque per unit of arm: normal x impulse
-  Lanes relative;          // squared
+  Numbers relative;        // squared
 };
 
 /// (C4) and (C5) of rigid/README.md for eight contacts, carried on along their last change. `rubs` false:
@@ -16,10 +16,10 @@ template <bool rubs>
 CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const LanesToSolve& lanes) {
   const Mask on = lanes.on;
   const Vector n = load(g.normal), u = b.v - a.v;
-  const Lanes old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
-  const Lanes found_n = larger(Lanes{}, old_n + (g.target - u_n) * g.inverse_k_n);
-  const Lanes on_n = found_n - last_n;
-  Lanes led_wrong = (old_n - found_n) * on_n;
+  const Numbers old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
+  const Numbers found_n = larger(Numbers{}, old_n + (g.target - u_n) * g.inverse_k_n);
+  const Numbers on_n = found_n - last_n;
+  Numbers led_wrong = (old_n - found_n) * on_n;
   Vector old_t, last_t, found_t, on_t;
   if constexpr (rubs) {
     old_t = load(g.tangential_impulse);
@@ -29,12 +29,13 @@ CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const Lanes
     on_t = found_t - last_t;
     led_wrong += dot(old_t - found_t, on_t);
   }
-  const Lanes beta = momentum(g.age, led_wrong, lanes.to_carry);
+  const Numbers beta = momentum(g.age, led_wrong, lanes.to_carry);
   g.carried = choose(on, beta, g.carried);
-  const Lanes p_n = found_n + beta * on_n, d_n = choose(on, p_n - old_n, Lanes{}), step_n = found_n - old_n;
+  const Numbers p_n = found_n + beta * on_n, d_n = choose(on, p_n - old_n, Numbers{}),
+                step_n = found_n - old_n;
   g.normal_impulse = choose(on, p_n, old_n);
   g.last_normal = choose(on, found_n, last_n);
-  Lanes moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
+  Numbers moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
   CentralChange change{n * d_n, {}, {}};
   if constexpr (rubs) {
     const Vector p_t = found_t + on_t * beta, step_t = found_t - old_t;
@@ -48,15 +49,15 @@ CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const Lanes
     change.impulse += d_t;
     change.torque = cross(n, d_t);
   }
-  const Lanes most = larger(moved, stepped);
-  const Lanes scale = larger(larger(before, after), g.least_scale * g.least_scale);
-  change.relative = choose(most > 0, most / scale, Lanes{});
+  const Numbers most = larger(moved, stepped);
+  const Numbers scale = larger(larger(before, after), Numbers(g.least_scale) * g.least_scale);
+  change.relative = choose(most > 0, most / scale, Numbers{});
   return change;
 }
 
 template <bool rubs>
-Lanes sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
-                  const ContactSweep& sweep) {
+Numbers sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
+                    const ContactSweep& sweep) {
   const auto moving = [&](const std::int32_t* rows) {
     if constexpr (rubs) return twists(rows, state);
     return Twist{velocities(rows, state), {}};
@@ -64,8 +65,8 @@ Lanes sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* s
   const CentralChange change = solve<rubs>(g, moving(g.bodies.a), moving(g.bodies.b), lanes);
   const Vector& torque = change.torque;
   Vector on_a, on_b;
-  if constexpr (rubs) on_a = torque * (Lanes{} - g.arm_a), on_b = torque * g.arm_b;
-  add_to_bodies<rubs>(g.bodies, change.impulse, on_a, on_b, lanes.on,
+  if constexpr (rubs) on_a = torque * (Numbers{} - g.arm_a), on_b = torque * g.arm_b;
+  add_to_bodies<rubs>(g.bodies, {change.impulse, on_a, on_b}, lanes.on,
                       change.relative > sweep.tolerance * sweep.tolerance, sums);
   return change.relative;
 }
@@ -78,9 +79,9 @@ SweepOutcome sweep_central(CentralGroup* groups, std::size_t count, const BodySt
   for (std::size_t k = 0; k < count; ++k) {
     CentralGroup& g = groups[k];
     const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
-    if (!any(lanes.on)) continue;
-    outcome.add(g, any(g.friction > 0) ? sweep_group<true>(g, lanes, state, sums, sweep)
-                                       : sweep_group<false>(g, lanes, state, sums, sweep));
+    if (!any_lane(lanes.on)) continue;
+    outcome.add(g, any_lane(Numbers(g.friction) > 0) ? sweep_group<true>(g, lanes, state, sums, sweep)
+                                                     : sweep_group<false>(g, lanes, state, sums, sweep));
   }
   return outcome.of_squares();
 }

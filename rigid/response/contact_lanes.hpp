@@ -1,8 +1,7 @@
 #pragma once
 // The data the sweeps of sffd read and write: pairs of bodies side by side, eight in a group, so that one
 // vector instruction works on all of them. In a sweep no pair sees another's result (Jacobi), so which pairs
-// share a group changes no bit. No Eigen: the kernels are built for several
-// instruction sets.
+// share a group changes no bit. No Eigen: the kernels are built for several instruction sets.
 //
 // Normals run from a to b, u = v_b - v_a at the contact, impulses act on b and are reversed on a.
 #include <cstddef>
@@ -13,15 +12,15 @@
 namespace silt::rigid {
 
 inline constexpr int lane_count = 8;
-/// A Real8 holds one number of each of eight pairs. The kernels compute with Lanes (wide_kernel.hpp).
+/// One number of each of eight pairs. The kernels compute with Registers of them (cpu/lanes.hpp).
 struct alignas(64) Real8 {
   double lane[lane_count];
 
   double& operator[](int l) { return lane[l]; }
   double operator[](int l) const { return lane[l]; }
-  template <class Lanes>
-  requires requires(const Lanes& x, double* to) { x.store(to); }
-  Real8& operator=(const Lanes& x) {
+  template <class Numbers>
+  requires requires(const Numbers& x, double* to) { x.store(to); }
+  Real8& operator=(const Numbers& x) {
     x.store(lane);
     return *this;
   }
@@ -47,21 +46,29 @@ struct LaneBodies {
   std::int32_t again[lane_count];  // 0: final after the first sweep
 };
 
-/// A CentralGroup holds pairs that touch in one point on the line of centres of bodies that turn alike about
-/// every axis (or do not turn): normal, friction and rotation do not mix, so one pass over the contact is
-/// exact. Spheres, mostly.
-struct alignas(64) CentralGroup {
+/// What all groups have: pairs side by side.
+struct PairGroup {
+  Real8 age;          // sweeps since the impulses were last carried too far
+  Real8 carried;      // by what part of their last change they were carried on
+  Real8 least_scale;  // impulses below are rounding
+  LaneBodies bodies;
+};
+
+/// One contact of each of eight pairs.
+struct LaneContact {
   Real8 normal[3];
   Real8 normal_impulse, tangential_impulse[3];
   Real8 last_normal, last_tangential[3];  // what the last sweep found, before it was carried on
-  Real8 age;                              // sweeps since the impulses were last carried too far
-  Real8 carried;                          // by what part of their last change they were carried on
   Real8 target;                           // least normal velocity after the step
   Real8 friction;                         // coefficient
   Real8 inverse_k_n, inverse_k_t;
+};
+
+/// A CentralGroup holds pairs that touch in one point on the line of centres of bodies that turn alike about
+/// every axis (or do not turn): normal, friction and rotation do not mix, so one pass over the contact is
+/// exact. Spheres, mostly.
+struct alignas(64) CentralGroup : PairGroup, LaneContact {
   Real8 arm_a, arm_b;  // the contact lies at arm * normal from each centre
-  Real8 least_scale;   // impulses below are rounding
-  LaneBodies bodies;
 };
 
 /// The same with a lubrication film in the gap (lubrication.hpp). Of a resistance z, as an impulse per
@@ -79,32 +86,24 @@ struct alignas(64) LubricatedGroup : CentralGroup {
 
 /// A group holds any other pairs, as many contacts in each lane of a group. Moments are taken about a's
 /// centre.
-struct alignas(64) BlockGroup {
+struct alignas(64) BlockGroup : PairGroup {
   Real8 offset[3];                                   // from b's centre to a's
   Real8 inverse_mass;                                // of both together
   Real8 inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
   Real8 inverse_arm;                                 // of the furthest contact from a's centre
-  Real8 least_scale;
-  Real8
-      inverse_mobility[21];  // of the relative motion (packed(i, j)), times `softness`; set by prepare_blocks
-  Real8 softness;            // of the trial in which all stick
+  Real8 inverse_mobility[21];    // of the relative motion (packed(i, j)), times `softness`; by prepare_blocks
+  Real8 softness;                // of the trial in which all stick
   Real8 impulse[3], angular[3];  // of the last sweep, on b about a's centre
-  Real8 age, carried;            // as in CentralGroup
   Real8 relative_change;         // of the last sweep; negative: not solved
-  LaneBodies bodies;
-  std::uint32_t first, count;       // of its contacts
+  std::uint32_t first, count;    // of its contacts
   std::uint32_t first_lubrication;  // where its contacts' lubrication begins; none: no_lubrication
 };
 
 inline constexpr std::uint32_t no_lubrication = ~std::uint32_t{0};
 
-struct alignas(64) BlockContact {
-  Real8 r[3];  // from a's centre
-  Real8 normal[3];
+struct alignas(64) BlockContact : LaneContact {
+  Real8 r[3];         // from a's centre
   Real8 k_normal[3];  // velocity there by a unit normal impulse
-  Real8 normal_impulse, tangential_impulse[3];
-  Real8 last_normal, last_tangential[3];
-  Real8 target, friction, inverse_k_n, inverse_k_t;
 };
 
 /// This is the lubrication of one BlockContact, as in LubricatedGroup. Rolling is left out.

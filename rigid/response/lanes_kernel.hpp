@@ -4,21 +4,25 @@
 #include <cmath>
 #include <cstring>
 
-#include "rigid/response/wide_kernel.hpp"
+#include "cpu/lanes.hpp"
+#include "rigid/response/contact_lanes.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
+using Numbers = Registers<double, lane_count>;
+using Mask = Numbers::Mask;
+
 struct Vector {
-  Lanes x, y, z;
+  Numbers x, y, z;
 
   Vector operator+(const Vector& o) const { return {x + o.x, y + o.y, z + o.z}; }
   Vector operator-(const Vector& o) const { return {x - o.x, y - o.y, z - o.z}; }
-  Vector operator*(Lanes s) const { return {s * x, s * y, s * z}; }
+  Vector operator*(Numbers s) const { return {s * x, s * y, s * z}; }
   Vector& operator+=(const Vector& o) { return *this = *this + o; }
   Vector& operator-=(const Vector& o) { return *this = *this - o; }
 };
-inline Lanes dot(const Vector& a, const Vector& b) {
+inline Numbers dot(const Vector& a, const Vector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 inline Vector cross(const Vector& a, const Vector& b) {
@@ -47,16 +51,16 @@ struct LanesToSolve {
   Mask to_carry;  // of them, whose impulses are then carried on: not those at rest but for being carried
 };
 inline Mask goes_on(const LaneBodies& bodies) {
-  return whole_numbers(bodies.again) != 0;
+  return Numbers(bodies.again) != 0;
 }
 inline LanesToSolve to_solve(const LaneBodies& bodies, const Real8& carried, const BodyState* state,
                              const ContactSweep& sweep) {
   const Mask none{}, all = ~none, again = goes_on(bodies);
   const auto changed = [&](const std::int32_t* rows) {
-    return gathered([&](int l) { return state[rows[l]].number; }) != 0;
+    return Numbers::gathered([&](int l) { return state[rows[l]].number; }) != 0;
   };
   const Mask moved = sweep.number == 1 ? all : again & (changed(bodies.a) | changed(bodies.b));
-  return {moved | (Lanes(carried) != 0), sweep.plain ? none : again & moved};
+  return {moved | (Numbers(carried) != 0), sweep.plain ? none : again & moved};
 }
 
 /// Four numbers of a body, half of its cache line: one read or write for four.
@@ -69,14 +73,14 @@ inline HalfLine half_line(const double* from) {
 
 /// The halves of eight bodies' lines on their side: the first number of each, the second...
 struct Turned {
-  Lanes first, second, third, fourth;  // an array of them compilers copy by way of memory
+  Numbers first, second, third, fourth;  // an array of them compilers copy by way of memory
 };
 /// As it lies in memory.
-template <class Numbers>
-Lanes lanes_of(const Numbers& numbers) {
-  static_assert(sizeof numbers == sizeof(Lanes));
-  Lanes lanes;
-  std::memcpy(&lanes, &numbers, sizeof lanes);
+template <class Lines>
+Numbers lanes_of(const Lines& lines) {
+  static_assert(sizeof lines == sizeof(Numbers));
+  Numbers lanes;
+  std::memcpy(&lanes, &lines, sizeof lanes);
   return lanes;
 }
 
@@ -96,7 +100,7 @@ inline void turn_squares(FullLine (&row)[4]) {
 }
 
 [[gnu::always_inline]] inline Turned turned(const HalfLine (&h)[lane_count]) {
-  if constexpr (part_lanes == 8) {
+  if constexpr (Numbers::count == 1) {
     FullLine row[4];
     for (int k = 0; k < 4; ++k) row[k] = __builtin_shufflevector(h[k], h[k + 4], 0, 1, 2, 3, 4, 5, 6, 7);
     turn_squares(row);
@@ -117,8 +121,9 @@ inline void turn_squares(FullLine (&row)[4]) {
 }
 /// The reverse. (Written out once more: by way of one function for both, compilers keep halves in memory, and
 /// a sweep takes a sixth longer.)
-inline void turn(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w, HalfLine (&to)[lane_count]) {
-  if constexpr (part_lanes == 8) {
+inline void turn(const Numbers& x, const Numbers& y, const Numbers& z, const Numbers& w,
+                 HalfLine (&to)[lane_count]) {
+  if constexpr (Numbers::count == 1) {
     FullLine row[4];
     std::memcpy(&row[0], &x, sizeof x), std::memcpy(&row[1], &y, sizeof y);
     std::memcpy(&row[2], &z, sizeof z), std::memcpy(&row[3], &w, sizeof w);
@@ -164,19 +169,23 @@ inline Twist twists(const std::int32_t* rows, const BodyState* state) {
   return {{low.first, low.second, low.third}, {low.fourth, high.first, high.second}};
 }
 
-/// What eight pairs do to their bodies: an impulse on b, its reverse on a, and the moments on either (none of
-/// them: `turning` false), of those in `on`, one lane after the other; those in `marked` are noted as
-/// changes. (A sum is never -0, so zeros change no bit.)
+/// What eight pairs do to their bodies: an impulse on b, its reverse on a, and the moments on either.
+struct Push {
+  Vector impulse, moment_a, moment_b;
+};
+/// Adds what those in `on` do, one lane after the other (none has moments: `turning` false); those in
+/// `marked` are noted as changes. (A sum is never -0, so zeros change no bit.)
 template <bool turning>
-void add_to_bodies(const LaneBodies& bodies, const Vector& impulse, const Vector& moment_a,
-                   const Vector& moment_b, const Mask& on, const Mask& marked, BodySum* sums) {
+void add_to_bodies(const LaneBodies& bodies, const Push& push, const Mask& on, const Mask& marked,
+                   BodySum* sums) {
   HalfLine first_a[lane_count], first_b[lane_count], second_a[lane_count], second_b[lane_count];
   const unsigned those = lane_bits(on);
-  const Lanes none{};
+  const Numbers none{};
+  const auto& [impulse, moment_a, moment_b] = push;
   const Vector reverse = Vector{none, none, none} - impulse;
   turn(reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none, first_a);
   turn(impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none, first_b);
-  const Lanes changed = choose(marked, 1, none);
+  const Numbers changed = choose(marked, 1, none);
   if constexpr (turning) {
     turn(moment_a.y, moment_a.z, changed, none, second_a);
     turn(moment_b.y, moment_b.z, changed, none, second_b);
@@ -199,8 +208,8 @@ void add_to_bodies(const LaneBodies& bodies, const Vector& impulse, const Vector
 /// How far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since the
 /// last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts anew (O'Donoghue, Candes, Found.
 /// Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
-inline Lanes momentum(Real8& age, const Lanes& led_wrong, const Mask& on) {
-  const Lanes before = age, k = choose(led_wrong > 0, 1, before);
+inline Numbers momentum(Real8& age, const Numbers& led_wrong, const Mask& on) {
+  const Numbers before = age, k = choose(led_wrong > 0, 1, before);
   age = choose(on, k + 1, before);
   return choose(on, (k - 1) / (k + 2), 0);
 }
@@ -209,26 +218,26 @@ inline Lanes momentum(Real8& age, const Lanes& led_wrong, const Mask& on) {
 class Outcome {
  public:
   template <class Group>
-  void add(const Group& g, Lanes relative_change) {
+  void add(const Group& g, Numbers relative_change) {
     residual_ = choose(goes_on(g.bodies) & (relative_change > residual_), relative_change, residual_);
-    carried_ = carried_ | (Lanes(g.carried) != 0);
+    carried_ = carried_ | (Numbers(g.carried) != 0);
     solved_ = true;
   }
-  SweepOutcome all() const { return {largest(residual_), solved_, any(carried_)}; }
+  SweepOutcome all() const { return {largest(residual_), solved_, any_lane(carried_)}; }
   /// Where the squares of the changes were added.
-  SweepOutcome of_squares() const { return {std::sqrt(largest(residual_)), solved_, any(carried_)}; }
+  SweepOutcome of_squares() const { return {std::sqrt(largest(residual_)), solved_, any_lane(carried_)}; }
 
  private:
-  Lanes residual_{};
+  Numbers residual_{};
   Mask carried_{};
   bool solved_ = false;
 };
 
 /// Tangential impulses brought back into the cone.
-inline Vector into_cone(const Vector& q, Lanes limit) {
-  const Lanes square = dot(q, q);
+inline Vector into_cone(const Vector& q, Numbers limit) {
+  const Numbers square = dot(q, q);
   const Mask outside = square > limit * limit;
-  if (!any(outside)) return q;  // roots and quotients are what a round waits for
+  if (!any_lane(outside)) return q;  // roots and quotients are what a round waits for
   return choose(outside, q * (limit / square_root(square)), q);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// Impulses on b: at the contact, and against rolling.
 struct LubricatedImpulse {
-  Lanes normal;
+  Numbers normal;
   Vector tangential, rolling;
 
   LubricatedImpulse operator-(const LubricatedImpulse& o) const {
@@ -21,10 +21,10 @@ struct LubricatedImpulse {
   LubricatedImpulse operator+(const LubricatedImpulse& o) const {
     return {normal + o.normal, tangential + o.tangential, rolling + o.rolling};
   }
-  LubricatedImpulse operator*(Lanes s) const { return {normal * s, tangential * s, rolling * s}; }
+  LubricatedImpulse operator*(Numbers s) const { return {normal * s, tangential * s, rolling * s}; }
 };
 
-Lanes dot(const LubricatedImpulse& p, const LubricatedImpulse& q) {
+Numbers dot(const LubricatedImpulse& p, const LubricatedImpulse& q) {
   return p.normal * q.normal + dot(p.tangential, q.tangential) + dot(p.rolling, q.rolling);
 }
 LubricatedImpulse choose(Mask m, const LubricatedImpulse& p, const LubricatedImpulse& q) {
@@ -43,27 +43,27 @@ LubricatedImpulse find(const LubricatedGroup& g, const LubricatedImpulse& old, c
                        const Twist& b) {
   const Vector n = load(g.normal), along = b.v - a.v;
   const Vector u = along + cross(b.w * g.arm_b - a.w * g.arm_a, n);
-  const Lanes u_n = dot(u, n);
+  const Numbers u_n = dot(u, n);
   const Vector across = along - n * dot(along, n);
   const Vector roll = cross(a.w * g.reach_a - b.w * g.reach_b, n) - across * g.skew;
 
-  const Lanes stop_n = old.normal - u_n * g.inverse_k_n;
+  const Numbers stop_n = old.normal - u_n * g.inverse_k_n;
   LubricatedImpulse p;
   p.normal = larger(g.normal_damped * stop_n, old.normal + (g.target - u_n) * g.inverse_k_n);
-  const Lanes pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
+  const Numbers pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
 
   const Vector unrolled = old.rolling * g.roll_keeps - roll * g.roll_gain;  // if slip took no impulse
   const Vector slip = u - n * u_n + (unrolled - old.rolling) * g.roll_to_slip;
   const Vector stop_t = old.tangential - slip * g.inverse_k_t;
   const Vector rubbed = into_cone(stop_t, g.friction * pressing);
   p.tangential = rubbed + (stop_t - rubbed) * g.tangential_damped;
-  p.rolling = unrolled - (p.tangential - old.tangential) * (g.roll_to_slip * g.roll_gain);
+  p.rolling = unrolled - (p.tangential - old.tangential) * (Numbers(g.roll_to_slip) * g.roll_gain);
   return p;
 }
 
 struct LubricatedChange {
   LubricatedImpulse impulse;
-  Lanes relative;  // squared
+  Numbers relative;  // squared
 };
 
 /// The pair, carried on along its last change (rigid/README.md, a sweep).
@@ -71,7 +71,7 @@ LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, const
   const Mask on = lanes.on;
   const LubricatedImpulse old = impulse_of(g), last = last_of(g), found = find(g, old, a, b),
                           on_by = found - last;
-  const Lanes beta = momentum(g.age, dot(old - found, on_by), lanes.to_carry);
+  const Numbers beta = momentum(g.age, dot(old - found, on_by), lanes.to_carry);
   g.carried = choose(on, beta, g.carried);
   const LubricatedImpulse p = found + on_by * beta, d = choose(on, p - old, LubricatedImpulse{}),
                           step = found - old;
@@ -82,9 +82,9 @@ LubricatedChange solve(LubricatedGroup& g, const Twist& a, const Twist& b, const
   store(g.last_tangential, then.tangential);
   store(g.rolling_impulse, now.rolling);
   store(g.last_rolling, then.rolling);
-  const Lanes change = larger(dot(d, d), dot(step, step));
-  const Lanes scale = larger(larger(dot(old, old), dot(p, p)), g.least_scale * g.least_scale);
-  return {d, choose(change > 0, change / scale, Lanes{})};
+  const Numbers change = larger(dot(d, d), dot(step, step));
+  const Numbers scale = larger(larger(dot(old, old), dot(p, p)), Numbers(g.least_scale) * g.least_scale);
+  return {d, choose(change > 0, change / scale, Numbers{})};
 }
 
 void add_change(const LubricatedGroup& g, const LubricatedChange& change, Mask on, double tolerance,
@@ -93,7 +93,7 @@ void add_change(const LubricatedGroup& g, const LubricatedChange& change, Mask o
   const Vector n = load(g.normal), p = n * d.normal + d.tangential - d.rolling * g.skew;
   const Vector slip = cross(n, d.tangential), roll = cross(n, d.rolling);
   const Vector on_a = roll * g.reach_a - slip * g.arm_a, on_b = slip * g.arm_b - roll * g.reach_b;
-  add_to_bodies<true>(g.bodies, p, on_a, on_b, on, change.relative > tolerance * tolerance, sums);
+  add_to_bodies<true>(g.bodies, {p, on_a, on_b}, on, change.relative > tolerance * tolerance, sums);
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ SweepOutcome sweep_lubricated(LubricatedGroup* groups, std::size_t count, const 
   for (std::size_t k = 0; k < count; ++k) {
     LubricatedGroup& g = groups[k];
     const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
-    if (!any(lanes.on)) continue;
+    if (!any_lane(lanes.on)) continue;
     const LubricatedChange change = solve(g, twists(g.bodies.a, state), twists(g.bodies.b, state), lanes);
     add_change(g, change, lanes.on, sweep.tolerance, sums);
     outcome.add(g, change.relative);

@@ -35,6 +35,10 @@ void set(Real8* lanes, int l, const Vec3& x) {
   for (int d = 0; d < 3; ++d) lanes[d][l] = x[d];
 }
 
+Vec3 vector_of(const Real8* lanes, int l) {
+  return {lanes[0][l], lanes[1][l], lanes[2][l]};
+}
+
 void set_symmetric(Real8* lanes, int l, const Mat3& m) {
   lanes[0][l] = m(0, 0);
   lanes[1][l] = m(1, 1);
@@ -86,6 +90,28 @@ int next_lane(std::vector<Group>& groups, int& lane, std::size_t rows) {
   return lane++;
 }
 
+void set_pair(PairGroup& g, int l, const PairToSolve& p) {
+  g.age[l] = 1;
+  g.carried[l] = 0;
+  g.least_scale[l] = p.least_scale;
+  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
+  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
+  g.bodies.again[l] = p.again;
+}
+
+/// A contact of the pair, whose normal and tangential motion have these compliances.
+void set_contact(LaneContact& lanes, int l, const PairToSolve& p, std::size_t k, double k_n, double k_t) {
+  const Contact& c = p.contacts[k];
+  set(lanes.normal, l, c.normal);
+  lanes.normal_impulse[l] = lanes.last_normal[l] = p.impulses[k].normal;
+  set(lanes.tangential_impulse, l, p.impulses[k].tangential);
+  set(lanes.last_tangential, l, p.impulses[k].tangential);
+  lanes.target[l] = p.targets[k];
+  lanes.friction[l] = c.friction;
+  lanes.inverse_k_n[l] = 1 / k_n;
+  lanes.inverse_k_t[l] = 1 / k_t;
+}
+
 /// Returns the compliances of normal and tangential motion.
 std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) {
   const Contact& c = p.contacts[0];
@@ -93,22 +119,10 @@ std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) 
   const double k_n = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
   const double turn_a = p.share_a * p.a.inverse_inertia(0, 0), turn_b = p.share_b * p.b.inverse_inertia(0, 0);
   const double k_t = k_n + arm_a * arm_a * turn_a + arm_b * arm_b * turn_b;
-  set(g.normal, l, c.normal);
-  g.normal_impulse[l] = g.last_normal[l] = p.impulses[0].normal;
-  set(g.tangential_impulse, l, p.impulses[0].tangential);
-  set(g.last_tangential, l, p.impulses[0].tangential);
-  g.age[l] = 1;
-  g.carried[l] = 0;
-  g.target[l] = p.targets[0];
-  g.friction[l] = c.friction;
-  g.inverse_k_n[l] = 1 / k_n;
-  g.inverse_k_t[l] = 1 / k_t;
+  set_pair(g, l, p);
+  set_contact(g, l, p, 0, k_n, k_t);
   g.arm_a[l] = arm_a;
   g.arm_b[l] = arm_b;
-  g.least_scale[l] = p.least_scale;
-  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
-  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
-  g.bodies.again[l] = p.again;
   return {k_n, k_t};
 }
 
@@ -216,10 +230,7 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   g.inverse_mass[l] = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
   set_symmetric(g.inverse_inertia_a, l, p.share_a * p.a.inverse_inertia);
   set_symmetric(g.inverse_inertia_b, l, p.share_b * p.b.inverse_inertia);
-  g.least_scale[l] = p.least_scale;
-  g.bodies.a[l] = static_cast<std::int32_t>(p.row_a);
-  g.bodies.b[l] = static_cast<std::int32_t>(p.row_b);
-  g.bodies.again[l] = p.again;
+  set_pair(g, l, p);
   constexpr double soft = 1e-5;  // relative to a contact's own compliance
   double furthest = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -228,8 +239,6 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     if (lubricated)
       set_lubrication(block_lubrication_[g.first_lubrication + k], l, p, k, block_contacts_[g.first + k]);
   }
-  g.age[l] = 1;
-  g.carried[l] = 0;
   g.softness[l] = soft / block_contacts_[g.first].inverse_k_n[l];
   g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
   block_order_.push_back({open.group, static_cast<std::uint8_t>(l), false});
@@ -243,15 +252,8 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
   // where a's mass is infinite its own points may lie apart from those on b, which are the arms of impulses
   const Vec3 r = p.a.inverse_mass > 0 ? c.r_a : Vec3(c.r_b - (p.contacts[0].r_b - p.contacts[0].r_a));
   set(lanes.r, l, r);
-  set(lanes.normal, l, c.normal);
   set(lanes.k_normal, l, k_normal);
-  lanes.normal_impulse[l] = lanes.last_normal[l] = p.impulses[k].normal;
-  set(lanes.tangential_impulse, l, p.impulses[k].tangential);
-  set(lanes.last_tangential, l, p.impulses[k].tangential);
-  lanes.target[l] = p.targets[k];
-  lanes.friction[l] = c.friction;
-  lanes.inverse_k_n[l] = 1 / c.normal.dot(k_normal);
-  lanes.inverse_k_t[l] = 1 / tangential_eigenvalue(response, c.normal, k_normal);
+  set_contact(lanes, l, p, k, c.normal.dot(k_normal), tangential_eigenvalue(response, c.normal, k_normal));
 }
 
 void PairLanes::prepare() {
@@ -281,9 +283,8 @@ void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
     const BlockGroup& g = blocks_[at.group];
     const int l = at.lane;
     if (g.relative_change[l] < 0) continue;
-    const Vec3 impulse(g.impulse[0][l], g.impulse[1][l], g.impulse[2][l]);
-    const Vec3 angular(g.angular[0][l], g.angular[1][l], g.angular[2][l]);
-    const Vec3 angular_b = angular + Vec3(g.offset[0][l], g.offset[1][l], g.offset[2][l]).cross(impulse);
+    const Vec3 impulse = vector_of(g.impulse, l), angular = vector_of(g.angular, l);
+    const Vec3 angular_b = angular + vector_of(g.offset, l).cross(impulse);
     BodySum &a = sums[g.bodies.a[l]], &b = sums[g.bodies.b[l]];
     for (int d = 0; d < 3; ++d) {
       a.impulse[d] -= impulse[d];
@@ -295,50 +296,47 @@ void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
   }
 }
 
-void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) const {
-  const auto read = [&](const auto& lanes, ContactImpulse& p) {
-    p.normal = lanes.normal_impulse[at.lane];
-    for (int d = 0; d < 3; ++d) p.tangential[d] = lanes.tangential_impulse[d][at.lane] + 0.0;  // no -0
-  };
-  if (at.lubricated) return read(lubricated_[at.group], out[0]);
-  if (at.central) return read(central_[at.group], out[0]);
-  for (std::size_t k = 0; k < out.size(); ++k) read(block_contacts_[blocks_[at.group].first + k], out[k]);
+PairGroup& PairLanes::group_at(const Place& at) {
+  if (at.lubricated) return lubricated_[at.group];
+  if (at.central) return central_[at.group];
+  return blocks_[at.group];
+}
+
+LaneContact& PairLanes::contact_at(const Place& at, std::size_t k) {
+  if (at.lubricated) return lubricated_[at.group];
+  if (at.central) return central_[at.group];
+  return block_contacts_[blocks_[at.group].first + k];
+}
+
+void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) {
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const LaneContact& lanes = contact_at(at, k);
+    out[k].normal = lanes.normal_impulse[at.lane];
+    for (int d = 0; d < 3; ++d) out[k].tangential[d] = lanes.tangential_impulse[d][at.lane] + 0.0;  // no -0
+  }
 }
 
 /// The moments on a and b about a's centre are opposite.
 PairLanes::Rolling PairLanes::read_rolling(const Place& at) const {
   if (!at.lubricated) return {};
   const LubricatedGroup& g = lubricated_[at.group];
-  const auto read = [&](const Real8* lanes) {
-    return Vec3(lanes[0][at.lane], lanes[1][at.lane], lanes[2][at.lane]);
-  };
-  const Vec3 impulse = read(g.rolling_impulse);
-  return {-g.skew[at.lane] * impulse, -g.reach_a[at.lane] * read(g.normal).cross(impulse)};
+  const Vec3 impulse = vector_of(g.rolling_impulse, at.lane);
+  return {-g.skew[at.lane] * impulse, -g.reach_a[at.lane] * vector_of(g.normal, at.lane).cross(impulse)};
 }
 
 void PairLanes::aim(const Place& at, std::span<const double> targets, double least_scale) {
-  const auto set_target = [&](auto& lanes, double target) {
+  const auto set_target = [&](LaneContact& lanes, double target) {
     lanes.target[at.lane] = target;
     lanes.friction[at.lane] = lanes.normal_impulse[at.lane] = lanes.last_normal[at.lane] = 0;
-    for (int d = 0; d < 3; ++d) lanes.tangential_impulse[d][at.lane] = lanes.last_tangential[d][at.lane] = 0;
+    set(lanes.tangential_impulse, at.lane, Vec3::Zero());
+    set(lanes.last_tangential, at.lane, Vec3::Zero());
   };
-  const auto start_over = [&](auto& group) {
-    group.least_scale[at.lane] = least_scale;
-    group.age[at.lane] = 1;
-    group.carried[at.lane] = 0;
-  };
-  if (at.lubricated) {
-    dry(lubricated_[at.group], at.lane);
-    start_over(lubricated_[at.group]);
-    return set_target(lubricated_[at.group], targets[0]);
-  }
-  if (at.central) {
-    start_over(central_[at.group]);
-    return set_target(central_[at.group], targets[0]);
-  }
-  start_over(blocks_[at.group]);
-  for (std::size_t k = 0; k < targets.size(); ++k)
-    set_target(block_contacts_[blocks_[at.group].first + k], targets[k]);
+  PairGroup& group = group_at(at);
+  group.least_scale[at.lane] = least_scale;
+  group.age[at.lane] = 1;
+  group.carried[at.lane] = 0;
+  if (at.lubricated) dry(lubricated_[at.group], at.lane);
+  for (std::size_t k = 0; k < targets.size(); ++k) set_target(contact_at(at, k), targets[k]);
 }
 
 }  // namespace silt::rigid

@@ -50,7 +50,7 @@ class PairLanes {
   /// that only the keys decide, and marks a body as changed where a relative change exceeds the tolerance.
   SweepOutcome sweep(std::span<const BodyState>, std::span<BodySum>, const ContactSweep&);
 
-  void read_impulses(const Place&, std::span<ContactImpulse>) const;
+  void read_impulses(const Place&, std::span<ContactImpulse>);
   /// What a film does against rolling, on b: an impulse, and its moment about a's centre.
   struct Rolling {
     Vec3 impulse = Vec3::Zero(), moment = Vec3::Zero();
@@ -66,6 +66,8 @@ class PairLanes {
   Place add_block(const PairToSolve&);
   void add_block_contact(BlockContact&, int lane, const PairToSolve&, std::size_t k);
   void sum_blocks(std::span<BodySum>, double tolerance) const;
+  PairGroup& group_at(const Place&);
+  LaneContact& contact_at(const Place&, std::size_t k);
 
   std::size_t rows_ = 0;
   int central_lane_ = lane_count, lubricated_lane_ = lane_count;  // the next free one of the last group
