@@ -134,16 +134,15 @@ void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) 
 
 }  // namespace
 
-void prepare_blocks(BlockGroup* groups, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k) set_inverse_mobility(groups[k]);
+void prepare_blocks(std::span<BlockGroup> groups) {
+  for (BlockGroup& g : groups) set_inverse_mobility(g);
 }
 
-SweepOutcome sweep_blocks(BlockGroup* groups, std::size_t count, BlockContact* all_contacts,
+SweepOutcome sweep_blocks(std::span<BlockGroup> groups, BlockContact* all_contacts,
                           const BlockLubrication* all_lubrication, const BodyState* state,
                           const ContactSweep& sweep) {
   Outcome outcome;
-  for (std::size_t k = 0; k < count; ++k) {
-    BlockGroup& g = groups[k];
+  for (BlockGroup& g : groups) {
     BlockContact* contacts = all_contacts + g.first;
     const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
     g.relative_change = Numbers{} - 1;

@@ -1,89 +1,182 @@
-// Contacts on the line of centres. Built once an instruction set.
+// Contacts on the line of centres, dry or with a lubrication film in the gap (rigid/README.md, C4, C5, L1 and
+// L2). Built once an instruction set.
+//
+// An impulse p that would stop a motion of compliance k becomes damped * p by the film alone. The contact
+// adds what is missing: normal = larger(damped * stop, stop + target / k), and friction takes its part of the
+// tangential one before the film does. Rolling is eliminated from the tangential motion, so that one pass is
+// exact here too.
 #include "rigid/response/lanes_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-struct CentralChange {
-  Vector impulse, torque;  // torque per unit of arm: normal x impulse
-  Numbers relative;        // squared
+/// What contacts of a kind have: an impulse along the normal (frictionless), across it too (dry), and one
+/// against rolling (lubricated).
+enum Kind { frictionless, dry, lubricated };
+
+/// Impulses on b; those that a kind does not have are not computed with.
+template <Kind kind>
+struct Impulse {
+  Numbers normal;
+  Vector tangential, rolling;
 };
 
-/// (C4) and (C5) of rigid/README.md for eight contacts, carried on along their last change. `rubs` false:
-/// none of the eight has friction; their tangential impulses are zero and stay so, and the bits are those of
-/// `rubs`.
-template <bool rubs>
-CentralChange solve(CentralGroup& g, const Twist& a, const Twist& b, const LanesToSolve& lanes) {
-  const Mask on = lanes.on;
-  const Vector n = load(g.normal), u = b.v - a.v;
-  const Numbers old_n = g.normal_impulse, last_n = g.last_normal, u_n = dot(u, n);
-  const Numbers found_n = larger(Numbers{}, old_n + (g.target - u_n) * g.inverse_k_n);
-  const Numbers on_n = found_n - last_n;
-  Numbers led_wrong = (old_n - found_n) * on_n;
-  Vector old_t, last_t, found_t, on_t;
-  if constexpr (rubs) {
-    old_t = load(g.tangential_impulse);
-    last_t = load(g.last_tangential);
-    const Vector slip = u + cross(b.w * g.arm_b - a.w * g.arm_a, n) - n * u_n;
-    found_t = into_cone(old_t - slip * g.inverse_k_t, g.friction * found_n);
-    on_t = found_t - last_t;
-    led_wrong += dot(old_t - found_t, on_t);
-  }
-  const Numbers beta = momentum(g.age, led_wrong, lanes.to_carry);
-  g.carried = choose(on, beta, g.carried);
-  const Numbers p_n = found_n + beta * on_n, d_n = choose(on, p_n - old_n, Numbers{}),
-                step_n = found_n - old_n;
-  g.normal_impulse = choose(on, p_n, old_n);
-  g.last_normal = choose(on, found_n, last_n);
-  Numbers moved = d_n * d_n, stepped = step_n * step_n, before = old_n * old_n, after = p_n * p_n;
-  CentralChange change{n * d_n, {}, {}};
-  if constexpr (rubs) {
-    const Vector p_t = found_t + on_t * beta, step_t = found_t - old_t;
-    const Vector d_t = choose(on, p_t - old_t, Vector{});
-    store(g.tangential_impulse, choose(on, p_t, old_t));
-    store(g.last_tangential, choose(on, found_t, last_t));
-    moved += dot(d_t, d_t);
-    stepped += dot(step_t, step_t);
-    before += dot(old_t, old_t);
-    after += dot(p_t, p_t);
-    change.impulse += d_t;
-    change.torque = cross(n, d_t);
-  }
-  const Numbers most = larger(moved, stepped);
-  const Numbers scale = larger(larger(before, after), Numbers(g.least_scale) * g.least_scale);
-  change.relative = choose(most > 0, most / scale, Numbers{});
-  return change;
+/// of(part of p, part of q) in every part.
+template <Kind kind, class Of>
+[[gnu::always_inline]] inline Impulse<kind> by_part(const Impulse<kind>& p, const Impulse<kind>& q, Of of) {
+  Impulse<kind> result;
+  result.normal = of(p.normal, q.normal);
+  if constexpr (kind >= dry) result.tangential = of(p.tangential, q.tangential);
+  if constexpr (kind >= lubricated) result.rolling = of(p.rolling, q.rolling);
+  return result;
+}
+template <Kind kind>
+Impulse<kind> operator-(const Impulse<kind>& p, const Impulse<kind>& q) {
+  return by_part(p, q, [](const auto& a, const auto& b) { return a - b; });
+}
+template <Kind kind>
+Impulse<kind> choose(const Mask& m, const Impulse<kind>& p, const Impulse<kind>& q) {
+  return by_part(p, q, [&](const auto& a, const auto& b) { return choose(m, a, b); });
+}
+template <Kind kind>
+Numbers dot(const Impulse<kind>& p, const Impulse<kind>& q) {
+  Numbers sum = p.normal * q.normal;
+  if constexpr (kind >= dry) sum += dot(p.tangential, q.tangential);
+  if constexpr (kind >= lubricated) sum += dot(p.rolling, q.rolling);
+  return sum;
 }
 
-template <bool rubs>
-Numbers sweep_group(CentralGroup& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
-                    const ContactSweep& sweep) {
+/// The impulses there are, or those of the last sweep.
+template <Kind kind, class Group>
+Impulse<kind> impulse_of(const Group& g) {
+  Impulse<kind> p;
+  p.normal = g.normal_impulse;
+  if constexpr (kind >= dry) p.tangential = load(g.tangential_impulse);
+  if constexpr (kind >= lubricated) p.rolling = load(g.rolling_impulse);
+  return p;
+}
+template <Kind kind, class Group>
+Impulse<kind> last_of(const Group& g) {
+  Impulse<kind> p;
+  p.normal = g.last_normal;
+  if constexpr (kind >= dry) p.tangential = load(g.last_tangential);
+  if constexpr (kind >= lubricated) p.rolling = load(g.last_rolling);
+  return p;
+}
+template <Kind kind, class Group>
+void store(Group& g, const Impulse<kind>& now, const Impulse<kind>& last) {
+  g.normal_impulse = now.normal, g.last_normal = last.normal;
+  if constexpr (kind >= dry)
+    store(g.tangential_impulse, now.tangential), store(g.last_tangential, last.tangential);
+  if constexpr (kind >= lubricated)
+    store(g.rolling_impulse, now.rolling), store(g.last_rolling, last.rolling);
+}
+
+/// The pair alone, from the impulses at hand. Without friction tangential impulses are zero and stay so, and
+/// the bits are those of `dry`.
+template <Kind kind>
+Impulse<kind> find(const CentralGroup& g, const Impulse<kind>& old, const Twist& a, const Twist& b) {
+  const Vector n = load(g.normal), u = b.v - a.v;
+  const Numbers u_n = dot(u, n);
+  Impulse<kind> p;
+  p.normal = larger(Numbers{}, old.normal + (g.target - u_n) * g.inverse_k_n);
+  if constexpr (kind == dry) {
+    const Vector slip = u + cross(b.w * g.arm_b - a.w * g.arm_a, n) - n * u_n;
+    p.tangential = into_cone(old.tangential - slip * g.inverse_k_t, g.friction * p.normal);
+  }
+  return p;
+}
+
+template <Kind kind>
+Impulse<kind> find(const LubricatedGroup& g, const Impulse<kind>& old, const Twist& a, const Twist& b) {
+  const Vector n = load(g.normal), along = b.v - a.v;
+  const Vector u = along + cross(b.w * g.arm_b - a.w * g.arm_a, n);
+  const Numbers u_n = dot(u, n);
+  const Vector across = along - n * dot(along, n);
+  const Vector roll = cross(a.w * g.reach_a - b.w * g.reach_b, n) - across * g.skew;
+
+  const Numbers stop_n = old.normal - u_n * g.inverse_k_n;
+  Impulse<kind> p;
+  p.normal = larger(g.normal_damped * stop_n, old.normal + (g.target - u_n) * g.inverse_k_n);
+  const Numbers pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
+
+  const Vector unrolled = old.rolling * g.roll_keeps - roll * g.roll_gain;  // if slip took no impulse
+  const Vector slip = u - n * u_n + (unrolled - old.rolling) * g.roll_to_slip;
+  const Vector stop_t = old.tangential - slip * g.inverse_k_t;
+  const Vector rubbed = into_cone(stop_t, g.friction * pressing);
+  p.tangential = rubbed + (stop_t - rubbed) * g.tangential_damped;
+  p.rolling = unrolled - (p.tangential - old.tangential) * (Numbers(g.roll_to_slip) * g.roll_gain);
+  return p;
+}
+
+/// How a change of the impulses moves the bodies.
+template <Kind kind>
+Push push_by(const CentralGroup& g, const Impulse<kind>& d) {
+  const Vector n = load(g.normal);
+  if constexpr (kind == frictionless) return {n * d.normal, {}, {}};
+  const Vector torque = cross(n, d.tangential);  // per unit of arm
+  return {n * d.normal + d.tangential, torque * (Numbers{} - g.arm_a), torque * g.arm_b};
+}
+template <Kind kind>
+Push push_by(const LubricatedGroup& g, const Impulse<kind>& d) {
+  const Vector n = load(g.normal), slip = cross(n, d.tangential), roll = cross(n, d.rolling);
+  return {n * d.normal + d.tangential - d.rolling * g.skew, roll * g.reach_a - slip * g.arm_a,
+          slip * g.arm_b - roll * g.reach_b};
+}
+
+/// One pass over a group: its pairs solved, and carried on along their last change (rigid/README.md, a
+/// sweep). Returns the squares of the relative changes.
+template <Kind kind, class Group>
+Numbers sweep_group(Group& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
+                    double tolerance) {
   const auto moving = [&](const std::int32_t* rows) {
-    if constexpr (rubs) return twists(rows, state);
+    if constexpr (kind >= dry) return twists(rows, state);
     return Twist{velocities(rows, state), {}};
   };
-  const CentralChange change = solve<rubs>(g, moving(g.bodies.a), moving(g.bodies.b), lanes);
-  const Vector& torque = change.torque;
-  Vector on_a, on_b;
-  if constexpr (rubs) on_a = torque * (Numbers{} - g.arm_a), on_b = torque * g.arm_b;
-  add_to_bodies<rubs>(g.bodies, {change.impulse, on_a, on_b}, lanes.on,
-                      change.relative > sweep.tolerance * sweep.tolerance, sums);
-  return change.relative;
+  const Mask on = lanes.on;
+  const auto old = impulse_of<kind>(g), last = last_of<kind>(g),
+             found = find<kind>(g, old, moving(g.bodies.a), moving(g.bodies.b)), on_by = found - last,
+             step = found - old;
+  const Numbers beta = momentum(g.age, dot(old - found, on_by), lanes.to_carry);
+  g.carried = choose(on, beta, g.carried);
+  const auto p = by_part(found, on_by, [&](const auto& f, const auto& by) { return f + by * beta; });
+  const auto d = choose(on, p - old, Impulse<kind>{});
+  store<kind>(g, choose(on, p, old), choose(on, found, last));
+  const Numbers change = larger(dot(d, d), dot(step, step));
+  const Numbers scale = larger(larger(dot(old, old), dot(p, p)), Numbers(g.least_scale) * g.least_scale);
+  const Numbers relative = choose(change > 0, change / scale, Numbers{});
+  add_to_bodies<(kind >= dry)>(g.bodies, push_by(g, d), on, relative > tolerance * tolerance, sums);
+  return relative;
+}
+
+/// All groups that have anything to solve.
+template <class Group, class SweepGroup>
+SweepOutcome sweep_all(std::span<Group> groups, const BodyState* state, const ContactSweep& sweep,
+                       SweepGroup sweep_one) {
+  Outcome outcome;
+  for (Group& g : groups) {
+    const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
+    if (any_lane(lanes.on)) outcome.add(g, sweep_one(g, lanes));
+  }
+  return outcome.of_squares();
 }
 
 }  // namespace
 
-SweepOutcome sweep_central(CentralGroup* groups, std::size_t count, const BodyState* state, BodySum* sums,
+SweepOutcome sweep_central(std::span<CentralGroup> groups, const BodyState* state, BodySum* sums,
                            const ContactSweep& sweep) {
-  Outcome outcome;
-  for (std::size_t k = 0; k < count; ++k) {
-    CentralGroup& g = groups[k];
-    const LanesToSolve lanes = to_solve(g.bodies, g.carried, state, sweep);
-    if (!any_lane(lanes.on)) continue;
-    outcome.add(g, any_lane(Numbers(g.friction) > 0) ? sweep_group<true>(g, lanes, state, sums, sweep)
-                                                     : sweep_group<false>(g, lanes, state, sums, sweep));
-  }
-  return outcome.of_squares();
+  return sweep_all(groups, state, sweep, [&](CentralGroup& g, const LanesToSolve& lanes) {
+    return any_lane(Numbers(g.friction) > 0)
+               ? sweep_group<dry>(g, lanes, state, sums, sweep.tolerance)
+               : sweep_group<frictionless>(g, lanes, state, sums, sweep.tolerance);
+  });
+}
+
+SweepOutcome sweep_lubricated(std::span<LubricatedGroup> groups, const BodyState* state, BodySum* sums,
+                              const ContactSweep& sweep) {
+  return sweep_all(groups, state, sweep, [&](LubricatedGroup& g, const LanesToSolve& lanes) {
+    return sweep_group<lubricated>(g, lanes, state, sums, sweep.tolerance);
+  });
 }
 
 }  // namespace silt::rigid::SILT_ISA

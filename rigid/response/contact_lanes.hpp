@@ -6,6 +6,7 @@
 // Normals run from a to b, u = v_b - v_a at the contact, impulses act on b and are reversed on a.
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "cpu/isa.hpp"
 
@@ -128,13 +129,12 @@ struct SweepOutcome {
 
 // The kernels. A sweep goes once over its groups; blocks are prepared once a step, after the groups are
 // filled.
-using SweepCentral = SweepOutcome(CentralGroup*, std::size_t groups, const BodyState*, BodySum*,
-                                  const ContactSweep&);
-using SweepLubricated = SweepOutcome(LubricatedGroup*, std::size_t groups, const BodyState*, BodySum*,
+using SweepCentral = SweepOutcome(std::span<CentralGroup>, const BodyState*, BodySum*, const ContactSweep&);
+using SweepLubricated = SweepOutcome(std::span<LubricatedGroup>, const BodyState*, BodySum*,
                                      const ContactSweep&);
-using SweepBlocks = SweepOutcome(BlockGroup*, std::size_t groups, BlockContact*, const BlockLubrication*,
+using SweepBlocks = SweepOutcome(std::span<BlockGroup>, BlockContact*, const BlockLubrication*,
                                  const BodyState*, const ContactSweep&);
-using PrepareBlocks = void(BlockGroup*, std::size_t groups);
+using PrepareBlocks = void(std::span<BlockGroup>);
 
 SILT_BUILDS(SweepCentral sweep_central; SweepLubricated sweep_lubricated; SweepBlocks sweep_blocks;
             PrepareBlocks prepare_blocks;)

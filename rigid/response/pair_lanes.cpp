@@ -257,17 +257,16 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
 }
 
 void PairLanes::prepare() {
-  kernels().prepare_blocks(blocks_.data(), blocks_.size());
+  kernels().prepare_blocks(blocks_);
 }
 
 SweepOutcome PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
                               const ContactSweep& sweep) {
   const LaneKernels k = kernels();
   const SweepOutcome of_kinds[] = {
-      k.sweep_central(central_.data(), central_.size(), state.data(), sums.data(), sweep),
-      k.sweep_lubricated(lubricated_.data(), lubricated_.size(), state.data(), sums.data(), sweep),
-      k.sweep_blocks(blocks_.data(), blocks_.size(), block_contacts_.data(), block_lubrication_.data(),
-                     state.data(), sweep)};
+      k.sweep_central(central_, state.data(), sums.data(), sweep),
+      k.sweep_lubricated(lubricated_, state.data(), sums.data(), sweep),
+      k.sweep_blocks(blocks_, block_contacts_.data(), block_lubrication_.data(), state.data(), sweep)};
   sum_blocks(sums, sweep.tolerance);
   SweepOutcome all;
   for (const SweepOutcome& of : of_kinds) {
