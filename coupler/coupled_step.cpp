@@ -1,6 +1,6 @@
 #include "coupler/coupled_step.hpp"
 
-#include "coupler/noted_loads.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "parallel/traffic.hpp"
 
 namespace silt::coupler {

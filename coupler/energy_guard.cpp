@@ -24,13 +24,13 @@ FixedSum cut_off(double energy) {
   return rigid::to_fixed(std::clamp(energy, -out_of_proportion, out_of_proportion));
 }
 
-bool is_driven(const Case& scene) {
+bool is_driven(const Case& setup) {
   const auto moves = [](const BoundarySpec& side) {
     return side.kind == BoundaryKind::moving && side.velocity != Vec3::Zero();
   };
-  return std::any_of(scene.boundary.begin(), scene.boundary.end(), moves) ||
-         std::any_of(scene.walls.begin(), scene.walls.end(), std::mem_fn(&CurvedWall::moves)) ||
-         scene.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+  return std::any_of(setup.boundary.begin(), setup.boundary.end(), moves) ||
+         std::any_of(setup.walls.begin(), setup.walls.end(), std::mem_fn(&CurvedWall::moves)) ||
+         setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
 }
 
 /// Of all free bodies of this rank.
@@ -52,8 +52,8 @@ Energies energies_of(const Scene& scene) {
   return sums;
 }
 
-std::string energy_text(const Case& scene, double x) {
-  return scene.units.si ? fmt::format("{} J", shown(scene.units.physical(x, dimension::energy)))
+std::string energy_text(const Case& setup, double x) {
+  return setup.units.si ? fmt::format("{} J", shown(setup.units.physical(x, dimension::energy)))
                         : fmt::format("{} (lattice units)", shown(x));
 }
 
@@ -65,13 +65,13 @@ Vec3 unwrapped(const BodySet& bodies, std::size_t row, const Vec3& period) {
   return x;
 }
 
-FixedSum mechanical_energy(const Case& scene, const BodySet& bodies, std::size_t row) {
-  const Vec3 x = unwrapped(bodies, row, extent_of(scene).size);
+FixedSum mechanical_energy(const Case& setup, const BodySet& bodies, std::size_t row) {
+  const Vec3 x = unwrapped(bodies, row, extent_of(setup).size);
   return cut_off(bodies.kinetic_energy(row) -
-                 bodies.mass[row] * bodies.weight_in_fluid[row] * scene.gravity.dot(x));
+                 bodies.mass[row] * bodies.weight_in_fluid[row] * setup.gravity.dot(x));
 }
 
-EnergyGuard::EnergyGuard(const Case& scene) : watched_(!scene.fluid && !is_driven(scene)) {}
+EnergyGuard::EnergyGuard(const Case& setup) : watched_(!setup.fluid && !is_driven(setup)) {}
 
 void EnergyGuard::look(const Scene& scene, FixedSum brought, std::int64_t step) {
   if (!watched_) return;
@@ -82,7 +82,7 @@ void EnergyGuard::look(const Scene& scene, FixedSum brought, std::int64_t step) 
   fresh_ = false;
 }
 
-void EnergyGuard::finish(const Case& scene) {
+void EnergyGuard::finish(const Case& setup) {
   if (!sums_.under_way()) return;
   const Sums& all = sums_.finish();
   const double energy = rigid::from_fixed(all.energy.value()),
@@ -95,8 +95,8 @@ void EnergyGuard::finish(const Case& scene) {
         fmt::format("step {}: the energy of the bodies has grown by {} since step {}, though nothing drives "
                     "them (kinetic "
                     "energy now: {}; allowed: {}); {}",
-                    step_, energy_text(scene, gain), start_step_, energy_text(scene, kinetic),
-                    energy_text(scene, allowed), contact_remedy(scene)));
+                    step_, energy_text(setup, gain), start_step_, energy_text(setup, kinetic),
+                    energy_text(setup, allowed), contact_remedy(setup)));
 }
 
 }  // namespace silt::coupler

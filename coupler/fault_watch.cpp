@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "coupler/body_turnover.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/limits.hpp"
-#include "coupler/departures.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/scene.hpp"
 #include "parallel/collectives.hpp"
@@ -56,15 +55,20 @@ void put_to_rest(BodySet& bodies, std::size_t row) {
 
 }  // namespace
 
-double FaultWatch::hold_runaways(const Case& scene, const MotionLimits& limits, BodySet& bodies,
-                                 std::int64_t step) {
+FaultWatch::FaultWatch(const Case& setup)
+    : limits_(setup),
+      sides_stop_(std::any_of(setup.boundary.begin(), setup.boundary.end(), [](const BoundarySpec& side) {
+        return side.lets_bodies_pass() && !side.removes_bodies();
+      })) {}
+
+double FaultWatch::hold_runaways(const Case& setup, BodySet& bodies, std::int64_t step) {
   constexpr std::size_t at_once = 256;
   double highest = 0;
   for (std::size_t begin = 0; begin < bodies.owned; begin += at_once) {
     const std::size_t end = std::min(begin + at_once, bodies.owned);
     Speeds speeds = speeds_of(bodies, begin, end);
-    if (!clearly_sound(bodies, begin, end, speeds, limits.least())) {
-      hold_rows(scene, limits, bodies, begin, end, step);
+    if (!clearly_sound(bodies, begin, end, speeds, limits_.least())) {
+      hold_rows(setup, bodies, begin, end, step);
       speeds = speeds_of(bodies, begin, end);
     }
     highest = std::max(highest, speeds.highest);
@@ -73,12 +77,12 @@ double FaultWatch::hold_runaways(const Case& scene, const MotionLimits& limits, 
   return std::sqrt(highest);
 }
 
-void FaultWatch::hold_rows(const Case& scene, const MotionLimits& limits, BodySet& bodies, std::size_t begin,
-                           std::size_t end, std::int64_t step) {
+void FaultWatch::hold_rows(const Case& setup, BodySet& bodies, std::size_t begin, std::size_t end,
+                           std::int64_t step) {
   for (std::size_t row = begin; row < end; ++row) {
-    const double speed = speed_or_nan(bodies, row), limit = limits.of(bodies.shape[row]);
+    const double speed = speed_or_nan(bodies, row), limit = limits_.of(bodies.shape[row]);
     if (speed <= limit) continue;
-    note(body, 0, bodies.id[row], [&] { return motion_text(scene, bodies.id[row], speed, limit, step); });
+    note(body, 0, bodies.id[row], [&] { return motion_text(setup, bodies.id[row], speed, limit, step); });
     put_to_rest(bodies, row);
   }
 }
@@ -91,7 +95,9 @@ void FaultWatch::note(Kind kind, double severity, std::uint64_t key, Text&& text
   seen = Fault{moment_, severity, key, text()};
 }
 
-void FaultWatch::see_outside(const Scene& scene, std::int64_t step) {
+void FaultWatch::see_outside(const Scene& scene, std::int64_t step, bool now) {
+  constexpr std::int64_t walls_interval = 64;
+  if (!scene.anything_moves || !(now || sides_stop_ || step % walls_interval == 0)) return;
   const BodySet& bodies = scene.bodies;
   if (scene.setup.periodic(0) && scene.setup.periodic(1) && scene.setup.periodic(2)) return;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
@@ -111,11 +117,11 @@ void FaultWatch::see_fluid(const Scene& scene, const FluidFields::Fast& fast, st
        [&] { return too_fast_text(scene, fast, step); });
 }
 
-void FaultWatch::see_overlaps(const Case& scene, const MotionLimits& limits, const BodySet& bodies,
+void FaultWatch::see_overlaps(const Case& setup, const BodySet& bodies,
                               std::span<const rigid::Contact> contacts, std::int64_t step) {
   const auto half_width = [&](rigid::BodyId id) {
     const std::size_t row = bodies.row_of(id);
-    return row < bodies.first_wall() ? limits.half_width(bodies.shape[row])
+    return row < bodies.first_wall() ? limits_.half_width(bodies.shape[row])
                                      : std::numeric_limits<double>::infinity();
   };
   const auto approach = [&](const rigid::Contact& c) {
@@ -124,10 +130,10 @@ void FaultWatch::see_overlaps(const Case& scene, const MotionLimits& limits, con
   };
   constexpr double at_rest = 1e-4;  // of the half-width in a step
   for (const rigid::Contact& c : contacts) {
-    if (-c.gap <= limits.least_half_width()) continue;
+    if (-c.gap <= limits_.least_half_width()) continue;
     const double allowed = std::min(half_width(c.a), half_width(c.b)), share = -c.gap / allowed;
     if (share > 1 && approach(c) > at_rest * allowed)
-      note(overlap, share, c.a, [&] { return overlap_text(scene, c, allowed, step); });
+      note(overlap, share, c.a, [&] { return overlap_text(setup, c, allowed, step); });
   }
 }
 

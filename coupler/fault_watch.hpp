@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "coupler/case/limits.hpp"
 #include "coupler/flow.hpp"
 #include "parallel/sums_under_way.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -17,7 +18,6 @@
 namespace silt::coupler {
 
 struct Case;
-class MotionLimits;
 class Scene;
 
 /// Steps between two sums in scenes without a fluid, whose steps may be as short as a sum takes.
@@ -25,22 +25,23 @@ inline constexpr std::int64_t dry_watch_interval = 8;
 
 class FaultWatch {
  public:
+  explicit FaultWatch(const Case&);
   /// Holds bodies that are about to move further than their limit, or whose velocity is not a number: they
   /// stay where they are, at rest, so that the step that follows can be done. Returns the largest speed of
   /// the others. Called when the velocities of a (sub-)step are final, before positions follow; `step` is the
   /// one under way. Lattice units.
-  double hold_runaways(const Case&, const MotionLimits&, rigid::BodySet&, std::int64_t step);
+  double hold_runaways(const Case&, rigid::BodySet&, std::int64_t step);
   /// Notes bodies that are wholly beyond a side of the domain that does not take them out: an open one whose
-  /// rule is to stop, or a wall that they have gone through. `step`: so many are done.
-  void see_outside(const Scene&, std::int64_t step);
+  /// rule is to stop, or a wall that they have gone through, which is looked for in every 64th step, or
+  /// `now`. `step`: so many are done.
+  void see_outside(const Scene&, std::int64_t step, bool now = false);
   /// Notes a cell that was too fast when the pass of a step began (FluidFields::too_fast).
   void see_fluid(const Scene&, const FluidFields::Fast&, std::int64_t step);
 
   /// Notes of the contacts of a (sub-)step the pair that overlaps deepest, by the width of the thinner body,
   /// of those that overlap by more than half and, their response done, go on deeper. Called with
   /// hold_runaways.
-  void see_overlaps(const Case&, const MotionLimits&, const rigid::BodySet&, std::span<const rigid::Contact>,
-                    std::int64_t step);
+  void see_overlaps(const Case&, const rigid::BodySet&, std::span<const rigid::Contact>, std::int64_t step);
 
   /// Starts the sums of what was seen so far. Collective, but waits for nobody.
   void start(MPI_Comm);
@@ -65,9 +66,10 @@ class FaultWatch {
   /// text() is asked for only if the fault is the one to tell.
   template <class Text>
   void note(Kind, double severity, std::uint64_t key, Text&& text);
-  void hold_rows(const Case&, const MotionLimits&, rigid::BodySet&, std::size_t begin, std::size_t end,
-                 std::int64_t step);
+  void hold_rows(const Case&, rigid::BodySet&, std::size_t begin, std::size_t end, std::int64_t step);
 
+  MotionLimits limits_;
+  bool sides_stop_;  // some open one, what leaves by it
   std::array<std::optional<Fault>, kinds> seen_;
   std::uint64_t moment_ = 0;
   parallel::SumsUnderWay<Ranks> sums_;

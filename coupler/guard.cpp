@@ -11,26 +11,28 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/limits.hpp"
 #include "coupler/flow_totals.hpp"
-#include "coupler/place_text.hpp"
 #include "coupler/scene.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
+using rigid::Vec3;
+
 namespace {
 
-std::string in_case_units(const Case& scene, double x, Dimension dimension, const char* si) {
-  return scene.units.si ? fmt::format(" ({} {})", shown(scene.units.physical(x, dimension)), si) : "";
+std::string in_case_units(const Case& setup, double x, Dimension dimension, const char* si) {
+  return setup.units.si ? fmt::format(" ({} {})", shown(setup.units.physical(x, dimension)), si) : "";
 }
 
 /// The keys of this case that set things in motion, at most one a section: "fluid.body_force,
 /// bodies[0].velocity".
-std::string drives(const Case& scene) {
+std::string drives(const Case& setup) {
   constexpr std::array<std::string_view, 5> names = {"acceleration", "body_force", "velocity",
                                                      "angular_velocity", "amplitude"};
   std::string listed, last;
-  for (const auto& [path, place] : scene.places) {
+  for (const auto& [path, place] : setup.places) {
     const std::string section = path.substr(0, path.find_first_of(".["));
     const auto name = std::string_view(path).substr(path.rfind('.') + 1);
     if (section == last || std::find(names.begin(), names.end(), name) == names.end()) continue;
@@ -40,8 +42,8 @@ std::string drives(const Case& scene) {
   return listed;
 }
 
-std::string slower_remedy(const Case& scene) {
-  const std::string shorter = shorter_step(scene), driven = drives(scene);
+std::string slower_remedy(const Case& setup) {
+  const std::string shorter = shorter_step(setup), driven = drives(setup);
   return fmt::format("{}lower what drives it{}", shorter.empty() ? "" : fmt::format("use {}, or ", shorter),
                      driven.empty() ? "" : fmt::format(" ({})", driven));
 }
@@ -50,29 +52,85 @@ const char* const light_bodies_remedy = "use coupling.time = \"implicit\" (light
 
 /// What to change when a flow runs away: explicit coupling of light bodies; the collision or the relaxation
 /// time if that is close to 1/2, where trt and bgk do not last; else the time step or the drive.
-std::string flow_remedy(const Case& scene) {
+std::string flow_remedy(const Case& setup) {
   constexpr double delicate_relaxation_time = 0.55;
-  if (has_bodies_too_light(scene)) return light_bodies_remedy + slower_remedy(scene);
-  const double tau = scene.fluid->relaxation_time;
-  if (tau >= delicate_relaxation_time || lbm::model_of(scene.fluid->collision).has_eddies())
-    return slower_remedy(scene);
+  if (has_bodies_too_light(setup)) return light_bodies_remedy + slower_remedy(setup);
+  const double tau = setup.fluid->relaxation_time;
+  if (tau >= delicate_relaxation_time || lbm::model_of(setup.fluid->collision).has_eddies())
+    return slower_remedy(setup);
   return fmt::format(
       "the relaxation time is {}, close to its limit of 0.5: use fluid.collision = \"regularised\", or "
       "raise {}",
       shown(tau),
-      scene.places.count("fluid.kinematic_viscosity")
+      setup.places.count("fluid.kinematic_viscosity")
           ? fmt::format("fluid.kinematic_viscosity{}",
-                        scene.units.si ? ", or use a smaller units.cell_size" : "")
+                        setup.units.si ? ", or use a smaller units.cell_size" : "")
           : "fluid.relaxation_time");
 }
 
-std::string speed_remedy(const Case& scene, double too_far, std::int64_t step) {
-  if (scene.fluid)
-    return (scene.coupling.time == TimeCoupling::explicit_ ? light_bodies_remedy : "") + slower_remedy(scene);
-  if (step > 0 && rigid::resolver_model(scene.contacts.resolver).makes_energy) return contact_remedy(scene);
-  const std::string shorter = shorter_step(scene);
+std::string speed_remedy(const Case& setup, double too_far, std::int64_t step) {
+  if (setup.fluid)
+    return (setup.coupling.time == TimeCoupling::explicit_ ? light_bodies_remedy : "") + slower_remedy(setup);
+  if (step > 0 && rigid::resolver_model(setup.contacts.resolver).makes_energy) return contact_remedy(setup);
+  const std::string shorter = shorter_step(setup);
   return fmt::format("beyond that it may pass through others: use contacts.substeps = {:.0f}{}",
-                     std::ceil(too_far * scene.contacts.substeps), shorter.empty() ? "" : " or " + shorter);
+                     std::ceil(too_far * setup.contacts.substeps), shorter.empty() ? "" : " or " + shorter);
+}
+
+Vec3 centre_of(lbm::Int3 cell) {
+  return {cell.x + 0.5, cell.y + 0.5, cell.z + 0.5};
+}
+
+/// From the surface of a row, at its periodic image nearest to the point.
+double distance_of(const Scene& scene, std::size_t row, Vec3 point) {
+  const rigid::Extent& extent = scene.exchange->extent();
+  const rigid::Pose pose = scene.bodies.pose(row);
+  if (row < scene.bodies.first_wall())
+    for (int d = 0; d < 3; ++d)
+      if (extent.periodic[d])
+        point[d] -= extent.size[d] * std::round((point[d] - pose.position[d]) / extent.size[d]);
+  return rigid::signed_distance(scene.world.shapes[scene.bodies.shape[row]], pose.to_body(point));
+}
+
+/// What is near a point: rows of bodies or walls, the nearest first, and the distances of their surfaces
+/// (cells).
+struct Neighbour {
+  std::size_t row;
+  double distance;
+};
+struct Neighbours {
+  std::optional<Neighbour> first, second;
+};
+/// Looks among the bodies and walls that this rank holds, within so many cells of a cell's centre.
+Neighbours neighbours_of(const Scene& scene, lbm::Int3 cell, double within = 2) {
+  Neighbours near;
+  for (std::size_t row = 0; row < scene.bodies.size(); ++row) {
+    const Neighbour here{row, distance_of(scene, row, centre_of(cell))};
+    if (!(here.distance <= within)) continue;
+    if (!near.first || here.distance < near.first->distance)
+      near.second = near.first, near.first = here;
+    else if (!near.second || here.distance < near.second->distance)
+      near.second = here;
+  }
+  return near;
+}
+
+/// Returns "cell [1, 2, 3] (at [0.1, 0.2, 0.3] m), 0.6 cells from body 7, in a gap of 1.1 cells to the side
+/// z-low": the position if the case has units, and what of the neighbours there is.
+std::string place_text(const Scene& scene, lbm::Int3 cell, const Neighbours& near) {
+  std::string text = fmt::format("cell [{}, {}, {}]", cell.x, cell.y, cell.z);
+  if (scene.setup.units.si) {
+    const Vec3 x = centre_of(cell) * scene.setup.units.scale(dimension::length);
+    text += fmt::format(" (at [{}, {}, {}] m)", shown(x[0]), shown(x[1]), shown(x[2]));
+  }
+  if (near.first)
+    text += fmt::format(", {:.1f} cells from {}", std::max(0.0, near.first->distance),
+                        body_name(scene.setup, scene.bodies.id[near.first->row]));
+  if (near.second)
+    text += fmt::format(", in a gap of {:.1f} cells to {}",
+                        std::max(0.0, near.first->distance + near.second->distance),
+                        body_name(scene.setup, scene.bodies.id[near.second->row]));
+  return text;
 }
 
 /// What moves the fluid at a cell: a body beside it that is about as fast, else the flow itself.
@@ -93,9 +151,9 @@ std::string fluid_text(const Scene& scene, lbm::Int3 cell, const std::string& wh
                      remedy_at(scene, near, speed));
 }
 
-std::string speed_text(const Case& scene, double speed, double limit) {
+std::string speed_text(const Case& setup, double speed, double limit) {
   return fmt::format(", moves {} cells in a step{}; at most {} is possible", shown(speed),
-                     in_case_units(scene, speed, dimension::velocity, "m/s"), shown(limit));
+                     in_case_units(setup, speed, dimension::velocity, "m/s"), shown(limit));
 }
 
 /// The cell at fault and what is wrong with it, if anything is.
@@ -103,10 +161,10 @@ struct FluidFault {
   lbm::Int3 cell;
   std::string what;
 };
-std::optional<FluidFault> fault_of(const Case& scene, const FlowTotals& totals) {
+std::optional<FluidFault> fault_of(const Case& setup, const FlowTotals& totals) {
   if (!totals.finite) return FluidFault{totals.bad_cell, ", is not a number"};
   if (!(totals.max_speed <= highest_speed))
-    return FluidFault{totals.fastest_cell, speed_text(scene, totals.max_speed, highest_speed)};
+    return FluidFault{totals.fastest_cell, speed_text(setup, totals.max_speed, highest_speed)};
   if (!(totals.min_density > 0))
     return FluidFault{
         totals.thinnest_cell,
@@ -131,12 +189,12 @@ void check_flow(const Scene& scene, const FlowTotals& totals, std::int64_t step)
   throw CommonGuardStop(fmt::format("step {}: {}", step, parallel::text_of_first(scene.comm, here)));
 }
 
-std::string contact_remedy(const Case& scene) {
-  if (rigid::resolver_model(scene.contacts.resolver).makes_energy)
+std::string contact_remedy(const Case& setup) {
+  if (rigid::resolver_model(setup.contacts.resolver).makes_energy)
     return fmt::format("contacts.resolver = \"{}\" makes energy where several bodies meet: use \"{}\"",
-                       scene.contacts.resolver, rigid::resolver_models().front().name);
-  const std::string shorter = shorter_step(scene);
-  return fmt::format("raise contacts.substeps (now {}){}", scene.contacts.substeps,
+                       setup.contacts.resolver, rigid::resolver_models().front().name);
+  const std::string shorter = shorter_step(setup);
+  return fmt::format("raise contacts.substeps (now {}){}", setup.contacts.substeps,
                      shorter.empty() ? "" : ", or use " + shorter);
 }
 
@@ -147,37 +205,37 @@ std::string too_fast_text(const Scene& scene, const FluidFields::Fast& fast, std
   return fmt::format("step {}: {}", step, fluid_text(scene, fast.cell, what, fast.speed));
 }
 
-std::string motion_text(const Case& scene, rigid::BodyId id, double speed, double limit, std::int64_t step) {
+std::string motion_text(const Case& setup, rigid::BodyId id, double speed, double limit, std::int64_t step) {
   if (!std::isfinite(speed))
     return fmt::format("step {}: position or velocity of body {} is not a number; {}", step, id,
-                       scene.fluid ? flow_remedy(scene) : contact_remedy(scene));
+                       setup.fluid ? flow_remedy(setup) : contact_remedy(setup));
   return fmt::format("step {}: body {} moves {} cells in a step{}; at most {} is possible: {}", step, id,
-                     shown(speed), in_case_units(scene, speed, dimension::velocity, "m/s"), shown(limit),
-                     speed_remedy(scene, speed / limit, step));
+                     shown(speed), in_case_units(setup, speed, dimension::velocity, "m/s"), shown(limit),
+                     speed_remedy(setup, speed / limit, step));
 }
 
-std::string overlap_text(const Case& scene, const rigid::Contact& c, double half_width, std::int64_t step) {
-  std::string remedy = contact_remedy(scene);
-  if (!rigid::resolver_model(scene.contacts.resolver).makes_energy) {
-    const std::string shorter = shorter_step(scene);
+std::string overlap_text(const Case& setup, const rigid::Contact& c, double half_width, std::int64_t step) {
+  std::string remedy = contact_remedy(setup);
+  if (!rigid::resolver_model(setup.contacts.resolver).makes_energy) {
+    const std::string shorter = shorter_step(setup);
     remedy = fmt::format(
         "raise contacts.sweeps (now {}) or contacts.substeps (now {}){}, or use densities that "
         "differ less",
-        scene.contacts.resolver_settings.max_sweeps, scene.contacts.substeps,
+        setup.contacts.resolver_settings.max_sweeps, setup.contacts.substeps,
         shorter.empty() ? "" : ", use " + shorter);
   }
   return fmt::format(
       "step {}: {} and {} overlap by {}{}, deeper than half the width of one ({}), and contacts do not hold "
       "them; {}",
-      step, body_name(scene, c.a), body_name(scene, c.b), shown(-c.gap),
-      in_case_units(scene, -c.gap, dimension::length, "m"), shown(half_width), remedy);
+      step, body_name(setup, c.a), body_name(setup, c.b), shown(-c.gap),
+      in_case_units(setup, -c.gap, dimension::length, "m"), shown(half_width), remedy);
 }
 
-std::string overflow_text(const Case& scene, const std::string& what, std::int64_t step,
+std::string overflow_text(const Case& setup, const std::string& what, std::int64_t step,
                           std::optional<int> rank) {
   return fmt::format("step {}: a force is out of range{} ({}); {}", step,
                      rank ? fmt::format(" on rank {}", *rank) : "", what,
-                     scene.fluid ? flow_remedy(scene) : contact_remedy(scene));
+                     setup.fluid ? flow_remedy(setup) : contact_remedy(setup));
 }
 
 }  // namespace silt::coupler

@@ -4,31 +4,39 @@
 #include <cstdint>
 
 #include "coupler/case/units.hpp"
+#include "rigid/collision/collision_backend.hpp"
 
 namespace silt::coupler {
 
-/// What happened since step 0. Counts of contacts are sums over steps; lattice units.
-struct RunCounters {
-  std::uint64_t covered = 0, uncovered = 0;  // cells, by bodies
-  std::uint64_t migrations = 0;              // bodies that changed their owner
-  std::uint64_t arrived = 0, left = 0;       // bodies since the start
-  std::uint64_t left_by[7] = {};             // of these by each side of the domain, by an [[outflow]]
-  std::uint64_t refused = 0;                 // bodies that a later application of a fill had no room for
-  std::uint64_t contacts = 0, mixed_owner_contacts = 0;
-  std::uint64_t infeasible = 0;  // of the resolver (ResolverStatistics), as sweeps and residual
-  std::uint64_t queries = 0, answered = 0, refined = 0, fallbacks = 0;  // of the collision backend
-  std::uint64_t lubricated_contacts = 0,
-                unlubricated_contacts = 0;               // contacts with lubrication, and as narrow without
-  double sweeps = 0;                                     // of the rank with most
-  double body_speed = 0, penetration = 0, residual = 0;  // largest
+struct CellCounts {
+  std::uint64_t covered = 0, uncovered = 0;  // by bodies
 };
+struct BodyCounts {
+  std::uint64_t migrations = 0;         // that changed their owner
+  std::uint64_t arrived = 0, left = 0;  // since the start
+  std::uint64_t left_by[7] = {};        // of these by each side of the domain, by an [[outflow]]
+  std::uint64_t refused = 0;            // that a later application of a fill had no room for
+};
+struct ContactCounts {
+  std::uint64_t contacts = 0, mixed_owner_contacts = 0;
+  std::uint64_t lubricated_contacts = 0, unlubricated_contacts = 0;  // with a film, and as narrow without
+  std::uint64_t infeasible = 0;  // of the resolver (ResolverStatistics), as sweeps and residual
+};
+struct Counts : CellCounts, BodyCounts, ContactCounts, rigid::BackendCounters {};
+struct Extremes {
+  double sweeps = 0;  // of the rank with most
+  double body_speed = 0, penetration = 0, residual = 0;
+};
+
+/// What happened since step 0. Counts of contacts are sums over steps; lattice units.
+struct RunCounters : Counts, Extremes {};
 
 struct CounterName {
   const char *checkpoint, *report;        // attribute of a checkpoint, key of report.json (or none)
   Dimension dimension = dimension::none;  // of the value in the report
 };
 
-/// Calls visit(name, counter) for each: std::uint64_t are sums over ranks and steps, double are maxima.
+/// Calls visit(name, counter) for each: counts are sums over ranks and steps, extremes are the largest.
 template <class Counters, class Visit>
 void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"covered", "covered"}, c.covered);

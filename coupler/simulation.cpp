@@ -26,37 +26,29 @@ using rigid::Vec3;
 
 namespace {
 
-bool asks_for_torques(const Case& scene) {
-  return std::any_of(scene.quantities.begin(), scene.quantities.end(),
+bool asks_for_torques(const Case& setup) {
+  return std::any_of(setup.quantities.begin(), setup.quantities.end(),
                      [](const QuantitySpec& q) { return q.type == "wall-torque" || q.type == "wall-power"; });
-}
-
-bool stops_beyond_sides(const Case& scene) {
-  return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& side) {
-    return side.lets_bodies_pass() && !side.removes_bodies();
-  });
 }
 
 }  // namespace
 
-Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {
+Simulation::Simulation(Case setup, MPI_Comm comm) : Simulation(std::move(setup), comm, nullptr) {
   start_fresh();
 }
-Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
-    : Simulation(std::move(scene), comm, &saved) {
+Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved)
+    : Simulation(std::move(setup), comm, &saved) {
   resume(saved);
 }
 
 /// All but the state that either start gives.
-Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
-    : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr),
+Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
+    : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr),
       coupled_step_(scene_.parts()),
       turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
-      motion_limits_(setup()),
-      stops_beyond_sides_(stops_beyond_sides(setup())),
-      notes_torques_(asks_for_torques(setup())),
-      energy_(setup()) {
+      faults_(scene_.setup),
+      energy_(scene_.setup) {
   flush_denormals_to_zero();
   if (scene_.rigid_step) scene_.rigid_step->set_observer(*this);
 }
@@ -67,7 +59,7 @@ void Simulation::start_fresh() {
     scene_.flow->start(scene_.bodies);
   }
   initial_ = balance();
-  faults_.hold_runaways(setup(), motion_limits_, scene_.bodies, step_);
+  faults_.hold_runaways(setup(), scene_.bodies, step_);
   settle();
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
@@ -92,12 +84,12 @@ void Simulation::resume(const SavedState& saved) {
 
 void Simulation::before_drift(rigid::BodySet& bodies) {
   const rigid::RigidStep& step = *scene_.rigid_step;
-  if (notes_torques_)
+  if (asks_for_torques(setup()))
     contact_torques_ = coupler::contact_torques(bodies, step.contacts(), scene_.exchange->extent());
   add_wall_impulses(bodies, step.other_wall_impulses(), scene_.exchange->extent(), wall_impulses_);
-  const double speed = faults_.hold_runaways(setup(), motion_limits_, bodies, step_ + 1);
+  const double speed = faults_.hold_runaways(setup(), bodies, step_ + 1);
   counters_.body_speed = std::max(counters_.body_speed, speed);
-  faults_.see_overlaps(setup(), motion_limits_, bodies, step.contacts(), step_ + 1);
+  faults_.see_overlaps(setup(), bodies, step.contacts(), step_ + 1);
 }
 
 bool Simulation::wants_contact_impulses() const {
@@ -106,7 +98,8 @@ bool Simulation::wants_contact_impulses() const {
 
 void Simulation::contact_impulse(rigid::BodySet& bodies, std::size_t row, const Vec3& impulse,
                                  const Vec3& angular_impulse) {
-  note_contact_impulse(bodies, row, impulse, angular_impulse);
+  vector_in<6>(bodies, row, column::contact_load).head<3>() += impulse;
+  vector_in<6>(bodies, row, column::contact_load).tail<3>() += angular_impulse;
 }
 
 /// What the last step found out of range is told by the next, or by the first look after it.
@@ -128,13 +121,8 @@ void Simulation::watch() {
   tell_faults();
   if (fluid)
     if (const auto fast = scene_.flow->fields().too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
-  constexpr std::int64_t walls_interval = 64;  // what is beyond an open side is looked for in every step
-  if (stops_beyond_sides_ || step_ % walls_interval == 0) see_outside();
+  faults_.see_outside(scene_, step_);
   if (fluid || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
-}
-
-void Simulation::see_outside() {
-  if (scene_.anything_moves) faults_.see_outside(scene_, step_);
 }
 
 void Simulation::tell_faults() {
@@ -143,7 +131,7 @@ void Simulation::tell_faults() {
 
 void Simulation::settle() {
   tell_faults();
-  see_outside();
+  faults_.see_outside(scene_, step_, true);
   faults_.start(scene_.comm);
   tell_faults();
 }
@@ -159,18 +147,18 @@ void Simulation::balance_work() {
   if (every == 0 || step_ == 0 || step_ % every != 0 || !scene_.may_be_cut_anew()) return;
   const auto begin = std::chrono::steady_clock::now();
   const CutComparison cuts = compare_cuts(scene_);
-  ++balance_.looks;
-  balance_.last.before = balance_.last.after = cuts.present.largest_over_mean();
+  ++effort_.balance.looks;
+  effort_.balance.last.before = effort_.balance.last.after = cuts.present.largest_over_mean();
   if (cuts.worth_moving(every)) {
     cut_anew(cuts.better.tree);
-    ++balance_.moves;
-    balance_.last.after = cuts.better.largest_over_mean();
+    ++effort_.balance.moves;
+    effort_.balance.last.after = cuts.better.largest_over_mean();
   }
-  balance_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  effort_.balance.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 BalanceRecord Simulation::balance_record() const {
-  BalanceRecord record = balance_;
+  BalanceRecord record = effort_.balance;
   record.at_start = scene_.evenness_at_start;
   return record;
 }
@@ -198,8 +186,8 @@ void Simulation::step() {
   energy_.finish(setup());  // of the step before
   if (scene_.anything_moves && step_ % EnergyGuard::interval == 0)
     energy_.look(scene_, turnover_.energy_brought(), step_);
-  traffic_ += parallel::traffic() - before;
-  step_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  effort_.traffic += parallel::traffic() - before;
+  effort_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void Simulation::run(std::int64_t steps) {
@@ -227,34 +215,6 @@ void Simulation::count(const rigid::RigidStepReport& report) {
   counters_.residual = std::max(counters_.residual, report.resolver.residual);
 }
 
-namespace {
-
-struct Gather {
-  std::vector<std::uint64_t>& sums;
-  std::vector<double>& largest;
-  void operator()(const CounterName&, std::uint64_t x) { sums.push_back(x); }
-  void operator()(const CounterName&, double x) { largest.push_back(x); }
-};
-
-struct Scatter {
-  const std::uint64_t* sum;
-  const double* largest;
-  void operator()(const CounterName&, std::uint64_t& x) { x = *sum++; }
-  void operator()(const CounterName&, double& x) { x = *largest++; }
-};
-
-RunCounters over_ranks(RunCounters c, MPI_Comm comm) {
-  std::vector<std::uint64_t> sums;
-  std::vector<double> largest;
-  visit_counters(c, Gather{sums, largest});
-  parallel::sum_over_ranks(comm, std::span(sums));
-  parallel::max_over_ranks(comm, largest);
-  visit_counters(c, Scatter{sums.data(), largest.data()});
-  return c;
-}
-
-}  // namespace
-
 RunCounters Simulation::counters() const {
   RunCounters c = counters_;
   c.migrations += scene_.exchange->counters().migrations;
@@ -263,7 +223,8 @@ RunCounters Simulation::counters() const {
     c.queries += asked.queries, c.answered += asked.answered;
     c.refined += asked.refined, c.fallbacks += asked.fallbacks;
   }
-  return over_ranks(c, scene_.comm);
+  return {parallel::sum_over_ranks<Counts>(scene_.comm, c),
+          parallel::max_over_ranks<Extremes>(scene_.comm, c)};
 }
 
 // ---- what a program may do ----
@@ -271,11 +232,12 @@ RunCounters Simulation::counters() const {
 void Simulation::require_movable(BodyId id) const {
   const rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
-  double found[2] = {0, 0};  // there, not fixed
-  if (row < bodies.owned) found[0] = 1, found[1] = bodies.motion[row] != rigid::Motion::fixed;
-  parallel::max_over_ranks(scene_.comm, found);
-  if (found[0] == 0) throw std::invalid_argument(fmt::format("there is no body {}", id));
-  if (found[1] == 0) throw std::invalid_argument(fmt::format("body {} is fixed", id));
+  struct {
+    std::uint64_t there, movable;
+  } found = {row < bodies.owned, row < bodies.owned && bodies.motion[row] != rigid::Motion::fixed};
+  found = parallel::sum_over_ranks(scene_.comm, found);
+  if (found.there == 0) throw std::invalid_argument(fmt::format("there is no body {}", id));
+  if (found.movable == 0) throw std::invalid_argument(fmt::format("body {} is fixed", id));
 }
 
 void Simulation::add_force(BodyId id, const Vec3& force, const Vec3& torque) {
@@ -378,10 +340,10 @@ std::uint64_t Simulation::contacts_now() const {
 }
 
 std::vector<BodyLoad> Simulation::last_loads() const {
-  return noted_loads(scene_.bodies);
+  return noted_loads(scene_.bodies, column::seen_load);
 }
 std::vector<BodyLoad> Simulation::last_contact_loads() const {
-  return noted_contact_loads(scene_.bodies);
+  return noted_loads(scene_.bodies, column::contact_load);
 }
 
 }  // namespace silt::coupler

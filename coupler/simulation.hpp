@@ -12,12 +12,11 @@
 #include <functional>
 
 #include "coupler/body_turnover.hpp"
-#include "coupler/case/limits.hpp"
 #include "coupler/energy_guard.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/fault_watch.hpp"
 #include "coupler/forces/contact_torque.hpp"
 #include "coupler/guard.hpp"
-#include "coupler/noted_loads.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
 #include "parallel/traffic.hpp"
@@ -99,10 +98,10 @@ class Simulation : private rigid::StepObserver {
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
   std::uint64_t links() const;                         // of all ranks
   BalanceRecord balance_record() const;
-  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
-  StageTraffic stage_traffic() const { return coupled_step_.traffic(); }  // local: with other ranks
-  const parallel::Traffic& traffic_in_steps() const { return traffic_; }  // local: of all steps
-  double step_seconds() const { return step_seconds_; }                   // local: time spent in step()
+  StageSeconds stage_seconds() const { return coupled_step_.seconds(); }         // local, waits included
+  StageTraffic stage_traffic() const { return coupled_step_.traffic(); }         // local: with other ranks
+  const parallel::Traffic& traffic_in_steps() const { return effort_.traffic; }  // local: of all steps
+  double step_seconds() const { return effort_.seconds; }  // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
   /// Returns the force and torque that contacts, films included, had on each owned body in the last step, by
@@ -131,7 +130,6 @@ class Simulation : private rigid::StepObserver {
   void balance_work();
   void count(const rigid::RigidStepReport&);
   void watch();
-  void see_outside();
   void tell_faults();
   template <class Work>
   auto guarded(Work&&);
@@ -145,13 +143,14 @@ class Simulation : private rigid::StepObserver {
   Balance initial_;
   BodyTurnover turnover_;
   CheckUnderWay check_;
-  MotionLimits motion_limits_;
-  bool stops_beyond_sides_, notes_torques_;
   FaultWatch faults_;
   EnergyGuard energy_;
-  double fluid_speed_ = 0, step_seconds_ = 0;
-  parallel::Traffic traffic_;
-  BalanceRecord balance_;
+  double fluid_speed_ = 0;
+  struct {  // on this rank, in all steps
+    double seconds = 0;
+    parallel::Traffic traffic;
+    BalanceRecord balance;
+  } effort_;
   std::vector<ContactTorque> contact_torques_;
   std::vector<WallImpulse> wall_impulses_;
 };

@@ -56,11 +56,6 @@ void max_over_ranks(MPI_Comm comm, std::span<double> values) {
   reduce(comm, values.data(), values.size(), MPI_DOUBLE, MPI_MAX);
 }
 
-double max_over_ranks(MPI_Comm comm, double x) {
-  max_over_ranks(comm, std::span(&x, 1));
-  return x;
-}
-
 std::uint64_t least_over_ranks(MPI_Comm comm, std::uint64_t x) {
   reduce(comm, &x, 1, MPI_UINT64_T, MPI_MIN);
   return x;

@@ -84,7 +84,13 @@ T sum_of_ranks_before(MPI_Comm comm, T mine) {
 }
 
 void max_over_ranks(MPI_Comm, std::span<double>);
-double max_over_ranks(MPI_Comm, double);
+/// Returns the largest of all ranks: of a number, or of each member of a record of nothing but double.
+template <class T>
+requires(std::is_trivially_copyable_v<T> && alignof(T) == alignof(double)) T
+    max_over_ranks(MPI_Comm comm, T mine) {
+  max_over_ranks(comm, std::span(reinterpret_cast<double*>(&mine), sizeof mine / sizeof(double)));
+  return mine;
+}
 std::uint64_t least_over_ranks(MPI_Comm, std::uint64_t);
 std::uint64_t most_over_ranks(MPI_Comm, std::uint64_t);
 

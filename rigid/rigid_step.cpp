@@ -128,26 +128,19 @@ void RigidStep::find_rows_in_contact(const BodySet& bodies) {
 void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
   find_rows_in_contact(bodies);
   StepVelocities& of = velocities_;
-  for (auto* all : {&of.before_v, &of.before_w, &of.v, &of.w}) all->resize(bodies.size());
+  for (auto* all : {&of.before, &of.now}) all->resize(bodies.size());
   if (resolver_.first_kick() < 1) of.misses_kick.assign(bodies.size(), 0);
-  for (const std::size_t row : of.rows) {
-    of.before_v[row] = bodies.velocity[row];
-    of.before_w[row] = bodies.angular_velocity[row];
-  }
+  for (const std::size_t row : of.rows) of.before[row] = bodies.twist(row);
   if (world_.sleep)
     for (auto* load : {&of.load, &of.angular_load}) load->assign(bodies.size(), Vec3::Zero());
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_awake(row))
-        bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
+      if (bodies.is_awake(row)) bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (bodies.is_awake(row)) kick(bodies, row, resolver_.first_kick() * dt);
-  for (const std::size_t row : of.rows) {
-    of.v[row] = bodies.velocity[row];
-    of.w[row] = bodies.angular_velocity[row];
-  }
+  for (const std::size_t row : of.rows) of.now[row] = bodies.twist(row);
 }
 
 /// Force and torque of one body over dt.
@@ -165,7 +158,8 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
   StepObserver* const observer = observer_ && observer_->wants_contact_impulses() ? observer_ : nullptr;
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_free(row)) continue;
-    const Vec3 contacts = velocities_.w[row] - bodies.angular_velocity[row];
+    const auto& [v, w] = velocities_.now[row];
+    const Vec3 contacts = w - bodies.angular_velocity[row];
     Vec3 angular_impulse = Vec3::Zero();
     if (contacts != Vec3::Zero()) {
       const Mat3 r = bodies.orientation[row].toRotationMatrix();
@@ -173,10 +167,9 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
       bodies.angular_momentum[row] += angular_impulse;
     }
     if (observer)
-      observer->contact_impulse(bodies, row, bodies.mass[row] * (velocities_.v[row] - bodies.velocity[row]),
-                                angular_impulse);
-    bodies.velocity[row] = velocities_.v[row];
-    bodies.angular_velocity[row] = velocities_.w[row];
+      observer->contact_impulse(bodies, row, bodies.mass[row] * (v - bodies.velocity[row]), angular_impulse);
+    bodies.velocity[row] = v;
+    bodies.angular_velocity[row] = w;
   }
   if (observer && world_.sleep)
     for (std::size_t row = 0; row < bodies.owned; ++row)
@@ -192,11 +185,11 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
 
 /// Split impulses move bodies apart without giving them speed.
 void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
-  if (velocities_.push_v.empty()) return;
+  if (velocities_.push.empty()) return;
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_awake(row)) continue;
-    bodies.position[row] += dt * velocities_.push_v[row];
-    const Vec3& turn = velocities_.push_w[row];
+    const auto& [shift, turn] = velocities_.push[row];
+    bodies.position[row] += dt * shift;
     if (turn != Vec3::Zero())
       bodies.orientation[row] = (rotation_by(dt * turn) * bodies.orientation[row]).normalized();
   }

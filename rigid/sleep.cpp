@@ -25,8 +25,8 @@ Vec3 angular_velocity_by(const BodySet& bodies, std::size_t row, const Vec3& imp
 
 }  // namespace
 
-double Sleep::surface_speed(const BodySet& bodies, std::size_t row, const Vec3& v, const Vec3& w) const {
-  return v.norm() + world_.bounding_radii[bodies.shape[row]] * w.norm();
+double Sleep::surface_speed(const BodySet& bodies, std::size_t row, const Twist& t) const {
+  return t.v.norm() + world_.bounding_radii[bodies.shape[row]] * t.w.norm();
 }
 
 /// What moves by itself always does.
@@ -64,8 +64,8 @@ void Sleep::find_driven(const BodySet& bodies, const std::vector<Contact>& conta
 
 /// (S1)
 bool Sleep::is_quiet(const BodySet& bodies, std::size_t row, const StepVelocities& of) const {
-  double speed = surface_speed(bodies, row, bodies.velocity[row], bodies.angular_velocity[row]);
-  if (!of.push_v.empty()) speed += surface_speed(bodies, row, of.push_v[row], of.push_w[row]);
+  double speed = surface_speed(bodies, row, bodies.twist(row));
+  if (!of.push.empty()) speed += surface_speed(bodies, row, of.push[row]);
   return !driven_[row] && speed <= world_.sleep->speed;
 }
 
@@ -80,7 +80,7 @@ bool Sleep::is_balanced(BodySet& bodies, std::size_t row, const StepVelocities& 
   Eigen::Map<Vec3> v{rest.unbalanced_velocity}, w{rest.unbalanced_angular_velocity};
   v = kept * v + (1 / dt / mass) * impulse;
   w = kept * w + (1 / dt) * angular_velocity_by(bodies, row, angular_impulse);
-  return surface_speed(bodies, row, v, w) <= hysteresis * world_.sleep->speed;
+  return surface_speed(bodies, row, {v, w}) <= hysteresis * world_.sleep->speed;
 }
 
 void Sleep::look(BodySet& bodies, const std::vector<Contact>& contacts, const StepVelocities& of, double dt) {

@@ -25,7 +25,7 @@ class Sleep {
   void find_driven(const BodySet&, const std::vector<Contact>&);
   bool is_quiet(const BodySet&, std::size_t row, const StepVelocities&) const;
   bool is_balanced(BodySet&, std::size_t row, const StepVelocities&, double dt) const;
-  double surface_speed(const BodySet&, std::size_t row, const Vec3& v, const Vec3& w) const;
+  double surface_speed(const BodySet&, std::size_t row, const Twist&) const;
 
   const World& world_;
   std::vector<double> wakefulness_;   // by row

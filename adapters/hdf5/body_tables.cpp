@@ -15,23 +15,27 @@ namespace silt::adapters::hdf5 {
 
 std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) {
   using R = rigid::BodyRecord;
-  constexpr std::size_t rest = offsetof(R, rest);
+  const R record;
+  const auto offset = [&](const auto& member) {
+    return std::size_t(reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&record));
+  };
+  const std::size_t rest = offset(record.rest);
   std::vector<Column> columns{
-      {"id", offsetof(R, id), Column::uint64},
-      {"shape", offsetof(R, shape), Column::int32},
-      {"material", offsetof(R, material), Column::int32},
-      {"kind", offsetof(R, kind), Column::int32},
-      {"motion", offsetof(R, motion), Column::uint8},
-      {"wakefulness", offsetof(R, wakefulness), Column::uint8},
-      {"mass", offsetof(R, mass), Column::float64},
-      {"weight_in_fluid", offsetof(R, weight_in_fluid), Column::float64},
-      {"inertia_B", offsetof(R, inertia_B), Column::float64, 9},
-      {"position", offsetof(R, position), Column::float64, 3},
-      {"orientation", offsetof(R, orientation), Column::float64, 4},
-      {"image", offsetof(R, image), Column::int32, 3},
-      {"velocity", offsetof(R, velocity), Column::float64, 3},
-      {"angular_velocity", offsetof(R, angular_velocity), Column::float64, 3},
-      {"angular_momentum", offsetof(R, angular_momentum), Column::float64, 3},
+      {"id", offset(record.id), Column::uint64},
+      {"shape", offset(record.shape), Column::int32},
+      {"material", offset(record.material), Column::int32},
+      {"kind", offset(record.kind), Column::int32},
+      {"motion", offset(record.motion), Column::uint8},
+      {"wakefulness", offset(record.wakefulness), Column::uint8},
+      {"mass", offset(record.mass), Column::float64},
+      {"weight_in_fluid", offset(record.weight_in_fluid), Column::float64},
+      {"inertia_B", offset(record.inertia_B), Column::float64, 9},
+      {"position", offset(record.position), Column::float64, 3},
+      {"orientation", offset(record.orientation), Column::float64, 4},
+      {"image", offset(record.image), Column::int32, 3},
+      {"velocity", offset(record.velocity), Column::float64, 3},
+      {"angular_velocity", offset(record.angular_velocity), Column::float64, 3},
+      {"angular_momentum", offset(record.angular_momentum), Column::float64, 3},
       {"quiet_steps", rest + offsetof(rigid::Rest, quiet_steps), Column::int32},
       {"rest_impulse", rest + offsetof(rigid::Rest, impulse), Column::float64, 3},
       {"rest_angular_impulse", rest + offsetof(rigid::Rest, angular_impulse), Column::float64, 3},
@@ -42,7 +46,7 @@ std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) 
     const bool whole = c.type == rigid::HolderColumn::int64;
     const std::size_t first =
         whole ? offsetof(rigid::HolderState, integers) : offsetof(rigid::HolderState, numbers);
-    columns.push_back({c.name, offsetof(R, holder_state) + first + 8 * std::size_t(c.first),
+    columns.push_back({c.name, offset(record.holder_state) + first + 8 * std::size_t(c.first),
                        whole ? Column::int64 : Column::float64, c.count});
   }
   return columns;

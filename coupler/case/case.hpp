@@ -23,7 +23,7 @@
 #include "coupler/case/units.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
-#include "rigid/bodies/sleep_rule.hpp"
+#include "rigid/bodies/world.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/response/contact_resolver.hpp"
 #include "rigid/shapes/shape_fwd.hpp"

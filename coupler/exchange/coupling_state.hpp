@@ -108,4 +108,30 @@ inline auto pending_impact(const rigid::BodySet& bodies, std::size_t row) {
   return vector_in<3>(bodies, row, column::pending_impact);
 }
 
+/// What acted on a body in the last step, noted with it for output: it stays with it if another rank becomes
+/// its owner.
+struct BodyLoad {
+  rigid::Vec3 force = rigid::Vec3::Zero(), torque = rigid::Vec3::Zero();
+};
+
+/// Returns what was noted of the owned bodies in a column, by row.
+inline std::vector<BodyLoad> noted_loads(const rigid::BodySet& bodies, const rigid::HolderColumn& noted) {
+  std::vector<BodyLoad> loads;
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    loads.push_back({vector_in<3>(bodies, row, noted), vector_in<3>(bodies, row, noted, 3)});
+  return loads;
+}
+
+/// Notes what acts on the owned bodies now, gravity apart.
+inline void note_loads(rigid::BodySet& bodies) {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    vector_in<6>(bodies, row, column::seen_load) << bodies.force[row].value(), bodies.torque[row].value();
+}
+
+/// Begins a step in which no contact has acted yet.
+inline void forget_contact_loads(rigid::BodySet& bodies) {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    vector_in<6>(bodies, row, column::contact_load).setZero();
+}
+
 }  // namespace silt::coupler

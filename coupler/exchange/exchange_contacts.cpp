@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "coupler/exchange/distribution.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 
 namespace silt::coupler {
 
@@ -63,10 +63,11 @@ Contact unpacked(const PackedContact& p) {
 }  // namespace
 
 /// `contacts` come sorted and stay so; those of a pair come from one rank, in the order of their keys.
-void ParallelBodyExchange::Distribution::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
-  for (const Tie& t : ties)
-    if (!t.taken.empty()) messages.to(t.rank);  // expects one, if only an empty one
-  crossing_.clear();
+void ParallelBodyExchange::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
+  if (ranks_ == 1) return;
+  for (const Tie& t : ties_)
+    if (!t.taken.empty()) messages_.to(t.rank);  // expects one, if only an empty one
+  Pairs crossing;                                // in contact, not both owned, and those received
   std::size_t kept = 0, row_a = 0, row_b = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
@@ -76,67 +77,70 @@ void ParallelBodyExchange::Distribution::exchange_contacts(BodySet& bodies, std:
     const bool owns_a = row_a < bodies.owned, owns_b = row_b < bodies.owned;
     if (!owns_a || !(owns_b || rigid::is_wall(c.b))) send_contact(bodies, c, new_pair);
     if (!owns_a && !owns_b) continue;
-    if (owns_a != owns_b && !rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});
+    if (owns_a != owns_b && !rigid::is_wall(c.b)) crossing.push_back({c.a, c.b});
     if (kept < k) contacts[kept] = contacts[k];
     ++kept;
   }
   contacts.resize(kept);
-  messages.with_partners(those_that(&Tie::given));
-  receive_contacts(bodies, contacts);
+  messages_.with_partners(those_that(&Tie::given));
+  receive_contacts(bodies, contacts, crossing);
   const auto by_pair = [](const Contact& p, const Contact& q) { return p.pair() < q.pair(); };
   const auto received = contacts.begin() + static_cast<std::ptrdiff_t>(kept);
   std::stable_sort(received, contacts.end(), by_pair);
   std::inplace_merge(contacts.begin(), received, contacts.end(), by_pair);
-  plan_velocity_messages(bodies);
+  plan_velocity_messages(bodies, crossing);
+  std::vector<int> partners;
+  for (const VelocityMessages& with : velocity_messages_) partners.push_back(with.rank);
+  cluster_.begin(rank_, std::move(partners), ranks_);
 }
 
-void ParallelBodyExchange::Distribution::send_contact(const BodySet& bodies, const Contact& c,
-                                                      bool new_pair) {
+void ParallelBodyExchange::send_contact(const BodySet& bodies, const Contact& c, bool new_pair) {
   const BodyId ids[] = {c.a, c.b};
-  int sent_to = rank;
+  int sent_to = rank_;
   for (int end = 0; end < 2; ++end) {
     const BodyId id = ids[end], partner = ids[1 - end];
     if (rigid::is_wall(id) || bodies.row_of(id) < bodies.owned) continue;
     const int to = owner(id);
     if (to != sent_to) {
-      parallel::put(messages.to(to), ContactItem::contact);
-      parallel::put(messages.to(to), packed(c));
+      parallel::put(messages_.to(to), ContactItem::contact);
+      parallel::put(messages_.to(to), packed(c));
     }
     sent_to = to;
     if (new_pair && !rigid::is_wall(partner)) send_partner(bodies, partner, to);
   }
 }
 
-void ParallelBodyExchange::Distribution::send_partner(const BodySet& bodies, BodyId partner, int to) {
+void ParallelBodyExchange::send_partner(const BodySet& bodies, BodyId partner, int to) {
   const std::size_t row = bodies.row_of(partner);
   const bool own = row < bodies.owned;
-  const int partners_owner = own ? rank : owner(partner);
+  const int partners_owner = own ? rank_ : owner(partner);
   if (partners_owner == to) return;
   if (own) {
-    const auto held = held_by.find(partner);
-    if (held != held_by.end() && held->second.has(to)) return;
+    const auto held = held_by_.find(partner);
+    if (held != held_by_.end() && held->second.has(to)) return;
   }
-  parallel::Bytes& message = messages.to(to);
+  parallel::Bytes& message = messages_.to(to);
   parallel::put(message, ContactItem::partner);
   parallel::put(message, bodies.record(row));
   parallel::put(message, partners_owner);
 }
 
 /// Contacts are appended; partners that are not here yet become visitors, sorted by id.
-void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
+void ParallelBodyExchange::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts,
+                                            Pairs& crossing) {
   std::map<BodyId, BodyRecord> visitors;
-  for (const parallel::Messages::Message& m : messages.received())
+  for (const parallel::Messages::Message& m : messages_.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       if (reader.take<ContactItem>() == ContactItem::contact) {
         const Contact& c = contacts.emplace_back(unpacked(reader.take<PackedContact>()));
-        if (!rigid::is_wall(c.b)) crossing_.push_back({c.a, c.b});
+        if (!rigid::is_wall(c.b)) crossing.push_back({c.a, c.b});
         continue;
       }
       const auto record = reader.take<BodyRecord>();
       const int partners_owner = reader.take<int>();
       if (bodies.row_of(record.id) < bodies.size()) continue;
       visitors[record.id] = record;
-      owner_of[record.id] = partners_owner;
+      owner_of_[record.id] = partners_owner;
     }
   if (visitors.empty()) return;
   for (const auto& [id, record] : visitors) {
@@ -147,7 +151,7 @@ void ParallelBodyExchange::Distribution::receive_contacts(BodySet& bodies, std::
 }
 
 /// From the contacts alone: the other owner has the same ones, hence the same lists.
-void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& bodies) {
+void ParallelBodyExchange::plan_velocity_messages(const BodySet& bodies, const Pairs& crossing) {
   velocity_messages_.clear();
   const auto with = [&](int other) -> VelocityMessages& {
     const auto at = std::lower_bound(velocity_messages_.begin(), velocity_messages_.end(), other,
@@ -156,7 +160,7 @@ void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& b
                ? *at
                : *velocity_messages_.insert(at, {other, {}, {}, {}, {}});
   };
-  for (const auto& [id_a, id_b] : crossing_) {
+  for (const auto& [id_a, id_b] : crossing) {
     const std::size_t a = bodies.row_of(id_a), b = bodies.row_of(id_b);
     if (a >= bodies.size() || b >= bodies.size())
       throw std::logic_error("a contact names body " + std::to_string(a < b ? id_b : id_a) +
@@ -174,17 +178,11 @@ void ParallelBodyExchange::Distribution::plan_velocity_messages(const BodySet& b
     }
 }
 
-std::vector<int> ParallelBodyExchange::Distribution::partners() const {
-  std::vector<int> ranks;
-  for (const VelocityMessages& with : velocity_messages_) ranks.push_back(with.rank);
-  return ranks;
-}
-
 /// A message is the word, then the rows if any has changed; its length tells. How long it may be both ends
 /// know, so receives are posted before anything is sent.
-void ParallelBodyExchange::Distribution::share(std::span<double> rows, int width,
-                                               std::span<const rigid::RankCluster::Word> said,
-                                               std::span<rigid::RankCluster::Word> heard, bool changed) {
+void ParallelBodyExchange::share(BodySet&, std::span<double> rows, int width,
+                                 std::span<const rigid::RankCluster::Word> said,
+                                 std::span<rigid::RankCluster::Word> heard, bool changed) {
   for (VelocityMessages& with : velocity_messages_) {
     with.incoming.resize(said.size_bytes() + with.taken.size() * width * sizeof(double));
     sharing_.receive(with.rank, std::span(with.incoming));

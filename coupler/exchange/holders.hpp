@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "lbm/domain.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/world.hpp"
 #include "rigid/shapes/bounding_box.hpp"
 
 namespace silt::coupler {
@@ -17,9 +19,9 @@ class Holders {
 
   /// The block that contains x, and its rank: half-open boxes, x wrapped along periodic axes and clamped
   /// along others.
-  int block_at(const rigid::Vec3& x_W) const { return domain_.tree().leaf_at(cell_at(x_W)).index; }
+  int block_at(const rigid::Vec3& x_W) const { return domain_->tree().leaf_at(cell_at(x_W)).index; }
   int rank_at(const rigid::Vec3& x_W) const {
-    return is_here(x_W, x_W) ? here_ : domain_.rank_of(block_at(x_W));
+    return is_here(x_W, x_W) ? here_ : domain_->rank_of(block_at(x_W));
   }
   /// Fills ranks, sorted, with those one of whose grown blocks meets the box, whatever its size.
   void ranks_of(const rigid::BoundingBox& box_W, std::vector<int>& ranks) const;
@@ -37,10 +39,45 @@ class Holders {
     return false;
   }
 
-  const lbm::Domain& domain_;
+  const lbm::Domain* domain_;
   double rim_;
   int here_;
   std::vector<rigid::BoundingBox> blocks_here_;  // to infinity beyond the sides of the domain that are walls
 };
+
+/// Which ranks the bodies of one rank concern, and may come to concern in a step.
+class Neighbourhood {
+ public:
+  /// rim: that of the blocks, within which a body has to be known.
+  Neighbourhood(const lbm::Domain&, const rigid::World&, double rim, int rank);
+  /// The same after the domain was cut anew.
+  Neighbourhood renewed() const { return {*domain_, *world_, rim_, rank_}; }
+
+  const rigid::World& world() const { return *world_; }
+  const Holders& holders() const { return holders_; }
+  int rank_at(const rigid::Vec3& x_W) const { return holders_.rank_at(x_W); }
+  /// Ranks that hold a body, its owner among them, sorted.
+  void find_holders(int shape, const rigid::Pose&, std::vector<int>& ranks) const;
+  /// The same of an owned body, with the ranks that may own a body beyond one of its films.
+  void find_holders(const rigid::BodySet&, std::size_t row, std::vector<int>& ranks) const;
+  double reach() const { return reach_; }  // cells around the blocks of a rank
+  /// Returns the other ranks that have a block within reach of one here, sorted: they agree.
+  const std::vector<int>& around() const { return around_; }
+
+ private:
+  void include_owners_beyond_films(const rigid::BodySet&, std::size_t row, std::vector<int>& ranks) const;
+
+  const lbm::Domain* domain_;
+  const rigid::World* world_;
+  double rim_;
+  int rank_;
+  Holders holders_, owners_;  // within the rim of a block; within a step's motion of it
+  double largest_radius_;     // of a body
+  double reach_;
+  std::vector<int> around_;
+};
+
+/// Inserts a rank where it is not among the sorted ones yet.
+void include(std::vector<int>& sorted, int rank);
 
 }  // namespace silt::coupler

@@ -1,10 +1,15 @@
 #include "coupler/exchange/parallel_body_exchange.hpp"
 
+#include <stdexcept>
+#include <string>
+
 #include "coupler/exchange/check_exchange.hpp"
-#include "coupler/exchange/distribution.hpp"
+#include "coupler/exchange/send_home.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::coupler {
+
+using rigid::BodyId;
 
 namespace {
 
@@ -23,63 +28,104 @@ constexpr bool asserts = true;
 constexpr bool asserts = false;
 #endif
 
+template <class T>
+std::span<T> row_of(std::span<T> rows, std::size_t row, int width) {
+  return rows.subspan(row * width, width);
+}
+
+/// Owned rows by id, then the walls that there were.
+rigid::BodySet made_anew(std::vector<OwnedBody>& own, const rigid::BodySet& before) {
+  std::sort(own.begin(), own.end(),
+            [](const OwnedBody& a, const OwnedBody& b) { return a.record.id < b.record.id; });
+  rigid::BodySet bodies;
+  bodies.resize(own.size() + before.walls);
+  bodies.owned = own.size();
+  bodies.walls = before.walls;
+  std::size_t row = 0;
+  for (OwnedBody& body : own) {
+    bodies.assign(row, body.record);
+    bodies.force[row] = body.force;
+    bodies.torque[row] = body.torque;
+    bodies.stored_impulses[row++] = std::move(body.impulses);
+  }
+  for (std::size_t wall = before.first_wall(); wall < before.size(); ++wall)
+    bodies.assign(row++, before.record(wall));
+  bodies.reindex();
+  return bodies;
+}
+
 }  // namespace
 
 ParallelBodyExchange::ParallelBodyExchange(MPI_Comm comm, const lbm::Domain& domain,
                                            const rigid::World& world, double rim)
-    : rigid::BodyExchange(extent_of(domain)), comm_(comm), domain_(domain), world_(world), rim_(rim) {
-  rank_ = parallel::rank_of(comm_);
-  ranks_ = parallel::ranks_of(comm_);
-  if (ranks_ > 1) distribution_ = std::make_shared<Distribution>(comm_, rank_, domain_, world_, rim_);
-}
+    : rigid::BodyExchange(extent_of(domain)),
+      comm_(comm),
+      rank_(parallel::rank_of(comm)),
+      ranks_(parallel::ranks_of(comm)),
+      neighbourhood_(domain, world, rim, rank_),
+      messages_(comm) {}
 
 void ParallelBodyExchange::update_copies(rigid::BodySet& bodies) {
   wrap_positions(bodies);
-  if (distribution_) distribution_->synchronise(bodies, Distribution::Owners::stay);
+  if (ranks_ > 1) synchronise(bodies, Owners::stay);
 }
 
 void ParallelBodyExchange::synchronise(rigid::BodySet& bodies) {
   wrap_positions(bodies);
-  if (!distribution_) return;
+  if (ranks_ == 1) return;
   OwnedBodies before;
   if (asserts) before = count_owned(comm_, bodies);
-  distribution_->synchronise(bodies, Distribution::Owners::next_to_each_other);
+  synchronise(bodies, Owners::next_to_each_other);
   if (asserts) check_exchange(*this, bodies, before);
 }
 
 /// Forces first, while every copy is near its owner.
 void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
   wrap_positions(bodies);
-  if (!distribution_) return;
-  distribution_->sum_forces(bodies);
-  distribution_->synchronise(bodies, Distribution::Owners::anywhere);
+  if (ranks_ == 1) return;
+  sum_forces(bodies);
+  synchronise(bodies, Owners::anywhere);
 }
 
 void ParallelBodyExchange::cut_anew(rigid::BodySet& bodies) {
   wrap_positions(bodies);
-  if (!distribution_) return;
-  const ExchangeCounters before = counters();
-  distribution_ = std::make_shared<Distribution>(comm_, rank_, domain_, world_, rim_);
-  distribution_->counters = before;
-  distribution_->deal_out(bodies);
+  if (ranks_ == 1) return;
+  neighbourhood_ = neighbourhood_.renewed();
+  deal_out(bodies);
+}
+
+/// From bodies that each have an owner on some rank, any one, and no copies that count, to those of the cuts
+/// and their copies.
+void ParallelBodyExchange::deal_out(rigid::BodySet& bodies) {
+  std::vector<OwnedBody> own;
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    own.push_back(
+        {bodies.record(row), bodies.force[row], bodies.torque[row], std::move(bodies.stored_impulses[row])});
+  own = sent_home(messages_, neighbourhood_.holders(), std::move(own));
+  bodies = made_anew(own, bodies);
+  held_by_.clear();
+  owner_of_.clear();
+  velocity_messages_.clear();
+  synchronise(bodies, Owners::stay);
 }
 
 void ParallelBodyExchange::take_out(rigid::BodySet& bodies, std::span<const std::size_t> rows) {
   for (std::size_t k = rows.size(); k-- > 0;) {
-    if (distribution_) distribution_->forget(bodies.id[rows[k]]);
+    held_by_.erase(bodies.id[rows[k]]);
+    owner_of_.erase(bodies.id[rows[k]]);
     --(rows[k] < bodies.owned ? bodies.owned : bodies.copies);
     bodies.erase(rows[k]);
   }
   bodies.reindex();
-  if (distribution_) distribution_->tie(bodies);
+  tie(bodies);
 }
 
 double ParallelBodyExchange::reach() const {
-  return distribution_ ? distribution_->reach : 0;
+  return ranks_ > 1 ? neighbourhood_.reach() : 0;
 }
 
 int ParallelBodyExchange::rank_at(const rigid::Vec3& x_W) const {
-  return distribution_ ? distribution_->holders.rank_at(x_W) : 0;
+  return ranks_ > 1 ? neighbourhood_.rank_at(x_W) : 0;
 }
 
 bool ParallelBodyExchange::owns_contact_at(const rigid::Vec3& x_W) const {
@@ -87,50 +133,98 @@ bool ParallelBodyExchange::owns_contact_at(const rigid::Vec3& x_W) const {
 }
 
 int ParallelBodyExchange::owner_of(const rigid::BodySet& bodies, std::size_t row) const {
-  return row < bodies.owned || !distribution_ ? rank_ : distribution_->owner(bodies.id[row]);
+  return row < bodies.owned || ranks_ == 1 ? rank_ : owner(bodies.id[row]);
+}
+
+int ParallelBodyExchange::owner(BodyId id) const {
+  const auto found = owner_of_.find(id);
+  if (found == owner_of_.end())
+    throw std::logic_error("body " + std::to_string(id) + " has no known owner here");
+  return found->second;
 }
 
 std::vector<int> ParallelBodyExchange::holders(int shape, const rigid::Pose& pose) const {
   std::vector<int> ranks{0};
-  if (distribution_) distribution_->find_holders(shape, pose, ranks);
+  if (ranks_ > 1) neighbourhood_.find_holders(shape, pose, ranks);
   return ranks;
 }
 
 std::vector<int> ParallelBodyExchange::holders(const rigid::BodySet& bodies, std::size_t row) const {
   std::vector<int> ranks{0};
-  if (distribution_) distribution_->find_holders(bodies, row, ranks);
+  if (ranks_ > 1) neighbourhood_.find_holders(bodies, row, ranks);
   return ranks;
 }
 
-void ParallelBodyExchange::exchange_contacts(rigid::BodySet& bodies, std::vector<rigid::Contact>& contacts) {
-  if (!distribution_) return;
-  distribution_->exchange_contacts(bodies, contacts);
-  cluster_.begin(rank_, distribution_->partners(), ranks_);
+const ExchangeCounters& ParallelBodyExchange::counters() const {
+  counters_.messages = messages_.messages_sent();
+  counters_.bytes = messages_.bytes_sent();
+  return counters_;
 }
 
-void ParallelBodyExchange::share(rigid::BodySet&, std::span<double> rows, int width,
-                                 std::span<const rigid::RankCluster::Word> said,
-                                 std::span<rigid::RankCluster::Word> heard, bool changed) {
-  if (distribution_) distribution_->share(rows, width, said, heard, changed);
+std::vector<int> ParallelBodyExchange::those_that(std::vector<BodyId> Tie::*have) const {
+  std::vector<int> ranks;
+  for (const Tie& t : ties_)
+    if (!(t.*have).empty()) ranks.push_back(t.rank);
+  return ranks;
+}
+
+const ParallelBodyExchange::Tie& ParallelBodyExchange::tie_with(int rank) const {
+  return *std::find_if(ties_.begin(), ties_.end(), [&](const Tie& t) { return t.rank == rank; });
+}
+
+void ParallelBodyExchange::tie(const rigid::BodySet& bodies) {
+  ties_.clear();
+  const auto with = [&](int other) -> Tie& {
+    const auto at =
+        std::lower_bound(ties_.begin(), ties_.end(), other, [](const Tie& t, int r) { return t.rank < r; });
+    return at != ties_.end() && at->rank == other ? *at : *ties_.insert(at, {other, {}, {}});
+  };
+  std::vector<BodyId> held;
+  for (const auto& [id, holding] : held_by_) held.push_back(id);
+  std::sort(held.begin(), held.end());
+  for (const BodyId id : held)
+    for (const int holder : held_by_.find(id)->second.ranks) with(holder).given.push_back(id);
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
+    with(owner(bodies.id[row])).taken.push_back(bodies.id[row]);
 }
 
 void ParallelBodyExchange::sum_to_owners(const rigid::BodySet& bodies, std::span<std::int64_t> rows,
                                          int width) const {
-  if (distribution_) distribution_->sum_to_owners(bodies, rows, width);
+  if (ranks_ == 1) return;
+  for (const Tie& t : ties_)
+    for (const BodyId id : t.taken) {
+      const std::span<std::int64_t> values = row_of(rows, bodies.row_of(id), width);
+      parallel::put(messages_.to(t.rank), std::span<const std::int64_t>(values));
+      std::fill(values.begin(), values.end(), 0);
+    }
+  messages_.with_partners(those_that(&Tie::given));
+  std::vector<std::int64_t> values(width);
+  for (const parallel::Messages::Message& m : messages_.received()) {
+    parallel::ByteReader reader(m.bytes);
+    for (const BodyId id : tie_with(m.rank).given) {
+      reader.take(std::span(values));
+      const std::span<std::int64_t> sums = row_of(rows, bodies.row_of(id), width);
+      for (int k = 0; k < width; ++k) sums[k] += values[k];
+    }
+  }
 }
 
 void ParallelBodyExchange::share_with_copies(const rigid::BodySet& bodies, std::span<double> rows,
                                              int width) const {
-  if (distribution_) distribution_->share_with_copies(bodies, rows, width);
-}
-
-const ExchangeCounters& ParallelBodyExchange::counters() const {
-  if (distribution_) {
-    counters_ = distribution_->counters;
-    counters_.messages += distribution_->messages.messages_sent();
-    counters_.bytes += distribution_->messages.bytes_sent();
+  if (ranks_ == 1) return;
+  std::vector<double> none(width, 0.0);  // of a body taken out of the simulation since
+  const auto values_of = [&](BodyId id) {
+    const std::size_t row = bodies.row_of(id);
+    return row < bodies.size() ? row_of(rows, row, width) : std::span(none);
+  };
+  for (const Tie& t : ties_)
+    for (const BodyId id : t.given)
+      parallel::put(messages_.to(t.rank), std::span<const double>(values_of(id)));
+  messages_.with_partners(those_that(&Tie::taken));
+  for (const parallel::Messages::Message& m : messages_.received()) {
+    parallel::ByteReader reader(m.bytes);
+    for (const BodyId id : tie_with(m.rank).taken) reader.take(values_of(id));
   }
-  return counters_;
 }
 
 }  // namespace silt::coupler

@@ -3,17 +3,24 @@
 //
 // The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
 // whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy; so does
-// every rank that may own a body beyond a film of lubrication. Messages go to those ranks only. Who they are
-// both ends know from the last synchronisation (distribution.hpp). A synchronisation itself goes to all ranks
-// that a body may come to reach in a step, each of which expects one message; only a body set down anywhere
-// reaches ranks that do not expect it (messages.hpp).
+// every rank that may own a body beyond a film of lubrication. Messages go to those ranks only.
+//
+// Each rank remembers, as of the last synchronisation, which ranks hold a copy of its bodies and which rank
+// owns each of its copies. Both ends of such a tie know it, hence forces, contacts and the sweeps' velocities
+// go between ties without asking anyone: a contact found here concerns only owners of bodies held here. The
+// synchronisation can reach ranks without a tie, which a body now overlaps: there is one message between any
+// two ranks around each other, as far as a body can come to reach in a step. A body set down anywhere needs a
+// round of unannounced messages, see messages.hpp.
 #include <mpi.h>
 
-#include <memory>
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
 
-#include "lbm/domain.hpp"
+#include "coupler/exchange/holders.hpp"
+#include "parallel/messages.hpp"
+#include "parallel/transfers.hpp"
 #include "rigid/bodies/body_exchange.hpp"
-#include "rigid/bodies/world.hpp"
 
 namespace silt::coupler {
 
@@ -39,7 +46,7 @@ class ParallelBodyExchange : public rigid::BodyExchange {
              std::span<rigid::RankCluster::Word> heard = {}, bool changed = true) override;
 
   MPI_Comm comm() const { return comm_; }
-  const rigid::World& world() const { return world_; }
+  const rigid::World& world() const { return neighbourhood_.world(); }
   int rank() const { return rank_; }
   int ranks() const { return ranks_; }
   const ExchangeCounters& counters() const;
@@ -71,14 +78,68 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width) const;
 
  private:
-  struct Distribution;  // who holds what, messages and their plans; none on one rank
+  /// Where the owners of bodies may be after a synchronisation.
+  enum class Owners { stay, next_to_each_other, anywhere };
+  /// What this rank shares with another, each list sorted by id: the other rank has the same lists, swapped.
+  struct Tie {
+    int rank;
+    std::vector<rigid::BodyId> given;  // owned here, copied there
+    std::vector<rigid::BodyId> taken;  // owned there, copied here
+  };
+  struct Holding {
+    std::vector<int> ranks;  // sorted
+    std::uint64_t round;     // the last in which it was so
+    bool has(int rank) const { return std::binary_search(ranks.begin(), ranks.end(), rank); }
+  };
+  /// Rows whose velocities go to and come from a rank in the sweeps, in the order of ids.
+  struct VelocityMessages {
+    int rank;
+    std::vector<std::size_t> given, taken;
+    parallel::Bytes outgoing, incoming;
+  };
+  using Pairs = std::vector<std::pair<rigid::BodyId, rigid::BodyId>>;
+  struct Arrivals;
+
+  // ---- who holds what ----
+  int owner(rigid::BodyId) const;  // of a copy or visitor
+  /// Renews the ties after held_by_ or owner_of_ changed.
+  void tie(const rigid::BodySet&);
+  /// Ranks of ties that give (or take) anything.
+  std::vector<int> those_that(std::vector<rigid::BodyId> Tie::*have) const;
+  const Tie& tie_with(int rank) const;
+  void deal_out(rigid::BodySet&);
+
+  // ---- synchronise_bodies.cpp ----
+  void synchronise(rigid::BodySet&, Owners);
+  void sum_forces(rigid::BodySet&);
+  void announce(rigid::BodySet&, Owners, std::vector<std::size_t>& departures);
+  bool announce_body(const rigid::BodySet&, std::size_t row, Owners, std::vector<int>& ranks);
+  void require_around(rigid::BodyId, int to) const;
+  void expect_all_around();
+  void send_forces_of_copies(rigid::BodySet&);
+  void add_forces(rigid::BodySet&, const Arrivals&) const;
+  void read(rigid::BodySet&, Arrivals&);
+  bool settle(rigid::BodySet&, Arrivals&, const std::vector<std::size_t>& departures);
+  bool drop_visitors(rigid::BodySet&);
+
+  // ---- exchange_contacts.cpp ----
+  void send_contact(const rigid::BodySet&, const rigid::Contact&, bool new_pair);
+  void send_partner(const rigid::BodySet&, rigid::BodyId, int to);
+  void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&, Pairs& crossing);
+  void plan_velocity_messages(const rigid::BodySet&, const Pairs& crossing);
+
   MPI_Comm comm_;
-  int rank_ = 0, ranks_ = 1;
-  const lbm::Domain& domain_;
-  const rigid::World& world_;
-  double rim_;
+  int rank_, ranks_;
+  Neighbourhood neighbourhood_;
+  mutable parallel::Messages messages_;
   mutable ExchangeCounters counters_;
-  std::shared_ptr<Distribution> distribution_;
+  // nothing depends on the order in which these are run through
+  std::unordered_map<rigid::BodyId, Holding> held_by_;  // owned bodies that others hold
+  std::unordered_map<rigid::BodyId, int> owner_of_;     // copies and visitors
+  std::vector<Tie> ties_;                               // by rank
+  std::uint64_t round_ = 0;                             // of announcements
+  std::vector<VelocityMessages> velocity_messages_;     // by rank
+  parallel::Transfers sharing_{messages_.comm(), 3};
 };
 
 }  // namespace silt::coupler

@@ -2,42 +2,88 @@
 
 #include <algorithm>
 
-#include "coupler/exchange/impulse_bytes.hpp"
 #include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 namespace {
 
-using rigid::BodyRecord;
+struct PackedImpulse {
+  rigid::BodyId partner;
+  std::uint64_t feature;
+  double impulse[3];
+  std::int8_t image[4], held;
+  std::int8_t unused[3];
+};
 
-void add(rigid::BodySet& bodies, const BodyRecord& record, std::vector<rigid::StoredImpulse> impulses) {
-  bodies.add(record);
-  bodies.stored_impulses[bodies.owned - 1] = std::move(impulses);
+void put_impulses(parallel::Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
+  parallel::put(to, static_cast<std::uint64_t>(impulses.size()));
+  for (const rigid::StoredImpulse& s : impulses)
+    parallel::put(to, PackedImpulse{s.partner,
+                                    s.feature,
+                                    {s.impulse[0], s.impulse[1], s.impulse[2]},
+                                    {s.image.x, s.image.y, s.image.z},
+                                    s.held,
+                                    {}});
+}
+
+std::vector<rigid::StoredImpulse> take_impulses(parallel::ByteReader& from) {
+  std::vector<rigid::StoredImpulse> impulses(from.take<std::uint64_t>());
+  for (rigid::StoredImpulse& s : impulses) {
+    const auto p = from.take<PackedImpulse>();
+    s = {p.partner,
+         {p.image[0], p.image[1], p.image[2]},
+         p.feature,
+         {p.impulse[0], p.impulse[1], p.impulse[2]},
+         p.held != 0};
+  }
+  return impulses;
 }
 
 }  // namespace
 
+void put_body(parallel::Bytes& to, const OwnedBody& body) {
+  parallel::put(to, body.record);
+  parallel::put(to, body.force.q);
+  parallel::put(to, body.torque.q);
+  put_impulses(to, body.impulses);
+}
+
+OwnedBody take_body(parallel::ByteReader& from) {
+  OwnedBody body{from.take<rigid::BodyRecord>()};
+  body.force.q = from.take<decltype(body.force.q)>();
+  body.torque.q = from.take<decltype(body.torque.q)>();
+  body.impulses = take_impulses(from);
+  return body;
+}
+
+std::vector<OwnedBody> sent_home(parallel::Messages& messages, const Holders& holders,
+                                 std::vector<OwnedBody> given) {
+  const int rank = parallel::rank_of(messages.comm());
+  std::vector<OwnedBody> own;
+  for (OwnedBody& body : given) {
+    const int owner = holders.rank_at(Eigen::Map<const rigid::Vec3>{body.record.position});
+    if (owner == rank)
+      own.push_back(std::move(body));
+    else
+      put_body(messages.to(owner), body);
+  }
+  messages.unannounced();
+  for (const parallel::Messages::Message& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) own.push_back(take_body(reader));
+  return own;
+}
+
 void send_home(parallel::Messages& messages, const Holders& holders, const SavedBodies& saved,
                rigid::BodySet& bodies, std::size_t at_once) {
-  const int rank = parallel::rank_of(messages.comm());
   const std::size_t n = saved.records.size(), most = parallel::most_over_ranks(messages.comm(), n);
   for (std::size_t first = 0; first < most; first += at_once) {
-    for (std::size_t i = first; i < std::min(first + at_once, n); ++i) {
-      const BodyRecord& record = saved.records[i];
-      const int owner = holders.rank_at(Eigen::Map<const rigid::Vec3>{record.position});
-      if (owner == rank) {
-        add(bodies, record, saved.impulses[i]);
-        continue;
-      }
-      parallel::put(messages.to(owner), record);
-      put_impulses(messages.to(owner), saved.impulses[i]);
+    std::vector<OwnedBody> given;
+    for (std::size_t i = first; i < std::min(first + at_once, n); ++i)
+      given.push_back({.record = saved.records[i], .impulses = saved.impulses[i]});
+    for (OwnedBody& body : sent_home(messages, holders, std::move(given))) {
+      bodies.add(body.record);
+      bodies.stored_impulses[bodies.owned - 1] = std::move(body.impulses);
     }
-    messages.unannounced();
-    for (const parallel::Messages::Message& m : messages.received())
-      for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-        const auto record = reader.take<BodyRecord>();
-        add(bodies, record, take_impulses(reader));
-      }
   }
   bodies.reindex();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies that lie anywhere, as those of a checkpoint, go to the ranks that will own them.
+// Bodies that lie anywhere, as those of a checkpoint or of other cuts, go to the ranks that will own them.
 #include <vector>
 
 #include "coupler/exchange/holders.hpp"
@@ -7,6 +7,19 @@
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
+
+/// A body with all that only its owner has.
+struct OwnedBody {
+  rigid::BodyRecord record;
+  rigid::FixedVec3 force = {}, torque = {};
+  std::vector<rigid::StoredImpulse> impulses = {};
+};
+void put_body(parallel::Bytes& to, const OwnedBody&);
+OwnedBody take_body(parallel::ByteReader& from);
+
+/// Collective. Each rank gives bodies, and gets those of all ranks whose centre of mass lies in its blocks,
+/// its own ones first.
+std::vector<OwnedBody> sent_home(parallel::Messages&, const Holders&, std::vector<OwnedBody> given);
 
 /// Bodies apart from a body set: records, and as many lists of stored impulses.
 struct SavedBodies {

@@ -11,9 +11,8 @@
 #include <algorithm>
 #include <string>
 
-#include "coupler/exchange/distribution.hpp"
-#include "coupler/exchange/impulse_bytes.hpp"
-#include "rigid/shapes/shape.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/exchange/send_home.hpp"
 
 namespace silt::coupler {
 
@@ -28,60 +27,25 @@ enum class BodyItem : std::uint64_t { update, copy, handover, force };
 /// What changes from step to step.
 struct State {
   BodyId id;
-  double position[3], orientation[4], velocity[3], angular_velocity[3], angular_momentum[3];
+  rigid::Kinematics kinematics;
   std::int32_t image[3];
   std::uint32_t owner : 28, motion : 2, wakefulness : 2;
 };
 
 State state_of(const BodyRecord& r, int owner) {
-  State s{};
-  s.id = r.id;
-  s.owner = std::uint32_t(owner);
-  s.motion = std::uint32_t(r.motion) & 3;
-  s.wakefulness = std::uint32_t(r.wakefulness) & 3;
-  std::copy_n(r.position, 3, s.position);
-  std::copy_n(r.orientation, 4, s.orientation);
-  std::copy_n(r.velocity, 3, s.velocity);
-  std::copy_n(r.angular_velocity, 3, s.angular_velocity);
-  std::copy_n(r.angular_momentum, 3, s.angular_momentum);
-  std::copy_n(r.image, 3, s.image);
-  return s;
+  return {r.id,
+          r,
+          {r.image[0], r.image[1], r.image[2]},
+          std::uint32_t(owner),
+          std::uint32_t(r.motion) & 3,
+          std::uint32_t(r.wakefulness) & 3};
 }
 
 void assign(BodySet& bodies, std::size_t row, const State& s) {
-  bodies.position[row] = Eigen::Map<const rigid::Vec3>{s.position};
-  bodies.orientation[row] = {s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3]};
-  bodies.velocity[row] = Eigen::Map<const rigid::Vec3>{s.velocity};
-  bodies.angular_velocity[row] = Eigen::Map<const rigid::Vec3>{s.angular_velocity};
-  bodies.angular_momentum[row] = Eigen::Map<const rigid::Vec3>{s.angular_momentum};
-  std::copy_n(s.image, 3, bodies.image[row].begin());
+  bodies.set_kinematics(row, s.kinematics);
+  bodies.image[row] = std::to_array(s.image);
   bodies.motion[row] = rigid::Motion(s.motion);
   bodies.wakefulness[row] = rigid::Wakefulness(s.wakefulness);
-}
-
-void put_handover(parallel::Bytes& to, const BodySet& bodies, std::size_t row,
-                  const std::vector<int>& holders, int owner) {
-  parallel::put(to, bodies.force[row].q);
-  parallel::put(to, bodies.torque[row].q);
-  std::vector<int> others;
-  for (const int r : holders)
-    if (r != owner) others.push_back(r);
-  parallel::put(to, static_cast<std::uint64_t>(others.size()));
-  parallel::put(to, std::span<const int>(others));
-  put_impulses(to, bodies.stored_impulses[row]);
-}
-
-void take_handover(parallel::ByteReader& from, Traveller& t) {
-  t.force.q = from.take<decltype(t.force.q)>();
-  t.torque.q = from.take<decltype(t.torque.q)>();
-  t.holders.resize(from.take<std::uint64_t>());
-  from.take(std::span(t.holders));
-  t.impulses = take_impulses(from);
-}
-
-void include(std::vector<int>& sorted, int rank) {
-  const auto at = std::lower_bound(sorted.begin(), sorted.end(), rank);
-  if (at == sorted.end() || *at != rank) sorted.insert(at, rank);
 }
 
 /// Inserts where the order of ids in a section of rows asks for it.
@@ -95,60 +59,50 @@ std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count
 
 }  // namespace
 
-struct ParallelBodyExchange::Distribution::Arrivals {
+struct ParallelBodyExchange::Arrivals {
   struct Push {
     BodyId id;
     rigid::FixedVec3 force, torque;
+  };
+  /// A body between ranks.
+  struct Traveller {
+    OwnedBody body;  // of a copy only the record
+    int owner;       // after this synchronisation
+    std::vector<int> holders;
   };
   std::vector<std::uint8_t> updated;  // one a copy
   std::vector<Traveller> copies, own;
   std::vector<Push> pushes;
 };
 
-/// The bounding sphere first: most bodies are well inside, whatever their shape.
-void ParallelBodyExchange::Distribution::find_holders(int shape, const rigid::Pose& pose,
-                                                      std::vector<int>& ranks) const {
-  const rigid::Vec3 radius = rigid::Vec3::Constant(world.bounding_radii[shape]);
-  holders.ranks_of({pose.position - radius, pose.position + radius}, ranks);
-  const int owner = holders.rank_at(pose.position);
-  if (ranks.size() > 1 && !rigid::is_sphere(world.shapes[shape]))
-    holders.ranks_of(rigid::bounding_box(world.shapes[shape], pose), ranks);
-  include(ranks, owner);
-}
-
-void ParallelBodyExchange::Distribution::find_holders(const BodySet& bodies, std::size_t row,
-                                                      std::vector<int>& ranks) {
-  find_holders(bodies.shape[row], bodies.pose(row), ranks);
-  if (world.lubrication) include_owners_beyond_films(bodies, row, ranks);
-}
-
-void ParallelBodyExchange::Distribution::synchronise(BodySet& bodies, Owners owners) {
+void ParallelBodyExchange::synchronise(BodySet& bodies, Owners owners) {
   bool rows_changed = drop_visitors(bodies);
-  announce(bodies, owners);
+  std::vector<std::size_t> departures;  // owned rows that are handed over
+  announce(bodies, owners, departures);
   if (owners == Owners::anywhere)
-    messages.unannounced();
+    messages_.unannounced();
   else
-    messages.with_partners(around);
+    messages_.with_partners(neighbourhood_.around());
   Arrivals arrivals;
   arrivals.updated.assign(bodies.copies, 0);
   read(bodies, arrivals);
-  rows_changed = settle(bodies, arrivals) || rows_changed;
+  rows_changed = settle(bodies, arrivals, departures) || rows_changed;
   if (rows_changed) bodies.reindex();
   add_forces(bodies, arrivals);
   tie(bodies);
 }
 
 /// Those on copies go to the owners, and nothing else.
-void ParallelBodyExchange::Distribution::sum_forces(BodySet& bodies) {
+void ParallelBodyExchange::sum_forces(BodySet& bodies) {
   expect_all_around();
   send_forces_of_copies(bodies);
-  messages.with_partners(around);
+  messages_.with_partners(neighbourhood_.around());
   Arrivals arrivals;
   read(bodies, arrivals);
   add_forces(bodies, arrivals);
 }
 
-void ParallelBodyExchange::Distribution::add_forces(BodySet& bodies, const Arrivals& arrivals) const {
+void ParallelBodyExchange::add_forces(BodySet& bodies, const Arrivals& arrivals) const {
   for (const Arrivals::Push& p : arrivals.pushes) {
     const std::size_t row = bodies.row_of(p.id);
     if (row >= bodies.size()) continue;  // taken out of the simulation since
@@ -158,78 +112,86 @@ void ParallelBodyExchange::Distribution::add_forces(BodySet& bodies, const Arriv
 }
 
 /// Each of them waits for a message, if only an empty one.
-void ParallelBodyExchange::Distribution::expect_all_around() {
-  for (const int other : around) messages.to(other);
+void ParallelBodyExchange::expect_all_around() {
+  for (const int other : neighbourhood_.around()) messages_.to(other);
 }
 
-bool ParallelBodyExchange::Distribution::drop_visitors(BodySet& bodies) {
+bool ParallelBodyExchange::drop_visitors(BodySet& bodies) {
   velocity_messages_.clear();
   if (bodies.visitors == 0) return false;
   for (; bodies.visitors > 0; --bodies.visitors) {
     const std::size_t last = bodies.first_wall() - 1;
-    owner_of.erase(bodies.id[last]);
+    owner_of_.erase(bodies.id[last]);
     bodies.erase(last);
   }
   return true;
 }
 
-void ParallelBodyExchange::Distribution::announce(BodySet& bodies, Owners owners) {
-  departures_.clear();
+void ParallelBodyExchange::announce(BodySet& bodies, Owners owners, std::vector<std::size_t>& departures) {
+  std::vector<int> ranks;
   ++round_;
   if (owners != Owners::anywhere) expect_all_around();
-  for (std::size_t row = 0; row < bodies.owned; ++row) announce_body(bodies, row, owners);
-  std::erase_if(held_by, [&](const auto& held) { return held.second.round != round_; });
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (announce_body(bodies, row, owners, ranks)) departures.push_back(row);
+  std::erase_if(held_by_, [&](const auto& held) { return held.second.round != round_; });
   send_forces_of_copies(bodies);
 }
 
-void ParallelBodyExchange::Distribution::require_around(BodyId id, int to) const {
+void ParallelBodyExchange::require_around(BodyId id, int to) const {
+  const std::vector<int>& around = neighbourhood_.around();
   if (std::binary_search(around.begin(), around.end(), to)) return;
-  throw std::runtime_error("body " + std::to_string(id) + " has come from rank " + std::to_string(rank) +
+  throw std::runtime_error("body " + std::to_string(id) + " has come from rank " + std::to_string(rank_) +
                            " to rank " + std::to_string(to) + " at once, further than " +
-                           std::to_string(reach) + " cells: use a shorter time step, or fewer ranks");
+                           std::to_string(neighbourhood_.reach()) +
+                           " cells: use a shorter time step, or fewer ranks");
 }
 
-void ParallelBodyExchange::Distribution::announce_body(const BodySet& bodies, std::size_t row,
-                                                       Owners owners) {
+/// Returns whether the body is handed over. ranks: scratch.
+bool ParallelBodyExchange::announce_body(const BodySet& bodies, std::size_t row, Owners owners,
+                                         std::vector<int>& ranks) {
   const BodyId id = bodies.id[row];
-  find_holders(bodies, row, ranks_);
-  if (ranks_.size() == 1 && ranks_[0] == rank) return;  // as most
-  const auto known = held_by.find(id);
-  const int owner = owners == Owners::stay ? rank : holders.rank_at(bodies.position[row]);
-  include(ranks_, rank);
+  neighbourhood_.find_holders(bodies, row, ranks);
+  if (ranks.size() == 1 && ranks[0] == rank_) return false;  // as most
+  const auto known = held_by_.find(id);
+  const int owner = owners == Owners::stay ? rank_ : rank_at(bodies.position[row]);
+  include(ranks, rank_);
   const BodyRecord record = bodies.record(row);
-  for (const int to : ranks_) {
-    if (to == rank) continue;
+  for (const int to : ranks) {
+    if (to == rank_) continue;
     if (owners != Owners::anywhere) require_around(id, to);
-    parallel::Bytes& message = messages.to(to);
-    const bool has_copy = known != held_by.end() && known->second.has(to);
-    if (to != owner && has_copy) {
+    parallel::Bytes& message = messages_.to(to);
+    if (to == owner) {
+      parallel::put(message, BodyItem::handover);
+      put_body(message, {record, bodies.force[row], bodies.torque[row], bodies.stored_impulses[row]});
+      parallel::put(message, static_cast<std::uint64_t>(ranks.size() - 1));
+      for (const int other : ranks)
+        if (other != owner) parallel::put(message, other);
+    } else if (known != held_by_.end() && known->second.has(to)) {
       parallel::put(message, BodyItem::update);
       parallel::put(message, state_of(record, owner));
-      continue;
+    } else {
+      parallel::put(message, BodyItem::copy);
+      parallel::put(message, record);
+      parallel::put(message, owner);
     }
-    parallel::put(message, to == owner ? BodyItem::handover : BodyItem::copy);
-    parallel::put(message, record);
-    parallel::put(message, owner);
-    if (to == owner) put_handover(message, bodies, row, ranks_, owner);
   }
-  if (owner != rank) {
-    departures_.push_back(row);
-    if (known != held_by.end()) held_by.erase(known);
-    return;
+  if (owner != rank_) {
+    if (known != held_by_.end()) held_by_.erase(known);
+    return true;
   }
-  auto& [others, round] = held_by[id];
+  auto& [others, round] = held_by_[id];
   round = round_;
   others.clear();
-  std::copy_if(ranks_.begin(), ranks_.end(), std::back_inserter(others), [&](int r) { return r != rank; });
+  std::copy_if(ranks.begin(), ranks.end(), std::back_inserter(others), [&](int r) { return r != rank_; });
+  return false;
 }
 
-void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) {
+void ParallelBodyExchange::send_forces_of_copies(BodySet& bodies) {
   for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row) {
     if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
     const int to = owner(bodies.id[row]);
     require_around(bodies.id[row], to);
-    parallel::Bytes& message = messages.to(to);
+    parallel::Bytes& message = messages_.to(to);
     parallel::put(message, BodyItem::force);
     parallel::put(message, bodies.id[row]);
     parallel::put(message, bodies.force[row].q);
@@ -238,8 +200,8 @@ void ParallelBodyExchange::Distribution::send_forces_of_copies(BodySet& bodies) 
   }
 }
 
-void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrivals) {
-  for (const parallel::Messages::Message& m : messages.received())
+void ParallelBodyExchange::read(BodySet& bodies, Arrivals& arrivals) {
+  for (const parallel::Messages::Message& m : messages_.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       const auto item = reader.take<BodyItem>();
       if (item == BodyItem::update) {
@@ -249,53 +211,57 @@ void ParallelBodyExchange::Distribution::read(BodySet& bodies, Arrivals& arrival
           throw std::logic_error("an update came for body " + std::to_string(state.id) +
                                  ", of which there is no copy");
         assign(bodies, row, state);
-        owner_of[state.id] = int(state.owner);
+        owner_of_[state.id] = int(state.owner);
         arrivals.updated[row - bodies.owned] = 1;
       } else if (item == BodyItem::force) {
         Arrivals::Push& p = arrivals.pushes.emplace_back();
         p.id = reader.take<BodyId>();
         p.force.q = reader.take<decltype(p.force.q)>();
         p.torque.q = reader.take<decltype(p.torque.q)>();
-      } else {
-        Traveller t;
-        t.record = reader.take<BodyRecord>();
+      } else if (item == BodyItem::copy) {
+        Arrivals::Traveller& t = arrivals.copies.emplace_back();
+        t.body.record = reader.take<BodyRecord>();
         t.owner = reader.take<int>();
-        if (item == BodyItem::handover) take_handover(reader, t);
-        (item == BodyItem::handover ? arrivals.own : arrivals.copies).push_back(std::move(t));
+      } else {
+        Arrivals::Traveller& t = arrivals.own.emplace_back();
+        t.body = take_body(reader);
+        t.holders.resize(reader.take<std::uint64_t>());
+        reader.take(std::span(t.holders));
       }
     }
 }
 
 /// Rows take their new places, the last sections first so that the numbers of the others hold. True if any
 /// did.
-bool ParallelBodyExchange::Distribution::settle(BodySet& bodies, Arrivals& arrivals) {
-  bool changed = !departures_.empty() || !arrivals.own.empty() || !arrivals.copies.empty();
+bool ParallelBodyExchange::settle(BodySet& bodies, Arrivals& arrivals,
+                                  const std::vector<std::size_t>& departures) {
+  bool changed = !departures.empty() || !arrivals.own.empty() || !arrivals.copies.empty();
   for (std::size_t k = arrivals.updated.size(); k-- > 0;) {
     if (arrivals.updated[k]) continue;
-    owner_of.erase(bodies.id[bodies.owned + k]);
+    owner_of_.erase(bodies.id[bodies.owned + k]);
     bodies.erase(bodies.owned + k);
     --bodies.copies;
     changed = true;
   }
-  counters.migrations += departures_.size();
-  for (std::size_t k = departures_.size(); k-- > 0;) {
-    const BodyRecord record = bodies.record(departures_[k]);
-    bodies.erase(departures_[k]);
+  counters_.migrations += departures.size();
+  for (std::size_t k = departures.size(); k-- > 0;) {
+    const BodyRecord record = bodies.record(departures[k]);
+    bodies.erase(departures[k]);
     --bodies.owned;
     insert_sorted(bodies, bodies.owned, bodies.copies, record);
-    owner_of[record.id] = holders.rank_at(Eigen::Map<const rigid::Vec3>{record.position});
+    owner_of_[record.id] = rank_at(Eigen::Map<const rigid::Vec3>{record.position});
   }
-  for (Traveller& t : arrivals.own) {
-    const std::size_t row = insert_sorted(bodies, 0, bodies.owned, t.record);
-    bodies.force[row] = t.force;
-    bodies.torque[row] = t.torque;
-    bodies.stored_impulses[row] = std::move(t.impulses);
-    held_by[t.record.id] = {std::move(t.holders), round_};
+  for (Arrivals::Traveller& t : arrivals.own) {
+    const std::size_t row = insert_sorted(bodies, 0, bodies.owned, t.body.record);
+    bodies.force[row] = t.body.force;
+    bodies.torque[row] = t.body.torque;
+    bodies.stored_impulses[row] = std::move(t.body.impulses);
+    held_by_[bodies.id[row]] = {std::move(t.holders), round_};
   }
-  for (const Traveller& t : arrivals.copies) {
-    insert_sorted(bodies, bodies.owned, bodies.copies, t.record);
-    owner_of[t.record.id] = t.owner;
-    ++counters.copies_made;
+  for (const Arrivals::Traveller& t : arrivals.copies) {
+    insert_sorted(bodies, bodies.owned, bodies.copies, t.body.record);
+    owner_of_[t.body.record.id] = t.owner;
+    ++counters_.copies_made;
   }
   return changed;
 }

@@ -8,7 +8,7 @@
 // half of that of glass. So every impact that the resolver reports is taken as one of the bodies with the
 // fluid they entrain: the impulse that the contact would give to the fluid besides is kept with the bodies
 // (column::pending_impact, equal and opposite for the two), which pass it on as the fluid answers.
-#include "rigid/bodies/impact.hpp"
+#include "rigid/response/contact_resolver.hpp"
 
 namespace silt::coupler {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "coupler/case/units.hpp"
-#include "coupler/departures.hpp"
+#include "coupler/body_turnover.hpp"
 
 namespace silt::coupler {
 

@@ -11,7 +11,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/quantity_spec.hpp"
-#include "coupler/departures.hpp"
+#include "coupler/body_turnover.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/motion_totals.hpp"
 #include "coupler/results/skipped_passes.hpp"

@@ -43,19 +43,6 @@ T blank() {
     return T{};
 }
 
-void store(const Vec3& v, double* to) {
-  Eigen::Map<Vec3>{to} = v;
-}
-Vec3 vec(const double* from) {
-  return Eigen::Map<const Vec3>{from};
-}
-void store(const Quat& q, double* to) {
-  Eigen::Map<Eigen::Vector4d>{to} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
-}
-Quat quat(const double* from) {
-  return {from[0], from[1], from[2], from[3]};
-}
-
 void sort_section(BodySet& b, std::size_t first, std::size_t last) {
   if (std::is_sorted(b.id.begin() + first, b.id.begin() + last)) return;
   std::vector<std::size_t> order(last - first);
@@ -70,44 +57,51 @@ void sort_section(BodySet& b, std::size_t first, std::size_t last) {
 
 }  // namespace
 
+Kinematics BodySet::kinematics(std::size_t row) const {
+  const auto store = [](const Vec3& v, double* to) { Eigen::Map<Vec3>{to} = v; };
+  Kinematics k;
+  const Quat& q = orientation[row];
+  store(position[row], k.position);
+  Eigen::Map<Eigen::Vector4d>{k.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  store(velocity[row], k.velocity);
+  store(angular_velocity[row], k.angular_velocity);
+  store(angular_momentum[row], k.angular_momentum);
+  return k;
+}
+
+void BodySet::set_kinematics(std::size_t row, const Kinematics& k) {
+  using Given = Eigen::Map<const Vec3>;
+  position[row] = Given{k.position};
+  orientation[row] = {k.orientation[0], k.orientation[1], k.orientation[2], k.orientation[3]};
+  velocity[row] = Given{k.velocity};
+  angular_velocity[row] = Given{k.angular_velocity};
+  angular_momentum[row] = Given{k.angular_momentum};
+}
+
 BodyRecord BodySet::record(std::size_t row) const {
-  BodyRecord r;
-  r.id = id[row];
-  r.shape = shape[row];
-  r.material = material[row];
-  r.kind = kind[row];
-  r.motion = motion[row];
-  r.wakefulness = wakefulness[row];
-  r.mass = mass[row];
-  r.weight_in_fluid = weight_in_fluid[row];
+  BodyRecord r{kinematics(row),  id[row],
+               shape[row],       material[row],
+               kind[row],        motion[row],
+               wakefulness[row], {image[row][0], image[row][1], image[row][2]},
+               mass[row],        weight_in_fluid[row]};
   Eigen::Map<Mat3>{r.inertia_B} = inertia_B[row];
-  store(position[row], r.position);
-  store(orientation[row], r.orientation);
-  std::copy(image[row].begin(), image[row].end(), r.image);
-  store(velocity[row], r.velocity);
-  store(angular_velocity[row], r.angular_velocity);
-  store(angular_momentum[row], r.angular_momentum);
   r.rest = rest[row];
   r.holder_state = holder_state[row];
   return r;
 }
 
 void BodySet::assign(std::size_t row, const BodyRecord& r) {
+  set_kinematics(row, r);
   id[row] = r.id;
   shape[row] = r.shape;
   material[row] = r.material;
   kind[row] = r.kind;
   motion[row] = r.motion;
   wakefulness[row] = r.wakefulness;
+  image[row] = std::to_array(r.image);
   mass[row] = r.mass;
   weight_in_fluid[row] = r.weight_in_fluid;
   inertia_B[row] = Eigen::Map<const Mat3>{r.inertia_B};
-  position[row] = vec(r.position);
-  orientation[row] = quat(r.orientation);
-  std::copy(r.image, r.image + 3, image[row].begin());
-  velocity[row] = vec(r.velocity);
-  angular_velocity[row] = vec(r.angular_velocity);
-  angular_momentum[row] = vec(r.angular_momentum);
   rest[row] = r.rest;
   holder_state[row] = r.holder_state;
 }

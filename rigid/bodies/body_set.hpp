@@ -3,7 +3,7 @@
 //   [0, owned)             bodies whose centre of mass lies in this rank's blocks, sorted by id
 //   [owned, owned+copies)  remote copies of bodies that reach into this rank's blocks, sorted by id
 //   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
-//   only last                   walls (global: on every rank, never sent)
+//   only last              walls (global: on every rank, never sent)
 // A copy equals its owner's state to the bit. On one rank there are only owned bodies and walls.
 #include <cstdint>
 #include <vector>
@@ -12,6 +12,7 @@
 #include "rigid/bodies/holder_state.hpp"
 #include "rigid/bodies/row_table.hpp"
 #include "rigid/math/fixed_point.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
 
@@ -48,45 +49,59 @@ struct Rest {
   double unbalanced_velocity[3] = {}, unbalanced_angular_velocity[3] = {};
 };
 
+/// Where a body is, and how it moves; trivially copyable, as all of a record.
+struct Kinematics {
+  double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
+  double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
+};
+
 /// A record has everything there is to know about one body but its stored impulses: what a message, a
 /// checkpoint and a program that adds a body carry. Trivially copyable; meaning and units as in BodySet.
-struct BodyRecord {
+struct BodyRecord : Kinematics {
   BodyId id = 0;
   std::int32_t shape = 0, material = 0, kind = 0;
   Motion motion = Motion::free;
   Wakefulness wakefulness = Wakefulness::awake;
+  std::int32_t image[3] = {};
   double mass = 1, weight_in_fluid = 1;
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
-  std::int32_t image[3] = {};
-  double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
   Rest rest = {};
   HolderState holder_state = {};
 };
 
-struct BodySet {
-  std::size_t owned = 0, copies = 0, visitors = 0, walls = 0;
-
-  // who
+/// What the bodies are.
+struct BodyIdentities {
   std::vector<BodyId> id;
   std::vector<std::int32_t> shape;     // index into the scene's shapes
   std::vector<std::int32_t> material;  // index into the scene's materials
   std::vector<std::int32_t> kind;      // which entry of the case made it (for output)
   std::vector<Motion> motion;
   std::vector<Wakefulness> wakefulness;
-  // where: position is canonical, wrapped into the domain; position + image * period is the unwrapped path
+};
+
+/// Where they are and how they move. The position is canonical, wrapped into the domain; position + image *
+/// period is the unwrapped path.
+struct BodyMotions {
   std::vector<Vec3> position;
   std::vector<std::array<std::int32_t, 3>> image;
   std::vector<Quat> orientation;
   std::vector<Vec3> velocity;          // W
   std::vector<Vec3> angular_velocity;  // W; equals I_W^-1 angular_momentum
   std::vector<Vec3> angular_momentum;  // W, about the centre of mass
-  // how heavy
+};
+
+/// How heavy they are.
+struct BodyMasses {
   std::vector<double> mass;
   // weight in the fluid over that in vacuum, 1 - displaced mass / mass (README.md, M7). Stored as this ratio,
   // so that bodies of one density fall alike to the bit
   std::vector<double> weight_in_fluid;
   std::vector<Mat3> inertia_B;
+};
+
+struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
+  std::size_t owned = 0, copies = 0, visitors = 0, walls = 0;
+
   // what acts on it this step, besides gravity; any holder may add
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
   std::vector<Rest> rest;
@@ -113,6 +128,8 @@ struct BodySet {
     return motion[row] != Motion::fixed && wakefulness[row] != Wakefulness::asleep;
   }
 
+  Kinematics kinematics(std::size_t row) const;
+  void set_kinematics(std::size_t row, const Kinematics&);
   BodyRecord record(std::size_t row) const;
   void assign(std::size_t row, const BodyRecord&);  // all but forces and stored impulses
   /// Inserts before row, with zero force. Neither this nor erase touches the four counts above or the
@@ -133,6 +150,7 @@ struct BodySet {
   double displaced_mass(std::size_t row) const { return mass[row] * (1 - weight_in_fluid[row]); }
   double inverse_mass(std::size_t row) const { return is_free(row) ? 1.0 / mass[row] : 0.0; }
   Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
+  Twist twist(std::size_t row) const { return {velocity[row], angular_velocity[row]}; }
   Vec3 velocity_at(std::size_t row, const Vec3& r_W) const {
     return velocity[row] + angular_velocity[row].cross(r_W);
   }

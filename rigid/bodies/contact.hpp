@@ -2,6 +2,7 @@
 // A contact: what collision detection hands to a resolver.
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -57,5 +58,14 @@ struct Contact {
   /// The order in which contacts are resolved and summed, on any number of ranks.
   auto key() const { return std::tuple(a, b, image, feature); }
 };
+
+/// Calls visit(k, contacts) for each pair of sorted contacts, k being the number of its first one.
+template <class Visit>
+void for_each_pair(std::span<const Contact> all, Visit&& visit) {
+  for (std::size_t first = 0, last; first < all.size(); first = last) {
+    for (last = first + 1; last < all.size() && all[last].pair() == all[first].pair();) ++last;
+    visit(first, all.subspan(first, last - first));
+  }
+}
 
 }  // namespace silt::rigid

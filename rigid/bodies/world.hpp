@@ -5,13 +5,19 @@
 #include <vector>
 
 #include "rigid/bodies/lubrication.hpp"
-#include "rigid/bodies/sleep_rule.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {
 
 struct Material {
   double restitution = 0, friction = 0;
+};
+
+/// A body whose surface moves no faster than `speed` for `steps` steps is held at rest until forces out of
+/// balance would have given it twice that speed in as many, or something hits it.
+struct SleepRule {
+  double speed;  // lattice units
+  int steps;
 };
 
 /// What all ranks know alike: shapes, materials and laws. Tables of pairs are [i * materials + j], symmetric.

@@ -10,9 +10,26 @@
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
-#include "rigid/bodies/impact.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
+
+/// A contact that changes the velocities of two bodies at once.
+struct Impact {
+  std::size_t row_a, row_b;  // of the BodySet
+  Vec3 normal;               // unit, from a to b, W
+  double impulse;            // on b along the normal, mass times velocity in lattice units
+};
+
+/// Whoever has to do something about impacts. It is told of each once its impulse is final, on every rank
+/// that solved the pair (that owns one of its free bodies), in the order of the contacts, the same to the bit
+/// on each.
+class ImpactSink {
+ public:
+  virtual ~ImpactSink() = default;
+  /// Returns what b gets besides the impulse reported, and a the reverse of, in time; W.
+  virtual Vec3 operator()(BodySet&, const Impact&) const = 0;
+};
 
 struct ResolverSettings {
   int max_sweeps = 16;
@@ -63,9 +80,9 @@ struct OtherWallImpulse {
 struct StepVelocities {
   bool start = false;                     // in: nothing happened before, so no impulse is stored
   std::vector<std::size_t> rows;          // that have a contact
-  std::vector<Vec3> before_v, before_w;   // before the kick: what restitution sees
-  std::vector<Vec3> v, w;                 // in: after the kick; out: after the contacts
-  std::vector<Vec3> push_v, push_w;       // out: position correction, velocities for positions only; or empty
+  std::vector<Twist> before;              // the kick: what restitution sees
+  std::vector<Twist> now;                 // in: after the kick; out: after the contacts
+  std::vector<Twist> push;                // out: position correction, velocities for positions only; or empty
   std::vector<Vec3> load, angular_load;   // out: impulses that bodies at rest take from moving ones; or empty
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
   std::vector<OtherWallImpulse> other_wall_impulses;  // out: of owned bodies

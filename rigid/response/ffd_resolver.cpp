@@ -92,7 +92,7 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
   const std::vector<Constraint>& constraints = constraints_[row];
   const Mat3 rotation = bodies.orientation[row].toRotationMatrix();
   const KineticFrame frame(rotation * bodies.inertia_B[row] * rotation.transpose(), bodies.mass[row]);
-  Vec3 &v = velocities.v[row], &w = velocities.w[row];
+  auto& [v, w] = velocities.now[row];
   const Vec6 plain = (Vec6() << w, v).finished(), phi = frame.velocity(w, v);
 
   // (F2): the closest velocity that violates nothing
@@ -147,13 +147,12 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
 ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Contact>& contacts, double dt,
                                         StepVelocities& velocities, BodyExchange& exchange) {
   ResolverStatistics statistics;
-  velocities.push_v.clear();
-  velocities.push_w.clear();
+  velocities.push.clear();
   if (contacts.empty()) return statistics;
   state_.resize(bodies.size() * width);
   for (const std::size_t row : velocities.rows) {
-    Eigen::Map<Vec3>{state_.data() + row* width} = velocities.v[row];
-    Eigen::Map<Vec3>{state_.data() + row* width + 3} = velocities.w[row];
+    Eigen::Map<Vec3>{state_.data() + row* width} = velocities.now[row].v;
+    Eigen::Map<Vec3>{state_.data() + row* width + 3} = velocities.now[row].w;
   }
   exchange.share(bodies, state_, width);
   constraints_.resize(std::max(constraints_.size(), bodies.owned));

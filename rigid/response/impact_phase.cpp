@@ -63,23 +63,22 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
   pairs_.clear();
   contacts_.clear();
   index_.assign(bodies.size(), -1);
-  for (std::size_t first = 0, last; first < contacts.size(); first = last) {
-    const Contact& c = contacts[first];
-    for (last = first + 1; last < contacts.size() && contacts[last].pair() == c.pair();) ++last;
-    if (!takes(c)) continue;
+  for_each_pair(contacts, [&](std::size_t, std::span<const Contact> of_pair) {
+    const Contact& c = of_pair[0];
+    if (!takes(c)) return;
     const std::size_t a = involve(bodies, bodies.row_of(c.a)), b = involve(bodies, bodies.row_of(c.b));
-    if (!bodies_[a].moves && !bodies_[b].moves) continue;  // its owners' business
+    if (!bodies_[a].moves && !bodies_[b].moves) return;  // its owners' business
     // of a wall only its turning matters, and few turn
     const bool b_turns = !is_wall(c.b) || bodies.angular_velocity[bodies_[b].row] != Vec3::Zero();
     const std::size_t from = contacts_.size();
-    for (std::size_t k = first; k < last; ++k)
-      contacts_.push_back({.direction = contact_directions(contacts[k].normal),
-                           .r_a = contacts[k].r_a,
-                           .r_b = b_turns ? contacts[k].r_b : Vec3(Vec3::Zero()),
-                           .gap = contacts[k].gap,
-                           .friction = contacts[k].friction});
+    for (const Contact& of : of_pair)
+      contacts_.push_back({.direction = contact_directions(of.normal),
+                           .r_a = of.r_a,
+                           .r_b = b_turns ? of.r_b : Vec3(Vec3::Zero()),
+                           .gap = of.gap,
+                           .friction = of.friction});
     pairs_.push_back({.first = from, .last = contacts_.size(), .a = a, .b = b, .restitution = c.restitution});
-  }
+  });
 }
 
 namespace {
@@ -326,8 +325,7 @@ int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contact
                             StepVelocities& velocities, BodyExchange& exchange) {
   collect(bodies, contacts);
   state_.assign(bodies.size() * share_width, 0.0);
-  for (const Body& b : bodies_)
-    write(state_, b.row, {velocities.before_v[b.row], velocities.before_w[b.row]});
+  for (const Body& b : bodies_) write(state_, b.row, velocities.before[b.row]);
   int sweeps = 0;
   for (int round = 0; round < most_sweeps_; ++round) {
     if (!on_any(bodies, exchange, mark_approaching(dt))) break;
@@ -337,12 +335,11 @@ int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contact
     if (on_any(bodies, exchange, rubs())) sweeps += sweep_to_rest(bodies, exchange, Stage::tangential);
   }
   for (const Body& b : bodies_) {
-    const Twist now = read(state_, b.row);
-    Vec3 &v = velocities.before_v[b.row], &w = velocities.before_w[b.row];
-    if (b.moves && now.v != v) velocities.v[b.row] += now.v - v;
-    if (b.moves && now.w != w) velocities.w[b.row] += now.w - w;
-    v = now.v;
-    w = now.w;
+    const Twist after = read(state_, b.row);
+    Twist &before = velocities.before[b.row], &now = velocities.now[b.row];
+    if (b.moves && after.v != before.v) now.v += after.v - before.v;
+    if (b.moves && after.w != before.w) now.w += after.w - before.w;
+    before = after;
   }
   return sweeps;
 }

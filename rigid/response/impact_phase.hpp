@@ -32,7 +32,7 @@ class ImpactPhase {
       : most_sweeps_(most_sweeps), least_restitution_(least_restitution) {}
   bool takes(const Contact& c) const { return c.restitution > 0 && c.restitution >= least_restitution_; }
 
-  /// Changes velocities.before_v and before_w of every row, v and w of owned rows by as much. contacts: as
+  /// Changes velocities.before of every row, and velocities.now of owned rows by as much. contacts: as
   /// for a resolver. Returns how many sweeps this rank took part in.
   int operator()(BodySet&, const std::vector<Contact>& contacts, double dt, StepVelocities&, BodyExchange&);
 

@@ -31,7 +31,8 @@ class SffdResolver : public ContactResolver {
     double size = 0;                 // radius of gyration
   };
   struct Pair {
-    std::size_t first, last;  // its contacts
+    std::span<const Contact> contacts;
+    std::size_t first;  // of its contacts
     std::size_t row_a, row_b;
     double reduced_mass = 0;
     bool link = false;  // of a chain
@@ -43,29 +44,51 @@ class SffdResolver : public ContactResolver {
     double tolerance;
     bool push = false;  // position correction
   };
+  /// How they ended.
+  struct Rest {
+    int sweeps = 0;  // the last that solved anything here
+    double residual = 0;
+  };
+  /// What resolve was called with.
+  struct Step {
+    BodySet& bodies;
+    std::span<const Contact> contacts;
+    double dt;
+    StepVelocities& velocities;
+    BodyExchange& exchange;
+  };
 
   std::size_t collect_pairs(BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
-  void start(const BodySet&, const std::vector<Contact>&, double dt, const StepVelocities&);
-  void warm_start(const Pair&, std::span<const Contact> of_pair, double dt, Recall&);
-  void take_sum(BodyState&, std::size_t row, double number) const;
-  void share_pair_numbers(BodySet&, BodyExchange&);
-  void lay_out(const std::vector<Contact>&, double dt, bool links_only = false);
-  bool is_link(const Pair&, std::span<const Contact> of_pair) const;
-  std::span<ContactImpulse> impulses_of(const Pair&);
-  int settle_links(BodySet&, const std::vector<Contact>&, double dt, BodyExchange&);
-  Vec3 report_impact(BodySet&, const Pair&, std::size_t contact, const Vec3& normal) const;
-  bool is_mostly_impact(const Pair&, std::size_t contact) const;
-  void note_other_wall_impulse(const Pair&, std::span<const Contact> of_pair, const Vec3& by_sink,
-                               StepVelocities&) const;
+  void start(const Step&);
+  void warm_start(const Pair&, double dt, Recall&);
+  void lay_out(double dt, bool links_only = false);
   double least_scale(const Pair&) const;
-  double largest_change(const BodySet&) const;
-  int sweep_to_rest(BodySet&, BodyExchange&, std::vector<BodyState>& state, const Sweeps&, double& residual);
-  void aim_push(const std::vector<Contact>&, double dt);
-  bool is_correctable(const Contact&) const;
-  bool is_to_correct(const std::vector<Contact>&, const BodyExchange&) const;
-  void finish(BodySet&, const std::vector<Contact>&, StepVelocities&, ResolverStatistics&);
-  void correct_positions(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&, BodyExchange&);
+  std::span<ContactImpulse> impulses_of(const Pair& p) {
+    return {impulses_.data() + p.first, p.contacts.size()};
+  }
+  std::span<const double> targets_of(const Pair& p) const {
+    return {targets_.data() + p.first, p.contacts.size()};
+  }
+  void share_pair_numbers(const Step&);
+  bool is_link(const Pair&) const;
+  int settle_links(const Step&);
+  Rest sweep_to_rest(const Step&, std::vector<BodyState>& state, const Sweeps&);
+  /// What the last sweep gives a body.
+  [[gnu::always_inline]] Twist change_of(std::size_t row) const {
+    const Body& b = bodies_[row];
+    return {b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),
+            b.inverse_inertia * Eigen::Map<const Vec3>(sums_[row].angular)};
+  }
+  void take_sum(BodyState&, std::size_t row, double number) const;
+  double largest_change() const;
+  void finish(const Step&, ResolverStatistics&);
+  void finish_pair(const Pair&, const Step&, ResolverStatistics&);
+  Vec3 report_impact(BodySet&, const Pair&, std::size_t k) const;
+  bool is_mostly_impact(const Pair&, std::size_t k) const;
+  void note_other_wall_impulse(const Pair&, const Vec3& by_sink, StepVelocities&) const;
+  bool is_to_correct(const Step&) const;
+  void correct_positions(const Step&);
 
   ResolverSettings settings_;
   // one a row of the BodySet, and one more at rest

@@ -63,14 +63,13 @@ struct Passes {
   void rigid_step() { scene.rigid_step->advance(scene.bodies, 1); }
   /// Every scene whose bodies move asks whether they do so within bounds.
   void guard() {
-    faults.hold_runaways(scene.setup, limits, scene.bodies, 1);
-    faults.see_overlaps(scene.setup, limits, scene.bodies, scene.rigid_step->contacts(), 1);
+    faults.hold_runaways(scene.setup, scene.bodies, 1);
+    faults.see_overlaps(scene.setup, scene.bodies, scene.rigid_step->contacts(), 1);
   }
   Simulation simulation;
   coupler::Scene& scene = simulation.scene();
   coupler::StepClock clock;
-  const coupler::MotionLimits limits{scene.setup};
-  coupler::FaultWatch faults;
+  coupler::FaultWatch faults{scene.setup};
   const coupler::BodyChanges no_changes;
 };
 

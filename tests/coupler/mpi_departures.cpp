@@ -1,6 +1,6 @@
 // No body lives on outside the domain: it is taken out, counted and logged, or the run stops; the same on any
 // number of ranks.
-#include "coupler/departures.hpp"
+#include "coupler/body_turnover.hpp"
 
 #include <gtest/gtest.h>
 

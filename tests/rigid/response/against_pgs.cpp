@@ -55,15 +55,16 @@ class Both : public ContactResolver {
     ++steps;
     double scale = 1e-3 * g;  // a step's fall, where the contacts have less to do
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      scale = std::max({scale, (other.v[row] - kicked.v[row]).norm(), (other.w[row] - kicked.w[row]).norm()});
+      scale = std::max({scale, (other.now[row].v - kicked.now[row].v).norm(),
+                        (other.now[row].w - kicked.now[row].w).norm()});
     if (residual > converged_ * scale) return;
     ++lawful;
     contacts += static_cast<int>(c.size());
     const bool both = pgs_.residual <= converged_;
     compared += both;
     for (std::size_t row = 0; row < bodies.owned && both; ++row) {
-      velocity = std::max(
-          {velocity, (s.v[row] - other.v[row]).norm() / scale, (s.w[row] - other.w[row]).norm() / scale});
+      velocity = std::max({velocity, (s.now[row].v - other.now[row].v).norm() / scale,
+                           (s.now[row].w - other.now[row].w).norm() / scale});
     }
     double largest = 0;
     for (const PgsResolver::Solved& k : pgs_.solved) largest = std::max(largest, k.impulse.norm());
@@ -86,7 +87,8 @@ class Both : public ContactResolver {
     const Contact& c = k.contact;
     const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
     const Vec3 r_b = is_wall(c.b) ? Vec3(Vec3::Zero()) : c.r_b;
-    const Vec3 u = (s.v[b] + s.w[b].cross(r_b) - s.v[a] - s.w[a].cross(c.r_a)) / speed, q = p / largest;
+    const Vec3 u = (s.now[b].v + s.now[b].w.cross(r_b) - s.now[a].v - s.now[a].w.cross(c.r_a)) / speed,
+               q = p / largest;
     const double normal = c.normal.dot(q), excess = c.normal.dot(u) - k.target / speed;
     const Vec3 u_t = u - c.normal.dot(u) * c.normal, q_t = q - normal * c.normal;
     law = std::max({law, -normal, -excess, std::min(normal, excess), q_t.norm() - c.friction * normal});

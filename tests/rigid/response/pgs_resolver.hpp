@@ -45,7 +45,7 @@ class PgsResolver : public ContactResolver {
       statistics.penetration = std::max(statistics.penetration, -c.gap);
     }
     statistics.contacts = contacts.size();
-    iterate(velocities.v, velocities.w, true);
+    iterate(velocities.now, true);
     statistics.residual = residual;
     statistics.sweeps = passes;
     push_apart(bodies.size(), dt, velocities);
@@ -76,13 +76,13 @@ class PgsResolver : public ContactResolver {
     return s;
   }
 
-  static Vec3 relative(const Solved& s, const std::vector<Vec3>& v, const std::vector<Vec3>& w) {
-    return v[s.b] + w[s.b].cross(s.r_b) - v[s.a] - w[s.a].cross(s.r_a);
+  static Vec3 relative(const Solved& s, const std::vector<Twist>& of) {
+    return of[s.b].v + of[s.b].w.cross(s.r_b) - of[s.a].v - of[s.a].w.cross(s.r_a);
   }
 
   static double target(const Solved& s, double dt, const StepVelocities& velocities) {
     const Contact& c = s.contact;
-    const double approach = c.normal.dot(relative(s, velocities.before_v, velocities.before_w));
+    const double approach = c.normal.dot(relative(s, velocities.before));
     const double closing = std::min(0.0, -c.gap / dt);
     const bool overlaps = c.gap <= 0, reached = c.gap + dt * approach < 0;
     if (approach >= 0 || !(overlaps || reached)) return closing;
@@ -102,14 +102,14 @@ class PgsResolver : public ContactResolver {
     return -std::max(0.0, c.gap - 1e-4 * arms) / dt;
   }
 
-  static void push(const Solved& s, const Vec3& impulse, std::vector<Vec3>& v, std::vector<Vec3>& w) {
-    v[s.a] -= s.inverse_mass_a * impulse;
-    w[s.a] -= s.inverse_inertia_a * s.r_a.cross(impulse);
-    v[s.b] += s.inverse_mass_b * impulse;
-    w[s.b] += s.inverse_inertia_b * s.r_b.cross(impulse);
+  static void push(const Solved& s, const Vec3& impulse, std::vector<Twist>& of) {
+    of[s.a].v -= s.inverse_mass_a * impulse;
+    of[s.a].w -= s.inverse_inertia_a * s.r_a.cross(impulse);
+    of[s.b].v += s.inverse_mass_b * impulse;
+    of[s.b].w += s.inverse_inertia_b * s.r_b.cross(impulse);
   }
 
-  void iterate(std::vector<Vec3>& v, std::vector<Vec3>& w, bool rubs) {
+  void iterate(std::vector<Twist>& of, bool rubs) {
     double scale = 0;
     for (passes = 0; passes < most_passes; ++passes) {
       double change = 0;
@@ -117,10 +117,10 @@ class PgsResolver : public ContactResolver {
         const Vec3 &n = s.contact.normal, before = s.impulse;
         const double old = before.dot(n);
         const double normal =
-            std::max(0.0, old + (s.target - n.dot(relative(s, v, w))) / n.dot(s.response * n));
+            std::max(0.0, old + (s.target - n.dot(relative(s, of))) / n.dot(s.response * n));
         s.impulse += (normal - old) * n;
-        push(s, (normal - old) * n, v, w);
-        if (rubs) rub(s, normal, v, w);
+        push(s, (normal - old) * n, of);
+        if (rubs) rub(s, normal, of);
         change = std::max(change, (s.response * (s.impulse - before)).norm());
       }
       scale = std::max(scale, change);
@@ -129,31 +129,30 @@ class PgsResolver : public ContactResolver {
     }
   }
 
-  static void rub(Solved& s, double normal, std::vector<Vec3>& v, std::vector<Vec3>& w) {
+  static void rub(Solved& s, double normal, std::vector<Twist>& of) {
     const Vec3& n = s.contact.normal;
     const Mat3 flat = Mat3::Identity() - n * n.transpose();
     const double largest = (flat * s.response * flat).trace();  // no smaller than the larger eigenvalue
     const Vec3 old = flat * s.impulse;
-    Vec3 tangential = old - flat * relative(s, v, w) / largest;
+    Vec3 tangential = old - flat * relative(s, of) / largest;
     const double limit = s.contact.friction * normal;
     if (tangential.norm() > limit) tangential *= limit / tangential.norm();
     s.impulse += tangential - old;
-    push(s, tangential - old, v, w);
+    push(s, tangential - old, of);
   }
 
   void push_apart(std::size_t rows, double dt, StepVelocities& s) {
     const std::vector<Solved> impulses = solved;
     const int passes_before = passes;
     const double residual_before = residual;
-    s.push_v.assign(rows, Vec3::Zero());
-    s.push_w.assign(rows, Vec3::Zero());
+    s.push.assign(rows, {});
     for (Solved& k : solved) {
-      const double u = k.contact.normal.dot(relative(k, s.v, s.w)), gap = k.contact.gap;
+      const double u = k.contact.normal.dot(relative(k, s.now)), gap = k.contact.gap;
       k.target =
           gap > 0 ? std::min(0.0, -(gap / dt + u)) : std::max(0.0, -correction * gap / dt - std::max(0.0, u));
       k.impulse = Vec3::Zero();
     }
-    iterate(s.push_v, s.push_w, false);
+    iterate(s.push, false);
     solved = impulses, passes = passes_before, residual = residual_before;
   }
 };
