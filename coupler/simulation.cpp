@@ -325,7 +325,7 @@ std::uint64_t Simulation::links() const {
 }
 
 std::uint64_t Simulation::body_count() const {
-  return count_owned(scene_.comm, scene_.bodies).count;
+  return parallel::sum_over_ranks(scene_.comm, std::uint64_t(scene_.bodies.owned));
 }
 
 std::uint64_t Simulation::bodies_asleep() const {

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "rigid/math/elementary.hpp"
-#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
 
@@ -69,13 +67,6 @@ void drift_free(BodySet& b, std::size_t row, double h) {
 
 Quat free_rotation(const Quat& q, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h) {
   return rotated_freely(q, inertia_B.inverse(), q.conjugate() * angular_momentum_W, h);
-}
-
-Quat rotation_by(const Vec3& angle) {
-  const double size = angle.norm();
-  if (size == 0) return Quat::Identity();
-  const Vec3 v = elementary::sin(0.5 * size) / size * angle;
-  return Quat(elementary::cos(0.5 * size), v[0], v[1], v[2]);
 }
 
 void drift(BodySet& b, double h) {

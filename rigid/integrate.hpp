@@ -6,6 +6,7 @@
 //   L_B' - L_B = h Lbar x (I_B^-1 Lbar),  Lbar = (L_B + L_B') / 2,   q' = q cay(h I_B^-1 Lbar),
 // which keeps L in the world frame, its length and the kinetic energy to round-off, for any h.
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
 
@@ -15,8 +16,5 @@ void drift(BodySet&, double h);
 
 /// Returns the orientation after a free rotation over h; L_W is constant. Exposed for tests.
 Quat free_rotation(const Quat& orientation, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h);
-
-/// Returns the rotation by the vector angle (radians about its own axis).
-Quat rotation_by(const Vec3& angle);
 
 }  // namespace silt::rigid

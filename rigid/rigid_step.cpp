@@ -66,34 +66,22 @@ RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   stage.goes_on(synchronisation);
   exchange_.update_copies(bodies);  // lines 1 and 6
   stage.goes_on(collision_detection);
-  detect_contacts(bodies, dt, report);  // lines 7-12
+  report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
+  report.lubrication = detect_contacts_.lubrication();
   stage.goes_on(synchronisation);
-  exchange_contacts(bodies, report);  // line 13
+  exchange_.exchange_contacts(bodies, contacts_);  // line 13
+  report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
   sleep_.wake_what_is_hit(bodies, contacts_, dt, exchange_);
   stage.goes_on(integrate);
   kick_before_contacts(bodies, dt);  // lines 2-5, velocities (M2)
   stage.goes_on(contact_response);
-  resolve_contacts(bodies, dt, report);  // lines 14-20 (M3)
+  report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);  // lines 14-20 (M3)
+  velocities_.start = false;
   stage.goes_on(integrate);
   finish(bodies, dt, last);  // lines 21-22 (M4)
   stage.goes_on(synchronisation);
   exchange_.synchronise(bodies);  // line 23
   return report;
-}
-
-void RigidStep::detect_contacts(const BodySet& bodies, double dt, RigidStepReport& report) {
-  report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);
-  report.lubrication = detect_contacts_.lubrication();
-}
-
-void RigidStep::exchange_contacts(BodySet& bodies, RigidStepReport& report) {
-  exchange_.exchange_contacts(bodies, contacts_);
-  report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
-}
-
-void RigidStep::resolve_contacts(BodySet& bodies, double dt, RigidStepReport& report) {
-  report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);
-  velocities_.start = false;
 }
 
 /// The second half of the drift, with the velocities after the contacts.

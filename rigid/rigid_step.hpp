@@ -76,10 +76,7 @@ class RigidStep {
   ContactResolver& resolver_;
   BodyExchange& exchange_;
   RigidStepReport substep(BodySet&, double dt, bool last);
-  void detect_contacts(const BodySet&, double dt, RigidStepReport&);
-  void exchange_contacts(BodySet&, RigidStepReport&);
   void kick_before_contacts(BodySet&, double dt);
-  void resolve_contacts(BodySet&, double dt, RigidStepReport&);
   void finish(BodySet&, double dt, bool last);
   void find_rows_in_contact(const BodySet&);
   void kick(BodySet&, std::size_t row, double dt) const;

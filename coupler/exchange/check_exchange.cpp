@@ -1,5 +1,7 @@
 #include "coupler/exchange/check_exchange.hpp"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -16,65 +18,30 @@ namespace silt::coupler {
 
 namespace {
 
-class Hash {
- public:
-  void add(std::uint64_t x) {  // splitmix64
-    state_ += 0x9E3779B97F4A7C15u + x;
-    state_ = (state_ ^ state_ >> 30) * 0xBF58476D1CE4E5B9u;
-    state_ = (state_ ^ state_ >> 27) * 0x94D049BB133111EBu;
-    state_ ^= state_ >> 31;
-  }
-  void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
-  void add(std::int32_t x) { add(static_cast<std::uint64_t>(static_cast<std::uint32_t>(x))); }
-  template <class T, std::size_t n>
-  void add(const T (&values)[n]) {
-    for (const T& x : values) add(x);
-  }
-  void add(const rigid::HolderState& state, const rigid::HolderColumn& c) {
-    for (const double x : state[c]) add(x);
-    for (const std::int64_t x : state.whole(c)) add(static_cast<std::uint64_t>(x));
-  }
-  std::uint64_t value() const { return state_; }
+std::uint64_t hash_of(const parallel::Bytes& bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
 
- private:
-  std::uint64_t state_ = 0;
-};
+std::uint64_t hash_of_id(rigid::BodyId id) {
+  return XXH3_64bits(&id, sizeof id);
+}
 
-std::uint64_t hash_of(const std::vector<rigid::StoredImpulse>& impulses) {
-  Hash h;
-  for (const rigid::StoredImpulse& s : impulses) {
-    h.add(s.partner);
-    h.add(s.feature);
-    for (const std::int8_t periods : {s.image.x, s.image.y, s.image.z}) h.add(std::int32_t{periods});
-    for (int d = 0; d < 3; ++d) h.add(s.impulse[d]);
+void put_columns(parallel::Bytes& to, const rigid::HolderState& state,
+                 std::span<const rigid::HolderColumn> columns) {
+  for (const rigid::HolderColumn& c : columns) {
+    parallel::put(to, state[c]);
+    parallel::put(to, state.whole(c));
   }
-  return h.value();
 }
 
 /// What a copy shares with its owner's body: all but what the owner keeps to itself.
-void add_shared(Hash& h, const rigid::BodyRecord& r) {
-  h.add(r.id);
-  h.add(r.shape);
-  h.add(r.material);
-  h.add(r.kind);
-  h.add(static_cast<std::int32_t>(r.motion));
-  h.add(static_cast<std::int32_t>(r.wakefulness));
-  h.add(r.mass);
-  h.add(r.weight_in_fluid);
-  h.add(r.inertia_B);
-  h.add(r.position);
-  h.add(r.orientation);
-  h.add(r.image);
-  h.add(r.velocity);
-  h.add(r.angular_velocity);
-  h.add(r.angular_momentum);
-  for (const rigid::HolderColumn& c : column::copied) h.add(r.holder_state, c);
-}
-
-std::uint64_t shared_hash(const rigid::BodyRecord& r) {
-  Hash h;
-  add_shared(h, r);
-  return h.value();
+parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
+  parallel::Bytes bytes;
+  const auto put = [&](const auto&... members) { (parallel::put(bytes, members), ...); };
+  put(static_cast<const rigid::Kinematics&>(r), r.id, r.shape, r.material, r.kind, r.motion, r.wakefulness,
+      r.image, r.mass, r.weight_in_fluid, r.inertia_B);
+  put_columns(bytes, r.holder_state, column::copied);
+  return bytes;
 }
 
 /// What is wrong with a body; the least id of all ranks is told.
@@ -164,32 +131,15 @@ Finding misplaced(const ParallelBodyExchange& exchange, const rigid::BodySet& bo
 Finding copies_that_differ(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies) {
   std::vector<double> hashes(bodies.size());
   for (std::size_t row = 0; row < bodies.owned; ++row)
-    hashes[row] = std::bit_cast<double>(shared_hash(bodies.record(row)));
+    hashes[row] = std::bit_cast<double>(hash_of(shared_bytes(bodies.record(row))));
   exchange.share_with_copies(bodies, hashes, 1);
   Finding found;
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
-    if (std::bit_cast<std::uint64_t>(hashes[row]) != shared_hash(bodies.record(row)))
+    if (std::bit_cast<std::uint64_t>(hashes[row]) != hash_of(shared_bytes(bodies.record(row))))
       found.note(bodies.id[row], "differs on rank " + std::to_string(exchange.rank()) +
                                      ", which has a copy, from rank " +
                                      std::to_string(exchange.owner_of(bodies, row)) + ", which owns it");
   return found;
-}
-
-}  // namespace
-
-std::uint64_t hash_of(const rigid::BodyRecord& r) {
-  Hash h;
-  add_shared(h, r);
-  for (const rigid::HolderColumn& c : column::saved) h.add(r.holder_state, c);
-  return h.value();
-}
-
-namespace {
-
-std::uint64_t hash_of_id(rigid::BodyId id) {
-  Hash h;
-  h.add(id);
-  return h.value();
 }
 
 OwnedBodies owned_here(const rigid::BodySet& bodies) {
@@ -199,6 +149,12 @@ OwnedBodies owned_here(const rigid::BodySet& bodies) {
 }
 
 }  // namespace
+
+std::uint64_t hash_of(const rigid::BodyRecord& r) {
+  parallel::Bytes bytes = shared_bytes(r);
+  put_columns(bytes, r.holder_state, column::saved);
+  return hash_of(bytes);
+}
 
 ExpectedBodies::ExpectedBodies(const rigid::BodySet& bodies) : share_(owned_here(bodies)) {}
 
@@ -223,27 +179,6 @@ std::uint64_t ExpectedBodies::count(MPI_Comm comm) const {
   return parallel::sum_over_ranks(comm, share_.count);
 }
 
-OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
-  return parallel::sum_over_ranks(comm, owned_here(bodies));
-}
-
-std::uint64_t records_hash(MPI_Comm comm, const rigid::BodySet& bodies, bool stored_impulses) {
-  std::uint64_t mine = 0;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    mine += hash_of(bodies.record(row));
-    if (stored_impulses) mine += hash_of(bodies.stored_impulses[row]) ^ bodies.id[row];
-  }
-  return parallel::sum_over_ranks(comm, mine);
-}
-
-void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
-                    const std::optional<OwnedBodies>& expected, std::int64_t step) {
-  if (expected && count_owned(exchange.comm(), bodies) != *expected)
-    throw_first(exchange.comm(), lost_or_doubled(exchange, bodies, expected->count), step);
-  throw_first(exchange.comm(), misplaced(exchange, bodies), step);
-  throw_first(exchange.comm(), copies_that_differ(exchange, bodies), step);
-}
-
 void CheckUnderWay::start(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
                           const ExpectedBodies& expected, std::int64_t step) {
   Finding found = misplaced(exchange, bodies);
@@ -260,6 +195,13 @@ void CheckUnderWay::finish(const ParallelBodyExchange& exchange, const rigid::Bo
   if (all.excess != OwnedBodies{})
     throw_first(exchange.comm(), lost_or_doubled(exchange, bodies, expected.count(exchange.comm())), step_);
   if (all.findings > 0) throw_first(exchange.comm(), {bad_, text_}, step_);
+}
+
+void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                    const ExpectedBodies& expected) {
+  CheckUnderWay check;
+  check.start(exchange, bodies, expected, -1);
+  check.finish(exchange, bodies, expected);
 }
 
 }  // namespace silt::coupler

@@ -3,7 +3,6 @@
 // SILT_ASSERTS after every synchronisation.
 #include <mpi.h>
 
-#include <optional>
 #include <string>
 
 #include "coupler/exchange/parallel_body_exchange.hpp"
@@ -19,7 +18,6 @@ struct OwnedBodies {
   std::uint64_t count = 0, ids = 0;  // how many; wrapping sum of their ids' hashes
   bool operator==(const OwnedBodies&) const = default;
 };
-OwnedBodies count_owned(MPI_Comm, const rigid::BodySet&);  // collective
 
 /// A rank's share of the bodies that all ranks together must own. Which rank expects one does not matter, but
 /// one of them does: so bodies come and go without a word to all.
@@ -37,25 +35,16 @@ class ExpectedBodies {
   OwnedBodies share_;
 };
 
-/// Returns the wrapping sum over all owned bodies of the hashes of their records (holder state included) and,
-/// where asked for, of their stored impulses: the same on any number of ranks. Collective.
-std::uint64_t records_hash(MPI_Comm, const rigid::BodySet&, bool stored_impulses = true);
-
-/// Checks that every body has one owner, the rank that holds its centre; that there are as many as
-/// `expected`, where given; that sections of bodies are sorted and found by their ids; that copies equal
-/// their owners' bodies to the bit. Throws std::logic_error, the same on every rank, that names the step
-/// (where not negative), the body and the ranks. Collective. Call after a synchronisation.
-void check_exchange(const ParallelBodyExchange&, const rigid::BodySet&,
-                    const std::optional<OwnedBodies>& expected = {}, std::int64_t step = -1);
-
-/// The same check without a wait for all ranks: begun after one step, ended in a later one.
+/// Checks that every body has one owner, the rank that holds its centre; that there are as many as expected;
+/// that sections of bodies are sorted and found by their ids; that copies equal their owners' bodies to the
+/// bit. Begun after one step, ended in a later one, so that nobody waits for all ranks.
 class CheckUnderWay {
  public:
   /// Looks at this rank's bodies, with messages to ranks that hold their copies, and starts the sums that
   /// tell whether all is well. Collective, but waits for nobody else.
   void start(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&, std::int64_t step);
-  /// Throws what check_exchange would have thrown then; the bodies are those of now. Nothing, if no check is
-  /// under way. Collective.
+  /// Throws std::logic_error, the same on every rank, that names the step (where not negative), the body and
+  /// the ranks; the bodies are those of now. Nothing, if no check is under way. Collective.
   void finish(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
 
  private:
@@ -68,5 +57,8 @@ class CheckUnderWay {
   std::string text_;
   std::int64_t step_ = 0;
 };
+
+/// The same at once, after a synchronisation. Collective.
+void check_exchange(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
 
 }  // namespace silt::coupler

@@ -18,46 +18,23 @@ namespace {
 
 enum class ContactItem : std::uint64_t { contact, partner };
 
-struct PackedContact {
-  BodyId a, b;
-  std::uint64_t feature;
-  double normal[3], gap, r_a[3], r_b[3], restitution, friction, lubrication[3];
-  std::int8_t image[8];
-};
-
-PackedContact packed(const Contact& c) {
-  PackedContact p{c.a,
-                  c.b,
-                  c.feature,
-                  {},
-                  c.gap,
-                  {},
-                  {},
-                  c.restitution,
-                  c.friction,
-                  {c.lubrication.normal, c.lubrication.sliding, c.lubrication.rolling},
-                  {c.image.x, c.image.y, c.image.z}};
-  for (int d = 0; d < 3; ++d) {
-    p.normal[d] = c.normal[d];
-    p.r_a[d] = c.r_a[d];
-    p.r_b[d] = c.r_b[d];
-  }
-  return p;
+/// Calls each(member) with all that a contact is.
+template <class AnyContact, class Each>
+void for_contact_members(AnyContact& c, Each&& each) {
+  each(c.a), each(c.b), each(c.image), each(c.feature);
+  for (int d = 0; d < 3; ++d) each(c.normal[d]), each(c.r_a[d]), each(c.r_b[d]);
+  each(c.gap), each(c.restitution), each(c.friction), each(c.lubrication);
 }
 
-Contact unpacked(const PackedContact& p) {
-  const auto vec = [](const double* v) { return rigid::Vec3(v[0], v[1], v[2]); };
-  return {p.a,
-          p.b,
-          {p.image[0], p.image[1], p.image[2]},
-          p.feature,
-          vec(p.normal),
-          p.gap,
-          vec(p.r_a),
-          vec(p.r_b),
-          p.restitution,
-          p.friction,
-          {p.lubrication[0], p.lubrication[1], p.lubrication[2]}};
+void put_contact(parallel::Bytes& to, const Contact& c) {
+  parallel::put(to, ContactItem::contact);
+  for_contact_members(c, [&](const auto& member) { parallel::put(to, member); });
+}
+
+Contact take_contact(parallel::ByteReader& from) {
+  Contact c;
+  for_contact_members(c, [&](auto& member) { member = from.take<std::decay_t<decltype(member)>>(); });
+  return c;
 }
 
 }  // namespace
@@ -101,10 +78,7 @@ void ParallelBodyExchange::send_contact(const BodySet& bodies, const Contact& c,
     const BodyId id = ids[end], partner = ids[1 - end];
     if (rigid::is_wall(id) || bodies.row_of(id) < bodies.owned) continue;
     const int to = owner(id);
-    if (to != sent_to) {
-      parallel::put(messages_.to(to), ContactItem::contact);
-      parallel::put(messages_.to(to), packed(c));
-    }
+    if (to != sent_to) put_contact(messages_.to(to), c);
     sent_to = to;
     if (new_pair && !rigid::is_wall(partner)) send_partner(bodies, partner, to);
   }
@@ -132,7 +106,7 @@ void ParallelBodyExchange::receive_contacts(BodySet& bodies, std::vector<Contact
   for (const parallel::Messages::Message& m : messages_.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
       if (reader.take<ContactItem>() == ContactItem::contact) {
-        const Contact& c = contacts.emplace_back(unpacked(reader.take<PackedContact>()));
+        const Contact& c = contacts.emplace_back(take_contact(reader));
         if (!rigid::is_wall(c.b)) crossing.push_back({c.a, c.b});
         continue;
       }

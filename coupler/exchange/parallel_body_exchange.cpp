@@ -1,5 +1,6 @@
 #include "coupler/exchange/parallel_body_exchange.hpp"
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -73,10 +74,10 @@ void ParallelBodyExchange::update_copies(rigid::BodySet& bodies) {
 void ParallelBodyExchange::synchronise(rigid::BodySet& bodies) {
   wrap_positions(bodies);
   if (ranks_ == 1) return;
-  OwnedBodies before;
-  if (asserts) before = count_owned(comm_, bodies);
+  std::optional<ExpectedBodies> before;
+  if (asserts) before.emplace(bodies);
   synchronise(bodies, Owners::next_to_each_other);
-  if (asserts) check_exchange(*this, bodies, before);
+  if (asserts) check_exchange(*this, bodies, *before);
 }
 
 /// Forces first, while every copy is near its owner.

@@ -7,35 +7,23 @@
 namespace silt::coupler {
 namespace {
 
-struct PackedImpulse {
-  rigid::BodyId partner;
-  std::uint64_t feature;
-  double impulse[3];
-  std::int8_t image[4], held;
-  std::int8_t unused[3];
-};
+/// Calls each(member) with all that a stored impulse is.
+template <class AnyImpulse, class Each>
+void for_impulse_members(AnyImpulse& s, Each&& each) {
+  each(s.partner), each(s.image), each(s.feature), each(s.held);
+  for (int d = 0; d < 3; ++d) each(s.impulse[d]);
+}
 
 void put_impulses(parallel::Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
   parallel::put(to, static_cast<std::uint64_t>(impulses.size()));
   for (const rigid::StoredImpulse& s : impulses)
-    parallel::put(to, PackedImpulse{s.partner,
-                                    s.feature,
-                                    {s.impulse[0], s.impulse[1], s.impulse[2]},
-                                    {s.image.x, s.image.y, s.image.z},
-                                    s.held,
-                                    {}});
+    for_impulse_members(s, [&](const auto& member) { parallel::put(to, member); });
 }
 
 std::vector<rigid::StoredImpulse> take_impulses(parallel::ByteReader& from) {
   std::vector<rigid::StoredImpulse> impulses(from.take<std::uint64_t>());
-  for (rigid::StoredImpulse& s : impulses) {
-    const auto p = from.take<PackedImpulse>();
-    s = {p.partner,
-         {p.image[0], p.image[1], p.image[2]},
-         p.feature,
-         {p.impulse[0], p.impulse[1], p.impulse[2]},
-         p.held != 0};
-  }
+  for (rigid::StoredImpulse& s : impulses)
+    for_impulse_members(s, [&](auto& member) { member = from.take<std::decay_t<decltype(member)>>(); });
   return impulses;
 }
 

@@ -7,19 +7,13 @@
 #include <utility>
 
 #include "rigid/math/elementary.hpp"
+#include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
 
 namespace {
 
 constexpr double full_turn = 2 * std::numbers::pi;
-
-Quat turn_by(const Vec3& rotation) {
-  const double angle = rotation.norm();
-  if (angle == 0) return Quat::Identity();
-  const Vec3 v = elementary::sin(0.5 * angle) / angle * rotation;
-  return Quat(elementary::cos(0.5 * angle), v[0], v[1], v[2]);
-}
 
 /// Displacement and rotation, and their rates.
 struct Interpolated {
@@ -93,7 +87,7 @@ Pose WallMotion::pose(const Pose& start, double time) const {
   const Vec3 to = velocity * time + amplitude * elementary::sin(full_turn * frequency * time + phase) +
                   moved.displacement;
   const Vec3 turned = angular_velocity * time + moved.rotation;
-  return {start.position + to, (turn_by(turned) * start.orientation).normalized()};
+  return {start.position + to, (rotation_by(turned) * start.orientation).normalized()};
 }
 
 WallMotion::Velocity WallMotion::velocity_at(double time) const {

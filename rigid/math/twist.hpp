@@ -22,6 +22,9 @@ inline Quat cayley(const Vec3& a) {
 /// compiler seconds.
 Quat rotation_between(const Vec3& from, const Vec3& to);
 
+/// Returns the rotation by the vector angle (radians about its own axis).
+Quat rotation_by(const Vec3& angle);
+
 /// The normal and two tangents.
 inline std::array<Vec3, 3> contact_directions(const Vec3& n) {
   int smallest = 0;

@@ -11,7 +11,9 @@
 #include "coupler/exchange/check_exchange.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/state_hash.hpp"
 #include "lbm/equal_cut.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -139,6 +141,19 @@ class Witness : public ParallelBodyExchange {
     return hash_of(r);
   }
 };
+
+/// Returns the wrapping sum over all owned bodies of the hashes of their records (holder state included) and
+/// stored impulses: the same on any number of ranks. Collective.
+inline std::uint64_t records_hash(MPI_Comm comm, const rigid::BodySet& bodies) {
+  std::uint64_t mine = hash_bodies(bodies);
+  for (std::size_t row = 0; row < bodies.owned; ++row) mine += hash_of(bodies.record(row));
+  return parallel::sum_over_ranks(comm, mine);
+}
+
+/// What all ranks own. Collective.
+inline OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
+  return parallel::sum_over_ranks(comm, ExpectedBodies(rigid::BodySet{}).excess(bodies));
+}
 
 /// A scene on a communicator, its bodies spread over the ranks. Exchange: ParallelBodyExchange or one derived
 /// from it.
