@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "coupler/case/case.hpp"
-#include "coupler/energy_guard.hpp"
+#include "coupler/fault_watch.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/placement/body_records.hpp"

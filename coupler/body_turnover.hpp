@@ -58,7 +58,7 @@ class BodyTurnover {
   const ExpectedBodies& expected() const { return expected_; }
   /// Momentum of the free bodies that came less that of those that left; of this rank.
   const rigid::FixedVec3& momentum_brought() const { return brought_; }
-  /// Their energy (energy_guard.hpp), of a run that goes on since then; of this rank.
+  /// Their energy (fault_watch.hpp), of a run that goes on since then; of this rank.
   rigid::FixedSum energy_brought() const { return energy_brought_; }
   /// Returns the bodies of this rank that have left since the last call.
   std::vector<Departure> take_departures() { return std::exchange(departures_, {}); }

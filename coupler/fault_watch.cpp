@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/case.hpp"
@@ -14,9 +16,26 @@
 namespace silt::coupler {
 
 using rigid::BodySet;
+using rigid::FixedSum;
 using rigid::Vec3;
 
 namespace {
+
+/// 2^62, the range of a sum, for 2^20 bodies.
+constexpr double out_of_proportion = 0x1p42;
+
+FixedSum cut_off(double energy) {
+  return rigid::to_fixed(std::clamp(energy, -out_of_proportion, out_of_proportion));
+}
+
+bool is_driven(const Case& setup) {
+  const auto moves = [](const BoundarySpec& side) {
+    return side.kind == BoundaryKind::moving && side.velocity != Vec3::Zero();
+  };
+  return std::any_of(setup.boundary.begin(), setup.boundary.end(), moves) ||
+         std::any_of(setup.walls.begin(), setup.walls.end(), std::mem_fn(&CurvedWall::moves)) ||
+         setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+}
 
 /// Of the components of rows [begin, end): infinite or not a number as soon as one is.
 double sum_over(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
@@ -57,9 +76,10 @@ void put_to_rest(BodySet& bodies, std::size_t row) {
 
 FaultWatch::FaultWatch(const Case& setup)
     : limits_(setup),
-      sides_stop_(std::any_of(setup.boundary.begin(), setup.boundary.end(), [](const BoundarySpec& side) {
-        return side.lets_bodies_pass() && !side.removes_bodies();
-      })) {}
+      sides_stop_(std::any_of(
+          setup.boundary.begin(), setup.boundary.end(),
+          [](const BoundarySpec& side) { return side.lets_bodies_pass() && !side.removes_bodies(); })),
+      energy_{.watched = !setup.fluid && !is_driven(setup), .here = {}} {}
 
 double FaultWatch::hold_runaways(const Case& setup, BodySet& bodies, std::int64_t step) {
   constexpr std::size_t at_once = 256;
@@ -137,17 +157,63 @@ void FaultWatch::see_overlaps(const Case& setup, const BodySet& bodies,
   }
 }
 
+Vec3 unwrapped(const BodySet& bodies, std::size_t row, const Vec3& period) {
+  Vec3 x = bodies.position[row];
+  for (int d = 0; d < 3; ++d) x[d] += bodies.image[row][d] * period[d];
+  return x;
+}
+
+FixedSum mechanical_energy(const Case& setup, const BodySet& bodies, std::size_t row) {
+  const Vec3 x = unwrapped(bodies, row, extent_of(setup).size);
+  return cut_off(bodies.kinetic_energy(row) -
+                 bodies.mass[row] * bodies.weight_in_fluid[row] * setup.gravity.dot(x));
+}
+
+bool FaultWatch::see_energy(const Scene& scene, FixedSum brought, std::int64_t step) {
+  if (!energy_.watched) return false;
+  const BodySet& bodies = scene.bodies;
+  const double g = scene.setup.gravity.norm();
+  FixedSum mechanical = -brought, kinetic = 0, lift = 0;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!bodies.is_dynamic(row)) continue;
+    mechanical += mechanical_energy(scene.setup, bodies, row);
+    kinetic += cut_off(bodies.kinetic_energy(row));
+    lift += cut_off(bodies.mass[row] * std::abs(bodies.weight_in_fluid[row]) * g *
+                    scene.world.bounding_radii[bodies.shape[row]]);
+  }
+  energy_.here = {mechanical, kinetic, lift};
+  energy_.step = step;
+  energy_.looked_at = true;
+  energy_.first = std::exchange(energy_.fresh, false);
+  return true;
+}
+
+/// What to say if the bodies have gained too much.
+std::string FaultWatch::gain(const Case& setup, const Energies& of_all) {
+  constexpr double share_of_motion = 0.1;  // of the largest kinetic energy so far: allowed, besides the lift
+  const double energy = rigid::from_fixed(of_all.mechanical.value()),
+               kinetic = rigid::from_fixed(of_all.kinetic.value());
+  Energy& e = energy_;
+  if (e.first) e.start = energy, e.start_step = e.step, e.largest_kinetic = kinetic;
+  e.largest_kinetic = std::max(e.largest_kinetic, kinetic);
+  const double allowed = share_of_motion * e.largest_kinetic + rigid::from_fixed(of_all.lift.value());
+  return energy - e.start > allowed
+             ? energy_text(setup, {energy - e.start, kinetic, allowed}, e.start_step, e.step)
+             : "";
+}
+
 void FaultWatch::start(MPI_Comm comm) {
-  Ranks mine;
-  for (int k = 0; k < kinds; ++k) mine.with[k] = seen_[k].has_value();
+  Sums mine{.ranks_with = {}, .energies = energy_.here};
+  for (int k = 0; k < kinds; ++k) mine.ranks_with[k] = seen_[k].has_value();
   sums_.start(comm, mine);
 }
 
-std::string FaultWatch::finish(MPI_Comm comm) {
+std::string FaultWatch::finish(const Case& setup, MPI_Comm comm) {
   if (!sums_.under_way()) return "";
-  const Ranks& all = sums_.finish();
-  const auto found = std::find_if(all.with.begin(), all.with.end(), [](std::int64_t n) { return n > 0; });
-  return found == all.with.end() ? "" : told(comm, seen_[found - all.with.begin()]);
+  const auto& [with, energies] = sums_.finish();
+  const auto found = std::find_if(with.begin(), with.end(), [](std::int64_t n) { return n > 0; });
+  if (found != with.end()) return told(comm, seen_[found - with.begin()]);
+  return std::exchange(energy_.looked_at, false) ? gain(setup, energies) : "";
 }
 
 std::string FaultWatch::told(MPI_Comm comm, const std::optional<Fault>& mine) {

@@ -1,6 +1,12 @@
 #pragma once
 // What one rank finds wrong in a step becomes known to all: sums over the ranks that nobody waits for,
 // started at the end of a step and used at the end of the next one. So every rank stops in the same step.
+//
+// With them goes the energy of the bodies, which may not grow where nothing drives them: contacts only take
+// it. Compared are the kinetic energy of the free bodies and their potential energy in gravity with what they
+// were at the start, less what bodies that came brought, with what those that left took. What is allowed
+// beyond that is what collisions of several bodies in one step and the correction of overlaps do in a sound
+// run, and far below what an unsound one has some tens of steps after its onset. Lattice units.
 #include <mpi.h>
 
 #include <array>
@@ -14,6 +20,7 @@
 #include "parallel/sums_under_way.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
+#include "rigid/math/fixed_point.hpp"
 
 namespace silt::coupler {
 
@@ -22,6 +29,16 @@ class Scene;
 
 /// Steps between two sums in scenes without a fluid, whose steps may be as short as a sum takes.
 inline constexpr std::int64_t dry_watch_interval = 8;
+/// Steps between two looks at the energy: they cost a few per cent of a step without contacts. A scene that
+/// goes to pieces sooner is stopped by how far its bodies move.
+inline constexpr std::int64_t energy_interval = 50;
+
+/// Where a body is, counting the periods it has crossed.
+rigid::Vec3 unwrapped(const rigid::BodySet&, std::size_t row, const rigid::Vec3& period);
+
+/// Returns the kinetic energy of a free body and its potential energy in gravity, zero at the domain's
+/// corner; a number out of all proportion is cut off, so that sums of them stay in range.
+rigid::FixedSum mechanical_energy(const Case&, const rigid::BodySet&, std::size_t row);
 
 class FaultWatch {
  public:
@@ -43,11 +60,19 @@ class FaultWatch {
   /// hold_runaways.
   void see_overlaps(const Case&, const rigid::BodySet&, std::span<const rigid::Contact>, std::int64_t step);
 
+  /// Looks at the energy after a step; `brought`: that of the bodies that came less that of those that left,
+  /// on this rank. The first look tells what there was at the start. Scenes with a fluid, with bodies of
+  /// prescribed motion or with walls that move are not watched: there energy comes from outside. Returns
+  /// whether it is.
+  bool see_energy(const Scene&, rigid::FixedSum brought, std::int64_t step);
+  /// A program has done something to the bodies: the next look at their energy is the first of a new start.
+  void start_anew() { energy_.fresh = true; }
+
   /// Starts the sums of what was seen so far. Collective, but waits for nobody.
   void start(MPI_Comm);
   /// Returns what is to be said of what all ranks had seen when the sums were started, the same on every
   /// rank; "" if that is nothing, or no sums are under way. Collective.
-  std::string finish(MPI_Comm);
+  std::string finish(const Case&, MPI_Comm);
 
  private:
   enum Kind { body, fluid, overlap, kinds };  // what has several faults tells the first of these
@@ -59,9 +84,21 @@ class FaultWatch {
     std::uint64_t key;  // id of a body, global index of a cell
     std::string text;
   };
-  struct Ranks {  // that have seen one
-    std::array<std::int64_t, kinds> with;
+  struct Energies {  // of all free bodies; lift: of each by its bounding radius
+    parallel::WideSum mechanical, kinetic, lift;
   };
+  struct Sums {
+    std::array<std::int64_t, kinds> ranks_with;
+    Energies energies;
+  };
+  struct Energy {
+    bool watched;
+    bool fresh = true, first = true, looked_at = false;  // first: of the look under way
+    Energies here;                                       // at the last look
+    std::int64_t step = 0, start_step = 0;
+    double start = 0, largest_kinetic = 0;
+  };
+  std::string gain(const Case&, const Energies& of_all);
   static std::string told(MPI_Comm, const std::optional<Fault>& mine);
   /// text() is asked for only if the fault is the one to tell.
   template <class Text>
@@ -72,7 +109,8 @@ class FaultWatch {
   bool sides_stop_;  // some open one, what leaves by it
   std::array<std::optional<Fault>, kinds> seen_;
   std::uint64_t moment_ = 0;
-  parallel::SumsUnderWay<Ranks> sums_;
+  Energy energy_;
+  parallel::SumsUnderWay<Sums> sums_;
 };
 
 }  // namespace silt::coupler

@@ -231,6 +231,18 @@ std::string overlap_text(const Case& setup, const rigid::Contact& c, double half
       in_case_units(setup, -c.gap, dimension::length, "m"), shown(half_width), remedy);
 }
 
+std::string energy_text(const Case& setup, const EnergyGain& e, std::int64_t since, std::int64_t step) {
+  const auto shown_energy = [&](double x) {
+    return setup.units.si ? fmt::format("{} J", shown(setup.units.physical(x, dimension::energy)))
+                          : fmt::format("{} (lattice units)", shown(x));
+  };
+  return fmt::format(
+      "step {}: the energy of the bodies has grown by {} since step {}, though nothing drives them (kinetic "
+      "energy now: {}; allowed: {}); {}",
+      step, shown_energy(e.gain), since, shown_energy(e.kinetic), shown_energy(e.allowed),
+      contact_remedy(setup));
+}
+
 std::string overflow_text(const Case& setup, const std::string& what, std::int64_t step,
                           std::optional<int> rank) {
   return fmt::format("step {}: a force is out of range{} ({}); {}", step,

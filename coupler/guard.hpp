@@ -49,6 +49,12 @@ std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, 
 /// go on.
 std::string overlap_text(const Case&, const rigid::Contact&, double half_width, std::int64_t step);
 
+/// Returns the text for bodies whose energy has grown since a step though nothing drives them.
+struct EnergyGain {
+  double gain, kinetic, allowed;  // kinetic: now
+};
+std::string energy_text(const Case&, const EnergyGain&, std::int64_t since, std::int64_t step);
+
 /// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step,
                           std::optional<int> rank = {});

@@ -47,8 +47,7 @@ Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
       coupled_step_(scene_.parts()),
       turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
-      faults_(scene_.setup),
-      energy_(scene_.setup) {
+      faults_(scene_.setup) {
   flush_denormals_to_zero();
   if (scene_.rigid_step) scene_.rigid_step->set_observer(*this);
 }
@@ -61,7 +60,7 @@ void Simulation::start_fresh() {
   initial_ = balance();
   faults_.hold_runaways(setup(), scene_.bodies, step_);
   settle();
-  energy_.look(scene_, turnover_.energy_brought(), step_);
+  if (faults_.see_energy(scene_, turnover_.energy_brought(), step_)) faults_.start(scene_.comm);
 }
 
 void Simulation::resume(const SavedState& saved) {
@@ -79,7 +78,7 @@ void Simulation::resume(const SavedState& saved) {
   initial_ = saved.initial;
   fluid_speed_ = saved.fluid_speed;
   if (scene_.rigid_step && saved.step > 0) scene_.rigid_step->resume();
-  energy_.look(scene_, turnover_.energy_brought(), step_);
+  if (faults_.see_energy(scene_, turnover_.energy_brought(), step_)) faults_.start(scene_.comm);
 }
 
 void Simulation::before_drift(rigid::BodySet& bodies) {
@@ -122,11 +121,14 @@ void Simulation::watch() {
   if (fluid)
     if (const auto fast = scene_.flow->fields().too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
   faults_.see_outside(scene_, step_);
-  if (fluid || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
+  const bool looks_at_energy = scene_.anything_moves && step_ % energy_interval == 0 &&
+                               faults_.see_energy(scene_, turnover_.energy_brought(), step_);
+  if (fluid || looks_at_energy || step_ % dry_watch_interval == 0) faults_.start(scene_.comm);
 }
 
 void Simulation::tell_faults() {
-  if (const std::string found = faults_.finish(scene_.comm); !found.empty()) throw CommonGuardStop(found);
+  if (const std::string found = faults_.finish(setup(), scene_.comm); !found.empty())
+    throw CommonGuardStop(found);
 }
 
 void Simulation::settle() {
@@ -183,9 +185,6 @@ void Simulation::step() {
   check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
-  energy_.finish(setup());  // of the step before
-  if (scene_.anything_moves && step_ % EnergyGuard::interval == 0)
-    energy_.look(scene_, turnover_.energy_brought(), step_);
   effort_.traffic += parallel::traffic() - before;
   effort_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -244,7 +243,7 @@ void Simulation::add_force(BodyId id, const Vec3& force, const Vec3& torque) {
   require_movable(id);
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
-  energy_.start_anew();
+  faults_.start_anew();
   if (row >= bodies.owned) return;
   bodies.add_force(row, force);
   bodies.add_torque(row, torque);
@@ -254,7 +253,7 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
   require_movable(id);
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
-  energy_.start_anew();
+  faults_.start_anew();
   if (row < bodies.size()) bodies.set_velocity(row, velocity, angular_velocity);  // owner and copies alike
 }
 
@@ -267,7 +266,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
     bodies.set_pose(row, pose);
   }
   rigid::forget_impulses(bodies, id);
-  energy_.start_anew();
+  faults_.start_anew();
   scene_.exchange->relocate(bodies);  // it may be another rank's now
 }
 

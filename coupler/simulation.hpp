@@ -12,7 +12,6 @@
 #include <functional>
 
 #include "coupler/body_turnover.hpp"
-#include "coupler/energy_guard.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/fault_watch.hpp"
 #include "coupler/forces/contact_torque.hpp"
@@ -144,7 +143,6 @@ class Simulation : private rigid::StepObserver {
   BodyTurnover turnover_;
   CheckUnderWay check_;
   FaultWatch faults_;
-  EnergyGuard energy_;
   double fluid_speed_ = 0;
   struct {  // on this rank, in all steps
     double seconds = 0;

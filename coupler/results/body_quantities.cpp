@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/energy_guard.hpp"
+#include "coupler/fault_watch.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "parallel/collectives.hpp"
