@@ -3,10 +3,30 @@
 // itself, once. The baseline to compare sffd with; its known faults are kept and tested: momentum is not
 // conserved with more than one contact, friction is bounded by velocities, half the external force is lost in
 // contact (rigid/README.md, F1 to F4).
+#include <Eigen/Dense>
+#include <span>
+
 #include "rigid/response/contact_resolver.hpp"
-#include "rigid/response/dual_active_set.hpp"
 
 namespace silt::rigid {
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+struct HalfSpace6 {
+  Vec6 normal;
+  double offset;  // normal . y >= offset
+};
+
+struct ClosestPoint {
+  bool feasible;
+  Vec6 y;
+};
+
+/// The point of a polyhedron in R^6 closest to the origin, by the dual active-set method of Goldfarb and
+/// Idnani (1983), "A numerically stable dual method for solving strictly convex quadratic programs", for a
+/// unit matrix: min |y|^2 / 2 subject to every constraint. Starts at the origin, adds the most violated
+/// constraint one at a time and drops those whose multiplier would turn negative; at most six are active.
+ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints);
 
 class FfdResolver : public ContactResolver {
  public:

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rigid/response/dual_active_set.hpp"
+#include "rigid/response/ffd_resolver.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid {
