@@ -1,10 +1,9 @@
 #pragma once
 // Flows with closed forms, in lattice units: what a run is compared with.
 #include <array>
-#include <memory>
-#include <string>
+#include <functional>
 
-#include "rigid/bodies/walls.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 
@@ -25,52 +24,14 @@ struct TaylorGreen {
   std::array<double, 3> strain_rate(double x, double y, double t) const;
 };
 
-/// A steady flow between walls has an exact solution, which is given here.
-class ExactProfile {
- public:
-  virtual ~ExactProfile() = default;
-  /// Returns the velocity at a point (cell centres are at +1/2).
-  virtual rigid::Vec3 velocity(const rigid::Vec3& x) const = 0;
-  virtual double largest() const = 0;  // speed: what errors are relative to
+/// A steady flow between walls that has a closed form.
+struct ExactProfile {
+  std::function<rigid::Vec3(const rigid::Vec3& x)> velocity;  // cell centres are at +1/2
+  double largest;                                             // speed: what errors are relative to
 };
 
-/// Returns the flow "channel", "duct" or "pipe", from the walls and the body force of a case. CaseError if it
-/// has others.
-std::unique_ptr<ExactProfile> exact_profile(const Case&, Profile);
-
-/// PipeProfile is the flow along the body force in a tube that slides and turns: a (R^2 - r^2) / (4 nu) along
-/// the axis and the rigid motion of the tube.
-class PipeProfile : public ExactProfile {
- public:
-  explicit PipeProfile(const Case&);
-  rigid::Vec3 velocity(const rigid::Vec3& x) const override;
-  double largest() const override;
-
- private:
-  rigid::HollowWallSpec wall_;
-  double radius_ = 0;
-  double acceleration_, viscosity_;
-};
-
-/// WallProfile is the flow along the body force between the sides of a case: "channel" (walls across one
-/// axis) or "duct" (across two). Walls half way between cells.
-class WallProfile : public ExactProfile {
- public:
-  WallProfile(const Case&, Profile);
-  rigid::Vec3 velocity(const rigid::Vec3& x) const override {
-    return (*this)({x[0], x[1], x[2]}) * rigid::Vec3::Unit(flow_axis_);
-  }
-  /// Returns the velocity along the body force.
-  double operator()(const std::array<double, 3>& x) const;
-  double largest() const override;
-
- private:
-  double duct(double y, double z) const;
-  bool is_duct_;
-  int flow_axis_ = 0;
-  std::array<int, 2> wall_axes_{};
-  double acceleration_ = 0, viscosity_ = 0;
-  std::array<double, 3> size_{};
-};
+/// Returns the flow "channel" (walls across one axis), "duct" (across two) or "pipe" (a tube that slides and
+/// turns), from the walls and the body force of a case. CaseError if it has others.
+ExactProfile exact_profile(const Case&, Profile);
 
 }  // namespace silt::coupler

@@ -115,10 +115,10 @@ double profile_error(const Simulation& simulation, const QuantitySpec& q) {
   for_each_fluid_cell(fields, [&](lbm::Int3 x, const lbm::Moments& m) {
     const auto u = fields.velocity(m);
     const double e =
-        (rigid::Vec3(u[0], u[1], u[2]) - exact->velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
+        (rigid::Vec3(u[0], u[1], u[2]) - exact.velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
     if (!(e <= error)) error = e;  // a NaN stays
   });
-  return parallel::max_over_ranks(simulation.scene().comm, error) / exact->largest();
+  return parallel::max_over_ranks(simulation.scene().comm, error) / exact.largest;
 }
 
 double vortex_velocity_error(const Simulation& simulation) {

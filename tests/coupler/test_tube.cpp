@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coupler/analytic_flow.hpp"
+#include "coupler/case/quantity_spec.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/cut_links.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
@@ -24,7 +25,7 @@ int long_enough(double radius) {
 /// Relative L2 error against the exact flow of the mean velocity over two steps. (A sudden start leaves a
 /// staggered momentum, u_y ~ (-1)^(y + t), that no collision damps; it changes its sign from step to step.)
 double error_of(Simulation& simulation) {
-  const PipeProfile exact(simulation.setup());
+  const ExactProfile exact = exact_profile(simulation.setup(), Profile::pipe);
   const FluidFields& fields = simulation.scene().flow->fields();
   std::vector<rigid::Vec3> before;
   for_each_cell(fields,
