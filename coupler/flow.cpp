@@ -14,7 +14,6 @@
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
 #include "lbm/cut_links.hpp"
-#include "lbm/move_populations.hpp"
 #include "lbm/pairs_across.hpp"
 
 namespace silt::coupler {
@@ -155,16 +154,9 @@ class FlowOf final : public Flow {
     account_.gain_cell(-sign, m);
     const auto u = fluid_.velocity(m);
     const Vec3 momentum = sign * Vec3(u[0], u[1], u[2]);
-    if (comes_or_goes)
-      account_.bring(-momentum);
-    else if (is_exact())
-      give_momentum(c, bodies, momentum);
-  }
-
-  /// The body gains the momentum of a cell.
-  void give_momentum(const CoveredCell& c, const rigid::BodySet& bodies, const Vec3& momentum) {
+    if (comes_or_goes) return account_.bring(-momentum);
     const std::size_t row = bodies.row_of(c.body->id);
-    if (row >= bodies.size()) return;
+    if (!is_exact() || row >= bodies.size()) return;
     const Int3 cell = map_.blocks()[c.block].box.lower + c.cell;
     forces_.add_covered(c.body->id, momentum, nearest_arm(fluid_.domain(), bodies.position[row], cell));
   }

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "coupler/flow_totals.hpp"
-#include "coupler/mapping/for_cells.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/moments.hpp"
 
 namespace silt::coupler {
+
+struct Case;
 
 /// The fluid cells of a rank and their mass in quanta.
 struct FluidMass {
@@ -103,5 +104,9 @@ void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
     });
   }
 }
+
+/// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh, at rest
+/// (initial_flow.cpp).
+void set_initial_flow(const Case&, FluidFields&);
 
 }  // namespace silt::coupler

@@ -1,5 +1,3 @@
-#include "coupler/initial_flow.hpp"
-
 #include <cmath>
 #include <numbers>
 #include <vector>

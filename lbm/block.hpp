@@ -34,6 +34,14 @@ struct CellBox {  // cells lower <= x < lower + size
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
 };
 
+/// Calls visit(cell) for every cell with low <= cell < high, x fastest.
+template <class Visit>
+void for_cells(Int3 low, Int3 high, Visit&& visit) {
+  for (int z = low.z; z < high.z; ++z)
+    for (int y = low.y; y < high.y; ++y)
+      for (int x = low.x; x < high.x; ++x) visit(Int3{x, y, z});
+}
+
 /// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
 template <class Visit>
 void for_ghost_slots(Int3 size, Visit&& visit) {

@@ -36,7 +36,6 @@ CollisionRates<T>::CollisionRates(const CollisionSpec& s) : model(s.model) {
     half_force[d] = T(s.force[d] / 2);
     even_force[d] = T((1 - 0.5 / s.relaxation_time) / 12 * s.force[d]);
     odd_force[d] = T((1 - 0.5 / tau_odd) / 12 * s.force[d]);
-    source |= s.force[d] != 0;
   }
 }
 

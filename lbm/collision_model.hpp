@@ -21,6 +21,7 @@ enum class OddRate : std::uint8_t { by_magic, as_even, by_magic_if_stable };
 struct CollisionModel {
   std::string_view name;
   OddRate odd;
+  double lasts_to;  // u / nu of a cell up to which five small scenes last (scripts/bench stability)
   /// Whether `magic` is free to choose.
   constexpr bool has_magic() const { return odd != OddRate::as_even; }
   /// Whether `smagorinsky` is.
@@ -28,7 +29,9 @@ struct CollisionModel {
 };
 /// The models in the order of the enumerators.
 inline constexpr std::array<CollisionModel, 3> collision_models = {
-    {{"trt", OddRate::by_magic}, {"bgk", OddRate::as_even}, {"regularised", OddRate::by_magic_if_stable}}};
+    {{"trt", OddRate::by_magic, 10},
+     {"bgk", OddRate::as_even, 10},
+     {"regularised", OddRate::by_magic_if_stable, 3000}}};
 constexpr const CollisionModel& model_of(Collision collision) {
   return collision_models[static_cast<std::size_t>(collision)];
 }

@@ -13,11 +13,13 @@
 // inner groups as soon as the dense pass is done with part `ready` (pass_order.hpp), while the populations
 // are still in cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
 #include <cstdint>
+#include <limits>
+#include <stdexcept>
 #include <vector>
 
+#include "cpu/isa.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/block.hpp"
-#include "lbm/force_form.hpp"
 #include "lbm/moments.hpp"
 #include "lbm/wall_formula.hpp"
 
@@ -120,7 +122,20 @@ inline constexpr std::int64_t most_cells_with_links = 220'000'000;
 /// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
 /// large for offsets of 32 bits.
 template <class T>
-LinkSlots link_slots(const Block<T>&, Parity);
+LinkSlots link_slots(const Block<T>& block, Parity parity) {
+  const std::ptrdiff_t furthest =
+      block.slot(directions - 1) + block.slot(1) - block.middle() + 2 * block.plane_stride();
+  if (furthest > std::numeric_limits<std::int32_t>::max())
+    throw std::invalid_argument("a block of more than 220 million cells; use smaller domain.blocks");
+  const auto from_middle = [&](std::ptrdiff_t slot) { return std::int32_t(slot - block.middle()); };
+  LinkSlots s;
+  for (int i = 1; i < directions; ++i) {
+    s.out[i] = from_middle(block.leaving(i, parity));
+    s.back[i] = from_middle(block.arriving(opposite(i), parity));
+    s.step[i] = std::int32_t(block.step(i));
+  }
+  return s;
+}
 
 /// A surface moves as a rigid body: velocity of its reference point in cells a step, angular velocity in
 /// radians a step.
@@ -185,17 +200,38 @@ struct GroupInBlock {
   bool far = false;  // its populations are not at hand: they are fetched ahead of use
 };
 
+/// The kernels of links, as each build has them (cut_links_kernel.cpp, link_stiffness_kernel.cpp).
+template <class T>
+struct LinkKernels {
+  void (*apply)(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
+  void (*correct)(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&);
+};
+template <class T>
+using Stiffness = StiffnessSums (*)(const CutLinks<T>&, int exponent);
+SILT_BUILDS(template <class T> LinkKernels<T> link_kernels(); template <class T> Stiffness<T> stiffness();)
+template <class T>
+const LinkKernels<T>& link_kernels() {
+  static const LinkKernels<T> kernels = SILT_CHOSEN(link_kernels<T>)();
+  return kernels;
+}
+
 /// Writes what the surface returns along the group's links, and adds force, torque and mass.
 template <class T>
-void apply_cut_links(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
+void apply_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  link_kernels<T>().apply(at, motion, form, sums);
+}
 
 /// Changes what was returned as if the surface had moved faster by `increment`; adds the mass only.
 template <class T>
-void correct_cut_links(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&);
+void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment, LinkSums& sums) {
+  link_kernels<T>().correct(at, increment, sums);
+}
 
 /// The stiffness of all links of a surface, which depends on geometry only. `exponent` is that of the surface
 /// (stiffness_exponent).
 template <class T>
-StiffnessSums stiffness_of(const CutLinks<T>&, int exponent);
+StiffnessSums stiffness_of(const CutLinks<T>& links, int exponent) {
+  return SILT_CHOSEN(stiffness<T>)()(links, exponent);
+}
 
 }  // namespace silt::lbm

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lbm/cut_links_kernel.hpp"
 #include "lbm/fixed_sum.hpp"
 #include "lbm/link_fetch.hpp"
 
@@ -36,14 +35,32 @@ double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   return 32 / ((1 + frame.reach) * (1 + u));
 }
 
+/// Where a vector of links reads: rows of slots from that of the group's corner on, and what passes beyond,
+/// in the block or, by its numbers, of the block's pairs across.
+template <class T>
+struct Read {
+  const T* data;
+  LinkRows<T> rows;
+  const std::uint32_t* across;  // null: in the block
+  const BeyondPair<T>* pairs;
+
+  auto operator()(int row) const { return Lanes<T>::gather(data, rows[row]); }
+  BeyondPair<typename Lanes<T>::Real> beyond() const {
+    if (!across) return {(*this)(away_row), (*this)(toward_row)};
+    BeyondPair<typename Lanes<T>::Real> found;
+    for (int l = 0; l < Lanes<T>::count; ++l)
+      found.away[l] = pairs[across[l]].away, found.toward[l] = pairs[across[l]].toward;
+    return found;
+  }
+};
+
 /// c_i.u of the links' cells, from what left them.
 template <class T>
-typename Lanes<T>::Real velocity_along(const T* data, const LinkRows<T>& rows, const WallFluid<T>& fluid,
-                                       const Places<T>& at) {
+typename Lanes<T>::Real velocity_along(const Read<T>& read, const WallFluid<T>& fluid, const Places<T>& at) {
   typename Lanes<T>::Real momentum[3];
   for (int d = 0; d < 3; ++d) momentum[d] = typename Lanes<T>::Real{} + T(-0.5) * fluid.force[d];
   for (int j = 1; j < directions; ++j) {
-    const auto out = Lanes<T>::gather(data, rows[out_row + j]);
+    const auto out = read(out_row + j);
     for (int d = 0; d < 3; ++d)
       if (lbm::c[j][d] != 0) momentum[d] += T(lbm::c[j][d]) * out;
   }
@@ -56,33 +73,18 @@ struct Exchange {
   typename Lanes<T>::Real out, back;
 };
 
-/// What passes between the cells behind and beyond: in the block, or of its pairs across.
-template <class T>
-BeyondPair<typename Lanes<T>::Real> beyond_pair(const T* data, const LinkRows<T>& rows,
-                                                const std::uint32_t* across, const BeyondPair<T>* pairs) {
-  using L = Lanes<T>;
-  if (!across) return {L::gather(data, rows[away_row]), L::gather(data, rows[toward_row])};
-  BeyondPair<typename L::Real> found;
-  for (int l = 0; l < L::count; ++l)
-    found.away[l] = pairs[across[l]].away, found.toward[l] = pairs[across[l]].toward;
-  return found;
-}
-
-template <WallScheme scheme, class T>
-Exchange<T> exchange(const T* data, const LinkRows<T>& rows, const WallFluid<T>& fluid, const Places<T>& at,
-                     const typename Lanes<T>::Real& q, const typename Lanes<T>::Real& cu,
-                     const OppositeWall<typename Lanes<T>::Real>& opposite, const std::uint32_t* across,
-                     const BeyondPair<T>* pairs) {
-  using L = Lanes<T>;
+template <WallScheme scheme, class T, class V = typename Lanes<T>::Real>
+Exchange<T> exchange(const Read<T>& read, const WallFluid<T>& fluid, const Places<T>& at, const V& q,
+                     const V& cu, const OppositeWall<V>& opposite) {
   const auto s = coefficients<scheme>(q, at.weight6(), fluid);
-  const auto out = L::gather(data, rows[out_row]);
+  const auto out = read(out_row);
   auto back = s.a * out - s.k * cu;
   if constexpr (reads_behind(scheme)) {
-    const auto against = L::gather(data, rows[against_row]), behind = L::gather(data, rows[behind_row]);
+    const auto against = read(against_row), behind = read(behind_row);
     auto others = s.b * behind + s.c * against;
     auto uneven = s.a - s.c;
     if constexpr (reads_beyond(scheme)) {
-      const auto pair = beyond_pair(data, rows, across, pairs);
+      const auto pair = read.beyond();
       others += s.d * pair.away + s.g * pair.toward;
       uneven -= T(2) * s.d + s.g;
     }
@@ -92,7 +94,7 @@ Exchange<T> exchange(const T* data, const LinkRows<T>& rows, const WallFluid<T>&
     }
     back += others;
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
-    const auto along = velocity_along(data, rows, fluid, at);
+    const auto along = velocity_along(read, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
   }
   return {out, back};
@@ -121,13 +123,13 @@ class GroupSums {
     torque_[2].add(r[0] * g[1] - r[1] * g[0]);
     mass_.add(returned * mass_scale);
     mass_.subtract(in * mass_scale);
-    ++vectors_;
+    terms_ += L::count;
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
   void add_to(LinkSums& sums) const {
     for (int d = 0; d < 3; ++d) {
-      sums.force[d] += force_[d].total(vectors_);
-      sums.torque[d] += torque_[d].total(vectors_);
+      sums.force[d] += force_[d].total(terms_);
+      sums.torque[d] += torque_[d].total(terms_);
     }
     sums.mass += mass_.total(0);
     if (!L::all(good_)) sums.invalid = true;
@@ -136,7 +138,7 @@ class GroupSums {
  private:
   T galilean_, limit_;
   FixedSum<T> force_[3], torque_[3], mass_;
-  std::uint64_t vectors_ = 0;
+  std::uint64_t terms_ = 0;
   typename L::Mask good_ = V{} == V{};
 };
 
@@ -167,8 +169,8 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
       }
     }
     const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;
-    const Exchange<T> e =
-        exchange<scheme>(data, rows, links.fluid, at, q, at.along(ux, uy, uz), opposite, across, pairs);
+    const Exchange<T> e = exchange<scheme>(Read<T>{data, rows, across, pairs}, links.fluid, at, q,
+                                           at.along(ux, uy, uz), opposite);
     L::scatter(data, rows[back_row], e.back);
     total.add(e, L::below(count - l), at, ux, uy, uz);
   }

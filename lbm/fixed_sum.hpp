@@ -7,56 +7,64 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Adds terms, each rounded to a whole number of quanta; a term is below 2^50 quanta.
-template <class T>
+/// Adds n terms at a time, each rounded to a whole number of quanta; a term is below 2^50 quanta.
+template <class T, double quantum = 1.0, int n = Lanes<T>::count>
 class FixedSum {
  public:
-  using Real = typename Lanes<T>::Real;
+  using Real = typename VectorOf<T, n>::type;
 
-  /// x is in quanta.
-  void add(const Real& x) { sum_ += rounded(x); }
-  void subtract(const Real& x) { sum_ -= rounded(x); }
-  /// `terms`: how many more vectors were added than subtracted.
+  [[gnu::always_inline]] void add(const Real& x) { sum_ += rounded(x); }
+  [[gnu::always_inline]] void subtract(const Real& x) { sum_ -= rounded(x); }
+  /// `terms`: how many more were added than subtracted.
   std::int64_t total(std::uint64_t terms) const {
     std::uint64_t all = 0;
     for (int l = 0; l < count; ++l) all += sum_[l];
-    return std::int64_t(all - terms * Lanes<T>::count * offset);
+    return std::int64_t(all - terms * offset);
   }
 
  private:
   // as wide as a register: compilers take wider ones apart
-  static constexpr int count = vector_bytes / 8;
+  static constexpr bool fills_register = n * int(sizeof(T)) == vector_bytes;
+  static constexpr int parts = fills_register ? int(sizeof(double) / sizeof(T)) : 1, count = n / parts;
   using Sum = typename VectorOf<std::uint64_t, count>::type;
-#if defined(SILT_ISA_avx512)
-  static constexpr std::uint64_t offset = 0;
-  static Sum rounded(const Real& x) {
-    constexpr __mmask8 all = 0xff;
-    if constexpr (sizeof(T) == 8)
-      return Sum(_mm512_maskz_cvtpd_epi64(all, __m512d(x)));
-    else
-      return Sum(_mm512_maskz_cvtps_epi64(all,
-                                          __m256(__builtin_shufflevector(x, x, 0, 1, 2, 3, 4, 5, 6, 7)))) +
-             Sum(_mm512_maskz_cvtps_epi64(
-                 all, __m256(__builtin_shufflevector(x, x, 8, 9, 10, 11, 12, 13, 14, 15))));
-  }
-#else
-  /// x + 3 * 2^51 has the rounded integer in its low mantissa bits; the bits of 3 * 2^51 are taken off the
-  /// total.
-  static constexpr double magic = 0x1.8p52;
-  static constexpr auto offset = std::bit_cast<std::uint64_t>(magic);
   using Wide = typename VectorOf<double, count>::type;
-  static Sum rounded(const Wide& x) {
+#if defined(SILT_ISA_avx512)
+  static constexpr bool converts = fills_register;
+#else
+  static constexpr bool converts = false;
+#endif
+  /// x + magic has the whole quanta of x in its low mantissa bits; the bits of magic are taken off the total.
+  static constexpr double magic = 0x1.8p52 * quantum;
+  static constexpr auto offset = converts ? std::uint64_t{0} : std::bit_cast<std::uint64_t>(magic);
+
+  [[gnu::always_inline]] static Sum low_bits(const Wide& x) {
     return std::bit_cast<Sum>(Wide(x + magic));
   }
-  static Sum rounded(const Real& x) requires(sizeof(T) == 4) {
+  [[gnu::always_inline]] static Sum rounded(const Real& x) {
+#if defined(SILT_ISA_avx512)
+    if constexpr (converts) {
+      constexpr __mmask8 all = 0xff;
+      const Real q = x * T(1 / quantum);
+      if constexpr (sizeof(T) == 8)
+        return Sum(_mm512_maskz_cvtpd_epi64(all, __m512d(q)));
+      else
+        return Sum(_mm512_maskz_cvtps_epi64(all,
+                                            __m256(__builtin_shufflevector(q, q, 0, 1, 2, 3, 4, 5, 6, 7)))) +
+               Sum(_mm512_maskz_cvtps_epi64(
+                   all, __m256(__builtin_shufflevector(q, q, 8, 9, 10, 11, 12, 13, 14, 15))));
+    }
+#endif
+    if constexpr (parts == 1) return low_bits(__builtin_convertvector(x, Wide));
 #if defined(SILT_ISA_avx2)
-    return rounded(Wide(_mm256_cvtps_pd(_mm256_castps256_ps128(__m256(x))))) +
-           rounded(Wide(_mm256_cvtps_pd(_mm256_extractf128_ps(__m256(x), 1))));
+    else
+      return low_bits(Wide(_mm256_cvtps_pd(_mm256_castps256_ps128(__m256(x))))) +
+             low_bits(Wide(_mm256_cvtps_pd(_mm256_extractf128_ps(__m256(x), 1))));
 #else
-    return rounded(Wide{x[0], x[1]}) + rounded(Wide{x[2], x[3]});
+    else
+      return low_bits(Wide{x[0], x[1]}) + low_bits(Wide{x[2], x[3]});
 #endif
   }
-#endif
+
   Sum sum_ = {};
 };
 

@@ -67,7 +67,6 @@ Fluid<T>::~Fluid() = default;
 template <class T>
 void Fluid<T>::set_mass_correction(double density_per_cell) {
   rates_->mass_correction = T(density_per_cell);
-  rates_->source = CollisionRates<T>(spec_).source || rates_->mass_correction != 0;
 }
 
 template <class T>
@@ -155,8 +154,9 @@ void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
 template <class T>
 CellTotals Fluid<T>::totals(int b, Int3 first, int cells, int rows) const {
   const CellRows all{cells, rows, blocks_[b].row_stride()};
-  return for_arriving(b, first,
-                      [&](const T* const(&g)[directions]) { return cell_totals(g, all, spec_.force); });
+  return for_arriving(b, first, [&](const T* const(&g)[directions]) {
+    return moments_kernels<T>().total(g, all, spec_.force);
+  });
 }
 
 template <class T>

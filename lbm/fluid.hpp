@@ -108,6 +108,12 @@ class Fluid {
   Halo<T> halo_;
 };
 
+/// Collective. Gives every cell of `to` what arrives there in `from`, straight from rank to rank: two cuts of
+/// one domain for the same ranks. A direction at a time, so that messages hold a nineteenth of the
+/// populations (move_populations.cpp).
+template <class T>
+void move_populations(const Fluid<T>& from, Fluid<T>& to);
+
 /// The equilibrium of a density deviation and momentum (README.md, equation 2), in double.
 double equilibrium(int i, double density_deviation, const double momentum[3]);
 

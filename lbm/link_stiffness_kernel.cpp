@@ -3,7 +3,6 @@
 #include <cmath>
 #include <type_traits>
 
-#include "lbm/cut_links_kernel.hpp"
 #include "lbm/link_places.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -46,21 +45,23 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
 }
 
 template <class T>
-void add_stiffness(const CutLinks<T>& links, int exponent, StiffnessSums& sums) {
+StiffnessSums of_links(const CutLinks<T>& links, int exponent) {
   Entries<T> lanes = {};
   for (const LinkGroup& group : links.groups)
     with_scheme(group.scheme, [&](auto scheme) { add_group<scheme()>(links, group, exponent, lanes); });
+  StiffnessSums sums;
   for (int e = 0; e < entries; ++e)
     for (int l = 0; l < Lanes<T>::count; ++l) sums.h[e] += lanes[e][l];
+  return sums;
 }
 
 }  // namespace
 
 template <class T>
-AddStiffness<T> stiffness_kernel() {
-  return add_stiffness<T>;
+Stiffness<T> stiffness() {
+  return of_links<T>;
 }
-template AddStiffness<float> stiffness_kernel();
-template AddStiffness<double> stiffness_kernel();
+template Stiffness<float> stiffness();
+template Stiffness<double> stiffness();
 
 }  // namespace silt::lbm::SILT_ISA

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "cpu/isa.hpp"
 #include "lbm/block.hpp"
 
 namespace silt::lbm {
@@ -45,6 +46,22 @@ struct CellRows {
   std::ptrdiff_t stride = 0;
 };
 
+/// The kernels of rows of cells, as each build has them (moments_kernel.cpp): g[i][k] is population i that
+/// arrives at the k-th cell.
+template <class T>
+struct MomentsKernels {
+  /// Writes moment j of the k-th cell to moments[j * stride + k], in the order of MomentArrays.
+  void (*sum)(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptrdiff_t stride, double* moments);
+  /// Returns the totals of cells under a body force. A cell's are rounded as its populations are stored.
+  CellTotals (*total)(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
+};
+SILT_BUILDS(template <class T> MomentsKernels<T> moments_kernels();)
+template <class T>
+const MomentsKernels<T>& moments_kernels() {
+  static const MomentsKernels<T> kernels = SILT_CHOSEN(moments_kernels<T>)();
+  return kernels;
+}
+
 /// The moments of the cells of a box, x fastest: an array a moment, so that vectors of cells can be summed at
 /// a time.
 class MomentArrays {
@@ -56,7 +73,9 @@ class MomentArrays {
   }
   /// Takes the moments of cells that follow each other: g[i][k] is population i that arrives at the k-th.
   template <class T>
-  void sum(const T* const (&g)[directions], std::int64_t first, int cells);
+  void sum(const T* const (&g)[directions], std::int64_t first, int cells) {
+    moments_kernels<T>().sum(g, cells, cells_, values_.data() + first);
+  }
 
  private:
   static constexpr int count = 10;
@@ -83,11 +102,6 @@ class MomentsByRow {
   Int3 begin_{-1, -1, -1};  // of the row at hand
   MomentArrays row_;
 };
-
-/// Returns the totals of cells: g[i][k] is population i that arrives at the k-th of the first row,
-/// `force` the body force. A cell's are rounded as its populations are stored.
-template <class T>
-CellTotals cell_totals(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
 
 /// Returns the moments of one cell, where g[i][k] is the population i that arrives at it.
 template <class T>

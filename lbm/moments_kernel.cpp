@@ -1,12 +1,10 @@
 // Built once an instruction set: the moments of a row of cells, and their totals.
-#include "lbm/moments_kernel.hpp"
-
 #include <bit>
-#include <cstring>
 #include <limits>
 
-#include "cpu/lanes.hpp"
 #include "cpu/prefetch.hpp"
+#include "lbm/fixed_sum.hpp"
+#include "lbm/moments.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -56,23 +54,24 @@ class LaneTotals {
       deviation *= share, square *= share;
       for (int d = 0; d < 3; ++d) momentum[d] *= share;
     }
+    mass_.add(deviation);
+    for (int d = 0; d < 3; ++d) momentum_[d].add(momentum[d]);
 #pragma GCC unroll 2
     for (int part = 0; part < parts; ++part) {
-      mass_ += last_places(wide(deviation, part), mass_quantum);
-      for (int d = 0; d < 3; ++d)
-        momentum_[d] += last_places(wide(momentum[d], part), CellTotals::momentum_quantum);
-      const W energy = 0.5 * wide(square, part), large = W{} + large_of(CellTotals::energy_quantum);
-      energy_ += last_places(energy, CellTotals::energy_quantum);
-      energy_rest_ += last_places(energy - ((energy + large) - large), CellTotals::energy_rest_quantum);
+      constexpr double large = 0x1.8p52 * CellTotals::energy_quantum;  // a sum with it is in whole quanta
+      const W energy = 0.5 * wide(square, part);
+      energy_.add(energy);
+      energy_rest_.add(energy - ((energy + large) - large));
     }
   }
 
   /// Adds the totals to t; `cells` counts those that were seen before, too.
   void give(std::ptrdiff_t cells, CellTotals& t) const {
-    t.mass += quanta(mass_, cells, mass_quantum);
-    for (int d = 0; d < 3; ++d) t.momentum[d] += quanta(momentum_[d], cells, CellTotals::momentum_quantum);
-    t.energy += quanta(energy_, cells, CellTotals::energy_quantum);
-    t.energy_rest += quanta(energy_rest_, cells, CellTotals::energy_rest_quantum);
+    const std::uint64_t terms = std::uint64_t(cells);
+    t.mass += mass_.total(terms);
+    for (int d = 0; d < 3; ++d) t.momentum[d] += momentum_[d].total(terms);
+    t.energy += energy_.total(terms);
+    t.energy_rest += energy_rest_.total(terms);
     double numbers = 0;
     for (int lane = 0; lane < n; ++lane) {
       numbers += numbers_[lane];
@@ -89,7 +88,6 @@ class LaneTotals {
   static constexpr int parts = n > 1 ? int(sizeof(double) / sizeof(T)) : 1;  // that fill a vector of doubles
   using V = typename VectorOf<T, n>::type;
   using W = typename VectorOf<double, n / parts>::type;
-  using I = typename VectorOf<std::uint64_t, n / parts>::type;
 
   [[gnu::always_inline]] static W wide(const V& v, int part) {
 #if defined(SILT_ISA_avx512)  // the compiler converts halves of a vector and joins them
@@ -105,21 +103,12 @@ class LaneTotals {
     };
     return __builtin_convertvector(std::bit_cast<Parts>(v).part[part], W);
   }
-  /// Added to this a number has its whole quanta in its last places: integers, whose sums may wrap.
-  static constexpr double large_of(double quantum) {
-    return 0x1.8p52 * quantum;
-  }
-  [[gnu::always_inline]] static I last_places(W x, double quantum) {
-    return std::bit_cast<I>(x + large_of(quantum));
-  }
-  static std::int64_t quanta(const I& places, std::ptrdiff_t cells, double quantum) {
-    std::uint64_t sum = 0;
-    for (int lane = 0; lane < n / parts; ++lane) sum += places[lane];
-    return std::int64_t(sum - std::uint64_t(cells) * std::bit_cast<std::uint64_t>(large_of(quantum)));
-  }
 
-  I mass_{}, momentum_[3]{}, energy_{}, energy_rest_{};  // last places
-  V numbers_{};                                          // numbers if all are
+  FixedSum<T, mass_quantum, n> mass_;
+  FixedSum<T, CellTotals::momentum_quantum, n> momentum_[3];
+  FixedSum<double, CellTotals::energy_quantum, n / parts> energy_;
+  FixedSum<double, CellTotals::energy_rest_quantum, n / parts> energy_rest_;
+  V numbers_{};  // numbers if all are
   V square_ = V{} - 1, most_ = V{} + std::numeric_limits<T>::lowest(),
     least_ = V{} + std::numeric_limits<T>::max();
 };

@@ -1,8 +1,7 @@
-#include "lbm/move_populations.hpp"
-
 #include <algorithm>
 #include <tuple>
 
+#include "lbm/fluid.hpp"
 #include "lbm/slot_exchange.hpp"
 
 namespace silt::lbm {

@@ -1,6 +1,5 @@
 #include "lbm/pairs_across.hpp"
 
-#include "lbm/places_across.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {

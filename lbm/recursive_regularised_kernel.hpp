@@ -5,8 +5,7 @@
 #include <cstddef>
 
 #include "cpu/lanes.hpp"
-#include "lbm/collision.hpp"
-#include "lbm/lattice.hpp"
+#include "lbm/cell_velocity.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
@@ -23,21 +22,14 @@ struct RecursiveRegularised {
   /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
   /// with both signs, so that mass and momentum are kept as sums are.
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
-  [[gnu::always_inline]] static void collide(const V (&sum)[pairs], const V (&difference)[pairs],
-                                             const V& rest, const CollisionRates<T>& r, SetRest&& set_rest,
+  [[gnu::always_inline]] static void collide(const V (&sum)[pairs + 1], const V (&difference)[pairs],
+                                             const CollisionRates<T>& r, SetRest&& set_rest,
                                              SetPair&& set_pair, See&& see) {
-    const V* const s = sum;
-    const V* const d = difference;
+    const V *const s = sum, *const d = difference;
     const V in_xy = s[3] + s[4], in_xz = s[5] + s[6], in_yz = s[7] + s[8];
-    V rho = ((s[0] + s[1]) + (s[2] + rest)) + (in_xy + (in_xz + in_yz));
-    V ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
-    V uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));
-    V uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
-    if constexpr (source) {
-      ux += r.half_force[0];
-      uy += r.half_force[1];
-      uz += r.half_force[2];
-    }
+    V rho = ((s[0] + s[1]) + (s[2] + sum[pairs])) + (in_xy + (in_xz + in_yz));
+    V ux, uy, uz;
+    set_velocity<source>(difference, r, ux, uy, uz);
 
     // second moments, less those of the equilibrium, of the stress without its trace
     const V mxx = s[0] + (in_xy + in_xz), myy = s[1] + (in_xy + in_yz), mzz = s[2] + (in_xz + in_yz);

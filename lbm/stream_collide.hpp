@@ -3,6 +3,7 @@
 // are put right afterwards (halo, cut_links).
 #include <vector>
 
+#include "cpu/isa.hpp"
 #include "lbm/block.hpp"
 
 namespace silt::lbm {
@@ -31,9 +32,18 @@ struct WatchedPlanes {
   int next(int z) const { return z + (first - z % period + period) % period; }
 };
 
+/// The kernel of a collision, as each build has it (stream_collide_kernel.cpp).
+template <class T>
+using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);
+SILT_BUILDS(template <class T> CollideRows<T> collide_rows(const CollisionRates<T>&);)
+
 /// Collides with the block at `parity`; once all its cells are done the block is at the flipped parity, and
 /// its row ends have been moved (block.hpp).
 template <class T>
-void stream_collide(Block<T>&, Parity parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);
+void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    const WatchedPlanes& watched) {
+  const auto kernel_of = SILT_CHOSEN(collide_rows<T>);
+  kernel_of(rates)(block, parity, rates, range, watched);
+}
 
 }  // namespace silt::lbm

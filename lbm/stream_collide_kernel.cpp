@@ -4,14 +4,13 @@
 // The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
 // goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
 // serves the even and the odd step.
-#include "lbm/stream_collide_kernel.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "cpu/lanes.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/recursive_regularised_kernel.hpp"
+#include "lbm/stream_collide.hpp"
 #include "lbm/two_relaxation_times_kernel.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -88,7 +87,7 @@ template <class Model, bool source, class V, class T, class Keep, class Watch>
 [[gnu::always_inline]] inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                            const CollisionRates<T>& r, const Keep& keep, Watch& watch) {
   constexpr Prefetch prefetch;
-  V sum[pairs], difference[pairs];
+  V sum[pairs + 1], difference[pairs];
   for (int k = 0; k < pairs; ++k) {
     const V a = load<V>(slots.a[k] + x), b = load<V>(slots.b[k] + x);
     prefetch(slots.a[k] + x);
@@ -96,11 +95,11 @@ template <class Model, bool source, class V, class T, class Keep, class Watch>
     sum[k] = a + b;
     difference[k] = a - b;
   }
-  const V rest = load<V>(slots.rest + x);
+  sum[pairs] = load<V>(slots.rest + x);
   prefetch(slots.rest + x);
 
   const auto set_rest = [&](const V& left) __attribute__((always_inline)) {
-    store(slots.rest + x, keep(left, rest));
+    store(slots.rest + x, keep(left, sum[pairs]));
   };
   const auto set_pair = [&](int k, const V& p, const V& q) __attribute__((always_inline)) {
     store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));
@@ -109,7 +108,7 @@ template <class Model, bool source, class V, class T, class Keep, class Watch>
   const auto see = [&](const V& square) __attribute__((always_inline)) {
     watch.see(square, x, keep);
   };
-  Model::template collide<source>(sum, difference, rest, r, set_rest, set_pair, see);
+  Model::template collide<source>(sum, difference, r, set_rest, set_pair, see);
 }
 
 template <class T>
@@ -164,7 +163,7 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
 template <class Model, class T>
 void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                 const WatchedPlanes& watched) {
-  if (rates.source)
+  if (rates.has_source())
     planes<Model, true>(block, parity, rates, range, watched);
   else
     planes<Model, false>(block, parity, rates, range, watched);

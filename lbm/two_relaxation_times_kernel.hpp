@@ -1,32 +1,23 @@
 #pragma once
 // The models trt and bgk, a vector of cells at a time (README.md, equations 3 to 7). Only for *_kernel.cpp
 // files, which are built once an instruction set (SILT_ISA).
-#include "lbm/collision.hpp"
-#include "lbm/lattice.hpp"
+#include "lbm/cell_velocity.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
 struct TwoRelaxationTimes {
   /// Collides cells of which `sum` and `difference` are what arrives along and against the first direction of
-  /// each pair, and `rest` what rests. Calls set_rest(what rests afterwards) and set_pair(k, p, q): p + q
-  /// leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
+  /// each pair; the last sum is what rests. Calls set_rest(what rests afterwards) and set_pair(k, p, q): p +
+  /// q leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
   /// the cells had, times square_scale).
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
-  [[gnu::always_inline]] static void collide(const V (&sum)[pairs], const V (&difference)[pairs],
-                                             const V& rest, const CollisionRates<T>& r, SetRest&& set_rest,
+  [[gnu::always_inline]] static void collide(const V (&sum)[pairs + 1], const V (&difference)[pairs],
+                                             const CollisionRates<T>& r, SetRest&& set_rest,
                                              SetPair&& set_pair, See&& see) {
-    const V rho =
-        ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) + (sum[8] + rest);
-    const V* const d = difference;
-    V ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
-    V uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));
-    V uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
-    if constexpr (source) {
-      ux += r.half_force[0];
-      uy += r.half_force[1];
-      uz += r.half_force[2];
-    }
-
+    const V rho = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) +
+                  (sum[8] + sum[pairs]);
+    V ux, uy, uz;
+    set_velocity<source>(difference, r, ux, uy, uz);
     V kx = r.square * ux, ky = r.square * uy, kz = r.square * uz;
     if constexpr (source) {
       kx += r.even_force[0];
@@ -45,7 +36,7 @@ struct TwoRelaxationTimes {
       qz += r.odd_force[2];
     }
 
-    set_rest(V(r.keep_even_twice * rest + T(12) * isotropic));
+    set_rest(V(r.keep_even_twice * sum[pairs] + T(12) * isotropic));
     const auto relax = [&](int k, const V& even, const V& odd) __attribute__((always_inline)) {
       set_pair(k, V(r.keep_even * sum[k] + even), V(r.keep_odd * difference[k] + odd));
     };

@@ -1,5 +1,6 @@
 #pragma once
-// The wall schemes by name. What they return is in wall_formula.hpp.
+// The wall schemes and the forms of the force on a surface, by name. What schemes return is in
+// wall_formula.hpp.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -67,5 +68,11 @@ constexpr int link_reach(WallScheme scheme) {
 constexpr WallScheme two_cell_gap_scheme(WallScheme scheme) {
   return reads_beyond(scheme) ? WallScheme::cli : scheme;
 }
+
+/// `galilean` is the form of Wen et al. 2014, F = sum c (f* + f_opp) - u_w (f* - f_opp), over cut links.
+/// `exact` is its first term alone (equation 6 of Goetz et al.): the momentum of cells that change sides has
+/// to be handed over as well.
+enum class ForceForm : std::uint8_t { galilean, exact };
+inline constexpr std::array<std::string_view, 2> force_form_names = {"galilean", "exact"};
 
 }  // namespace silt::lbm

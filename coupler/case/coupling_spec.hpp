@@ -1,7 +1,6 @@
 #pragma once
 // How fluid and bodies are coupled: the table [coupling] of a case.
 #include "coupler/case/name_table.hpp"
-#include "lbm/force_form.hpp"
 #include "lbm/wall_scheme.hpp"
 
 namespace silt::coupler {

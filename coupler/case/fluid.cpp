@@ -24,15 +24,7 @@ double cell_reynolds(const Case& scene) {
 }
 
 double measured_reynolds(lbm::Collision model) {
-  switch (model) {
-    case lbm::Collision::trt:
-      return 10;
-    case lbm::Collision::bgk:
-      return 10;
-    case lbm::Collision::regularised:
-      return 3000;
-  }
-  __builtin_unreachable();
+  return lbm::model_of(model).lasts_to;
 }
 
 void choose_collision(Case& scene) {

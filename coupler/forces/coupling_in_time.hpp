@@ -1,22 +1,9 @@
 #pragma once
-// Coupling in time: how the force that the links of a step have on a body becomes its change of velocity.
-//
-// `explicit` (the paper): the force of the links moves the body. `implicit`: the returned populations are
-// linear in the wall velocity (README.md, equation 4), so the owner solves (M + H) delta = F + F_ext for the
-// change of velocity of this step (6), and the links return as if the surface had moved with v + delta
-// already: they are corrected, in a second pass. The force handed to the rigid step is F - H delta, what the
-// links then give: with the external force it makes the kick delta. Contacts act after it. Fixed and
-// prescribed bodies have delta = 0.
-//
-// A body whose links are soft beside its mass does without the second pass (7), body by body and step by
-// step. Its links have returned as if it had moved with v + delta of the last step, what delta changes of
-// that is made up for in the next step, and so is half of what moves it: the mean of two steps damps what
-// changes sign in every one. A load that is balanced defers nothing.
-//
-// The external force (8) counts what lubrication films and contacts gave in the step before. Without the
-// films, the links would return as if a body that a film holds were moving, by the velocity that the film is
-// about to take away again, and the film would seem stiffer by the drag over the mass. Without the contacts,
-// the surface of a body at rest would return as if it fell, step after step, and pump the fluid beneath it.
+// Coupling in time: how the force that the links of a step have on a body becomes its change of velocity
+// (README.md, equations 4 to 8). `explicit` (the paper): the force moves the body. `implicit`: the owner solves
+// for the change of velocity of this step (6) and the links are corrected by it, in a second pass; a body
+// whose links are soft beside its mass does without that (7). Contacts act after it. Fixed and prescribed
+// bodies do not change.
 #include <Eigen/Core>
 
 #include "coupler/case/coupling_spec.hpp"

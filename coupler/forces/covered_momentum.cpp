@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/forces/cell_sums.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
@@ -35,6 +35,15 @@ Impulse momentum_of_excess(const rigid::BodySet& bodies, std::size_t row, const 
   return to_quanta((count - displaced) * v + w.cross(moment), moment.cross(v));
 }
 
+/// Sum of the positions of the bits that are set.
+int sum_of_positions(std::uint64_t word) {
+  constexpr std::uint64_t with_bit[] = {0xAAAAAAAAAAAAAAAA, 0xCCCCCCCCCCCCCCCC, 0xF0F0F0F0F0F0F0F0,
+                                        0xFF00FF00FF00FF00, 0xFFFF0000FFFF0000, 0xFFFFFFFF00000000};
+  int sum = 0;
+  for (int b = 0; b < 6; ++b) sum += std::popcount(word & with_bit[b]) << b;
+  return sum;
+}
+
 }  // namespace
 
 Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
@@ -44,13 +53,23 @@ Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
   return impulse;
 }
 
+/// Each cell is counted by the one block that has it. Coordinates are canonical, as the body's position.
 void add_cells(std::span<const BlockMap> maps, RowSums& sums) {
   for (const BlockMap& map : maps)
     for (const BodyMask& mask : map.masks) {
-      const CellSums cells = cells_of(map.box, mask);
+      const BitFrame& f = mask.frame();
+      const lbm::Int3 corner = map.box.lower - mask.shift, size = map.box.size;
       std::int64_t* const to = sums.cells(mask.row);
-      to[0] += cells.count;
-      for (int d = 0; d < 3; ++d) to[1 + d] += cells.coordinates[d];
+      for (int z = std::max(f.low.z, 0); z < std::min(f.low.z + f.size.z, size.z); ++z)
+        for (int y = std::max(f.low.y, 0); y < std::min(f.low.y + f.size.y, size.y); ++y)
+          for (int x = 0; x < f.size.x; x += 64) {
+            const std::uint64_t word = mask.bits.row(x, y, z) & cells_between(f.low.x + x, 0, size.x);
+            const std::int64_t n = std::popcount(word);
+            to[0] += n;
+            to[1] += sum_of_positions(word) + n * (corner.x + f.low.x + x);
+            to[2] += n * (corner.y + y);
+            to[3] += n * (corner.z + z);
+          }
     }
 }
 

@@ -1,14 +1,7 @@
 #pragma once
-// The momentum of cells that change sides, in the form `exact` of the force.
-//
-// Besides what the links give, a body gains the momentum of the cells it covers and loses that of the cells
-// it leaves (Aidun, Lu, Ding 1998). Given at once, that comes in jolts of a whole cell's momentum, as the
-// body's cells are now more, now fewer than its volume: 58 % of the drag of an array that moves at 0.05 with
-// the fluid at 0.003 relative to it. So a body has a debt of impulse (README.md, equation 9): what its cells,
-// moving with it, hold beyond its volume, momentum and angular momentum. This follows from where the body is
-// and how it moves, and what it is given is what it gains less the change of the debt. Noise 0.68 %; the
-// momentum of fluid, bodies and debts is conserved to rounding, and a body that moves with the fluid feels
-// nothing.
+// The momentum of cells that change sides, in the form `exact` of the force (README.md, equation 9). Given at
+// once it would come in jolts of a whole cell's momentum, 58 % of the drag of an array that moves at 0.05 with
+// the fluid at 0.003 relative to it; with the impulse debt of a body the noise is 0.68 %.
 #include <array>
 #include <span>
 #include <vector>

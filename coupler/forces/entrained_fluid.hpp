@@ -1,13 +1,7 @@
 #pragma once
-// What an impact does to the fluid around a body.
-//
-// A real collision is short, but long for sound: while it lasts it reverses also the fluid that moves with
-// the body, its added mass, and the surfaces part at e times the speed at which they met, however heavy the
-// fluid. Here a contact reverses the body in no time, and the fluid answers over the next R / c_s steps: it
-// would take back (1 + e) m_a / (m + m_a) of the speed, a fifth of the rebound of a steel ball in oil and
-// half of that of glass. So every impact that the resolver reports is taken as one of the bodies with the
-// fluid they entrain: the impulse that the contact would give to the fluid besides is kept with the bodies
-// (column::pending_impact, equal and opposite for the two), which pass it on as the fluid answers.
+// What an impact does to the fluid around a body (README.md, equations 15 and 16): the impulse that a contact
+// would give to the fluid besides is kept with the bodies (column::pending_impact, equal and opposite for the
+// two), which pass it on as the fluid answers.
 #include "rigid/response/contact_resolver.hpp"
 
 namespace silt::coupler {

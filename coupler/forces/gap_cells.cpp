@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/forces/gap_kernels.hpp"
-#include "cpu/isa.hpp"
+#include "rigid/bodies/lubrication.hpp"
 
 namespace silt::coupler {
 

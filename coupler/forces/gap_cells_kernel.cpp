@@ -2,7 +2,7 @@
 // that all builds sum in one order.
 #include <cmath>
 
-#include "coupler/forces/gap_kernels.hpp"
+#include "coupler/forces/gap_cells.hpp"
 #include "cpu/lanes.hpp"
 
 namespace silt::coupler::SILT_ISA {

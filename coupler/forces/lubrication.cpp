@@ -52,7 +52,7 @@ ResolvedFlows resolved_flows(WallScheme scheme, double share) {
         rest = resolved_flows(WallScheme::cli);
     return {mean(share, whole.bodies, rest.bodies), mean(share, whole.side, rest.side)};
   }
-  if (scheme == WallScheme::cli)
+  if (lbm::follows_distance(scheme))  // `cli`, and one that nobody has calibrated
     return {{0.510, 0.739, 2.688, 0.487, 0.329}, {0.560, 1.383, 1.658, 0.487, 0.329}};
   return {{1.063, 0.286, 1.491, 0.401, 0.264}, {0.612, 1.389, 1.592, 0.401, 0.264}};
 }

@@ -1,20 +1,7 @@
 #pragma once
-// Lubrication: what the lattice cannot resolve of the flow between close surfaces.
-//
-// In a gap of width h with principal curvatures k1, k2 the pressure of the squeeze flow is
-// p = 6 mu u / ((k1 + k2) h^2), which makes the normal force 12 pi mu u / ((k1 + k2) sqrt(k1 k2) h): for
-// spheres the 6 pi mu R^2 u / h of Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261, R the reduced radius.
-// Their tangential logarithms, for any two radii, are 2 pi mu R ln(1/h) against slip and 6/5 of pi mu R
-// ln(1/h) against rolling (rigid/bodies/lubrication.hpp); here R becomes 1 / sqrt(k1 k2).
-//
-// Each law is given less what the lattice resolves by itself. Of the squeeze flow that is not the same
-// wherever the gap lies in the lattice: without a fluid cell in it the lattice knows nothing of the gap, with
-// a layer of cells in its middle it sees one of a cell's width. So 1/h - G stands in the place of 1/h, with
-//   G = base + width h + cells sqrt(S),   S = sum over the cells of the gap of (1 - H)^2 / (2 pi R),
-// H < 1 the gap's width at the cell (coupler/forces/gap_cells). A surface that fills every other place has S
-// = 1/6, whatever R. The three numbers are calibrated by scripts/calibrate_lubrication, on a sphere that
-// approaches a plate; and once more on one that approaches a side of the domain, which lies between cells and
-// reflects by itself.
+// Lubrication: what the lattice cannot resolve of the flow between close surfaces (README.md, equations 11 to
+// 14). The numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate, and
+// once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
 #include <memory>
 
 #include "coupler/case/coupling_spec.hpp"

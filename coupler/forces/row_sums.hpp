@@ -8,7 +8,7 @@ namespace silt::coupler {
 
 /// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; under
 /// implicit coupling the stiffness of its links (21) in the quanta of lbm::StiffnessSums; in the form `exact`
-/// its cells (4, as CellSums).
+/// how many cells it has and the sum of the coordinates of their lower corners (4).
 class RowSums {
  public:
   static constexpr int force_width = 6, stiffness_width = 21, cells_width = 4;

@@ -5,7 +5,7 @@
 
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
-#include "coupler/mapping/surface_kernels.hpp"
+#include "coupler/mapping/surface_primitives.hpp"
 #include "cpu/isa.hpp"
 
 namespace silt::coupler {

@@ -35,6 +35,8 @@ struct BitFrame {
     return c.x >= low.x && c.x < low.x + size.x && c.y >= low.y && c.y < low.y + size.y && c.z >= low.z &&
            c.z < low.z + size.z;
   }
+  /// The bits of a word that are of one row.
+  std::uint64_t row_bits() const { return pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << pitch) - 1; }
   bool operator==(const BitFrame& o) const { return low == o.low && size == o.size; }
 };
 
@@ -52,9 +54,7 @@ class BitWindow {
   /// The cells of a row from the x-th one of the frame on, as many as fit a word.
   std::uint64_t row(int x, int y, int z) const {
     const std::size_t bit = frame_.row(y, z) + x;
-    const std::uint64_t width =
-        frame_.pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << frame_.pitch) - 1;
-    return words()[bit >> 6] >> (bit & 63) & width;
+    return words()[bit >> 6] >> (bit & 63) & frame_.row_bits();
   }
   /// 64 cells of a row from a cell on, which may lie a few before the row; beyond the row: anything.
   std::uint64_t from(lbm::Int3 c) const {
@@ -80,5 +80,26 @@ class BitWindow {
   BitFrame frame_;
   std::vector<std::uint64_t> bits_;
 };
+
+/// Sets what row(x, y, z), 64 bits of cells from x on, has in a window; in rows of the block and of so many
+/// ghost layers, as far as the window has them.
+template <class Row>
+void fill_rows(BitWindow& window, lbm::Int3 block, int layers, Row&& row) {
+  const BitFrame& f = window.frame();
+  const std::uint64_t width = f.row_bits();
+  for (int z = std::max(f.low.z, -layers); z < std::min(f.low.z + f.size.z, block.z + layers); ++z)
+    for (int y = std::max(f.low.y, -layers); y < std::min(f.low.y + f.size.y, block.y + layers); ++y) {
+      const std::size_t bit = f.row(y, z);
+      for (int x = 0; x < f.pitch; x += 64)
+        window.words()[(bit + x) >> 6] |= (row(f.low.x + x, y, z) & width) << (bit & 63);
+    }
+}
+
+/// Bits [from, to) of 64 that stand for cells from x on.
+inline std::uint64_t cells_between(int x, int from, int to) {
+  const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
+  if (a >= b) return 0;
+  return (~std::uint64_t{0} >> (64 - (b - a))) << a;
+}
 
 }  // namespace silt::coupler

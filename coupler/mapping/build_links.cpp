@@ -8,12 +8,10 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/crossing_links.hpp"
-#include "coupler/mapping/distance_rates.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/measured_surface.hpp"
-#include "coupler/mapping/window_rows.hpp"
+#include "lbm/pairs_across.hpp"
 #include "lbm/pass_order.hpp"
-#include "lbm/places_across.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -57,7 +55,7 @@ class LinkWriter {
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
     groups_.end();
-    set_distance_rates(links, shape, mapped, surface_.parts());
+    surface_.set_rates(links, shape, mapped);
   }
 
  private:
@@ -89,7 +87,7 @@ class LinkWriter {
     const BitFrame& frame = mask_->frame();
     crossings_.find_cells(map_, *mask_);
     for (int z = 1; z < frame.size.z - 1; z += CrossingLinks<T>::planes) {
-      crossings_.list(z, at, surface_.parts().view());
+      crossings_.list(z, at, surface_.view());
       groups_.add_crossing(crossings_.place(), crossings_.q(), frame.low + Int3{0, 0, z - 1});
     }
   }
@@ -218,9 +216,11 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int l
   return frame;
 }
 
+}  // namespace
+
 template <class T>
-void build_links_of_masks(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                          const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
+void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+                 const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
   std::vector<SurfaceLinks<T>> before(map.masks.size());
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
@@ -238,14 +238,6 @@ void build_links_of_masks(const BlockMap& map, const rigid::World& world, const 
     if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row))
       surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
   });
-}
-
-}  // namespace
-
-template <class T>
-void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
-                 const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
-  build_links_of_masks(map, world, bodies, rules, surfaces);
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,

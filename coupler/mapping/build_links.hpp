@@ -2,9 +2,9 @@
 // From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
 // is.
 #include "coupler/case/coupling_spec.hpp"
+#include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/mapping/surface_links.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/pass_order.hpp"
 #include "rigid/bodies/body_set.hpp"

@@ -52,14 +52,6 @@ class CellBits {
   std::vector<std::uint64_t>& all() { return bits_; }
   const std::vector<std::uint64_t>& all() const { return bits_; }
   lbm::Int3 size() const { return size_; }
-  /// Bits of the cells inside the block (no ghosts) in word k of a row.
-  std::uint64_t interior(int k) const {
-    std::uint64_t m = ~std::uint64_t{0};
-    const int first = k * 64, last = size_.x + ghosts - 1;  // bits ghosts .. last are inside
-    if (first == 0) m <<= ghosts;
-    if (last < first + 63) m &= last < first ? 0 : (~std::uint64_t{0} >> (63 - (last - first)));
-    return m;
-  }
 
  private:
   lbm::Int3 size_;

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "coupler/mapping/bit_kernels.hpp"
-#include "coupler/mapping/window_rows.hpp"
 
 namespace silt::coupler {
 
@@ -49,7 +48,7 @@ void CrossingLinks<T>::measure(Ends& ends, Int3 corner, const lbm::SurfaceFrame&
   const std::size_t n = ends.place.size(), filled = lbm::padded(std::uint32_t(n));
   if (n == 0) return ends.q.clear();
   ends.place.resize(filled, ends.place.back()), ends.q.resize(filled);
-  distance_kernel<T, T>()(ends.place.data(), int(filled), frame, corner, surface, T(0), ends.q.data());
+  distance_kernel<T, T>()({ends.place.data(), int(filled), corner}, frame, surface, T(0), ends.q.data());
   ends.place.resize(n), ends.q.resize(n);
 }
 

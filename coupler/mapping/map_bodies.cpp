@@ -6,8 +6,6 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernels.hpp"
-#include "coupler/mapping/mesh_cells.hpp"
-#include "coupler/mapping/window_rows.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -159,7 +157,7 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
     return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
   if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))
-    return mark_mesh(*mesh, meshes_.at(*mesh->surface, mask.pose), centre.low, mask.inside);
+    return meshes_.at(*mesh->surface, mask.pose).mark(mesh->hollow, centre.low, mask.inside);
   surface_.reset(shape, mask.pose.orientation);
   bit_kernels().mark_parts(frame, centre, surface_.view(), mask.inside.words());
 }

@@ -1,10 +1,7 @@
 #pragma once
-// The poses at which the fluid sees bodies and walls. Mapping a surface costs as much however little it has
-// moved, so one that goes on as it does is mapped ahead, at the middle of the way on which it stays within a
-// tolerance: on the mean the fluid sees it where it is. Its cells stay for that time; the distances of its
-// links follow it (MappedMotion), where they can. Where cells change sides, links of the bodies around are
-// built anew as well: so bodies are mapped in common steps, every 1, 3, 9, ... of them. Odd numbers: what
-// comes in every second step feeds a mode of that period, which collision hardly damps.
+// The poses at which the fluid sees bodies and walls: ahead, at the middle of the way on which a surface stays
+// within a tolerance, so that on the mean the fluid sees it where it is (README.md, "How the links of bodies
+// are applied"). Bodies are mapped in common steps, every 1, 3, 9, ... of them.
 #include <cstdint>
 
 #include "coupler/case/coupling_spec.hpp"

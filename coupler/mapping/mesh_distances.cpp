@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "coupler/mapping/bit_kernels.hpp"
-#include "coupler/mapping/window_rows.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {

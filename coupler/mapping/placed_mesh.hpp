@@ -33,6 +33,10 @@ class PlacedMesh {
   /// Triangles whose boxes overlap a box of cells (an image of the domain's), and perhaps some near it, valid
   /// up to the next call.
   TriangleView near(const rigid::Vec3& low, const rigid::Vec3& high);
+  /// Sets the bits of the cells whose centres are inside, or outside if it is hollow, all but two at either
+  /// end of the window; `low`: cell of its bit 0 in the coordinates of the mesh's image. A row changes sides
+  /// wherever it crosses a triangle, in whatever order these come.
+  void mark(bool hollow, lbm::Int3 low, BitWindow&);
 
  private:
   const rigid::TriangleMesh* mesh_ = nullptr;

@@ -1,4 +1,4 @@
-#include "coupler/mapping/single_cell_gaps.hpp"
+#include "coupler/mapping/block_links.hpp"
 
 #include <algorithm>
 #include <bit>

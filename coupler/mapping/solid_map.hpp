@@ -7,12 +7,13 @@
 
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
-#include "coupler/mapping/for_cells.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/block.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
+
+using lbm::for_cells;
 
 /// One periodic image of a body in a block: the cells whose centres are inside it. The windows reach two
 /// cells beyond what the body can cover in the block and its ghost layers.
@@ -67,8 +68,8 @@ struct BlockMap {
   bool has_fluid() const {
     for (int z = 0; z < box.size.z; ++z)
       for (int y = 0; y < box.size.y; ++y)
-        for (int k = 0; k < solid.words(); ++k)
-          if (~solid.at(y, z)[k] & solid.interior(k)) return true;
+        for (int x = 0; x < box.size.x; x += 64)
+          if (first_cells(~solid.from(x, y, z), box.size.x - x)) return true;
     return false;
   }
 };

@@ -1,6 +1,5 @@
 // Built once an instruction set.
 #include "coupler/mapping/edge_lip.hpp"
-#include "coupler/mapping/surface_kernels.hpp"
 #include "lbm/link_places.hpp"
 
 namespace silt::coupler::SILT_ISA {
@@ -51,15 +50,15 @@ auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& s
 
 /// Sets the distance of each link, in units of it, to the first part of the surface that it enters.
 template <class Real, class T>
-void set_distances(const std::uint32_t* place, int padded, const lbm::SurfaceFrame& frame, lbm::Int3 corner,
-                   const SurfaceView<Real>& surface, Real past, T* q) {
+void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, const SurfaceView<Real>& surface,
+                   Real past, T* q) {
   using L = Lanes<Real>;
   using Places = lbm::SILT_ISA::Places<Real>;
   using Stored = typename VectorOf<T, L::count>::type;
-  const lbm::SILT_ISA::PlaceOrigin<Real> origin(corner, frame);
+  const lbm::SILT_ISA::PlaceOrigin<Real> origin(links.corner, frame);
   const auto set = [&](auto&& distance) {
-    for (int l = 0; l < padded; l += L::count) {
-      const Stored found = __builtin_convertvector(distance(Places(place + l, origin)), Stored);
+    for (int l = 0; l < links.padded; l += L::count) {
+      const Stored found = __builtin_convertvector(distance(Places(links.place + l, origin)), Stored);
       __builtin_memcpy(q + l, &found, sizeof found);
     }
   };

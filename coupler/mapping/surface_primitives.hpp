@@ -8,6 +8,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "cpu/isa.hpp"
+#include "lbm/cut_links.hpp"
 #ifdef SILT_ISA
 #include "cpu/lanes.hpp"
 #endif
@@ -46,6 +48,25 @@ struct SurfaceView {
   int count;
   const Plane<T>* planes;
 };
+
+/// Links whose wall distances are wanted, whole vectors of them: places that count from a cell.
+struct PlacedLinks {
+  const std::uint32_t* place;
+  int padded;
+  lbm::Int3 corner;
+};
+/// Sets the wall distances of links, with the lip of bodies of one part (edge_lip.hpp). They are found up to
+/// `past` before and after the link, in units of it, of a surface that has moved past one of the link's ends;
+/// 1 + past for a line that does not meet it there.
+template <class Real, class T>
+using SurfaceDistances = void (*)(const PlacedLinks&, const lbm::SurfaceFrame&, const SurfaceView<Real>&,
+                                  Real past, T* q);
+SILT_BUILDS(template <class Real, class T> SurfaceDistances<Real, T> surface_distances();)
+/// The build that runs here.
+template <class Real, class T>
+SurfaceDistances<Real, T> distance_kernel() {
+  return SILT_CHOSEN(surface_distances<Real, T>)();
+}
 
 }  // namespace silt::coupler
 

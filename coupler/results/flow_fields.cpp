@@ -7,7 +7,6 @@
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/for_cells.hpp"
 #include "coupler/results/strain_rate.hpp"
 #include "coupler/results/vorticity.hpp"
 #include "lbm/fluid.hpp"
@@ -312,7 +311,7 @@ FieldHere field_here(const Simulation& simulation, Field field) {
 }
 
 void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
-                         const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const Units& units = simulation.setup().units;
   const FluidFields& cells = simulation.scene().flow->fields();
   const Fields fields(simulation, spec, units);

@@ -191,7 +191,7 @@ RunEstimate estimate_run(const Case& scene, const PlacedBodies& placed, int rank
   const auto in_tenths_of_a_cell = [&](double seconds) { return std::llround(10 * seconds / cell); };
   costs.body = scene.contacts.substeps * in_tenths_of_a_cell(seconds_of_a_body);
   costs.impulse = scene.contacts.substeps * in_tenths_of_a_cell(seconds_of_an_impulse);
-  if (scene.coupling.wall_scheme == WallScheme::multireflection)
+  if (lbm::reads_beyond(scene.coupling.wall_scheme))
     costs.link = std::llround(multireflection_link * static_cast<double>(costs.link));
   const Scenery all = scenery_of(scene, placed);
   WorkMap work(make_domain(scene, 1));

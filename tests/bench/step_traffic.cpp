@@ -6,7 +6,6 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/for_cells.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "rigid/integrate.hpp"
 #include "rigid/shapes/shape.hpp"

@@ -8,7 +8,6 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/guard.hpp"
-#include "coupler/mapping/for_cells.hpp"
 #include "coupler/simulation.hpp"
 #include "coupler/state_hash.hpp"
 #include "lbm/wall_scheme.hpp"

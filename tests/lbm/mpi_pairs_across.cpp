@@ -8,7 +8,6 @@
 #include "lbm/equal_cut.hpp"
 #include "lbm/fluid.hpp"
 #include "lbm/pairs_across.hpp"
-#include "lbm/places_across.hpp"
 #include "tests/lbm/sides.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"

@@ -1,5 +1,5 @@
 // The places of pairs across: a place for each cell and direction, of no other.
-#include "lbm/places_across.hpp"
+#include "lbm/pairs_across.hpp"
 
 #include <gtest/gtest.h>
 

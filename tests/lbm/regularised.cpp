@@ -125,7 +125,6 @@ void expect_definition(const CollisionSpec& spec, double added = 0) {
     Block<double> block({{0, 0, 0}, size});
     CollisionRates<double> rates(spec);
     rates.mass_correction = added;
-    rates.source |= added != 0;
     const Int3 x{3, 1, 1};
     Populations before;
     for (int i = 0; i < directions; ++i)

@@ -9,7 +9,6 @@
 #include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
 #include "lbm/pairs_across.hpp"
-#include "lbm/places_across.hpp"
 
 namespace silt::lbm {
 

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "coupler/forces/gap_cells.hpp"
-#include "coupler/forces/gap_kernels.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "cpu/isa.hpp"
 

@@ -12,8 +12,8 @@
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/pairs_across.hpp"
 #include "lbm/pass_order.hpp"
-#include "lbm/places_across.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/mapping/edges_by_definition.hpp"
 

@@ -4,7 +4,6 @@
 #include <mpi.h>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/for_cells.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
 #include "tests/odd_cut.hpp"

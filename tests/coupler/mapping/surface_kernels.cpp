@@ -50,7 +50,7 @@ std::vector<T> distances(const rigid::Shape& shape, const Kernel& kernel, T past
   parts.reset(shape, oblique);
   const auto places = random_links();
   std::vector<T> q(places.size());
-  kernel(places.data(), int(places.size()), frame, Int3{}, parts.view(), past, q.data());
+  kernel({places.data(), int(places.size()), {}}, frame, parts.view(), past, q.data());
   return q;
 }
 

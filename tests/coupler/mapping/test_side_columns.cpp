@@ -3,7 +3,6 @@
 
 #include <random>
 
-#include "coupler/mapping/for_cells.hpp"
 #include "coupler/mapping/side_columns.hpp"
 
 namespace silt::coupler {
