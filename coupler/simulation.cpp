@@ -42,9 +42,10 @@ bool stops_beyond_sides(const Case& scene) {
 Simulation::Simulation(Case scene, MPI_Comm comm) : Simulation(std::move(scene), comm, nullptr) {
   start_fresh();
 }
-Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
+Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved,
+                       const std::function<void(const Case&, FluidFields&)>& set_populations)
     : Simulation(std::move(scene), comm, &saved) {
-  resume(saved);
+  resume(saved, set_populations);
 }
 
 /// All but the state that either start gives.
@@ -72,10 +73,11 @@ void Simulation::start_fresh() {
   energy_.look(scene_, turnover_.energy_brought(), step_);
 }
 
-void Simulation::resume(const SavedState& saved) {
+void Simulation::resume(const SavedState& saved,
+                        const std::function<void(const Case&, FluidFields&)>& set_populations) {
   if (saved.step > 0) scene_.move_walls(saved.step - 1);  // where the last step mapped them
   if (scene_.flow) {
-    saved.set_populations(scene_.flow->fields());
+    set_populations(setup(), scene_.flow->fields());
     MassCorrectionState correction = saved.mass_correction;
     correction.steps = saved.step;
     scene_.flow->resume(correction);

@@ -8,8 +8,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/for_cells.hpp"
-#include "coupler/results/strain_rate.hpp"
-#include "coupler/results/vorticity.hpp"
+#include "coupler/results/velocity_gradient.hpp"
 #include "lbm/fluid.hpp"
 #include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -312,7 +311,7 @@ FieldHere field_here(const Simulation& simulation, Field field) {
 }
 
 void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
-                         const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const Units& units = simulation.setup().units;
   const FluidFields& cells = simulation.scene().flow->fields();
   const Fields fields(simulation, spec, units);
@@ -339,7 +338,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     }
     boxes.push_back(box);
   }
-  const auto path = adapters::field_path(folder, spec.name, snapshot.step);
+  const auto path = adapters::step_path(folder, spec.name, snapshot.step, ".hdf");
   parallel::naming(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, boxes, snapshot, provenance);
   });
