@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <thread>
 #include <variant>
 
