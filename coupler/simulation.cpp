@@ -35,9 +35,10 @@ bool asks_for_torques(const Case& setup) {
 Simulation::Simulation(Case setup, MPI_Comm comm) : Simulation(std::move(setup), comm, nullptr) {
   start_fresh();
 }
-Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved)
+Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved,
+                       const std::function<void(const Case&, FluidFields&)>& set_populations)
     : Simulation(std::move(setup), comm, &saved) {
-  resume(saved);
+  resume(saved, set_populations);
 }
 
 /// All but the state that either start gives.
@@ -62,10 +63,11 @@ void Simulation::start_fresh() {
   if (faults_.see_energy(scene_, turnover_.energy_brought(), step_)) faults_.start(scene_.comm);
 }
 
-void Simulation::resume(const SavedState& saved) {
+void Simulation::resume(const SavedState& saved,
+                        const std::function<void(const Case&, FluidFields&)>& set_populations) {
   if (saved.step > 0) scene_.move_walls(saved.step - 1);  // where the last step mapped them
   if (scene_.flow) {
-    saved.set_populations(scene_.flow->fields());
+    set_populations(setup(), scene_.flow->fields());
     MassCorrectionState correction = saved.mass_correction;
     correction.steps = saved.step;
     scene_.flow->resume(correction);

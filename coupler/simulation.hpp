@@ -30,7 +30,7 @@ struct Balance {
   double momentum_scale = 0;  // |fluid's| + sum over bodies of |m v|
 };
 
-/// This is what a checkpoint brings back.
+/// This is what a checkpoint brings back, but for the populations of the fluid.
 struct SavedState {
   SavedBodies bodies;
   std::int64_t step = 0;
@@ -40,14 +40,15 @@ struct SavedState {
   rigid::FixedVec3 momentum_brought;  // by bodies that came and went
   double fluid_speed = 0;
   MassCorrectionState mass_correction;
-  std::function<void(FluidFields&)> set_populations;
 };
 
 class Simulation : private rigid::StepObserver {
  public:
   /// Starts at step 0. Errors are those of Scene.
   Simulation(Case, MPI_Comm);
-  Simulation(Case, MPI_Comm, const SavedState&);
+  /// Goes on from a state, with populations that set_populations gives the fluid, if there is one.
+  Simulation(Case, MPI_Comm, const SavedState&,
+             const std::function<void(const Case&, FluidFields&)>& set_populations);
   Simulation(const Simulation&) = delete;
 
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
@@ -120,7 +121,7 @@ class Simulation : private rigid::StepObserver {
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);
   void start_fresh();
-  void resume(const SavedState&);
+  void resume(const SavedState&, const std::function<void(const Case&, FluidFields&)>& set_populations);
   // of the bodies' step
   void before_drift(rigid::BodySet&) override;
   bool wants_contact_impulses() const override;

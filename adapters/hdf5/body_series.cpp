@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "adapters/hdf5/order_by_id.hpp"
+#include "adapters/hdf5/slice_exchange.hpp"
 #include "adapters/hdf5/table.hpp"
 #include "parallel/together.hpp"
 
@@ -16,10 +16,15 @@ using hdf5::Handle;
 
 constexpr hsize_t rows_a_chunk = 1024, times_a_chunk = 256;
 
-/// Returns the columns of BodyRow with units made of those of length, time and mass.
-std::vector<Column> body_columns(BodyColumns with, const std::string& l, const std::string& t,
-                                 const std::string& m) {
+/// Returns the columns of BodyRow in /bodies.
+std::vector<Column> body_columns(const BodySeriesInfo& info) {
+  const std::string &l = info.length, &t = info.time, &m = info.mass;
   const std::string force = m + " " + l + "/" + t + "^2", torque = m + " " + l + "^2/" + t + "^2";
+  const std::string of_fluid =
+      "what the fluid gave the body in the step, and what a program added; without gravity and without the "
+      "fluid's hydrostatic pressure";
+  const std::string of_contacts =
+      "of contacts and lubrication films in the step; nan of bodies that are not free";
   std::vector<Column> columns = {
       {"id", offsetof(BodyRow, id), Column::uint64},
       {"kind", offsetof(BodyRow, kind), Column::int32},
@@ -28,18 +33,23 @@ std::vector<Column> body_columns(BodyColumns with, const std::string& l, const s
       {"orientation", offsetof(BodyRow, orientation), Column::float64, 4, "quaternion w, x, y, z"},
       {"velocity", offsetof(BodyRow, velocity), Column::float64, 3, l + "/" + t},
       {"angular_velocity", offsetof(BodyRow, angular_velocity), Column::float64, 3, "rad/" + t},
-      {"force", offsetof(BodyRow, force), Column::float64, 3, force},
-      {"torque", offsetof(BodyRow, torque), Column::float64, 3, torque},
+      {"force", offsetof(BodyRow, force), Column::float64, 3, force, of_fluid},
+      {"torque", offsetof(BodyRow, torque), Column::float64, 3, torque, of_fluid},
       {"mass", offsetof(BodyRow, mass), Column::float64, 1, m}};
-  if (with.buoyancy) columns.push_back({"buoyancy", offsetof(BodyRow, buoyancy), Column::float64, 3, force});
-  if (with.contacts) {
-    columns.push_back({"contact_force", offsetof(BodyRow, contact_force), Column::float64, 3, force});
-    columns.push_back({"contact_torque", offsetof(BodyRow, contact_torque), Column::float64, 3, torque});
-  }
+  if (info.columns.buoyancy)
+    columns.push_back({"buoyancy", offsetof(BodyRow, buoyancy), Column::float64, 3, force,
+                       "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards"});
+  if (!info.columns.contacts) return columns;
+  columns.push_back(
+      {"contact_force", offsetof(BodyRow, contact_force), Column::float64, 3, force, of_contacts});
+  columns.push_back(
+      {"contact_torque", offsetof(BodyRow, contact_torque), Column::float64, 3, torque, of_contacts});
   return columns;
 }
 std::vector<Column> body_columns(BodyColumns with) {
-  return body_columns(with, "", "", "");
+  BodySeriesInfo info;
+  info.columns = with;
+  return body_columns(info);
 }
 
 struct TimeRow {
@@ -47,7 +57,7 @@ struct TimeRow {
   std::int64_t step;
   std::uint64_t offset, count;
 };
-std::vector<Column> time_columns(const std::string& unit) {
+std::vector<Column> time_columns(const std::string& unit = "") {
   return {{"offset", offsetof(TimeRow, offset), Column::uint64},
           {"count", offsetof(TimeRow, count), Column::uint64},
           {"step", offsetof(TimeRow, step), Column::int64},
@@ -60,14 +70,15 @@ std::uint64_t room_to_append(std::size_t rows) {
   return chunks * rows_a_chunk * sizeof(BodyRow) + times_a_chunk * sizeof(TimeRow) + hdf5::metadata_room;
 }
 
-std::vector<hsize_t> row_shape(const Column& c) {
-  return c.components > 1 ? std::vector<hsize_t>{static_cast<hsize_t>(c.components)} : std::vector<hsize_t>{};
-}
+// ---- rows of columns that grow ----
 
 void create_columns(File& file, const std::string& group, const std::vector<Column>& columns, hsize_t chunk) {
   for (const Column& c : columns) {
-    const Handle data = file.create_growing(group + c.name, c.memory_type(), row_shape(c), chunk);
+    const Handle data =
+        file.create_dataset(group + c.name, c.stored_type(), hdf5::table_shape(0, c.components),
+                            {hdf5::table_shape(chunk, c.components), true});
     if (!c.unit.empty()) file.attribute(data, "unit", c.unit);
+    if (!c.meaning.empty()) file.attribute(data, "meaning", c.meaning);
   }
 }
 
@@ -78,55 +89,47 @@ void resize(File& file, hid_t dataset, hsize_t rows) {
   file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
 }
 
-void write_meanings(File& file, BodyColumns with) {
-  const auto say = [&](std::initializer_list<const char*> columns, const std::string& meaning) {
-    for (const char* c : columns)
-      file.attribute(file.dataset(std::string("/bodies/") + c), "meaning", meaning);
-  };
-  say({"force", "torque"},
-      "what the fluid gave the body in the step, and what a program added; without gravity and without the "
-      "fluid's hydrostatic pressure");
-  if (with.buoyancy)
-    say({"buoyancy"}, "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards");
-  if (with.contacts)
-    say({"contact_force", "contact_torque"},
-        "of contacts and lubrication films in the step; nan of bodies that are not free");
+/// Calls transfer(memory, space) for the rows [first, first + n) of a column's dataset, if there are any.
+template <class Transfer>
+void for_rows(const File& file, hid_t dataset, const Column& c, hsize_t first, hsize_t n,
+              Transfer&& transfer) {
+  if (n == 0) return;
+  const hsize_t numbers = n * c.components;
+  const Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
+  const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
+  hdf5::Shape start(file.shape(dataset).size(), 0), count = hdf5::table_shape(n, c.components);
+  start[0] = first;
+  file.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+             "cannot select rows");
+  transfer(memory, space);
 }
 
-void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
-  hdf5::TemporaryFile part(path.string() + ".part", true);
-  hdf5::reserve(part.path(), provenance.case_text.size() + mesh_bytes(info.kinds) + hdf5::metadata_room);
-  File file = File::create(part.path(), hdf5::Format::classic);
-  const Handle root = file.group("/", false);
-  file.attribute(root, "format", std::string("silt bodies"));
-  file.attribute(root, "format_version", std::int64_t{3});
-  file.attribute(root, "length_unit", info.length);
-  file.attribute(root, "time_unit", info.time);
-  file.attribute(root, "domain_lower", H5T_NATIVE_DOUBLE, {3}, info.domain_lower.data());
-  file.attribute(root, "domain_upper", H5T_NATIVE_DOUBLE, {3}, info.domain_upper.data());
-  file.group("/bodies", true);
-  create_columns(file, "/", time_columns(info.time), times_a_chunk);
-  create_columns(file, "/bodies/", body_columns(info.columns, info.length, info.time, info.mass),
-                 rows_a_chunk);
-  write_meanings(file, info.columns);
-  write_kinds(file, info.kinds, info.length, info.mass + "/" + info.length + "^3");
-  file.write_provenance(provenance);
-  file.close();
-  part.rename_to(path);
+void write_rows(const File& file, hid_t dataset, const Column& c, hsize_t first,
+                std::span<const std::byte> values) {
+  for_rows(file, dataset, c, first, values.size() / c.bytes(), [&](hid_t memory, hid_t space) {
+    file.check(H5Dwrite(dataset, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
+               "cannot write " + c.name + " (is the disk full?)");
+  });
 }
 
 /// Returns the whole times of a file whose last append may have been cut off: those with rows in every
 /// column.
 std::vector<TimeRow> whole_times(const File& file, BodyColumns with) {
   hsize_t times = ~hsize_t{0}, rows = ~hsize_t{0};
-  for (const Column& c : time_columns("")) times = std::min(times, file.shape(file.dataset(c.name))[0]);
+  for (const Column& c : time_columns()) times = std::min(times, file.shape(file.dataset(c.name))[0]);
   for (const Column& c : body_columns(with))
-    rows = std::min(rows, file.shape(file.dataset(std::string("/bodies/") + c.name))[0]);
+    rows = std::min(rows, file.shape(file.dataset("/bodies/" + c.name))[0]);
   std::vector<TimeRow> table(times);
-  for (const Column& c : time_columns("")) {
-    if (times == 0) break;
+  for (const Column& c : time_columns()) {
     const Handle data = file.dataset(c.name);
-    hdf5::scatter_column(c, hdf5::read_rows(file, data, c, 0, times), table.data(), sizeof(TimeRow));
+    std::vector<std::byte> values(times * c.bytes());
+    if (H5Tequal(file.type(data), c.stored_type()) <= 0)
+      file.refuse(c.name + " has another type than this version writes");
+    for_rows(file, data, c, 0, times, [&](hid_t memory, hid_t space) {
+      file.check(H5Dread(data, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
+                 "cannot read " + c.name + " (truncated?)");
+    });
+    hdf5::scatter_column(c, values, table);
   }
   std::size_t whole = 0;
   std::uint64_t next = 0;
@@ -138,15 +141,106 @@ std::vector<TimeRow> whole_times(const File& file, BodyColumns with) {
   return table;
 }
 
-void require_columns(const File& file, const hdf5::Path& path, BodyColumns with) {
-  const std::pair<const char*, bool> sometimes[] = {{"buoyancy", with.buoyancy},
-                                                    {"contact_force", with.contacts}};
+// ---- the kinds ----
+
+/// The surfaces of all parts, one after the other.
+struct Surfaces : TriangleMesh {
+  std::vector<std::int32_t> part_kind;
+  std::vector<std::int64_t> vertex_offset{0}, normal_offset{0}, triangle_offset{0};
+
+  void add(std::size_t kind, const TriangleMesh& part) {
+    const auto append = [](auto& all, const auto& more, std::vector<std::int64_t>& offset) {
+      all.insert(all.end(), more.begin(), more.end());
+      offset.push_back(static_cast<std::int64_t>(all.size()));
+    };
+    part_kind.push_back(static_cast<std::int32_t>(kind));
+    append(vertices, part.vertices, vertex_offset);
+    append(normals, part.normals, normal_offset);
+    append(triangles, part.triangles, triangle_offset);
+    triangle_normals.insert(triangle_normals.end(), part.triangle_normals.begin(),
+                            part.triangle_normals.end());
+  }
+};
+
+/// Lengths and directions are for pictures: single precision is enough.
+void write_kinds(File& file, const BodySeriesInfo& info) {
+  const Handle group = file.create_group("/kinds"), bodies = file.group("/bodies");
+  std::vector<std::string> names;
+  std::vector<double> radii, densities;
+  Surfaces all;
+  for (const BodyKind& kind : info.kinds) {
+    for (const TriangleMesh& part : kind.parts) all.add(names.size(), part);
+    names.push_back(kind.name);
+    radii.push_back(kind.bounding_radius);
+    densities.push_back(kind.density);
+  }
+  if (!names.empty())
+    for (const Handle* owner : {&group, &bodies}) file.attribute(*owner, "kind_names", names);
+  const auto write = [&](const char* name, hid_t type, const auto& list, const std::string& unit,
+                         const std::string& meaning) {
+    const Handle data = file.write_list(std::string("/kinds/") + name, type, list);
+    if (!unit.empty()) file.attribute(data, "unit", unit);
+    file.attribute(data, "meaning", meaning);
+  };
+  write("bounding_radius", H5T_IEEE_F64LE, radii, info.length,
+        "largest distance of a point of the body from its centre of mass");
+  write("density", H5T_IEEE_F64LE, densities, info.mass + "/" + info.length + "^3", "mass over volume");
+  write("part_kind", H5T_STD_I32LE, all.part_kind, "", "kind that each convex part belongs to");
+  write("vertex", H5T_IEEE_F32LE, all.vertices, info.length,
+        "vertices of the parts' surfaces in the frame of the body, origin at its centre of mass");
+  write("normal", H5T_IEEE_F32LE, all.normals, "1",
+        "outward unit normals of the surfaces, in the frame of the body");
+  write("triangle", H5T_STD_I32LE, all.triangles, "",
+        "vertices of each triangle, counted from the part's first, counter-clockwise seen from outside");
+  write("triangle_normal", H5T_STD_I32LE, all.triangle_normals, "",
+        "normals at the corners of each triangle, counted from the part's first");
+  write("vertex_offset", H5T_STD_I64LE, all.vertex_offset, "",
+        "part p has the vertices vertex_offset[p] to vertex_offset[p + 1] - 1");
+  write("normal_offset", H5T_STD_I64LE, all.normal_offset, "",
+        "part p has the normals normal_offset[p] to normal_offset[p + 1] - 1");
+  write("triangle_offset", H5T_STD_I64LE, all.triangle_offset, "",
+        "part p has the triangles triangle_offset[p] to triangle_offset[p + 1] - 1");
+}
+
+/// The number of bytes that the surfaces take in the file.
+std::uint64_t surface_bytes(std::span<const BodyKind> kinds) {
+  std::uint64_t bytes = 0;
+  for (const BodyKind& kind : kinds)
+    for (const TriangleMesh& part : kind.parts)
+      bytes += 12 * (part.vertices.size() + part.normals.size()) + 24 * part.triangles.size() + 28;
+  return bytes;
+}
+
+// ---- the file ----
+
+void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
+  hdf5::TemporaryFile part(path.string() + ".part", true);
+  hdf5::reserve(part.path(), provenance.case_text.size() + surface_bytes(info.kinds) + hdf5::metadata_room);
+  File file = File::create(part.path(), hdf5::Format::classic);
+  const Handle root = file.group("/");
+  file.attribute(root, "format", std::string("silt bodies"));
+  file.number(root, "format_version", std::int64_t{3});
+  file.attribute(root, "length_unit", info.length);
+  file.attribute(root, "time_unit", info.time);
+  file.numbers(root, "domain_lower", info.domain_lower);
+  file.numbers(root, "domain_upper", info.domain_upper);
+  file.create_group("/bodies");
+  create_columns(file, "/", time_columns(info.time), times_a_chunk);
+  create_columns(file, "/bodies/", body_columns(info), rows_a_chunk);
+  write_kinds(file, info);
+  file.write_provenance(provenance);
+  file.close();
+  part.rename_to(path);
+}
+
+void require_columns(const File& file, BodyColumns with) {
   const auto there = [&](const char* name) { return file.exists(std::string("/bodies/") + name); };
-  for (const auto& [name, wanted] : sometimes)
-    if (there(name) != wanted || !there("mass"))
-      throw hdf5::Error(path.string() + ": its columns are not those of this run (" +
-                        (there("mass") ? name : "mass") + "); go on with output.bodies.contacts as the run " +
-                        "began with, or move the file away: a new one is then begun");
+  for (const auto& [name, wanted] :
+       {std::pair{"mass", true}, {"buoyancy", with.buoyancy}, {"contact_force", with.contacts}})
+    if (there(name) != wanted)
+      file.refuse(std::string("its columns are not those of this run (") + name +
+                  "); go on with output.bodies.contacts as the run began with, or move the file away: a new "
+                  "one is then begun");
 }
 
 }  // namespace
@@ -158,16 +252,18 @@ struct BodySeries::Open {
 
   Open(const hdf5::Path& path, BodyColumns with) : file(File::open_journaled(path)) {
     for (const Column& c : body_columns(with))
-      bodies.push_back(file.dataset_to_append(std::string("/bodies/") + c.name, rows_a_chunk * c.bytes()));
-    for (const Column& c : time_columns(""))
-      times.push_back(file.dataset_to_append(std::string("/") + c.name, times_a_chunk * c.bytes()));
+      bodies.push_back(file.dataset_to_append("/bodies/" + c.name, rows_a_chunk * c.bytes()));
+    for (const Column& c : time_columns())
+      times.push_back(file.dataset_to_append("/" + c.name, times_a_chunk * c.bytes()));
   }
   void append_time(const TimeRow& now, hsize_t at) {
-    const auto columns = time_columns("");
+    const auto columns = time_columns();
     for (std::size_t k = 0; k < columns.size(); ++k) {
+      std::vector<std::byte> value;
+      hdf5::gather_column<TimeRow>(
+          columns[k], 1, [&](auto) { return now; }, value);
       resize(file, times[k], at + 1);
-      hdf5::write_rows(file, times[k], columns[k], at, 1,
-                       hdf5::gather_column<TimeRow>(columns[k], 1, [&](auto) { return now; }));
+      write_rows(file, times[k], columns[k], at, value);
     }
   }
 };
@@ -183,7 +279,7 @@ BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::pat
   BodySeries series(comm, path, with);
   parallel::on_rank_0(comm, [&] {
     File file = File::open_journaled(path);
-    require_columns(file, path, with);
+    require_columns(file, with);
     auto table = whole_times(file, with);
     while (!table.empty() && table.back().step > step) table.pop_back();
     series.times_ = table.size();
@@ -191,9 +287,8 @@ BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::pat
       series.rows_ = table.back().offset + table.back().count;
       series.last_step_ = table.back().step;
     }
-    for (const Column& c : time_columns("")) resize(file, file.dataset(c.name), series.times_);
-    for (const Column& c : body_columns(with))
-      resize(file, file.dataset(std::string("/bodies/") + c.name), series.rows_);
+    for (const Column& c : time_columns()) resize(file, file.dataset(c.name), series.times_);
+    for (const Column& c : body_columns(with)) resize(file, file.dataset("/bodies/" + c.name), series.rows_);
     file.close();
   });
   return series;
@@ -201,6 +296,7 @@ BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::pat
 
 void BodySeries::append(std::int64_t step, double time, std::size_t n,
                         const std::function<BodyRow(std::size_t)>& row) {
+  constexpr std::size_t rows_a_piece = 1 << 16;
   std::vector<std::uint64_t> ids;
   parallel::together(comm_, [&] {
     if (parallel::rank_of(comm_) == 0 && step <= last_step_)
@@ -222,14 +318,18 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Column& c = columns[k];
     parallel::on_rank_0(comm_, [&] { resize(open->file, open->bodies[k], rows_ + order.total); });
-    std::vector<std::byte> mine;
+    std::vector<std::byte> values;
     parallel::together(comm_, [&] {
-      mine = hdf5::gather_column<BodyRow>(c, n, [&](std::size_t r) { return row(order.rows[r]); });
+      hdf5::gather_column<BodyRow>(
+          c, n, [&](std::size_t r) { return row(order.rows[r]); }, values);
     });
-    slices.hand_to_rank_0(c.bytes(), slices.to_slice(c.bytes(), std::move(mine)),
-                          [&](std::uint64_t first, std::uint64_t count, const auto& values) {
-                            hdf5::write_rows(open->file, open->bodies[k], c, rows_ + first, count, values);
-                          });
+    const auto slice = slices.to_slice(c.bytes(), std::move(values));
+    hsize_t first = rows_;
+    hdf5::hand_to_rank_0(slices.comm(), slice, rows_a_piece * c.bytes(),
+                         [&](std::span<const std::byte> piece) {
+                           write_rows(open->file, open->bodies[k], c, first, piece);
+                           first += piece.size() / c.bytes();
+                         });
   }
   parallel::on_rank_0(comm_, [&] {
     open->append_time({time, step, rows_, order.total}, times_);

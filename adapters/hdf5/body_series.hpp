@@ -5,8 +5,14 @@
 //   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
 //           angular_velocity [R][3]  force [R][3]  torque [R][3]  mass [R]    sorted by id within a time
 //   and what BodyColumns says: buoyancy [R][3]; contact_force [R][3]  contact_torque [R][3]
-//   /kinds  (name, bounding radius, density and surface of each kind: adapters/hdf5/body_kinds.hpp)
+//   /kinds/bounding_radius [K]  density [K]    of the kinds, whose names are the attribute kind_names
+//   /kinds/part_kind [P]                       of the convex parts of all kinds, in their order
+//   /kinds/vertex_offset [P+1]  vertex [V][3]  part p has the vertices vertex_offset[p] .. vertex_offset[p+1]
+//   /kinds/normal_offset [P+1]  normal [N][3]  ... and normals and triangles alike
+//   /kinds/triangle_offset [P+1]  triangle [T][3]  triangle_normal [T][3]: vertices and normals of the same
+//                                              part, counted from its first
 //   /provenance
+// The attributes `unit` and `meaning` of a dataset say it again.
 // With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first:
 // scripts/body_series.py
 #include <mpi.h>
@@ -19,10 +25,25 @@
 #include <string>
 #include <vector>
 
-#include "adapters/hdf5/body_kinds.hpp"
-#include "adapters/hdf5/provenance.hpp"
+#include "adapters/hdf5/result_file.hpp"
 
 namespace silt::adapters {
+
+/// TriangleMesh is the closed surface of a piece of a body, in the frame of the body (origin at the
+/// centre of mass).
+struct TriangleMesh {
+  std::vector<std::array<double, 3>> vertices;
+  std::vector<std::array<double, 3>> normals;                 // unit, outward
+  std::vector<std::array<std::int32_t, 3>> triangles;         // vertices, counter-clockwise seen from outside
+  std::vector<std::array<std::int32_t, 3>> triangle_normals;  // of the surface at the triangles' corners
+};
+
+/// BodyKind holds what all bodies of a kind share, in the units of the case.
+struct BodyKind {
+  std::string name;  // "light spheres"
+  double bounding_radius = 0, density = 0;
+  std::vector<TriangleMesh> parts;
+};
 
 /// BodyRow is one body at one time, in the units of the case.
 struct BodyRow {

@@ -5,14 +5,21 @@
 #include <numeric>
 #include <optional>
 
-#include "adapters/hdf5/checksum.hpp"
-#include "adapters/hdf5/order_by_id.hpp"
-#include "adapters/hdf5/shared_file.hpp"
+#include "adapters/hdf5/slice_exchange.hpp"
+#include "adapters/hdf5/table.hpp"
+#include "adapters/hdf5/verify_checkpoint.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::adapters::hdf5 {
+namespace {
 
+using Bytes = std::vector<std::byte>;
+using Counts = std::vector<std::uint64_t>;  // of impulses, body by body
+
+// ---- the columns ----
+
+/// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
 std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) {
   using R = rigid::BodyRecord;
   const R record;
@@ -52,26 +59,60 @@ std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) 
   return columns;
 }
 
-const std::vector<Column>& impulse_columns() {
-  static const std::vector<Column> columns{{"partner", offsetof(ImpulseRow, partner), Column::uint64},
-                                           {"image", offsetof(ImpulseRow, image), Column::int8, 3},
-                                           {"held", offsetof(ImpulseRow, held), Column::int8},
-                                           {"feature", offsetof(ImpulseRow, feature), Column::uint64},
-                                           {"impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
-  return columns;
+/// The number of a body's impulses, in /bodies too.
+const Column count_column{"impulse_count", 0, Column::uint64};
+
+/// ImpulseRow is a stored impulse as a plain row of /impulses, in the order of the bodies.
+struct ImpulseRow {
+  rigid::BodyId partner;
+  std::int8_t image[3], held;
+  std::uint64_t feature;
+  double impulse[3];
+};
+
+const std::vector<Column> impulse_columns{{"partner", offsetof(ImpulseRow, partner), Column::uint64},
+                                          {"image", offsetof(ImpulseRow, image), Column::int8, 3},
+                                          {"held", offsetof(ImpulseRow, held), Column::int8},
+                                          {"feature", offsetof(ImpulseRow, feature), Column::uint64},
+                                          {"impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
+
+ImpulseRow row_of(const rigid::StoredImpulse& s) {
+  return {s.partner,
+          {s.image.x, s.image.y, s.image.z},
+          s.held,
+          s.feature,
+          {s.impulse[0], s.impulse[1], s.impulse[2]}};
 }
 
-const Column& impulse_count_column() {
-  static const Column column{"impulse_count", 0, Column::uint64};
-  return column;
+rigid::StoredImpulse impulse_of(const ImpulseRow& r) {
+  return {r.partner,
+          {r.image[0], r.image[1], r.image[2]},
+          r.feature,
+          rigid::Vec3(r.impulse[0], r.impulse[1], r.impulse[2]),
+          r.held != 0};
 }
 
-namespace {
+std::string body_dataset(const Column& c) {
+  return "/bodies/" + c.name;
+}
+std::string impulse_dataset(const Column& c) {
+  return "/impulses/" + c.name;
+}
 
-const std::string bodies_group = "/bodies", impulses_group = "/impulses";
+Counts as_numbers(const Bytes& bytes) {
+  Counts numbers(bytes.size() / sizeof(std::uint64_t));
+  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  return numbers;
+}
+Bytes as_bytes(const Counts& numbers) {
+  const auto bytes = std::as_bytes(std::span(numbers));
+  return {bytes.begin(), bytes.end()};
+}
+
+// ---- writing ----
 
 IdOrder order_of(MPI_Comm comm, const Path& path, const OwnedRows& owned) {
-  std::vector<std::uint64_t> ids;
+  Counts ids;
   parallel::together(comm, [&] {
     for (std::size_t i = 0; i < owned.n; ++i) ids.push_back(owned.record(i).id);
   });
@@ -80,19 +121,9 @@ IdOrder order_of(MPI_Comm comm, const Path& path, const OwnedRows& owned) {
   return order;
 }
 
-std::vector<std::uint64_t> as_numbers(const std::vector<std::byte>& bytes) {
-  std::vector<std::uint64_t> numbers(bytes.size() / sizeof(std::uint64_t));
-  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.data(), bytes.size());
-  return numbers;
-}
-std::vector<std::byte> as_bytes(const std::vector<std::uint64_t>& numbers) {
-  const auto bytes = std::as_bytes(std::span(numbers));
-  return {bytes.begin(), bytes.end()};
-}
-
 /// Where the impulses of this rank's bodies go: before each body's come those of all smaller ids.
 struct ImpulseOrder {
-  std::vector<std::uint64_t> counts;
+  Counts counts;
   std::vector<SliceExchange::Run> places;
   std::uint64_t total = 0;
 };
@@ -101,8 +132,8 @@ ImpulseOrder impulse_order_of(MPI_Comm comm, const OwnedRows& owned, const IdOrd
                               const SliceExchange& bodies) {
   ImpulseOrder impulses;
   constexpr std::size_t width = sizeof(std::uint64_t);
-  std::vector<std::byte> bytes;
-  std::vector<std::uint64_t> slice;
+  Bytes bytes;
+  Counts slice;
   parallel::together(comm, [&] {
     for (const std::size_t i : order.rows) impulses.counts.push_back(owned.impulses(i).size());
     bytes = as_bytes(impulses.counts);
@@ -115,73 +146,29 @@ ImpulseOrder impulse_order_of(MPI_Comm comm, const OwnedRows& owned, const IdOrd
   parallel::together(comm, [&] { bytes = as_bytes(slice); });
   bytes = bodies.from_slice(width, bytes);
   parallel::together(comm, [&] {
-    const auto first = as_numbers(bytes);
+    const Counts first = as_numbers(bytes);
     for (std::size_t k = 0; k < first.size(); ++k)
       if (impulses.counts[k] > 0) impulses.places.push_back({first[k], impulses.counts[k]});
   });
   return impulses;
 }
 
-ImpulseRow row_of(const rigid::StoredImpulse& s) {
-  ImpulseRow r{};
-  r.partner = s.partner;
-  r.image[0] = s.image.x, r.image[1] = s.image.y, r.image[2] = s.image.z;
-  r.held = s.held;
-  r.feature = s.feature;
-  for (int d = 0; d < 3; ++d) r.impulse[d] = s.impulse[d];
-  return r;
-}
-
-std::vector<std::byte> gather_impulses(const Column& c, const OwnedRows& owned, const IdOrder& order) {
-  std::vector<std::byte> packed;
-  for (const std::size_t i : order.rows) {
-    const auto& list = owned.impulses(i);
-    const auto more =
-        gather_column<ImpulseRow>(c, list.size(), [&](std::size_t k) { return row_of(list[k]); });
-    packed.insert(packed.end(), more.begin(), more.end());
-  }
-  return packed;
-}
-
-std::uint64_t bytes_of(const std::vector<Column>& columns, std::uint64_t rows) {
-  std::uint64_t bytes = 0;
-  for (const Column& c : columns) bytes += c.bytes() * rows;
-  return bytes;
-}
-
-/// Creates the tables of so many bodies and impulses, and returns where in the file the values of each column
-/// begin.
-std::vector<std::uint64_t> create_tables(File& file, const std::vector<Column>& bodies, std::uint64_t n,
-                                         std::uint64_t impulses) {
-  std::vector<std::uint64_t> places;
-  const auto create = [&](const std::string& group, const Column& c, std::uint64_t rows) {
-    std::vector<hsize_t> shape{rows};
-    if (c.components > 1) shape.push_back(c.components);
-    places.push_back(file.place_of(file.create_contiguous(group + '/' + c.name, c.memory_type(), shape)));
-  };
-  file.group(bodies_group, true);
-  for (const Column& c : bodies) create(bodies_group, c, n);
-  file.group(impulses_group, true);
-  for (const Column& c : impulse_columns()) create(impulses_group, c, impulses);
-  return places;
-}
-
-/// Writes columns slice by slice, in the order in which they were created, and adds up their checksums.
+/// Writes columns slice by slice, and adds up their checksums.
 class ColumnWriter {
  public:
-  ColumnWriter(MPI_Comm comm, const Path& path, std::vector<std::uint64_t> places)
-      : comm_(comm), places_(std::move(places)) {
-    parallel::together(comm_, [&] { file_.emplace(path); });
+  /// The values of the columns begin at these places, in the order in which they are written.
+  ColumnWriter(MPI_Comm comm, const Path& path, Counts places) : comm_(comm), places_(std::move(places)) {
+    parallel::together(comm_, [&] { file_.emplace(path, RawFile::to_write); });
   }
-  /// make() gives this rank's values.
+  /// make(values) gives this rank's values.
   template <class Make>
-  void write(const std::string& group, const Column& c, const SliceExchange& slices, Make&& make) {
-    std::vector<std::byte> values;
-    parallel::together(comm_, [&] { values = make(); });
-    const auto slice = slices.to_slice(c.bytes(), std::move(values));
+  void write(const std::string& dataset, const Column& c, const SliceExchange& slices, Make&& make) {
+    Bytes values;
+    parallel::together(comm_, [&] { make(values); });
+    const Bytes slice = slices.to_slice(c.bytes(), std::move(values));
     parallel::together(comm_, [&] {
       file_->write(places_[names_.size()] + slices.slice_begin() * c.bytes(), slice);
-      names_.push_back(group + '/' + c.name);
+      names_.push_back(dataset);
       sums_.push_back(run_checksum(c.value_bytes(), slice.data(), slices.slice_size() * c.components,
                                    slices.slice_begin() * c.components));
     });
@@ -196,10 +183,9 @@ class ColumnWriter {
 
  private:
   MPI_Comm comm_;
-  std::optional<SharedFile> file_;
-  std::vector<std::uint64_t> places_;
+  std::optional<RawFile> file_;
+  Counts places_, sums_;
   std::vector<std::string> names_;
-  std::vector<std::uint64_t> sums_;
 };
 
 }  // namespace
@@ -213,104 +199,87 @@ std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path
   const ImpulseOrder impulse_order = impulse_order_of(comm, owned, order, bodies);
   const SliceExchange impulses(comm, impulse_order.total, impulse_order.places);
   std::vector<Column> columns;
-  std::vector<std::uint64_t> places;
+  Counts places;
   parallel::together(comm, [&] {
     columns = record_columns(holder);
-    places.resize(columns.size() + 1 + impulse_columns().size());
+    places.resize(columns.size() + 1 + impulse_columns.size());
   });
   parallel::on_rank_0(comm, [&] {
-    std::vector<Column> of_bodies = columns;
-    of_bodies.push_back(impulse_count_column());
-    File file = open(bytes_of(of_bodies, order.total) + bytes_of(impulse_columns(), impulse_order.total));
-    places = create_tables(file, of_bodies, order.total, impulse_order.total);
+    std::uint64_t of_body = count_column.bytes(), of_impulse = 0;
+    for (const Column& c : columns) of_body += c.bytes();
+    for (const Column& c : impulse_columns) of_impulse += c.bytes();
+    File file = open(of_body * order.total + of_impulse * impulse_order.total);
+    auto place = places.begin();
+    const auto create = [&](const std::string& name, const Column& c, std::uint64_t rows) {
+      *place++ = file.place_of(file.create_dataset(name, c.stored_type(), table_shape(rows, c.components)));
+    };
+    file.create_group("/bodies");
+    for (const Column& c : columns) create(body_dataset(c), c, order.total);
+    create(body_dataset(count_column), count_column, order.total);
+    file.create_group("/impulses");
+    for (const Column& c : impulse_columns) create(impulse_dataset(c), c, impulse_order.total);
     file.close();
   });
   parallel::broadcast(comm, std::span(places));
   ColumnWriter writer(comm, path, std::move(places));
   for (const Column& c : columns)
-    writer.write(bodies_group, c, bodies, [&] {
-      return gather_column<rigid::BodyRecord>(c, owned.n,
-                                              [&](std::size_t k) { return owned.record(order.rows[k]); });
+    writer.write(body_dataset(c), c, bodies, [&](Bytes& values) {
+      gather_column<rigid::BodyRecord>(
+          c, owned.n, [&](std::size_t k) { return owned.record(order.rows[k]); }, values);
     });
-  writer.write(bodies_group, impulse_count_column(), bodies, [&] { return as_bytes(impulse_order.counts); });
-  for (const Column& c : impulse_columns())
-    writer.write(impulses_group, c, impulses, [&] { return gather_impulses(c, owned, order); });
+  writer.write(body_dataset(count_column), count_column, bodies,
+               [&](Bytes& values) { values = as_bytes(impulse_order.counts); });
+  for (const Column& c : impulse_columns)
+    writer.write(impulse_dataset(c), c, impulses, [&](Bytes& values) {
+      for (const std::size_t i : order.rows) {
+        const auto& list = owned.impulses(i);
+        gather_column<ImpulseRow>(
+            c, list.size(), [&](std::size_t k) { return row_of(list[k]); }, values);
+      }
+    });
   return writer.close();
 }
 
+// ---- reading ----
+
 namespace {
 
-/// Calls take(column, values) for the rows [first, first + n) of each column.
-template <class Take>
-void read_columns(const File& file, const std::string& group, const std::vector<Column>& columns,
-                  std::uint64_t rows, std::uint64_t first, std::uint64_t n, Take&& take) {
-  for (const Column& c : columns) {
-    const Handle dataset = file.dataset(group + '/' + c.name);
-    std::vector<hsize_t> shape{rows};
-    if (c.components > 1) shape.push_back(c.components);
-    if (file.shape(dataset) != shape)
-      throw Error(file.path().string() + ": " + group + '/' + c.name +
-                  " has another shape than this version writes");
-    take(c, read_rows(file, dataset, c, first, n));
+/// TableReader reads rows of the tables' columns.
+struct TableReader {
+  const File& file;
+  const RawFile raw;
+
+  explicit TableReader(const File& f) : file(f), raw(f.path(), RawFile::to_read) {}
+  std::uint64_t rows_in(const std::string& dataset) const { return file.place(dataset).shape[0]; }
+  /// Reads the rows [first, first + n) of a column that shall have so many in all.
+  Bytes read(const std::string& dataset, const Column& c, std::uint64_t rows, std::uint64_t first,
+             std::uint64_t n) const {
+    const Place place = file.place(dataset, c.stored_type(), table_shape(rows, c.components));
+    return raw.read(place.at + first * c.bytes(), n * c.bytes());
   }
-}
+};
 
-std::uint64_t rows_in(const File& file, const std::string& group, const Column& c) {
-  const auto shape = file.shape(file.dataset(group + '/' + c.name));
-  if (shape.size() != (c.components > 1 ? 2 : 1))
-    throw Error(file.path().string() + ": " + group + '/' + c.name +
-                " has another shape than this version writes");
-  return shape[0];
-}
-
-/// The impulses of bodies that have so many, from row `first` on.
-std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const File& file,
-                                                             const std::vector<std::uint64_t>& counts,
-                                                             std::uint64_t first, std::uint64_t n) {
-  std::vector<ImpulseRow> rows(n);
-  const auto& columns = impulse_columns();
-  read_columns(file, impulses_group, columns, rows_in(file, impulses_group, columns[0]), first, n,
-               [&](const Column& c, const auto& values) {
-                 scatter_column(c, values, rows.data(), sizeof(ImpulseRow));
-               });
+/// Reads the impulses of bodies that have so many, from row `first` of `total` on.
+std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const TableReader& reader, const Counts& counts,
+                                                             std::uint64_t total, std::uint64_t first) {
+  std::vector<ImpulseRow> rows(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
+  for (const Column& c : impulse_columns)
+    scatter_column(c, reader.read(impulse_dataset(c), c, total, first, rows.size()), rows);
   std::vector<std::vector<rigid::StoredImpulse>> lists(counts.size());
-  const ImpulseRow* r = rows.data();
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    lists[i].reserve(counts[i]);
-    for (std::uint64_t k = 0; k < counts[i]; ++k, ++r)
-      lists[i].push_back({r->partner,
-                          {r->image[0], r->image[1], r->image[2]},
-                          r->feature,
-                          rigid::Vec3(r->impulse[0], r->impulse[1], r->impulse[2]),
-                          r->held != 0});
-  }
+  auto row = rows.begin();
+  for (std::size_t i = 0; i < counts.size(); row += counts[i++])
+    std::transform(row, row + counts[i], std::back_inserter(lists[i]), impulse_of);
   return lists;
 }
 
-/// Of a slice of the bodies that begins at row `first`.
-void require_rising_ids(const File& file, const std::vector<rigid::BodyRecord>& records,
-                        std::uint64_t first) {
-  std::uint64_t last = 0;
-  if (first > 0 && !records.empty()) {
-    const Column id = record_columns({})[0];
-    last = as_numbers(read_rows(file, file.dataset(bodies_group + '/' + id.name), id, first - 1, 1))[0];
-  }
+/// Refuses records whose ids do not rise from `last` on, the one before them.
+void require_rising_ids(const File& file, const std::vector<rigid::BodyRecord>& records, std::uint64_t last) {
   for (const rigid::BodyRecord& r : records) {
     if (r.id <= last)
-      throw Error(file.path().string() + ": body " + std::to_string(r.id) + " comes after body " +
-                  std::to_string(last) + "; ids must rise, each once");
+      file.refuse("body " + std::to_string(r.id) + " comes after body " + std::to_string(last) +
+                  "; ids must rise, each once");
     last = r.id;
   }
-}
-
-/// The sum of the bodies' numbers of impulses; no part of it may be more than there are.
-std::uint64_t sum_of_counts(const std::vector<std::uint64_t>& counts, std::uint64_t there, const Path& path) {
-  std::uint64_t sum = 0;
-  for (const std::uint64_t n : counts) {
-    if (n > there - sum) throw Error(path.string() + ": bodies and impulses do not fit together");
-    sum += n;
-  }
-  return sum;
 }
 
 }  // namespace
@@ -319,28 +288,35 @@ CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
                                           std::span<const rigid::HolderColumn> holder) {
   CheckpointReader::Bodies found;
   const int rank = parallel::rank_of(comm), ranks = parallel::ranks_of(comm);
-  std::vector<std::uint64_t> counts;
-  std::uint64_t n = 0, impulses = 0;
+  std::optional<TableReader> reader;
+  Counts counts;
+  std::uint64_t all = 0, impulses = 0;
+  const auto do_not_fit = [&] { file.refuse("bodies and impulses do not fit together"); };
   parallel::together(comm, [&] {
-    const std::uint64_t total = rows_in(file, bodies_group, impulse_count_column());
-    found.first_body = total * rank / ranks;
-    n = total * (rank + 1) / ranks - found.first_body;
+    reader.emplace(file);
+    const std::uint64_t total = reader->rows_in(body_dataset(count_column));
+    const std::uint64_t first = total * rank / ranks, n = total * (rank + 1) / ranks - first;
+    all = reader->rows_in(impulse_dataset(impulse_columns[0]));
+    found.first_body = first;
     found.records.resize(n);
-    read_columns(file, bodies_group, record_columns(holder), total, found.first_body, n,
-                 [&](const Column& c, const auto& values) {
-                   scatter_column(c, values, found.records.data(), sizeof(rigid::BodyRecord));
-                 });
-    read_columns(file, bodies_group, {impulse_count_column()}, total, found.first_body, n,
-                 [&](const Column&, const auto& values) { counts = as_numbers(values); });
-    require_rising_ids(file, found.records, found.first_body);
-    impulses = sum_of_counts(counts, rows_in(file, impulses_group, impulse_columns()[0]), file.path());
+    const std::vector<Column> columns = record_columns(holder);
+    for (const Column& c : columns)
+      scatter_column(c, reader->read(body_dataset(c), c, total, first, n), found.records);
+    const Column& id = columns[0];
+    require_rising_ids(
+        file, found.records,
+        first == 0 ? 0 : as_numbers(reader->read(body_dataset(id), id, total, first - 1, 1))[0]);
+    counts = as_numbers(reader->read(body_dataset(count_column), count_column, total, first, n));
+    for (const std::uint64_t count : counts) {
+      if (count > all - impulses) do_not_fit();
+      impulses += count;
+    }
   });
   found.first_impulse = parallel::sum_of_ranks_before(comm, impulses);
-  const std::uint64_t all = parallel::sum_over_ranks(comm, impulses);
+  const std::uint64_t of_ranks = parallel::sum_over_ranks(comm, impulses);
   parallel::together(comm, [&] {
-    if (all != rows_in(file, impulses_group, impulse_columns()[0]))
-      throw Error(file.path().string() + ": bodies and impulses do not fit together");
-    found.impulses = read_impulses(file, counts, found.first_impulse, impulses);
+    if (of_ranks != all) do_not_fit();
+    found.impulses = read_impulses(*reader, counts, all, found.first_impulse);
   });
   return found;
 }

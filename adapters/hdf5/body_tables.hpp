@@ -3,26 +3,11 @@
 // and read by all ranks, each a slice of the rows.
 #include <map>
 #include <span>
-#include <string>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "adapters/hdf5/file.hpp"
-#include "adapters/hdf5/table.hpp"
 
 namespace silt::adapters::hdf5 {
-
-/// ImpulseRow is a stored impulse as a plain row, in the order of the bodies.
-struct ImpulseRow {
-  rigid::BodyId partner;
-  std::int8_t image[3], held;
-  std::uint64_t feature;
-  double impulse[3];
-};
-
-/// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
-std::vector<Column> record_columns(std::span<const rigid::HolderColumn> = {});
-const Column& impulse_count_column();          // in /bodies, of one std::uint64_t a row
-const std::vector<Column>& impulse_columns();  // of ImpulseRow, in /impulses
 
 /// Writes both tables; collective. open(bytes) opens the file on rank 0, with room for so many bytes more, to
 /// create the datasets. Returns the datasets' checksums (rank 0; elsewhere undefined) by name. Throws on

@@ -15,18 +15,44 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "adapters/hdf5/boxes.hpp"
-#include "adapters/hdf5/checkpoint_folder.hpp"
-#include "adapters/hdf5/provenance.hpp"
+#include "adapters/hdf5/result_file.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::adapters {
 
 inline constexpr std::int64_t checkpoint_format_version = 14;
+
+// ---- the checkpoints of a folder: checkpoint_000000005000.h5, the number being the step ----
+
+struct CheckpointName {
+  std::int64_t step;
+  std::filesystem::path path;
+};
+
+inline std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t step) {
+  return step_path(folder, "checkpoint", step, ".h5");
+}
+
+/// Returns the step in a checkpoint's name, if the name is one.
+std::optional<std::int64_t> checkpoint_step(const std::filesystem::path&);
+
+/// Lists the checkpoints of a folder by their names, newest (largest step) first; empty for a folder that is
+/// not there.
+std::vector<CheckpointName> list_checkpoints(const std::filesystem::path& folder);
+
+/// Returns the newest checkpoint in the same folder whose step is smaller than that of `path`.
+std::optional<std::filesystem::path> previous_checkpoint(const std::filesystem::path& path);
+
+/// Deletes all but the `keep` newest of those up to and including the step of `path`, and unfinished ones
+/// that a killed run left. keep < 1 keeps all. Errors are ignored: an old checkpoint too many harms nobody.
+void drop_old_checkpoints(const std::filesystem::path& path, int keep);
+
+// ---- one of them ----
 
 /// The bodies that a rank owns, in any order. Rows are made when they are asked for, more than once: no
 /// second list of all is needed.
@@ -51,12 +77,11 @@ class CheckpointWriter {
   void set(const std::string& name, const std::string&);
 
   /// Writes cell data of a lattice: this rank's boxes, `components` populations a cell (1: the dataset is
-  /// [z][y][x]). fill(q, box, out) writes population q of all cells of one box, x fastest; it is called for
-  /// one q after the other. T: float, double, std::uint8_t. Cells no rank holds read as zero.
-  template <class T>
-  void cells(const std::string& name, std::array<int, 3> lattice, int components,
+  /// [z][y][x]). fill(q, box, out) writes population q of all cells of one box, x fastest, as they are
+  /// stored; it is called for one q after the other. Cells no rank holds read as zero.
+  void cells(const std::string& name, Storage, std::array<int, 3> lattice, int components,
              const std::vector<CellBox>& boxes,
-             const std::function<void(int q, std::size_t box, T* out)>& fill);
+             const std::function<void(int q, std::size_t box, void* out)>& fill);
 
   /// Writes the bodies of all ranks and their stored impulses; of their holder state what the columns name.
   /// Each rank sorts and writes a slice of them, a column at a time.
@@ -68,8 +93,6 @@ class CheckpointWriter {
   void commit(int keep, const std::vector<std::filesystem::path>& before = {});
 
  private:
-  template <class T>
-  void set_any(const std::string& name, const T& value);
   struct State;
   std::unique_ptr<State> state_;
 };
@@ -95,22 +118,19 @@ class CheckpointReader {
   std::string provenance(const std::string& name) const;
   std::string case_text() const;
 
-  bool has_cells(const std::string& name) const;
   /// Returns the lattice and the number of populations a cell of a dataset.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
   /// Reads this rank's boxes, whatever rank wrote them; take(q, box, in) mirrors fill of
-  /// CheckpointWriter::cells. T must be the type that was written.
-  template <class T>
-  void cells(const std::string& name, const std::vector<CellBox>& boxes,
-             const std::function<void(int q, std::size_t box, const T* in)>& take) const;
+  /// CheckpointWriter::cells. It must be stored so.
+  void cells(const std::string& name, Storage, const std::vector<CellBox>& boxes,
+             const std::function<void(int q, std::size_t box, const void* in)>& take) const;
 
   struct Bodies {
     std::uint64_t first_body = 0, first_impulse = 0;  // rows of /bodies and /impulses
     std::vector<rigid::BodyRecord> records;           // sorted by id
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
-  std::size_t body_count() const;
   /// Returns this rank's slice of the bodies: of n, those from n r / ranks on. Bytes of the holder state that
   /// no column names are zero.
   Bodies bodies(std::span<const rigid::HolderColumn> = {}) const;

@@ -1,24 +1,16 @@
-#include "adapters/hdf5/checkpoint_folder.hpp"
-
 #include <algorithm>
 #include <charconv>
-#include <string>
+
+#include "adapters/hdf5/checkpoint_file.hpp"
 
 namespace silt::adapters {
 namespace {
 constexpr std::string_view prefix = "checkpoint_", suffix = ".h5";
-constexpr std::size_t digits = 12;  // names sort like steps
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 }  // namespace
-
-std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t step) {
-  std::string number = std::to_string(step);
-  if (number.size() < digits) number.insert(0, digits - number.size(), '0');
-  return folder / (std::string(prefix) + number + std::string(suffix));
-}
 
 std::optional<std::int64_t> checkpoint_step(const std::filesystem::path& path) {
   const std::string name = path.filename().string();

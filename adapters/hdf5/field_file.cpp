@@ -1,12 +1,16 @@
 #include "adapters/hdf5/field_file.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <fstream>
+#include <new>
 #include <optional>
 
-#include "adapters/hdf5/packed_chunks.hpp"
+#include "adapters/hdf5/file.hpp"
+#include "adapters/hdf5/slab_exchange.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 
@@ -18,29 +22,16 @@ using hdf5::Handle;
 using hdf5::Path;
 using hdf5::SlabExchange;
 
-/// The type of a field's numbers, in the file and in memory alike.
-hid_t type_of(const FieldQuantity& q) {
-  switch (q.storage) {
-    case Storage::single:
-      return H5T_IEEE_F32LE;
-    case Storage::double_:
-      return H5T_IEEE_F64LE;
-    case Storage::byte:
-      return H5T_STD_U8LE;
-  }
-  __builtin_unreachable();
-}
-
 std::string dataset_name(const FieldQuantity& q) {
   return "/VTKHDF/PointData/" + q.name;
 }
 
 std::size_t cell_bytes(const FieldQuantity& q) {
-  return q.components * H5Tget_size(type_of(q));
+  return q.components * H5Tget_size(hdf5::type_of(q.storage));
 }
 
-/// How many rows of a plane share a chunk; its last one is stored as large as the others. All quantities have
-/// the same.
+/// How many rows of a plane share a packed chunk; its last one is stored as large as the others. All
+/// quantities have the same.
 int rows_of_a_chunk(const FieldSnapshot& snapshot) {
   constexpr std::size_t chunk_bytes = 1 << 20;  // at most
   std::size_t row_bytes = 1;
@@ -52,57 +43,48 @@ int rows_of_a_chunk(const FieldSnapshot& snapshot) {
   return (rows + chunks - 1) / chunks;
 }
 
-hdf5::Packing packing_of(const FieldSnapshot& snapshot) {
-  return {hsize_t(rows_of_a_chunk(snapshot)), snapshot.compression};
-}
-
 /// Writes where the image lies and what it is of.
 void write_head(File& file, const FieldSnapshot& snapshot, const Provenance& provenance) {
   const ImageGrid& grid = snapshot.grid;
-  const Handle image = file.group("/VTKHDF", false);
+  const Handle image = file.group("/VTKHDF"), root = file.group("/");
   const std::int64_t version[2] = {1, 0};
-  std::int64_t extent[6];
-  double origin[3];
-  const double direction[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::int64_t extent[6] = {};
+  std::array<double, 3> origin;
   for (int d = 0; d < 3; ++d) {
-    extent[2 * d] = 0;
     extent[2 * d + 1] = grid.cells[d] - 1;
     origin[d] = grid.origin[d] + 0.5 * grid.spacing[d];
   }
   file.attribute(image, "Version", H5T_NATIVE_INT64, {2}, version);
   file.attribute(image, "Type", std::string("ImageData"));
   file.attribute(image, "WholeExtent", H5T_NATIVE_INT64, {6}, extent);
-  file.attribute(image, "Origin", H5T_NATIVE_DOUBLE, {3}, origin);
-  file.attribute(image, "Spacing", H5T_NATIVE_DOUBLE, {3}, grid.spacing.data());
-  file.attribute(image, "Direction", H5T_NATIVE_DOUBLE, {9}, direction);
-  const Handle root = file.group("/", false);
-  file.attribute(root, "time", snapshot.time);
-  file.attribute(root, "step", snapshot.step);
+  file.numbers(image, "Origin", origin);
+  file.numbers(image, "Spacing", grid.spacing);
+  file.numbers(image, "Direction", std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+  file.number(root, "time", snapshot.time);
+  file.number(root, "step", snapshot.step);
   file.attribute(root, "time_unit", grid.time_unit);
   file.attribute(root, "length_unit", grid.length_unit);
   file.write_provenance(provenance);
 }
 
-/// Creates the dataset of a quantity. Returns where in the file its values begin, unless they are packed.
-std::uint64_t create_dataset(File& file, const FieldSnapshot& snapshot, const FieldQuantity& q) {
-  std::vector<hsize_t> shape;
-  for (int d = 2; d >= 0; --d) shape.push_back(snapshot.grid.cells[d]);
-  if (q.components > 1) shape.push_back(q.components);
-  const Handle data = snapshot.compression > 0 ? hdf5::create_packed(file, dataset_name(q), type_of(q), shape,
-                                                                     packing_of(snapshot))
-                                               : file.create_contiguous(dataset_name(q), type_of(q), shape);
-  file.attribute(data, "unit", q.unit);
-  return snapshot.compression > 0 ? 0 : file.place_of(data);
-}
-
-/// Creates the file with everything but the values. Only rank 0 calls it.
+/// Creates the file with everything but the values. Returns where in it those of each quantity begin, unless
+/// they are packed. Only rank 0 calls it.
 std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& snapshot,
                                        const Provenance& provenance) {
   File file = File::create(path, hdf5::Format::classic);
   std::vector<std::uint64_t> places;
-  file.group("/VTKHDF", true);
-  file.group("/VTKHDF/PointData", true);
-  for (const FieldQuantity& q : snapshot.quantities) places.push_back(create_dataset(file, snapshot, q));
+  file.create_group("/VTKHDF");
+  file.create_group("/VTKHDF/PointData");
+  const auto& [x, y, z] = snapshot.grid.cells;
+  for (const FieldQuantity& q : snapshot.quantities) {
+    hdf5::Shape shape{hsize_t(z), hsize_t(y), hsize_t(x)}, chunk;
+    if (q.components > 1) shape.push_back(q.components);
+    if (snapshot.compression > 0) chunk = shape, chunk[0] = 1, chunk[1] = rows_of_a_chunk(snapshot);
+    const Handle data = file.create_dataset(dataset_name(q), hdf5::type_of(q.storage), shape,
+                                            {chunk, false, snapshot.compression});
+    file.attribute(data, "unit", q.unit);
+    places.push_back(chunk.empty() ? file.place_of(data) : 0);
+  }
   write_head(file, snapshot, provenance);
   file.close();
   return places;
@@ -122,7 +104,7 @@ std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& pro
 }
 
 /// Some planes at a time: what is narrowed is still in cache.
-std::vector<std::byte> packed_values(const SlabExchange& slabs, const FieldQuantity& q) {
+std::vector<std::byte> values_here(const SlabExchange& slabs, const FieldQuantity& q) {
   constexpr std::size_t wide_values = 1 << 12;  // at a time, if a plane has no more
   std::vector<double> wide;
   return slabs.pack(cell_bytes(q), [&](std::size_t k, void* out) {
@@ -148,33 +130,72 @@ void write_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& b
                   const FieldSnapshot& snapshot, std::vector<std::uint64_t> places) {
   parallel::broadcast(comm, std::span(places));
   const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
-  std::optional<hdf5::SharedFile> file;
-  parallel::together(comm, [&] { file.emplace(path); });
+  std::optional<hdf5::RawFile> file;
+  parallel::together(comm, [&] { file.emplace(path, hdf5::RawFile::to_write); });
   for (std::size_t k = 0; k < places.size(); ++k) {
     const FieldQuantity& q = snapshot.quantities[k];
     std::vector<std::byte> values;
-    parallel::together(comm, [&] { values = packed_values(slabs, q); });
+    parallel::together(comm, [&] { values = values_here(slabs, q); });
     slabs.write(*file, places[k], cell_bytes(q), std::move(values));
   }
   parallel::together(comm, [&] { file->close(); });
 }
 
+// ---- packed values ----
+
+/// Returns a chunk as HDF5's filters "shuffle" and "deflate" make it: first bytes of all values, then second
+/// ones, and so on, packed.
+std::vector<std::byte> packed_chunk(std::span<const std::byte> values, std::size_t value_bytes, int level) {
+  const std::size_t n = values.size() / value_bytes;
+  std::vector<std::byte> shuffled(values.size()), packed(compressBound(values.size()));
+  for (std::size_t b = 0; b < value_bytes; ++b)
+    for (std::size_t i = 0; i < n; ++i) shuffled[b * n + i] = values[i * value_bytes + b];
+  uLongf size = packed.size();
+  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                reinterpret_cast<const Bytef*>(shuffled.data()), shuffled.size(), level) != Z_OK)
+    throw std::bad_alloc();  // there is no other reason
+  packed.resize(size);
+  return packed;
+}
+
+/// Each rank packs the chunks of its slab, and rank 0 writes them: HDF5's own way for several ranks leaves
+/// all of them waiting where one fails.
 void write_packed_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
                          const FieldSnapshot& snapshot) {
-  const SlabExchange slabs(comm, snapshot.grid.cells, boxes, rows_of_a_chunk(snapshot));
+  const hsize_t chunk_rows = rows_of_a_chunk(snapshot), rows = snapshot.grid.cells[1];
+  const SlabExchange slabs(comm, snapshot.grid.cells, boxes, int(chunk_rows));
   std::optional<File> file;
   parallel::on_rank_0(comm, [&] { file.emplace(File::open(path, true)); });
   for (const FieldQuantity& q : snapshot.quantities) {
-    std::vector<std::byte> values;
-    parallel::together(comm, [&] { values = packed_values(slabs, q); });
-    hdf5::write_packed(comm, slabs, file ? &*file : nullptr, dataset_name(q), packing_of(snapshot),
-                       cell_bytes(q) / q.components, cell_bytes(q), std::move(values));
+    std::vector<std::byte> slab;
+    std::vector<std::vector<std::byte>> chunks;
+    parallel::together(comm, [&] { slab = values_here(slabs, q); });
+    slab = slabs.slab(cell_bytes(q), std::move(slab));
+    const std::size_t chunk_bytes = chunk_rows * snapshot.grid.cells[0] * cell_bytes(q);
+    Handle dataset;
+    parallel::together(comm, [&] {
+      for (std::size_t first = 0; first < slab.size(); first += chunk_bytes)
+        chunks.push_back(packed_chunk(std::span(slab).subspan(first, chunk_bytes),
+                                      cell_bytes(q) / q.components, snapshot.compression));
+      std::vector<std::byte>().swap(slab);
+      if (file) dataset = file->dataset(dataset_name(q));
+    });
+    hsize_t at[4] = {};  // of the chunk that comes next, plane by plane
+    hdf5::hand_to_rank_0(
+        slabs.comm(), chunks, compressBound(chunk_bytes), [&](std::span<const std::byte> chunk) {
+          file->check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, at, chunk.size(), chunk.data()),
+                      "cannot write (is the disk full?)");
+          at[1] += chunk_rows;
+          if (at[1] >= rows) at[1] = 0, ++at[0];
+        });
   }
   parallel::on_rank_0(comm, [&] {
     file->close();
     hdf5::sync_to_disk(path);
   });
 }
+
+// ---- the list of times ----
 
 /// Returns the path of the list of times: fields.hdf.series for fields_000100.hdf.
 Path series_path(const Path& path) {
@@ -220,13 +241,6 @@ void update_series(const Path& field_path, double time) {
 }
 
 }  // namespace
-
-std::filesystem::path field_path(const std::filesystem::path& folder, const std::string& name,
-                                 std::int64_t step) {
-  std::string number = std::to_string(step);
-  if (number.size() < 12) number.insert(0, 12 - number.size(), '0');
-  return folder / (name + "_" + number + ".hdf");
-}
 
 void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
                   const FieldSnapshot& snapshot, const Provenance& provenance) {

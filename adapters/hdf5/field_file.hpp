@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/hdf5/boxes.hpp"
-#include "adapters/hdf5/provenance.hpp"
+#include "adapters/hdf5/result_file.hpp"
 
 namespace silt::adapters {
 
@@ -21,9 +20,6 @@ struct ImageGrid {
   std::array<double, 3> origin{0, 0, 0}, spacing{1, 1, 1};
   std::string length_unit = "cells", time_unit = "steps";
 };
-
-/// How a number of a field is stored.
-enum class Storage { single, double_, byte };
 
 /// FieldQuantity is one quantity, in the units of the case, stored [z][y][x] or [z][y][x][3].
 struct FieldQuantity {
@@ -43,10 +39,6 @@ struct FieldSnapshot {
   std::int64_t step = 0;
   int compression = 0;  // level of gzip, to 9, after a shuffle of bytes; 0: none
 };
-
-/// Returns FOLDER/NAME_000000000100.hdf for step 100: names sort like steps.
-std::filesystem::path field_path(const std::filesystem::path& folder, const std::string& name,
-                                 std::int64_t step);
 
 /// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
 /// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are

@@ -1,17 +1,11 @@
 #include "adapters/hdf5/file.hpp"
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <new>
 
 #include "adapters/hdf5/journal.hpp"
-#include "adapters/hdf5/system_reason.hpp"
 
 namespace silt::adapters::hdf5 {
 namespace {
@@ -77,8 +71,10 @@ void fail(const Path& file, const std::string& what) {
   throw Error(file.string() + ": " + what + (reason.empty() ? "" : ": " + reason));
 }
 
-void fail_in_system(const Path& file, const std::string& what, int error) {
-  throw Error(file.string() + ": " + what + ": " + system_reason(error));
+hid_t type_of(Storage storage) {
+  return storage == Storage::single    ? H5T_IEEE_F32LE
+         : storage == Storage::double_ ? H5T_IEEE_F64LE
+                                       : H5T_STD_U8LE;
 }
 
 File File::create(const Path& path, Format format) {
@@ -161,17 +157,24 @@ bool File::exists(const std::string& name) const {
   return H5Lexists(handle_, name.c_str(), H5P_DEFAULT) > 0;
 }
 
-Handle File::group(const std::string& name, bool create) {
+void File::refuse(const std::string& what) const {
+  throw Error(path_.string() + ": " + what);
+}
+
+Handle File::group(const std::string& name) const {
+  return {H5Gopen2(handle_, name.c_str(), H5P_DEFAULT), H5Gclose, path_, "has no group " + name};
+}
+
+Handle File::create_group(const std::string& name) {
   const Handle list = without_times(H5P_GROUP_CREATE, path_);
   H5F_info2_t info;
-  if (create && H5Fget_info2(handle_, &info) >= 0 && info.super.version >= 2) {
+  if (H5Fget_info2(handle_, &info) >= 0 && info.super.version >= 2) {
     // Links and attributes all in the header, which has a checksum: HDF5 can crash on a damaged heap of them.
     H5Pset_link_phase_change(list, most_in_header, most_in_header);
     H5Pset_attr_phase_change(list, most_in_header, most_in_header);
   }
-  const hid_t id = create ? H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, list, H5P_DEFAULT)
-                          : H5Gopen2(handle_, name.c_str(), H5P_DEFAULT);
-  return {id, H5Gclose, path_, (create ? "cannot create group " : "has no group ") + name};
+  return {H5Gcreate2(handle_, name.c_str(), H5P_DEFAULT, list, H5P_DEFAULT), H5Gclose, path_,
+          "cannot create group " + name};
 }
 
 Handle File::dataset(const std::string& name) const {
@@ -185,27 +188,44 @@ Handle File::dataset_to_append(const std::string& name, std::size_t chunk_bytes)
   return {H5Dopen2(handle_, name.c_str(), list), H5Dclose, path_, "has no dataset " + name};
 }
 
-Handle File::create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
-  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, path_,
-                     "shape of " + name);
+Handle File::create_dataset(const std::string& name, hid_t type, const Shape& shape, const Layout& layout) {
+  const int rank = static_cast<int>(shape.size());
+  Shape most = shape;
+  if (layout.grows) most[0] = H5S_UNLIMITED;
+  const Handle space(H5Screate_simple(rank, shape.data(), most.data()), H5Sclose, path_, "shape of " + name);
   const Handle list = without_times(H5P_DATASET_CREATE, path_);
-  H5Pset_layout(list, H5D_CONTIGUOUS);
-  H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
-  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  if (layout.chunk.empty())
+    H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
+  else
+    H5Pset_chunk(list, rank, layout.chunk.data());
+  if (!layout.grows) H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  if (layout.level > 0) {
+    H5Pset_shuffle(list);
+    H5Pset_deflate(list, static_cast<unsigned>(layout.level));
+  }
   return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
           "cannot create dataset " + name};
 }
 
-Handle File::create_growing(const std::string& name, hid_t type, std::vector<hsize_t> row,
-                            hsize_t chunk_rows) {
-  std::vector<hsize_t> now{0}, most{H5S_UNLIMITED}, chunk{chunk_rows};
-  for (auto* v : {&now, &most, &chunk}) v->insert(v->end(), row.begin(), row.end());
-  const int rank = static_cast<int>(now.size());
-  const Handle space(H5Screate_simple(rank, now.data(), most.data()), H5Sclose, path_, "shape of " + name);
-  const Handle list = without_times(H5P_DATASET_CREATE, path_);
-  H5Pset_chunk(list, rank, chunk.data());
-  return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
-          "cannot create dataset " + name};
+Handle File::write_list(const std::string& name, hid_t type, const Shape& shape, hid_t memory_type,
+                        const void* data) {
+  Handle dataset = create_dataset(name, type, shape);
+  if (shape[0] > 0)
+    check(H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data),
+          "cannot write " + name + " (is the disk full?)");
+  return dataset;
+}
+
+Shape File::shape(hid_t dataset) const {
+  const Handle space(H5Dget_space(dataset), H5Sclose, path_, "shape of a dataset");
+  const int rank = H5Sget_simple_extent_ndims(space);
+  Shape shape(rank < 0 ? 0 : rank);
+  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  return shape;
+}
+
+Handle File::type(hid_t dataset) const {
+  return {H5Dget_type(dataset), H5Tclose, path_, "type of a dataset"};
 }
 
 std::uint64_t File::place_of(hid_t dataset) const {
@@ -213,16 +233,27 @@ std::uint64_t File::place_of(hid_t dataset) const {
   return place == HADDR_UNDEF ? 0 : place;
 }
 
-std::vector<hsize_t> File::shape(hid_t dataset) const {
-  const Handle space(H5Dget_space(dataset), H5Sclose, path_, "shape of a dataset");
-  const int rank = H5Sget_simple_extent_ndims(space);
-  std::vector<hsize_t> shape(rank < 0 ? 0 : rank);
-  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  return shape;
+Place File::place(const std::string& name) const {
+  const Handle data = dataset(name), list(H5Dget_create_plist(data), H5Pclose, path_, "layout of " + name);
+  const Place place{place_of(data), H5Tget_size(type(data)), shape(data)};
+  if (place.shape.empty() || place.shape.size() > 4 || H5Pget_layout(list) != H5D_CONTIGUOUS ||
+      (place.value_bytes != 1 && place.value_bytes != 4 && place.value_bytes != 8))
+    refuse(name + " has another form than this version writes");
+  std::uint64_t room = std::filesystem::file_size(path_) / place.value_bytes;
+  for (const hsize_t n : place.shape) room = n > 0 ? room / n : room;
+  if (room == 0 || (place.at == 0 && place.values() > 0))
+    refuse(name + " declares more values than the file has room for");
+  return place;
 }
 
-void File::attribute(hid_t owner, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
-                     const void* data) {
+Place File::place(const std::string& name, hid_t wanted, const Shape& wanted_shape) const {
+  const Place found = place(name);
+  if (found.shape != wanted_shape) refuse(name + " has another shape than this version writes");
+  if (H5Tequal(type(dataset(name)), wanted) <= 0) refuse(name + " has another type than this version writes");
+  return found;
+}
+
+void File::attribute(hid_t owner, const std::string& name, hid_t type, const Shape& shape, const void* data) {
   const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
                                    : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
                      H5Sclose, path_, "shape of attribute " + name);
@@ -265,67 +296,40 @@ void File::attribute(hid_t owner, const std::string& name, const std::vector<std
   attribute(owner, name, type, {values.size()}, pointers.data());
 }
 
-void File::attribute(hid_t owner, const std::string& name, std::int64_t value) {
-  attribute(owner, name, H5T_NATIVE_INT64, {}, &value);
-}
-void File::attribute(hid_t owner, const std::string& name, std::uint64_t value) {
-  attribute(owner, name, H5T_NATIVE_UINT64, {}, &value);
-}
-void File::attribute(hid_t owner, const std::string& name, double value) {
-  attribute(owner, name, H5T_NATIVE_DOUBLE, {}, &value);
-}
-
 bool File::has_attribute(hid_t owner, const std::string& name) const {
   return H5Aexists(owner, name.c_str()) > 0;
 }
 
-std::string File::string_attribute(hid_t owner, const std::string& name) const {
+std::string File::text_in(hid_t owner, const std::string& name) const {
   const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
                          "has no attribute " + name);
   const Handle type(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
-    throw Error(path_.string() + ": attribute " + name + " is not a text");
+    refuse("attribute " + name + " is not a text");
   std::string value(H5Tget_size(type), '\0');
   check(H5Aread(attribute, type, value.data()), "cannot read attribute " + name);
   while (!value.empty() && value.back() == '\0') value.pop_back();
   return value;
 }
 
-template <class T>
-T File::scalar_attribute(hid_t owner, const std::string& name, hid_t type) const {
+void File::read_number(hid_t owner, const std::string& name, hid_t type, void* value) const {
   const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
                          "has no attribute " + name);
   const Handle stored(H5Aget_type(attribute), H5Tclose, path_, "type of attribute " + name);
-  if (H5Tequal(stored, type) <= 0 || H5Aget_storage_size(attribute) != sizeof(T))
-    throw Error(path_.string() + ": attribute " + name + " is not a single number of the expected type");
-  T value{};
-  check(H5Aread(attribute, type, &value), "cannot read attribute " + name);
-  return value;
-}
-
-std::int64_t File::int_attribute(hid_t owner, const std::string& name) const {
-  return scalar_attribute<std::int64_t>(owner, name, H5T_NATIVE_INT64);
-}
-std::uint64_t File::uint_attribute(hid_t owner, const std::string& name) const {
-  return scalar_attribute<std::uint64_t>(owner, name, H5T_NATIVE_UINT64);
-}
-double File::double_attribute(hid_t owner, const std::string& name) const {
-  return scalar_attribute<double>(owner, name, H5T_NATIVE_DOUBLE);
+  if (H5Tequal(stored, type) <= 0 || H5Aget_storage_size(attribute) != H5Tget_size(type))
+    refuse("attribute " + name + " is not a single number of the expected type");
+  check(H5Aread(attribute, type, value), "cannot read attribute " + name);
 }
 
 void File::write_provenance(const Provenance& p) {
-  const Handle g = group("/provenance", true);
-  attribute(g, "version", p.version);
-  attribute(g, "commit", p.commit);
-  attribute(g, "title", p.title);
-  attribute(g, "ranks", p.ranks);
-  attribute(g, "backend", p.backend);
-  attribute(g, "compiler", p.compiler);
-  attribute(g, "flags", p.flags);
-  attribute(g, "libraries", p.libraries);
-  attribute(g, "processor", p.processor);
-  attribute(g, "host", p.host);
-  attribute(g, "created", p.created);
+  const Handle g = create_group("/provenance");
+  const std::pair<const char*, const std::string*> texts[] = {
+      {"version", &p.version},     {"commit", &p.commit},       {"title", &p.title},
+      {"backend", &p.backend},     {"compiler", &p.compiler},   {"flags", &p.flags},
+      {"libraries", &p.libraries}, {"processor", &p.processor}, {"host", &p.host},
+      {"created", &p.created}};
+  for (const auto& [name, text] : texts) attribute(g, name, *text);
+  number(g, "ranks", p.ranks);
   const Handle type = string_type(p.case_text.size(), path_);
   mark_utf8(type, p.case_text);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, path_, "scalar");
@@ -336,75 +340,14 @@ void File::write_provenance(const Provenance& p) {
         "cannot write the case text");
 }
 
-namespace {
-/// Opens (or creates, by the flags), acts, closes; throws with the system's reason if act returns other than
-/// 0.
-template <class Act>
-void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
-  const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-  if (file < 0) fail_in_system(path, "cannot open or create", errno);
-  const bool good = act(file) == 0;
-  const int error = errno;
-  ::close(file);
-  if (!good) fail_in_system(path, "cannot " + what, error);
-}
-}  // namespace
-
-namespace {
-/// Returns 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
-int room_for(int file, std::uint64_t bytes) {
-  struct statvfs disk;
-  if (::fstatvfs(file, &disk) != 0 || static_cast<std::int64_t>(bytes) <= 0) return 0;
-  if (disk.f_bavail * disk.f_frsize >= bytes) return 0;
-  errno = ENOSPC;
-  return -1;
-}
-}  // namespace
-
-bool write_all(int file, std::uint64_t at, std::size_t size, const char* from) {
-  while (size > 0) {
-    const ssize_t n = ::pwrite(file, from, size, static_cast<off_t>(at));
-    if (n < 0 && errno == EINTR) continue;
-    if (n == 0) errno = ENOSPC;
-    if (n <= 0) return false;
-    from += n, at += n, size -= n;
-  }
-  return true;
-}
-
-void sync_to_disk(const Path& path) {
-  with_descriptor(path, O_RDONLY, "flush to the disk", ::fsync);
-}
-
-void reserve(const Path& path, std::uint64_t size) {
-  const std::string what = "reserve " + std::to_string(size) + " bytes (is the disk full?)";
-  with_descriptor(path, O_WRONLY | O_CREAT, what, [&](int file) {
-    struct stat before;
-    if (::fstat(file, &before) != 0) return -1;
-    if (::fallocate(file, 0, 0, static_cast<off_t>(size)) == 0) return 0;
-    const int error = errno;
-    if (error == EOPNOTSUPP || error == ENOSYS)
-      return room_for(file, size - 512 * std::uint64_t(before.st_blocks));
-    if (::ftruncate(file, before.st_size) != 0) return -1;
-    errno = error;
-    return -1;
-  });
-}
-
-TemporaryFile::~TemporaryFile() {
-  std::error_code ignored;
-  if (!mine_) return;
-  std::filesystem::resize_file(path_, 0, ignored);  // gives the space back even while someone has it open
-  std::filesystem::remove(path_, ignored);
-}
-
-void TemporaryFile::rename_to(const Path& to) {
-  std::error_code error;
-  std::filesystem::rename(path_, to, error);
-  if (error) throw Error(to.string() + ": cannot rename " + path_.string() + " to it: " + error.message());
-  mine_ = false;
-  const Path folder = to.has_parent_path() ? to.parent_path() : Path(".");
-  with_descriptor(folder, O_RDONLY | O_DIRECTORY, "flush the folder to the disk", ::fsync);
+std::string File::case_text() const {
+  const Handle text = case_text_dataset(), type = this->type(text);
+  std::string value(H5Tget_size(type), '\0');
+  if (H5Dget_storage_size(text) != value.size())
+    refuse("/provenance/case_text has another size than this version writes");
+  check(H5Dread(text, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()),
+        "cannot read /provenance/case_text");
+  return value;
 }
 
 }  // namespace silt::adapters::hdf5

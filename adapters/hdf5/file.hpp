@@ -2,31 +2,20 @@
 // Private to adapters/hdf5: handles that close themselves, and HDF5's errors as exceptions that name the
 // file, what was attempted and why it failed.
 #include <hdf5.h>
-#include <mpi.h>
 
-#include <cstdint>
-#include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "adapters/hdf5/provenance.hpp"
+#include "adapters/hdf5/disk.hpp"
+#include "adapters/hdf5/result_file.hpp"
 
 namespace silt::adapters::hdf5 {
 
-using Path = std::filesystem::path;
-
-struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 /// Throws Error "FILE: WHAT: REASON", the reason from HDF5's innermost message, and clears HDF5's stack.
 [[noreturn]] void fail(const Path& file, const std::string& what);
-
-/// Throws Error "FILE: WHAT: REASON", the reason from an error number of the system.
-[[noreturn]] void fail_in_system(const Path& file, const std::string& what, int error);
 
 /// Handle owns an HDF5 id and knows the call that closes it.
 class Handle {
@@ -59,6 +48,49 @@ enum class Format {
   checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
 };
 
+using Shape = std::vector<hsize_t>;
+
+/// Returns the shape of a table of so many rows of so many numbers: a row of one has no axis of its own.
+inline Shape table_shape(hsize_t rows, hsize_t columns) {
+  return columns > 1 ? Shape{rows, columns} : Shape{rows};
+}
+
+/// How a dataset lies in its file: in one piece, whose space is taken at once and not filled (a fresh file
+/// reads as zeros where nothing is written), or in chunks, which may grow along their first axis or are
+/// packed by gzip of a level, after a shuffle of bytes.
+struct Layout {
+  Shape chunk = {};
+  bool grows = false;
+  int level = 0;
+};
+
+/// Where the values of a dataset in one piece lie in its file.
+struct Place {
+  std::uint64_t at = 0;  // byte
+  std::size_t value_bytes = 1;
+  Shape shape;
+
+  std::uint64_t values() const {
+    std::uint64_t n = 1;
+    for (const hsize_t along : shape) n *= along;
+    return n;
+  }
+};
+
+/// Returns the type of a number in memory.
+template <class T>
+hid_t native_type() {
+  if constexpr (std::is_floating_point_v<T>)
+    return H5T_NATIVE_DOUBLE;
+  else if constexpr (sizeof(T) == sizeof(std::int32_t))
+    return std::is_signed_v<T> ? H5T_NATIVE_INT32 : H5T_NATIVE_UINT32;
+  else
+    return std::is_signed_v<T> ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64;
+}
+
+/// Returns the type of numbers that are stored so, in the file and in memory alike.
+hid_t type_of(Storage);
+
 /// File is an open file with the operations this folder needs, each of which throws Error.
 class File {
  public:
@@ -78,80 +110,76 @@ class File {
   ~File();
   File(File&&) = default;
   void check(herr_t status, const std::string& what) const;
+  [[noreturn]] void refuse(const std::string& what) const;
 
   bool exists(const std::string& name) const;
-  Handle group(const std::string& name, bool create);
+  Handle group(const std::string& name) const;
+  Handle create_group(const std::string& name);
   Handle dataset(const std::string& name) const;
   /// Opens a dataset that grows by rows at its end: of its chunks, of so many bytes, HDF5 keeps the last two
   /// at hand and not, as it would by itself, the last megabyte.
   Handle dataset_to_append(const std::string& name, std::size_t chunk_bytes) const;
-  /// Creates a contiguous dataset whose space is taken now and not filled (a fresh file reads as zeros where
-  /// nothing is written).
-  Handle create_contiguous(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
-  /// Returns the byte of the file at which the values of a contiguous dataset begin; 0 for one without any.
+  Handle create_dataset(const std::string& name, hid_t type, const Shape&, const Layout& = {});
+  /// Creates a dataset in one piece of a list of numbers, or of arrays of them, and writes it.
+  template <class Row>
+  Handle write_list(const std::string& name, hid_t type, const std::vector<Row>& rows) {
+    if constexpr (std::is_arithmetic_v<Row>)
+      return write_list(name, type, {rows.size()}, native_type<Row>(), rows.data());
+    else
+      return write_list(name, type, {rows.size(), std::tuple_size_v<Row>},
+                        native_type<typename Row::value_type>(), rows.data());
+  }
+  Shape shape(hid_t dataset) const;
+  Handle type(hid_t dataset) const;
+  /// Returns where the values of a dataset begin that was created in one piece; 0 of one without any.
   std::uint64_t place_of(hid_t dataset) const;
-  /// Creates an empty dataset that grows along its first axis.
-  Handle create_growing(const std::string& name, hid_t type, std::vector<hsize_t> shape_of_row,
-                        hsize_t chunk_rows);
-  std::vector<hsize_t> shape(hid_t dataset) const;
+  /// Returns where its values lie. Refuses a dataset of another form than this version writes, or one that
+  /// declares more bytes than the file has.
+  Place place(const std::string& name) const;
+  /// Refuses a dataset of another type or shape besides.
+  Place place(const std::string& name, hid_t type, const Shape&) const;
 
   void attribute(hid_t owner, const std::string& name, const std::string& value);
   void attribute(hid_t owner, const std::string& name, const std::vector<std::string>& values);
-  void attribute(hid_t owner, const std::string& name, std::int64_t value);
-  void attribute(hid_t owner, const std::string& name, std::uint64_t value);
-  void attribute(hid_t owner, const std::string& name, double value);
   /// Writes an attribute of any native type; an empty shape is a scalar.
-  void attribute(hid_t owner, const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
-                 const void* data);
+  void attribute(hid_t owner, const std::string& name, hid_t type, const Shape&, const void* data);
+  template <class T>
+  void number(hid_t owner, const std::string& name, T value) {
+    attribute(owner, name, native_type<T>(), {}, &value);
+  }
+  template <std::size_t n>
+  void numbers(hid_t owner, const std::string& name, const std::array<double, n>& values) {
+    attribute(owner, name, H5T_NATIVE_DOUBLE, {n}, values.data());
+  }
   bool has_attribute(hid_t owner, const std::string& name) const;
-  std::string string_attribute(hid_t owner, const std::string& name) const;
-  std::int64_t int_attribute(hid_t owner, const std::string& name) const;
-  std::uint64_t uint_attribute(hid_t owner, const std::string& name) const;
-  double double_attribute(hid_t owner, const std::string& name) const;
+  std::string text_in(hid_t owner, const std::string& name) const;
+  template <class T>
+  T number_in(hid_t owner, const std::string& name) const {
+    T value{};
+    read_number(owner, name, native_type<T>(), &value);
+    return value;
+  }
 
   void write_provenance(const Provenance&);
+  /// Returns the case's text as it is stored, and its dataset.
+  std::string case_text() const;
+  Handle case_text_dataset() const { return dataset("/provenance/case_text"); }
 
  private:
   enum class Writing { none, own, journaled };
   File(Path, Handle, Writing);
+  Handle write_list(const std::string& name, hid_t type, const Shape&, hid_t memory_type, const void* data);
   /// Writes nothing any more; HDF5 does not know.
   void abandon() const;
-  template <class T>
-  T scalar_attribute(hid_t owner, const std::string& name, hid_t type) const;
+  void read_number(hid_t owner, const std::string& name, hid_t type, void* value) const;
   Path path_;
   Handle handle_;
   Writing writing_;
   std::shared_ptr<OutputFile> output_;  // where it is written
 };
 
-/// Writes all of it at a place of an open file. Returns whether that went well; errno says why not.
-bool write_all(int file, std::uint64_t at, std::size_t size, const char* from);
-
-/// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when
-/// it closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the
-/// file is then as long as before. Where the file system cannot reserve, it only looks whether there is room.
-void reserve(const Path&, std::uint64_t size);
-
 /// metadata_room is the number of bytes that HDF5 itself may need each time datasets, attributes or chunks
 /// are added.
 inline constexpr std::uint64_t metadata_room = 1 << 17;
-
-/// TemporaryFile is a file that rank 0 removes in the end, unless it was renamed.
-class TemporaryFile {
- public:
-  TemporaryFile(Path path, bool mine) : path_(std::move(path)), mine_(mine) {}
-  TemporaryFile(const TemporaryFile&) = delete;
-  ~TemporaryFile();
-  const Path& path() const { return path_; }
-  /// Gives the file its final name, durably.
-  void rename_to(const Path&);
-
- private:
-  Path path_;
-  bool mine_;
-};
-
-/// Writes a file's content to the disk itself. Throws Error.
-void sync_to_disk(const Path&);
 
 }  // namespace silt::adapters::hdf5

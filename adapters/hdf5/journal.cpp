@@ -49,21 +49,6 @@ const JournaledFile& of(const H5FD_t* file) {
   return *reinterpret_cast<const JournaledFile*>(file);
 }
 
-/// Reads what there is and zeros behind it. Returns whether that went well.
-bool read_all(int file, haddr_t at, std::size_t size, char* to) {
-  while (size > 0) {
-    const ssize_t n = ::pread(file, to, size, static_cast<off_t>(at));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return false;
-    if (n == 0) {
-      std::memset(to, 0, size);
-      return true;
-    }
-    to += n, at += n, size -= n;
-  }
-  return true;
-}
-
 /// Calls visit(page, first byte in it, bytes, bytes from `at` on) for the parts of a range.
 template <class Visit>
 void for_pages(haddr_t at, std::size_t size, Visit&& visit) {

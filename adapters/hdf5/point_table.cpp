@@ -8,21 +8,17 @@ namespace {
 using hdf5::File;
 using hdf5::Handle;
 
-std::string shape_text(const std::vector<hsize_t>& shape) {
-  std::string text;
-  for (const hsize_t n : shape) text += (text.empty() ? "" : " x ") + std::to_string(n);
-  return text.empty() ? "a single value" : text;
-}
-
+/// Opens a dataset of points, and says how many there are.
 Handle open_points(const File& file, const std::string& name, std::uint64_t& rows) {
   Handle data = file.dataset(name);
-  const Handle type(H5Dget_type(data), H5Tclose, file.path(), "type of " + name);
-  const H5T_class_t kind = H5Tget_class(type);
+  const H5T_class_t kind = H5Tget_class(file.type(data));
+  const bool of_numbers = kind == H5T_FLOAT || kind == H5T_INTEGER;
   const auto shape = file.shape(data);
-  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || shape.size() != 2 || shape[1] != 3)
-    throw hdf5::Error(file.path().string() + ": dataset " + name + " is " + shape_text(shape) +
-                      (kind == H5T_FLOAT || kind == H5T_INTEGER ? "" : ", not of numbers") +
-                      "; it must be n x 3 numbers, a point a row");
+  std::string text;
+  for (const hsize_t n : shape) text += (text.empty() ? "" : " x ") + std::to_string(n);
+  if (!of_numbers || shape.size() != 2 || shape[1] != 3)
+    file.refuse("dataset " + name + " is " + (text.empty() ? "a single value" : text) +
+                (of_numbers ? "" : ", not of numbers") + "; it must be n x 3 numbers, a point a row");
   rows = shape[0];
   return data;
 }
@@ -43,8 +39,8 @@ std::vector<double> read_points(const std::filesystem::path& path, const std::st
   const File file = File::open(path, false);
   const Handle data = open_points(file, dataset, rows);
   if (first + n > rows)
-    throw hdf5::Error(path.string() + ": dataset " + dataset + " has " + std::to_string(rows) +
-                      " points now, fewer than when it was first looked at");
+    file.refuse("dataset " + dataset + " has " + std::to_string(rows) +
+                " points now, fewer than when it was first looked at");
   if (n == 0) return points;
   const hsize_t start[2] = {first, 0}, count[2] = {n, 3};
   const Handle space(H5Dget_space(data), H5Sclose, path, "shape of " + dataset);

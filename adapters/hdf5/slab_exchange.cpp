@@ -12,7 +12,6 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<
                            int group_rows)
     : comm_(comm),
       lattice_(cells),
-      group_rows_(group_rows),
       plane_rows_((cells[1] + group_rows - 1) / group_rows * group_rows),
       boxes_(std::move(boxes)) {
   std::vector<SliceExchange::Run> mine;
@@ -81,44 +80,17 @@ void SlabExchange::unpack(const std::vector<std::byte>& packed, std::size_t elem
     if (!of_box[b].empty()) take(b, of_box[b].data());
 }
 
-template <class Act>
-void SlabExchange::for_pieces(const File& file, hid_t dataset, int leading, Act&& act) const {
-  const hsize_t nx = lattice_[0], ny = lattice_[1];
-  const hsize_t begin = slices_->slice_begin() / nx,
-                end = begin + slices_->slice_size() / nx;  // lattice rows
-  const std::vector<hsize_t> shape = file.shape(dataset);
-  const std::size_t z = leading >= 0 ? 1 : 0;
-  for (hsize_t row = begin, rows; row < end; row += rows) {
-    const bool whole = row % ny == 0 && end - row >= ny;
-    rows = whole ? (end - row) / ny * ny : std::min(ny - row % ny, end - row);
-    std::vector<hsize_t> start(shape.size(), 0), count = shape;
-    if (leading >= 0) start[0] = leading, count[0] = 1;
-    start[z] = row / ny, count[z] = whole ? rows / ny : 1;
-    start[z + 1] = row % ny, count[z + 1] = whole ? ny : rows;
-    const Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
-    file.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-               "cannot select a slab");
-    const hsize_t numbers = H5Sget_select_npoints(space);
-    const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
-    act(memory, space, (row - begin) * nx);
-  }
-}
-
-void SlabExchange::write(SharedFile& file, std::uint64_t place, std::size_t element,
+void SlabExchange::write(RawFile& file, std::uint64_t place, std::size_t element,
                          std::vector<std::byte> packed) const {
   const auto values = slab(element, std::move(packed));
   parallel::together(comm_, [&] { file.write(place + slices_->slice_begin() * element, values); });
 }
 
-std::vector<std::byte> SlabExchange::read(const File& file, hid_t dataset, hid_t type, int leading,
+std::vector<std::byte> SlabExchange::read(const RawFile& file, std::uint64_t place,
                                           std::size_t element) const {
   std::vector<std::byte> slab;
   parallel::together(comm_, [&] {
-    slab.resize(slices_->slice_size() * element);
-    for_pieces(file, dataset, leading, [&](hid_t memory, hid_t space, std::size_t first) {
-      file.check(H5Dread(dataset, type, memory, space, H5P_DEFAULT, slab.data() + first * element),
-                 "cannot read");
-    });
+    slab = file.read(place + slices_->slice_begin() * element, slices_->slice_size() * element);
   });
   return slices_->from_slice(element, slab);
 }

@@ -4,15 +4,17 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
+#include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 #include "parallel/transfers.hpp"
 
 namespace silt::adapters::hdf5 {
 
 namespace {
-constexpr int values_tag = 0;
+constexpr int values_tag = 0, pieces_tag = 1;
 }
 
 int SliceExchange::slice_of(std::uint64_t element) const {
@@ -120,44 +122,137 @@ std::vector<std::byte> SliceExchange::from_slice(std::size_t element,
   return swap(element, holders_, slices_, leaving);
 }
 
-void SliceExchange::hand_to_rank_0(std::size_t element, const std::vector<std::byte>& slice, const Take& take,
-                                   std::uint64_t piece) const {
-  const int rank = parallel::rank_of(comm_);
-  std::exception_ptr failed;
-  std::vector<std::byte> values;
-  parallel::Transfers transfers(comm_, values_tag);
-  parallel::together(comm_, [&] {
-    values.reserve(std::min(piece, groups_ * grain_) * element);
+namespace {
+
+/// Calls take(piece) for the pieces that a rank sends, the last of which is empty.
+void receive_from(parallel::Transfers& transfers, int rank, std::vector<std::byte>& room,
+                  const TakePiece& take) {
+  for (std::size_t bytes = 1; bytes > 0;) {
+    transfers.receive(rank, std::span(room));
+    transfers.wait();
+    bytes = transfers.bytes_received(0);
+    if (bytes > 0) take(std::span(room).first(bytes));
+  }
+}
+
+/// piece(k) is the k-th piece here, and empty after the last.
+template <class Piece>
+void hand_over(MPI_Comm comm, std::size_t longest, const TakePiece& take, Piece&& piece) {
+  const bool takes = parallel::rank_of(comm) == 0;
+  std::vector<std::byte> room;
+  parallel::Transfers transfers(comm, pieces_tag);
+  parallel::together(comm, [&] {
     transfers.reserve(1);
+    if (takes) room.resize(longest);
   });
-  for (int from = rank; from < (rank == 0 ? ranks_ : rank + 1); ++from) {
-    const std::uint64_t begin = begin_of(from), end = begin_of(from + 1);
-    for (std::uint64_t first = begin; first < end; first += piece) {
-      const std::uint64_t n = std::min(piece, end - first);
-      const auto* own = slice.data() + (first - begin) * element;
-      if (rank > 0) {
-        transfers.send(0, own, n, element);
-        transfers.wait();
-        continue;
-      }
-      if (from == 0) {
-        values.assign(own, own + n * element);
-      } else {
-        values.resize(n * element);
-        transfers.receive(from, values.data(), n, element);
-        transfers.wait();
-      }
-      if (failed) continue;  // the others are still sending
+  for (std::size_t k = 0; !takes; ++k) {
+    const std::span<const std::byte> mine = piece(k);
+    transfers.send(0, mine);
+    transfers.wait();
+    if (mine.empty()) break;
+  }
+  parallel::together(comm, [&] {
+    std::exception_ptr failed;
+    const auto attempt = [&](std::span<const std::byte> some) {
+      if (failed) return;  // the others are still sending
       try {
-        take(first, n, values);
+        take(some);
       } catch (...) {
         failed = std::current_exception();
       }
-    }
-  }
-  parallel::together(comm_, [&] {
+    };
+    for (std::size_t k = 0; takes && !piece(k).empty(); ++k) attempt(piece(k));
+    for (int from = 1; takes && from < parallel::ranks_of(comm); ++from)
+      receive_from(transfers, from, room, attempt);
     if (failed) std::rethrow_exception(failed);
   });
+}
+
+}  // namespace
+
+void hand_to_rank_0(MPI_Comm comm, const std::vector<std::vector<std::byte>>& pieces, std::size_t longest,
+                    const TakePiece& take) {
+  hand_over(comm, longest, take, [&](std::size_t k) {
+    return k < pieces.size() ? std::span<const std::byte>(pieces[k]) : std::span<const std::byte>();
+  });
+}
+
+void hand_to_rank_0(MPI_Comm comm, std::span<const std::byte> bytes, std::size_t longest,
+                    const TakePiece& take) {
+  hand_over(comm, longest, take, [&](std::size_t k) {
+    const std::size_t first = std::min(k * longest, bytes.size());
+    return bytes.subspan(first, std::min(longest, bytes.size() - first));
+  });
+}
+
+namespace {
+
+constexpr auto none = std::numeric_limits<std::uint64_t>::max();
+
+struct Asked {
+  std::uint64_t id;
+  int by;
+};
+
+/// The ids that all ranks have of this rank's share of the range, in ascending order.
+std::vector<Asked> sorted(const parallel::Messages& messages) {
+  std::vector<Asked> asked;
+  for (const auto& m : messages.received())
+    for (parallel::ByteReader reader(m.bytes); !reader.done();)
+      asked.push_back({reader.take<std::uint64_t>(), m.rank});
+  std::sort(asked.begin(), asked.end(), [](const Asked& a, const Asked& b) { return a.id < b.id; });
+  return asked;
+}
+
+std::uint64_t least_twice(const std::vector<Asked>& asked) {
+  const auto at = std::adjacent_find(asked.begin(), asked.end(),
+                                     [](const Asked& a, const Asked& b) { return a.id == b.id; });
+  return at == asked.end() ? none : at->id;
+}
+
+}  // namespace
+
+IdOrder order_by_id(MPI_Comm comm, std::span<const std::uint64_t> ids) {
+  parallel::Messages messages(comm);
+  IdOrder result;
+  const auto [min, max] = std::minmax_element(ids.begin(), ids.end());
+  const std::uint64_t least = parallel::least_over_ranks(comm, ids.empty() ? none : *min);
+  const std::uint64_t greatest = parallel::most_over_ranks(comm, ids.empty() ? 0 : *max);
+  result.total = parallel::sum_over_ranks(comm, std::uint64_t(ids.size()));
+  if (result.total == 0) return result;
+
+  const int ranks = parallel::ranks_of(comm);
+  const auto range = static_cast<unsigned __int128>(greatest - least) + 1;
+  parallel::together(comm, [&] {
+    result.rows.resize(ids.size());
+    std::iota(result.rows.begin(), result.rows.end(), std::size_t{0});
+    std::sort(result.rows.begin(), result.rows.end(),
+              [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
+    for (const std::size_t i : result.rows)
+      parallel::put(
+          messages.to(static_cast<int>(static_cast<unsigned __int128>(ids[i] - least) * ranks / range)),
+          ids[i]);
+    messages.make_room();
+  });
+  std::vector<Asked> asked;
+  parallel::together(comm, [&] {
+    messages.unannounced();
+    asked = sorted(messages);
+  });
+  std::uint64_t number = parallel::sum_of_ranks_before(comm, std::uint64_t(asked.size()));
+  const std::uint64_t twice = parallel::least_over_ranks(comm, least_twice(asked));
+  if (twice != none) result.twice = twice;
+  parallel::together(comm, [&] {  // each rank is answered in the order of the ids it has
+    for (const Asked& a : asked) parallel::put(messages.to(a.by), number++);
+    messages.make_room();
+  });
+  parallel::together(comm, [&] {
+    messages.unannounced();
+    for (const auto& m : messages.received())
+      for (parallel::ByteReader reader(m.bytes); !reader.done();)
+        append_run(result.places, {reader.take<std::uint64_t>(), 1});
+  });
+  return result;
 }
 
 }  // namespace silt::adapters::hdf5

@@ -1,8 +1,11 @@
 #pragma once
 // Private to adapters/hdf5: values of a long array, scattered over the ranks, on the ranks that write or read
-// its slices: rank r has the r-th of equal slices in one piece.
+// its slices: rank r has the r-th of equal slices in one piece. And the order of rows by their ids, in which
+// they make such an array.
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include "parallel/messages.hpp"
 
@@ -31,12 +34,6 @@ class SliceExchange {
   std::vector<std::byte> to_slice(std::size_t element, std::vector<std::byte> values) const;
   /// Returns the values of this rank's runs, from everybody's slices. Collective.
   std::vector<std::byte> from_slice(std::size_t element, const std::vector<std::byte>& slice) const;
-  /// Collective. Calls take(first, n, values) on rank 0 for all slices, in order and in pieces of at most
-  /// `piece` elements. If take throws, every rank throws in the end.
-  using Take =
-      std::function<void(std::uint64_t first, std::uint64_t n, const std::vector<std::byte>& values)>;
-  void hand_to_rank_0(std::size_t element, const std::vector<std::byte>& slice, const Take& take,
-                      std::uint64_t piece = 1 << 16) const;
 
  private:
   struct Partner {
@@ -57,6 +54,25 @@ class SliceExchange {
   std::vector<Partner> slices_, holders_;  // that have slices of the runs here; runs of the slice here
   std::vector<Run> pieces_;                // of this slice, counted from its start, holder by holder
 };
+
+/// IdOrder says where rows that lie on many ranks go in the order of their ids.
+struct IdOrder {
+  std::uint64_t total = 0;                 // rows of all ranks
+  std::vector<std::size_t> rows;           // this rank's, by id
+  std::vector<SliceExchange::Run> places;  // of these among those of all ranks
+  std::optional<std::uint64_t> twice;  // the least id that is there more than once, the same on every rank
+};
+
+/// Collective. Each rank sorts the ids of a share of the range between the least and the greatest of all, so
+/// that none has many more than any other if ids are nearly dense.
+IdOrder order_by_id(MPI_Comm, std::span<const std::uint64_t> ids);
+
+/// Collective. Calls take(piece) on rank 0 for pieces of what each rank has, rank after rank: those given, or
+/// the bytes cut into pieces; none is longer than `longest`. If take throws, every rank throws in the end.
+using TakePiece = std::function<void(std::span<const std::byte>)>;
+void hand_to_rank_0(MPI_Comm, const std::vector<std::vector<std::byte>>& pieces, std::size_t longest,
+                    const TakePiece& take);
+void hand_to_rank_0(MPI_Comm, std::span<const std::byte>, std::size_t longest, const TakePiece& take);
 
 /// Adds a run to ascending ones: to the last of them, if it goes on there.
 inline void append_run(std::vector<SliceExchange::Run>& runs, SliceExchange::Run more) {

@@ -1,17 +1,18 @@
 #pragma once
-// Private to adapters/hdf5: checks that a checkpoint is whole.
-#include <string>
-#include <vector>
-
-#include "adapters/hdf5/checksum.hpp"
+// Private to adapters/hdf5: the checksums of a checkpoint's datasets, and whether a checkpoint is whole.
 #include "adapters/hdf5/file.hpp"
 
 namespace silt::adapters::hdf5 {
 
 inline const char* const checkpoint_format = "silt checkpoint";
 
-/// Returns the names of the datasets in a group, in alphabetical order; none where there is no such group.
-std::vector<std::string> dataset_names(const File&, const std::string& group);
+/// Returns what a run of values that starts at a global index (number of the value in the dataset) adds to a
+/// dataset's checksum. The sum over all runs, modulo 2^64, does not depend on how the dataset is cut into
+/// runs or on their order. Zero bits add nothing, so that cells that no rank holds need not be known.
+std::uint64_t run_checksum(std::size_t value_bytes, const void* values, std::size_t n, std::uint64_t index);
+
+/// Returns the checksum of a small dataset that one rank holds whole, of at least a byte.
+std::uint64_t block_checksum(const std::string& content);
 
 /// Reads the whole file (collective), shared out over the ranks by pieces of some megabytes, and compares
 /// format, version and every checksum. Throws Error (the same text on every rank) that says what is wrong.

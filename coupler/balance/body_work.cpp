@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -11,6 +12,15 @@ namespace silt::coupler {
 
 using lbm::Int3;
 using rigid::Motion;
+
+WorkCosts::WorkCosts(const Case& setup) {
+  body = 1500 * setup.contacts.substeps;
+  impulse = 1000 * setup.contacts.substeps;
+  if (!setup.fluid) return;
+  cell = setup.fluid->precision == Precision::single_ ? 10 : 20;  // by the bandwidth it takes
+  link = setup.coupling.time == TimeCoupling::explicit_ ? 26 : 30;
+  mapping = 90;
+}
 
 namespace {
 

@@ -1,13 +1,27 @@
 #pragma once
-// The work that bodies make, from what a rank knows of its own: where the parts that were not counted are,
-// estimated.
-#include "coupler/balance/work_costs.hpp"
+// What the parts of a step cost, and the work that bodies make, from what a rank knows of its own: where the
+// parts that were not counted are, estimated.
 #include "coupler/balance/work_map.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 
 namespace silt::coupler {
+
+struct Case;
+
+/// WorkCosts are in tenths of a fluid cell in single precision: whole numbers, so that sums, and the cuts
+/// that follow from them, are the same on every machine. Ratios measured on one core (tests/bench/README.md):
+/// `scripts/bench fluid` and `links` for cells and links, `coupled` for mapping, `bed` and `dry` for bodies.
+struct WorkCosts {
+  explicit WorkCosts(const Case&);
+
+  std::int64_t cell = 0;     // 0 without a fluid
+  std::int64_t link = 0;     // cut link
+  std::int64_t mapping = 0;  // of a cut link, each time its body is mapped
+  std::int64_t body = 0;     // that moves, all sub-steps
+  std::int64_t impulse = 0;  // remembered by a body, all sub-steps; a contact is remembered by both bodies
+};
 
 /// Links that cross a unit of surface, mean over its directions: half the sum of |c_i . n| over the 18
 /// directions, where the mean of |cos| is a half: (6 + 12 sqrt(2)) / 4.

@@ -1,17 +1,21 @@
 #pragma once
 // Recursive bisection of weighted work (Berger, Bokhari, IEEE Trans. Comput. C-36 (1987) 570), done by the
 // ranks together: half of them cut for one part of the domain, half for the other, and so on. No rank ever
-// has more than its share of the work items, sums along the edges of its part, and the tree.
+// has more than its share of the work items, sums along the edges of its part, and the tree. One process may
+// also foresee it for ranks that are not there.
 #include <mpi.h>
 
 #include "coupler/balance/work_map.hpp"
 
 namespace silt::coupler {
 
-struct WeightedCut {
-  lbm::CutTree tree;
-  double largest, mean;  // work of a leaf
+struct WorkShares {
+  double largest = 0, mean = 0;  // of a rank, in the units of the items
   double largest_over_mean() const { return mean > 0 ? largest / mean : 1; }
+};
+
+struct WeightedCut : WorkShares {
+  lbm::CutTree tree;
 };
 
 /// Collective. Cuts a box of cells into one leaf a rank, of about the same work each: that of its cells, so
@@ -24,5 +28,11 @@ WeightedCut weighted_cut(MPI_Comm, lbm::Int3 cells, std::int64_t work_of_a_cell,
 /// to do.
 WeightedCut present_cut(MPI_Comm, const lbm::Domain&, std::int64_t work_of_a_cell,
                         const std::vector<WorkItem>&);
+
+/// Returns the work of so many ranks under the cut that weighted_cut would make for them.
+WorkShares foreseen_cut(lbm::Int3 cells, std::int64_t work_of_a_cell, std::vector<WorkItem>, int ranks);
+
+/// Returns it under the cut that a domain has.
+WorkShares shares_of(const lbm::Domain&, std::int64_t work_of_a_cell, const std::vector<WorkItem>&);
 
 }  // namespace silt::coupler

@@ -44,8 +44,8 @@ struct SteadySpec {
 };
 
 /// A type that a [[quantities]] entry may have: which keys it takes, what the scene must have, the dimension
-/// of its value and what it means. A new quantity is a row of quantity_rows, and its computation by the same
-/// name in a family of coupler/results (see quantity_computation.hpp); a row without one does not compile.
+/// of its value and what it means. A new quantity is a row of quantity_rows, and its computation under the
+/// same name in a family of coupler/results (see quantity_computation.hpp).
 struct QuantityType {
   enum Key : unsigned {
     body = 1,

@@ -18,23 +18,23 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
   return {scale * v[0], scale * v[1], scale * v[2]};
 }
 
-/// Which columns a scene has something to say in.
+/// Which columns a case has something to say in.
 adapters::BodyColumns columns_of(const Simulation& simulation) {
   const Case& setup = simulation.setup();
   return {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts};
 }
 
 adapters::BodySeriesInfo series_info(const Simulation& simulation) {
-  const Case& scene = simulation.setup();
+  const Case& setup = simulation.setup();
   adapters::BodySeriesInfo info;
   info.columns = columns_of(simulation);
-  for (int d = 0; d < 3; ++d) info.domain_upper[d] = scene.cells[d] * scene.units.cell_size;
-  if (scene.units.si) {
+  for (int d = 0; d < 3; ++d) info.domain_upper[d] = setup.cells[d] * setup.units.cell_size;
+  if (setup.units.si) {
     info.length = std::string("m");
     info.time = std::string("s");
     info.mass = std::string("kg");
   }
-  info.kinds = drawn_kinds(scene);
+  info.kinds = drawn_kinds(setup);
   return info;
 }
 
@@ -66,23 +66,23 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
 
 }  // namespace
 
-std::vector<adapters::BodyKind> drawn_kinds(const Case& scene) {
-  const double cell = scene.units.cell_size;
-  std::vector<adapters::BodyKind> kinds(scene.kind_names.size());
+std::vector<adapters::BodyKind> drawn_kinds(const Case& setup) {
+  const double cell = setup.units.cell_size;
+  std::vector<adapters::BodyKind> kinds(setup.kind_names.size());
   const auto describe = [&](int kind, const rigid::Shape& shape, double density) {
     adapters::BodyKind& k = kinds[kind];
     if (!k.parts.empty()) return;  // the entries of a kind have the same shape
-    k.name = scene.kind_names[kind];
+    k.name = setup.kind_names[kind];
     k.bounding_radius = cell * rigid::bounding_radius(shape);
-    k.density = scene.units.physical(density, dimension::density);
+    k.density = setup.units.physical(density, dimension::density);
     for (const rigid::Part& part : rigid::convex_parts(shape)) k.parts.push_back(tessellation(part, cell));
     if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))
       k.parts.push_back(tessellation(*mesh->surface, cell));
   };
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
-    describe(body.kind, scene.shapes[body.shape], body.density);
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t) {
+    describe(body.kind, setup.shapes[body.shape], body.density);
   });
-  for (const FillSpec& fill : scene.fills) describe(fill.kind, scene.shapes[fill.shape], fill.density);
+  for (const FillSpec& fill : setup.fills) describe(fill.kind, setup.shapes[fill.shape], fill.density);
   return kinds;
 }
 

@@ -1,14 +1,14 @@
-#include "coupler/results/body_quantities.hpp"
-
+// Quantities that look at the bodies; sums are exact. Positions at the start come from the case, not from
+// memory.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "coupler/case/case.hpp"
 #include "coupler/fault_watch.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
+#include "coupler/results/quantity_computation.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -22,17 +22,23 @@ using rigid::ExactSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Adds what terms(row) gives of each owned body of a kind.
-template <class Terms>
-void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!q.is_about(bodies.kind[row])) continue;
-    const auto x = terms(row);
-    for (std::size_t k = 0; k < x.size(); ++k) sums[k].add(x[k]);
-  }
+/// Calls visit(row) for the owned bodies that a quantity is about.
+template <class Visit>
+void for_bodies_of(const BodySet& bodies, const QuantitySpec& q, Visit&& visit) {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (q.is_about(bodies.kind[row])) visit(row);
 }
 
-/// Sums of N terms a body, over the owned bodies of a kind on all ranks.
+/// Adds what terms(row) gives of each of them.
+template <class Terms>
+void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    const auto x = terms(row);
+    for (int k = 0; k < int(x.size()); ++k) sums[k].add(x[k]);
+  });
+}
+
+/// Returns the sums of N terms a body over all ranks.
 template <int N, class Terms>
 std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
   std::array<ExactSum, N> sums;
@@ -43,104 +49,30 @@ std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const Quan
   return result;
 }
 
-template <class Value>
-double mean_over(const Simulation& simulation, const QuantitySpec& q, Value&& value) {
-  const auto [sum, count] =
-      sums_over<2>(simulation.scene().comm, simulation.bodies(), q, [&](std::size_t row) {
-        return std::array<double, 2>{value(row), 1.0};
-      });
-  return count > 0 ? sum / count : no_value;
-}
-
-/// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.
-BodySet bodies_at_start(const Scene& scene) {
-  const Case& setup = scene.setup;
-  const auto shapes = centred_shapes(setup);
-  const PlacedBodies placed = place_bodies(setup, scene.domain, scene.comm);
-  BodySet bodies;
-  bodies.resize(placed.size());
-  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
-    const std::size_t row = bodies.owned++;
-    bodies.assign(row, body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
-    bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
-  });
-  return bodies;
-}
-
-/// Calls visit(row, displacement since the start) for the owned bodies of a kind.
-template <class Visit>
-void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
-  const Case& scene = simulation.setup();
-  const BodySet& bodies = simulation.bodies();
-  const Vec3 period = extent_of(scene).size;
-  const auto start = simulation.scene().starts.of(scene, simulation.scene().domain, simulation.scene().comm,
-                                                  std::span(bodies.id).first(bodies.owned));
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (q.is_about(bodies.kind[row]) && !start[row].hasNaN())
-      visit(row, unwrapped(bodies, row, period) - start[row]);
-}
-
-// ---- what free motion keeps ----
-
-struct Totals {
-  Vec3 momentum, angular_momentum;  // of the free bodies, the latter about the domain's corner
-  double energy, momentum_scale;    // kinetic and potential; sum of |m v|
-};
-
-/// A free body's part of the totals; nothing of another. The potential is zero at the corner of the domain
-/// that is lowest against gravity.
-std::array<double, 8> totals_of_body(const Case& scene, const BodySet& bodies, std::size_t row) {
-  if (!bodies.is_dynamic(row)) return {};
-  const Vec3 period = extent_of(scene).size, g = scene.gravity;
-  Vec3 lowest = Vec3::Zero();
-  for (int d = 0; d < 3; ++d) lowest[d] = g[d] > 0 ? period[d] : 0;
-  const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
-  const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
-  const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
-  return {p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
-}
-
-Totals totals_from(std::span<const double> sums) {
-  return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}, sums[6], sums[7]};
-}
-
-std::array<double, 8> sums_of_totals(const Case& scene, MPI_Comm comm, const BodySet& bodies,
-                                     const QuantitySpec& q) {
-  return sums_over<8>(comm, bodies, q, [&](std::size_t row) { return totals_of_body(scene, bodies, row); });
-}
-
-Totals totals_now(const Simulation& simulation, const QuantitySpec& q) {
-  return totals_from(sums_of_totals(simulation.setup(), simulation.scene().comm, simulation.bodies(), q));
-}
-
-/// What `keep` keeps of the totals at the start: the history has it, or for a quantity that was not there
-/// then the case, whose bodies are placed anew.
-QuantityHistory start_of(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history,
-                         decltype(StepSums::fold) keep) {
-  if (history != no_history) return history;
-  const Scene& scene = simulation.scene();
-  const auto sums = sums_of_totals(scene.setup, scene.comm, bodies_at_start(scene), q);
-  QuantityHistory start = no_history;
-  keep(scene.setup, q, 0, sums, start);
-  return start;
-}
-
-double relative(double change, double start) {
+double ratio(double change, double start) {
   return start == 0 ? no_value : change / start;
 }
 
-}  // namespace
-
-double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
-                        const std::function<double(std::size_t)>& value) {
-  return mean_over(simulation, q, value);
+/// The mean over the bodies of a vector's component along the axis.
+template <std::vector<Vec3> BodySet::*vectors>
+double mean_component(const Simulation& simulation, const QuantitySpec& q) {
+  const auto& x = simulation.bodies().*vectors;
+  return mean_over_bodies(simulation, q, [&](std::size_t row) { return x[row][q.axis]; });
 }
 
-// ---- at the end ----
+// ---- where bodies came from ----
 
-double mean_height(const Simulation& simulation, const QuantitySpec& q) {
+/// Calls visit(row, displacement since the start) for the owned bodies that were there then.
+template <class Visit>
+void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
+  const Scene& scene = simulation.scene();
   const BodySet& bodies = simulation.bodies();
-  return mean_over(simulation, q, [&](std::size_t row) { return bodies.position[row][q.axis]; });
+  const Vec3 period = extent_of(scene.setup).size;
+  const auto start =
+      scene.starts.of(scene.setup, scene.domain, scene.comm, std::span(bodies.id).first(bodies.owned));
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    if (!start[row].hasNaN()) visit(row, unwrapped(bodies, row, period) - start[row]);
+  });
 }
 
 double drift(const Simulation& simulation, const QuantitySpec& q) {
@@ -159,17 +91,36 @@ double displacement(const Simulation& simulation, const QuantitySpec& q) {
   });
   const auto [sum, count] = sums_over<2>(simulation.scene().comm, simulation.bodies(), q,
                                          [&](std::size_t row) { return terms[row]; });
-  return count > 0 ? sum / count : no_value;
+  return ratio(sum, count);
 }
 
-double mean_velocity(const Simulation& simulation, const QuantitySpec& q) {
-  const BodySet& bodies = simulation.bodies();
-  return mean_over(simulation, q, [&](std::size_t row) { return bodies.velocity[row][q.axis]; });
+// ---- what free motion keeps ----
+
+struct Totals {
+  Vec3 momentum, angular_momentum;  // of the free bodies, the latter about the domain's corner
+  double energy, momentum_scale;    // kinetic and potential; sum of |m v|
+
+  static Totals from(std::span<const double> sums) {
+    return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}, sums[6], sums[7]};
+  }
+};
+
+/// A free body's part of the totals; nothing of another. The potential is zero at the corner of the domain
+/// that is lowest against gravity.
+std::array<double, 8> totals_of_body(const Case& setup, const BodySet& bodies, std::size_t row) {
+  if (!bodies.is_dynamic(row)) return {};
+  const Vec3 period = extent_of(setup).size, g = setup.gravity;
+  Vec3 lowest = Vec3::Zero();
+  for (int d = 0; d < 3; ++d) lowest[d] = g[d] > 0 ? period[d] : 0;
+  const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
+  const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
+  const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
+  return {p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
 }
 
-double mean_angular_velocity(const Simulation& simulation, const QuantitySpec& q) {
-  const BodySet& bodies = simulation.bodies();
-  return mean_over(simulation, q, [&](std::size_t row) { return bodies.angular_velocity[row][q.axis]; });
+Totals totals_of(const Scene& scene, const BodySet& bodies, const QuantitySpec& q) {
+  return Totals::from(sums_over<8>(
+      scene.comm, bodies, q, [&](std::size_t row) { return totals_of_body(scene.setup, bodies, row); }));
 }
 
 bool add_totals_at_start(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
@@ -181,78 +132,103 @@ bool add_totals_at_start(const Simulation& simulation, const QuantitySpec& q, co
   return true;
 }
 
-void keep_momentum(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
-                   QuantityHistory& start) {
-  const Totals totals = totals_from(sums);
-  start = {totals.momentum[q.axis], totals.momentum_scale, 0};
+/// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.
+BodySet bodies_at_start(const Scene& scene) {
+  const auto shapes = centred_shapes(scene.setup);
+  const PlacedBodies placed = place_bodies(scene.setup, scene.domain, scene.comm);
+  BodySet bodies;
+  bodies.resize(placed.size());
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    const std::size_t row = bodies.owned++;
+    bodies.assign(row, body_record(id, body, shapes[body.shape], scene.setup.fluid.has_value()));
+    bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
+  });
+  return bodies;
 }
 
-double momentum_change(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
-  const QuantityHistory start = start_of(simulation, q, history, keep_momentum);
-  return relative(totals_now(simulation, q).momentum[q.axis] - start[0], start[1]);
+/// change(what is kept now, what was at the start), where kept(totals, spec) is the history that remembers
+/// the start; of a quantity that was not there then, the bodies of the case are placed anew.
+template <auto kept, auto change>
+constexpr Computation since_start(std::string_view type) {
+  return {type,
+          nullptr,
+          [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
+            const Scene& scene = simulation.scene();
+            const QuantityHistory start =
+                history != no_history ? history : kept(totals_of(scene, bodies_at_start(scene), q), q);
+            return change(kept(totals_of(scene, simulation.bodies(), q), q), start);
+          },
+          {8, add_totals_at_start,
+           [](const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
+              QuantityHistory& start) { start = kept(Totals::from(sums), q); }}};
 }
 
-void keep_angular_momentum(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> sums,
-                           QuantityHistory& start) {
-  const Vec3 l = totals_from(sums).angular_momentum;
-  start = {l[0], l[1], l[2]};
+QuantityHistory kept_momentum(const Totals& t, const QuantitySpec& q) {
+  return {t.momentum[q.axis], t.momentum_scale, 0};
+}
+double momentum_change(const QuantityHistory& now, const QuantityHistory& start) {
+  return ratio(now[0] - start[0], start[1]);
 }
 
-double angular_momentum_change(const Simulation& simulation, const QuantitySpec& q,
-                               const QuantityHistory& history) {
-  const QuantityHistory kept = start_of(simulation, q, history, keep_angular_momentum);
-  const Vec3 start(kept[0], kept[1], kept[2]);
-  return relative((totals_now(simulation, q).angular_momentum - start).norm(), start.norm());
+QuantityHistory kept_angular_momentum(const Totals& t, const QuantitySpec&) {
+  return {t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2]};
+}
+double angular_momentum_change(const QuantityHistory& now, const QuantityHistory& start) {
+  const Vec3 l(now[0], now[1], now[2]), l0(start[0], start[1], start[2]);
+  return ratio((l - l0).norm(), l0.norm());
 }
 
-void keep_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> sums,
-                 QuantityHistory& start) {
-  start = {totals_from(sums).energy, 0, 0};
+QuantityHistory kept_energy(const Totals& t, const QuantitySpec&) {
+  return {t.energy, 0, 0};
+}
+double energy_change(const QuantityHistory& now, const QuantityHistory& start) {
+  return ratio(now[0] - start[0], start[0]);
 }
 
-double energy_change(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
-  const double start = start_of(simulation, q, history, keep_energy)[0];
-  return relative(totals_now(simulation, q).energy - start, start);
+// ---- the largest or latest of the run ----
+
+/// The largest of value(simulation, spec, row), over the bodies and the steps from the spec's time on.
+template <auto value>
+constexpr Computation largest(std::string_view type) {
+  return {type,
+          [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
+            if (static_cast<double>(simulation.steps_done()) < q.time) return;
+            for_bodies_of(simulation.bodies(), q,
+                          [&](std::size_t row) { h[0] = std::max(h[0], value(simulation, q, row)); });
+          },
+          value_seen};
 }
 
-double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
+double speed(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
+  return simulation.bodies().velocity[row].norm();
+}
+
+double height(const Simulation& simulation, const QuantitySpec& q, std::size_t row) {
+  return simulation.bodies().position[row][q.axis];
+}
+
+/// The spin about the axis of the middle moment of inertia, and (Euler's equation without a torque) its rate
+/// of change, tell from the state alone how long ago it was zero.
+double time_of_reversal(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
   const BodySet& bodies = simulation.bodies();
-  std::uint64_t inside = 0;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const auto x = bodies.position[row].array();
-    inside += q.is_about(bodies.kind[row]) && (x >= q.lower.array()).all() && (x <= q.upper.array()).all();
-  }
-  return static_cast<double>(parallel::sum_over_ranks(simulation.scene().comm, inside));
-}
-
-double max_penetration(const Simulation& simulation) {
-  return simulation.counters().penetration;
-}
-
-// ---- over the run ----
-
-void observe_speed(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& largest) {
-  const BodySet& bodies = simulation.bodies();
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (q.is_about(bodies.kind[row])) largest[0] = std::max(largest[0], bodies.velocity[row].norm());
-}
-
-void observe_height(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& largest) {
-  if (static_cast<double>(simulation.steps_done()) < q.time) return;
-  const BodySet& bodies = simulation.bodies();
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (q.is_about(bodies.kind[row])) largest[0] = std::max(largest[0], bodies.position[row][q.axis]);
+  if (!bodies.is_dynamic(row)) return not_yet;
+  const Mat3& inertia = bodies.inertia_B[row];
+  const Vec3 middle = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors().col(1);
+  const Vec3 w = bodies.orientation[row].conjugate() * bodies.angular_velocity[row];
+  const double since = middle.dot(w) / middle.dot(inertia.inverse() * (inertia * w).cross(w));
+  const double now = static_cast<double>(simulation.steps_done());
+  return since >= 0 && since <= std::min(1.0, now) ? now - since : not_yet;
 }
 
 void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
                      QuantityHistory& against_and_along) {
   const BodySet& bodies = simulation.bodies();
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!q.is_about(bodies.kind[row]) || bodies.position[row][q.axis] < q.height) continue;
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    if (bodies.position[row][q.axis] < q.height) return;
     const double v = bodies.velocity[row][q.axis];
     against_and_along[0] = std::max(against_and_along[0], -v);
     against_and_along[1] = std::max(against_and_along[1], v);
-  }
+  });
 }
 
 double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory& against_and_along) {
@@ -260,55 +236,44 @@ double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHisto
   return against > 0 ? std::max(along, 0.0) / against : no_value;
 }
 
-/// The spin about the axis of the middle moment of inertia, and (Euler's equation without a torque) its rate
-/// of change, tell from the state alone how long ago it was zero.
-void observe_reversal(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& latest) {
-  const BodySet& bodies = simulation.bodies();
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (!q.is_about(bodies.kind[row]) || !bodies.is_dynamic(row)) continue;
-    const Mat3& inertia = bodies.inertia_B[row];
-    const Vec3 middle = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors().col(1);
-    const Vec3 w = bodies.orientation[row].conjugate() * bodies.angular_velocity[row];
-    const double since = middle.dot(w) / middle.dot(inertia.inverse() * (inertia * w).cross(w));
-    const double now = static_cast<double>(simulation.steps_done());
-    if (since >= 0 && since <= std::min(1.0, now)) latest[0] = std::max(latest[0], now - since);
-  }
-}
-
 bool add_energy(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                 std::span<ExactSum> energy) {
   const BodySet& bodies = simulation.bodies();
-  add_terms(
-      bodies, q,
-      [&](std::size_t row) { return std::array{totals_of_body(simulation.setup(), bodies, row)[6]}; },
-      energy);
+  const auto of_body = [&](std::size_t row) {
+    return std::array{totals_of_body(simulation.setup(), bodies, row)[6]};
+  };
+  add_terms(bodies, q, of_body, energy);
   return true;
 }
 
-void keep_largest_energy(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> now,
-                         QuantityHistory& energy) {
+void keep_first_and_largest(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> now,
+                            QuantityHistory& energy) {
   if (energy[0] == not_yet) energy[0] = now[0];
   energy[1] = std::max(energy[1], now[0]);
 }
 
 double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHistory& energy) {
-  return energy[0] == not_yet ? no_value : relative(energy[1] - energy[0], energy[0]);
+  return energy[0] == not_yet ? no_value : ratio(energy[1] - energy[0], energy[0]);
 }
 
-namespace {
+// ---- what has left since a time ----
 
-double mass_below(const BodySet& bodies, const QuantitySpec& q, std::size_t row) {
-  return bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0;
+/// The change of `now` since the history's first number, over the steps since its second.
+double rate_since(const Simulation& simulation, const QuantityHistory& start, double now) {
+  const double duration = static_cast<double>(simulation.steps_done()) - start[1];
+  return start[0] == not_yet ? no_value : ratio(now - start[0], duration);
 }
 
-}  // namespace
+std::array<double, 1> mass_below(const BodySet& bodies, const QuantitySpec& q, std::size_t row) {
+  return {bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0};
+}
 
 bool add_mass_below(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start,
                     std::span<ExactSum> mass) {
   if (start[0] != not_yet || static_cast<double>(simulation.steps_done()) < q.time) return false;
   const BodySet& bodies = simulation.bodies();
   add_terms(
-      bodies, q, [&](std::size_t row) { return std::array{mass_below(bodies, q, row)}; }, mass);
+      bodies, q, [&](std::size_t row) { return mass_below(bodies, q, row); }, mass);
   return true;
 }
 
@@ -320,9 +285,8 @@ void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t step, std::s
 double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
   const BodySet& bodies = simulation.bodies();
   const auto [now] = sums_over<1>(simulation.scene().comm, bodies, q,
-                                  [&](std::size_t row) { return std::array{mass_below(bodies, q, row)}; });
-  const double duration = static_cast<double>(simulation.steps_done()) - start[1];
-  return start[0] == not_yet || duration == 0 ? no_value : (now - start[0]) / duration;
+                                  [&](std::size_t row) { return mass_below(bodies, q, row); });
+  return rate_since(simulation, start, now);
 }
 
 void observe_outflow(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
@@ -331,9 +295,89 @@ void observe_outflow(const Simulation& simulation, const QuantitySpec& q, Quanti
 }
 
 double outflow_rate(const Simulation& simulation, const QuantitySpec&, const QuantityHistory& start) {
-  const double duration = static_cast<double>(simulation.steps_done()) - start[1];
-  if (start[0] == not_yet || duration == 0) return no_value;
-  return (static_cast<double>(simulation.counters().left) - start[0]) / duration;
+  return rate_since(simulation, start, static_cast<double>(simulation.counters().left));
+}
+
+// ---- a bed in a round container ----
+
+/// Adds the bodies' mass times their place from the quantity's centre; of `weighing` the mass less that of
+/// the fluid displaced, and of free bodies only.
+template <bool weighing>
+bool add_moment(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                std::span<ExactSum> moment) {
+  const BodySet& bodies = simulation.bodies();
+  const auto of_body = [&](std::size_t row) -> Vec3 {
+    const double share = !weighing ? 1 : bodies.is_dynamic(row) ? bodies.weight_in_fluid[row] : 0;
+    return bodies.mass[row] * share * (bodies.position[row] - q.centre);
+  };
+  add_terms(bodies, q, of_body, moment);
+  return true;
+}
+
+/// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
+/// axis: that of the surface, where it is flat and the container round.
+double bed_angle(const Case& setup, const QuantitySpec& q, std::span<const double> sums) {
+  const Vec3 g = setup.gravity, moment(sums[0], sums[1], sums[2]);
+  const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
+  return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
+}
+
+/// The sum of r x (m g) along the axis.
+double weight_torque(const Case& setup, const QuantitySpec& q, std::span<const double> moment) {
+  return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity)[q.axis];
+}
+
+// ---- counts ----
+
+double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
+  std::uint64_t inside = 0;
+  for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
+    const auto x = simulation.bodies().position[row].array();
+    inside += (x >= q.lower.array()).all() && (x <= q.upper.array()).all();
+  });
+  return static_cast<double>(parallel::sum_over_ranks(simulation.scene().comm, inside));
+}
+
+double max_penetration(const Simulation& simulation) {
+  return simulation.counters().penetration;
+}
+
+constexpr Computation of_bodies[] = {
+    at_end<mean_component<&BodySet::position>>("mean-height"),
+    at_end<mean_component<&BodySet::velocity>>("mean-velocity"),
+    at_end<mean_component<&BodySet::angular_velocity>>("mean-angular-velocity"),
+    at_end<drift>("drift"),
+    at_end<displacement>("displacement"),
+    since_start<kept_momentum, momentum_change>("momentum-change"),
+    since_start<kept_angular_momentum, angular_momentum_change>("angular-momentum-change"),
+    since_start<kept_energy, energy_change>("energy-change"),
+    largest<speed>("max-speed"),
+    largest<height>("max-height-after"),
+    largest<time_of_reversal>("last-reversal"),
+    {"rebound-ratio", observe_rebound, rebound_ratio},
+    {"energy-growth", nullptr, energy_growth, {1, add_energy, keep_first_and_largest}},
+    {"discharge-rate", nullptr, discharge_rate, {1, add_mass_below, keep_first_mass}},
+    {"outflow-rate", observe_outflow, outflow_rate},
+    mean_of<3, add_moment<false>, bed_angle>("bed-angle"),
+    mean_of<3, add_moment<true>, weight_torque>("weight-torque"),
+    at_end<bodies_in_box>("body-count"),
+    at_end<packing_fraction>("packing-fraction"),
+    at_end<max_penetration>("max-penetration"),
+};
+
+}  // namespace
+
+std::span<const Computation> body_computations() {
+  return of_bodies;
+}
+
+double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
+                        const std::function<double(std::size_t)>& value) {
+  const auto [sum, count] =
+      sums_over<2>(simulation.scene().comm, simulation.bodies(), q, [&](std::size_t row) {
+        return std::array<double, 2>{value(row), 1.0};
+      });
+  return ratio(sum, count);
 }
 
 }  // namespace silt::coupler

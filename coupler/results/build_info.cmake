@@ -1,4 +1,4 @@
-# Run in every build: writes OUTPUT from build_info.cpp.in with the commit that is built now. Takes what the configuration found as -D NAME=VALUE.
+# Run in every build: writes OUTPUT, which tells the program the commit that is built now. Takes what the configuration found as -D NAME=VALUE.
 set(SILT_COMMIT "unknown")  # of a tree without git
 find_program(GIT git)
 if(GIT)
@@ -8,4 +8,16 @@ if(GIT)
     set(SILT_COMMIT "${described}")
   endif()
 endif()
-configure_file(${CMAKE_CURRENT_LIST_DIR}/build_info.cpp.in ${OUTPUT} @ONLY)  # leaves it alone if nothing changed
+file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[// Made by build_info.cmake.
+#include "coupler/results/build_info.hpp"
+
+const silt::adapters::Provenance& silt::coupler::build_info() {
+  static const adapters::Provenance info = [] {
+    adapters::Provenance p;
+    p.version = "@VERSION@", p.commit = "@SILT_COMMIT@";
+    p.compiler = "@COMPILER@", p.flags = "@FLAGS@", p.libraries = "@LIBRARIES@";
+    return p;
+  }();
+  return info;
+}
+]])  # leaves it alone if nothing changed

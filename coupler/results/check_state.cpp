@@ -1,5 +1,4 @@
-#include "coupler/results/check_state.hpp"
-
+// What a checkpoint holds of the bodies, and whether it can be the state of a run of its case.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/results/checkpoint.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -75,10 +75,10 @@ void require_inertia(const Row& row, const BodyRecord& r) {
     row.refuse("inertia_B", "no tensor of inertia", "symmetric and positive");
 }
 
-void require_place(const Row& row, const char* column, const Case& scene, std::span<const double, 3> x) {
+void require_place(const Row& row, const char* column, const Case& setup, std::span<const double, 3> x) {
   for (int d = 0; d < 3; ++d) {
-    const double beyond = scene.cells[d] + furthest_outside;
-    row.within(column, x[d], -beyond, scene.cells[d] + beyond);
+    const double beyond = setup.cells[d] + furthest_outside;
+    row.within(column, x[d], -beyond, setup.cells[d] + beyond);
   }
 }
 
@@ -87,17 +87,17 @@ std::int64_t last_of(const List& list) {
   return static_cast<std::int64_t>(list.size()) - 1;
 }
 
-void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid::BodyId next_id) {
+void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid::BodyId next_id) {
   row.within("id", r.id, rigid::BodyId{1}, next_id - 1);
-  row.within("shape", r.shape, std::int64_t{0}, last_of(scene.shapes));
-  row.within("material", r.material, std::int64_t{0}, last_of(scene.material_names));
-  row.within("kind", r.kind, std::int64_t{0}, last_of(scene.kind_names));
+  row.within("shape", r.shape, std::int64_t{0}, last_of(setup.shapes));
+  row.within("material", r.material, std::int64_t{0}, last_of(setup.material_names));
+  row.within("kind", r.kind, std::int64_t{0}, last_of(setup.kind_names));
   row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::prescribed));
   row.within("wakefulness", static_cast<int>(r.wakefulness), 0, static_cast<int>(rigid::Wakefulness::waking));
   row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
   row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
   require_inertia(row, r);
-  require_place(row, "position", scene, r.position);
+  require_place(row, "position", setup, r.position);
   row.unit_quaternion("orientation", r.orientation);
   row.within("image", r.image, -most_periods, most_periods);
   row.within("velocity", r.velocity, fastest);
@@ -109,7 +109,7 @@ void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid:
   row.within("rest_unbalanced_velocity", r.rest.unbalanced_velocity, fastest);
   row.within("rest_unbalanced_angular_velocity", r.rest.unbalanced_angular_velocity, fastest);
   const rigid::HolderState& held = r.holder_state;
-  require_place(row, column::mapping_position.name, scene, held[column::mapping_position].first<3>());
+  require_place(row, column::mapping_position.name, setup, held[column::mapping_position].first<3>());
   row.unit_quaternion(column::mapping_orientation.name, held[column::mapping_orientation].first<4>());
   row.within(column::mapping_velocity, held, fastest);
   row.whole_within(column::mapping_steps, held, 0, most_steps);
@@ -119,16 +119,16 @@ void require_body(const Row& row, const Case& scene, const BodyRecord& r, rigid:
   row.within(column::foreseen_change, held, fastest);
 }
 
-bool is_wall_of(const Case& scene, rigid::BodyId id) {
-  if (id >= rigid::first_tube_id) return id - rigid::first_tube_id < scene.walls.size();
-  const BoundarySpec& side = scene.boundary[id - rigid::first_wall_id];
+bool is_wall_of(const Case& setup, rigid::BodyId id) {
+  if (id >= rigid::first_tube_id) return id - rigid::first_tube_id < setup.walls.size();
+  const BoundarySpec& side = setup.boundary[id - rigid::first_wall_id];
   return side.kind != BoundaryKind::periodic && side.solid_for_bodies;
 }
 
-void require_impulse(const Row& row, const Case& scene, const StoredImpulse& s, rigid::BodyId own,
+void require_impulse(const Row& row, const Case& setup, const StoredImpulse& s, rigid::BodyId own,
                      rigid::BodyId next_id) {
   if (s.partner == own ||
-      !(rigid::is_wall(s.partner) ? is_wall_of(scene, s.partner) : s.partner > 0 && s.partner < next_id))
+      !(rigid::is_wall(s.partner) ? is_wall_of(setup, s.partner) : s.partner > 0 && s.partner < next_id))
     row.refuse("partner", fmt::format("{}", s.partner), "another body or a wall of the case");
   const int image[3] = {s.image.x, s.image.y, s.image.z};
   row.within("image", image, -1, 1);
@@ -138,17 +138,17 @@ void require_impulse(const Row& row, const Case& scene, const StoredImpulse& s, 
 
 }  // namespace
 
-void require_possible(const Case& scene, const adapters::CheckpointReader::Bodies& bodies,
+void require_possible(const Case& setup, const adapters::CheckpointReader::Bodies& bodies,
                       rigid::BodyId next_id) {
   std::uint64_t impulse = bodies.first_impulse;
   for (std::size_t i = 0; i < bodies.records.size(); ++i) {
     const BodyRecord& r = bodies.records[i];
     const std::string name = fmt::format("body {}", r.id);
-    require_body(Row("/bodies", bodies.first_body + i, name), scene, r, next_id);
+    require_body(Row("/bodies", bodies.first_body + i, name), setup, r, next_id);
     const StoredImpulse* before = nullptr;
     for (const StoredImpulse& s : bodies.impulses[i]) {
       const Row row("/impulses", impulse++, name);
-      require_impulse(row, scene, s, r.id, next_id);
+      require_impulse(row, setup, s, r.id, next_id);
       if (before && std::tie(before->partner, before->image, before->feature) >=
                         std::tie(s.partner, s.image, s.feature))
         row.refuse("partner", "out of its order", "sorted by partner, image and feature");

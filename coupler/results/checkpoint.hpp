@@ -2,6 +2,7 @@
 // Leaving a run and coming back to it, to the bit, on any number of ranks.
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "coupler/case/case_overrides.hpp"
@@ -11,25 +12,23 @@
 
 namespace silt::coupler {
 
-/// Collective. Writes FOLDER/checkpoint_STEP.h5 and keeps the case's number of them. Returns its path.
+/// Collective. Writes FOLDER/checkpoint_STEP.h5 and keeps the case's number of them. Under another name it is
+/// one that no run goes on from unless told to (silt resume --checkpoint), and that does not count among
+/// those kept: stopped_STEP.h5 is the state in which a guard has stopped a run. Returns its path.
 /// std::runtime_error on every rank; earlier checkpoints are then untouched.
 std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
                                        const std::filesystem::path& folder, const adapters::Provenance&,
-                                       const std::optional<SteadyWatch>& = {});
-
-/// Collective. Writes FOLDER/stopped_STEP.h5, the state in which a guard has stopped a run: a checkpoint that
-/// no run goes on from unless told to (silt resume --checkpoint), and that does not count among those kept.
-/// Returns its path. Errors as above.
-std::filesystem::path write_stopped_state(const Simulation&, const Quantities&,
-                                          const std::filesystem::path& folder, const adapters::Provenance&,
-                                          const std::optional<SteadyWatch>& = {});
+                                       const std::optional<SteadyWatch>& = {},
+                                       const std::string& name = "checkpoint");
 
 /// Returns what the checkpoint remembers of its case, for case_to_resume.
 CaseOrigin read_origin(const adapters::CheckpointReader&);
 
-/// Collective. Returns the state to go on from; its set_populations reads from the reader, which must still
-/// be there when the simulation is made.
+/// Collective. Returns the state to go on from, but for the populations of the fluid.
 SavedState read_state(const adapters::CheckpointReader&, const Case&);
+
+/// Collective. Makes the simulation that goes on from it, populations and all.
+std::unique_ptr<Simulation> resumed_simulation(const adapters::CheckpointReader&, Case, MPI_Comm);
 
 /// Returns what Quantities had gathered, for its set_history.
 std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
@@ -37,5 +36,13 @@ std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, con
 /// Returns the watch a case asks for, as it was; fresh where the run watched something else; none without
 /// run.steady.
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
+
+/// Throws std::runtime_error for the first number of this rank's slice of the bodies and of their stored
+/// impulses that no run can go on from: the dataset, the row, what was found and what may be. A file may have
+/// every checksum right and still not be one that a run wrote. next_id: the first that no body has had.
+void require_possible(const Case&, const adapters::CheckpointReader::Bodies&, rigid::BodyId next_id);
+
+/// No population that a run can go on from is above it, in the mass of a cell at its reference density.
+inline constexpr double largest_population = 1024;
 
 }  // namespace silt::coupler

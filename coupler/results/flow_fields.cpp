@@ -7,8 +7,7 @@
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/results/strain_rate.hpp"
-#include "coupler/results/vorticity.hpp"
+#include "coupler/results/velocity_gradient.hpp"
 #include "lbm/fluid.hpp"
 #include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -338,7 +337,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     }
     boxes.push_back(box);
   }
-  const auto path = adapters::field_path(folder, spec.name, snapshot.step);
+  const auto path = adapters::step_path(folder, spec.name, snapshot.step, ".hdf");
   parallel::naming(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, boxes, snapshot, provenance);
   });

@@ -3,8 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "adapters/hdf5/boxes.hpp"
-#include "adapters/hdf5/provenance.hpp"
+#include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/output_spec.hpp"
 #include "coupler/simulation.hpp"
 

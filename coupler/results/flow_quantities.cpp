@@ -1,5 +1,4 @@
-#include "coupler/results/flow_quantities.hpp"
-
+// Quantities that look at the fluid.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -7,8 +6,8 @@
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/placement/body_records.hpp"
-#include "coupler/results/body_quantities.hpp"
-#include "coupler/results/strain_rate.hpp"
+#include "coupler/results/quantity_computation.hpp"
+#include "coupler/results/velocity_gradient.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -30,39 +29,37 @@ double superficial_velocity(const Simulation& simulation, int axis, double frame
          (double(n[0]) * n[1] * n[2]);
 }
 
+/// Sums over the fluid of |u - exact|^2, |exact|^2, and u . exact(0), |exact(0)|^2.
 struct VortexSums {
-  double error2 = 0, exact2 = 0;           // of |u - exact|^2, |exact|^2
-  double projection = 0, projection0 = 0;  // of u . exact(0), |exact(0)|^2
+  FixedSum error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
 };
 
 VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
   const FluidFields& fields = simulation.scene().flow->fields();
   const double t = static_cast<double>(simulation.steps_done());
-  FixedSum sums[4] = {};
+  VortexSums mine;
   for_each_fluid_cell(fields, [&](lbm::Int3 x, const lbm::Moments& m) {
     const auto u = fields.velocity(m);
     const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
-    double terms[4] = {};
+    double error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
     for (int d = 0; d < 3; ++d) {
-      terms[0] += (u[d] - now[d]) * (u[d] - now[d]);
-      terms[1] += now[d] * now[d];
-      terms[2] += u[d] * begin[d];
-      terms[3] += begin[d] * begin[d];
+      error2 += (u[d] - now[d]) * (u[d] - now[d]);
+      exact2 += now[d] * now[d];
+      projection += u[d] * begin[d];
+      projection0 += begin[d] * begin[d];
     }
-    for (int k = 0; k < 4; ++k) sums[k] += to_fixed(terms[k]);
+    mine.error2 += to_fixed(error2), mine.exact2 += to_fixed(exact2);
+    mine.projection += to_fixed(projection), mine.projection0 += to_fixed(projection0);
   });
-  parallel::sum_over_ranks(simulation.scene().comm, sums);
-  return {from_fixed(sums[0]), from_fixed(sums[1]), from_fixed(sums[2]), from_fixed(sums[3])};
+  return parallel::sum_over_ranks(simulation.scene().comm, mine);
 }
-
-}  // namespace
 
 /// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
 /// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
 double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
-  const Case& scene = simulation.setup();
+  const Case& setup = simulation.setup();
   const rigid::BodySet& bodies = simulation.bodies();
-  const auto shapes = centred_shapes(scene);
+  const auto shapes = centred_shapes(setup);
   const auto loads = simulation.last_loads();
   struct {
     FixedSum force = 0, radius = 0, count = 0;
@@ -70,13 +67,13 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
     const double volume = shapes[bodies.shape[row]].volume;
-    mine.force += to_fixed(loads[row].force[q.axis] + scene.fluid->body_force[q.axis] * volume);
+    mine.force += to_fixed(loads[row].force[q.axis] + setup.fluid->body_force[q.axis] * volume);
     mine.radius += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
     mine.count += to_fixed(1);
   }
   const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
   const double speed = superficial_velocity(simulation, q.axis, 0),
-               viscosity = scene.fluid->kinematic_viscosity;
+               viscosity = setup.fluid->kinematic_viscosity;
   if (all.count == 0 || simulation.steps_done() == 0 || speed == 0) return no_value;
   const double count = from_fixed(all.count), force = from_fixed(all.force) / count,
                radius = from_fixed(all.radius) / count;
@@ -103,8 +100,9 @@ double dissipation(const Simulation& simulation) {
                        : no_value;
 }
 
-double superficial_velocity(const Simulation& simulation, const QuantitySpec& q) {
-  const double bodies = simulation.body_count() > 0 ? mean_velocity(simulation, q) : 0;
+double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q) {
+  const auto velocity = [&](std::size_t row) { return simulation.bodies().velocity[row][q.axis]; };
+  const double bodies = simulation.body_count() > 0 ? mean_over_bodies(simulation, q, velocity) : 0;
   return superficial_velocity(simulation, q.axis, bodies);
 }
 
@@ -123,16 +121,29 @@ double profile_error(const Simulation& simulation, const QuantitySpec& q) {
 
 double vortex_velocity_error(const Simulation& simulation) {
   const VortexSums sums = vortex_sums(simulation, TaylorGreen(simulation.setup()));
-  return std::sqrt(sums.error2 / sums.exact2);
+  return std::sqrt(from_fixed(sums.error2) / from_fixed(sums.exact2));
 }
 
 double vortex_decay_error(const Simulation& simulation) {
   if (simulation.steps_done() == 0) return no_value;
   const TaylorGreen exact(simulation.setup());
   const VortexSums sums = vortex_sums(simulation, exact);
-  const double rate = -rigid::elementary::log(sums.projection / sums.projection0) /
+  const double rate = -rigid::elementary::log(from_fixed(sums.projection) / from_fixed(sums.projection0)) /
                       static_cast<double>(simulation.steps_done());
   return rate / exact.decay_rate() - 1;
+}
+
+constexpr Computation of_flow[] = {
+    at_end<drag_coefficient>("drag-coefficient"),     at_end<velocity_past_bodies>("superficial-velocity"),
+    at_end<profile_error>("profile-error"),           at_end<vortex_velocity_error>("taylor-green-velocity"),
+    at_end<vortex_decay_error>("taylor-green-decay"), at_instant<kinetic_energy>("kinetic-energy"),
+    at_instant<dissipation>("dissipation"),
+};
+
+}  // namespace
+
+std::span<const Computation> flow_computations() {
+  return of_flow;
 }
 
 }  // namespace silt::coupler

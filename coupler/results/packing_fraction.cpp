@@ -1,9 +1,8 @@
-#include "coupler/results/packing_fraction.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "coupler/case/case.hpp"
+#include "coupler/results/quantity_computation.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 

@@ -22,16 +22,11 @@ std::string processor_name() {
 
 }  // namespace
 
-adapters::Provenance provenance_of(const Case& scene, int ranks, const std::string& backend) {
-  adapters::Provenance p;
-  p.version = build_info().version;
-  p.commit = build_info().commit;
-  p.compiler = build_info().compiler;
-  p.flags = build_info().flags;
-  p.libraries = build_info().libraries;
+adapters::Provenance provenance_of(const Case& setup, int ranks, const std::string& backend) {
+  adapters::Provenance p = build_info();
   p.processor = processor_name();
-  p.title = scene.title;
-  p.case_text = scene.text;
+  p.title = setup.title;
+  p.case_text = setup.text;
   p.ranks = ranks;
   p.backend = backend;
   char host[256] = "";

@@ -1,96 +1,101 @@
 #include "coupler/results/quantities.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/quantity_spec.hpp"
-#include "coupler/results/bed_quantities.hpp"
-#include "coupler/results/body_quantities.hpp"
-#include "coupler/results/flow_quantities.hpp"
-#include "coupler/results/packing_fraction.hpp"
-#include "coupler/results/wall_quantities.hpp"
 #include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 
-namespace {
-
-/// The computation of each row of quantity_types, from the families included above; a row without one does
-/// not compile.
-constexpr auto computations = []<std::size_t... row>(std::index_sequence<row...>) {
-  return std::array{computation<TypeName(quantity_types[row].name)>...};
-}
-(std::make_index_sequence<quantity_types.size()>());
-
-const Computation& computation_of(const QuantitySpec& q) {
-  return computations[&quantity_type(q.type) - quantity_types.data()];
+const Computation& computation_of(std::string_view type) {
+  for (const auto family : {body_computations(), flow_computations(), wall_computations()})
+    for (const Computation& c : family)
+      if (c.type == type) return c;
+  throw std::logic_error("no computation of a quantity of the type " + std::string(type));
 }
 
-}  // namespace
-
-Quantities::Quantities(const Case& scene)
-    : specs_(scene.quantities), units_(scene.units), history_(scene.quantities.size(), no_history) {
-  for (const QuantitySpec& q : specs_)
-    if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(scene, q.profile);
+Quantities::Quantities(const Case& setup)
+    : specs_(setup.quantities), units_(setup.units), history_(setup.quantities.size(), no_history) {
+  for (const QuantitySpec& q : specs_) {
+    computation_of(q.type);
+    if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(setup, q.profile);
+  }
 }
 
 void Quantities::observe(const Simulation& simulation) {
+  const std::int64_t step = simulation.steps_done();
   for (std::size_t i = 0; i < specs_.size(); ++i) {
     const QuantitySpec& q = specs_[i];
-    const Computation& c = computation_of(q);
+    const Computation& c = computation_of(q.type);
     if (c.observe) c.observe(simulation, q, history_[i]);
     std::vector<rigid::ExactSum> terms(c.sums.count);
-    if (c.sums.add && c.sums.add(simulation, q, history_[i], terms))
-      sums_.add(i, simulation.steps_done(), terms);
+    if (!c.sums.add || !c.sums.add(simulation, q, history_[i], terms)) continue;
+    waiting_.push_back({i, step, terms.size()});
+    terms_.insert(terms_.end(), terms.begin(), terms.end());
   }
-  sums_.advance(simulation.scene().comm, simulation.steps_done(), fold(simulation.setup()));
+  if (waiting_.empty() || step - waiting_.front().step < most_steps - 1) return;
+  fold_started(simulation.setup());
+  start_sums(simulation.scene().comm);
 }
 
-SumsOfSteps::Fold Quantities::fold(const Case& scene) const {
-  return [this, &scene](std::size_t i, std::int64_t step, std::span<const double> sums) {
-    computation_of(specs_[i]).sums.fold(scene, specs_[i], step, sums, history_[i]);
-  };
+void Quantities::start_sums(MPI_Comm comm) const {
+  started_ = std::exchange(waiting_, {});
+  sums_.start(comm, std::exchange(terms_, {}));
+}
+
+/// Takes the sums that were started last into the history, in the order in which they were observed.
+void Quantities::fold_started(const Case& setup) const {
+  if (started_.empty()) return;
+  auto sum = sums_.finish().begin();
+  std::vector<double> values;
+  for (const Look& look : started_) {
+    values.clear();
+    for (std::size_t k = 0; k < look.terms; ++k) values.push_back((sum++)->value());
+    const QuantitySpec& q = specs_[look.quantity];
+    computation_of(q.type).sums.fold(setup, q, look.step, values, history_[look.quantity]);
+  }
+  started_.clear();
+}
+
+double Quantities::physical(const QuantitySpec& q, double value) const {
+  return units_.physical(value, quantity_type(q.type).dimension);
 }
 
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
   const auto history = this->history(simulation);
   std::vector<std::pair<std::string, double>> values;
-  for (std::size_t i = 0; i < specs_.size(); ++i)
-    values.emplace_back(specs_[i].name, value_of(specs_[i], simulation, history[i]));
+  for (std::size_t i = 0; i < specs_.size(); ++i) {
+    const QuantitySpec& q = specs_[i];
+    values.emplace_back(q.name, physical(q, computation_of(q.type).value(simulation, q, history[i])));
+  }
   return values;
 }
 
 double Quantities::evaluate(const Simulation& simulation, const std::string& name) const {
   std::size_t i = 0;
   while (specs_.at(i).name != name) ++i;
-  return value_of(specs_[i], simulation, history(simulation)[i]);
-}
-
-double Quantities::value_of(const QuantitySpec& q, const Simulation& simulation,
-                            const QuantityHistory& history) const {
-  const double value = computation_of(q).value(simulation, q, history);
-  return units_.physical(value, quantity_type(q.type).dimension);
+  const QuantitySpec& q = specs_[i];
+  return physical(q, computation_of(q.type).value(simulation, q, history(simulation)[i]));
 }
 
 std::vector<std::pair<std::string, double>> Quantities::in_last_step() const {
   std::vector<std::pair<std::string, double>> values;
   for (std::size_t i = 0; i < specs_.size(); ++i)
-    if (const auto f = computation_of(specs_[i]).in_last_step)
-      values.emplace_back(specs_[i].name,
-                          units_.physical(f(history_[i]), quantity_type(specs_[i].type).dimension));
+    if (const auto value = computation_of(specs_[i].type).in_last_step)
+      values.emplace_back(specs_[i].name, physical(specs_[i], value(history_[i])));
   return values;
 }
 
 std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) const {
-  sums_.settle(simulation.scene().comm, fold(simulation.setup()));
-  std::vector<double> flat;
-  for (const QuantityHistory& h : history_) flat.insert(flat.end(), h.begin(), h.end());
-  parallel::max_over_ranks(simulation.scene().comm, flat);
-  std::vector<QuantityHistory> all(history_.size());
-  for (std::size_t i = 0; i < all.size(); ++i)
-    std::copy_n(flat.begin() + i * all[i].size(), all[i].size(), all[i].begin());
+  const MPI_Comm comm = simulation.scene().comm;
+  fold_started(simulation.setup());
+  if (!waiting_.empty()) {
+    start_sums(comm);
+    fold_started(simulation.setup());
+  }
+  std::vector<QuantityHistory> all = history_;
+  parallel::max_over_ranks(comm, std::span(reinterpret_cast<double*>(all.data()), 3 * all.size()));
   return all;
 }
 

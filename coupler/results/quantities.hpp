@@ -6,13 +6,16 @@
 
 #include "coupler/case/units.hpp"
 #include "coupler/results/quantity_computation.hpp"
-#include "coupler/results/sums_of_steps.hpp"
+#include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
 
 class Quantities {
  public:
-  /// Throws CaseError for a quantity this scene cannot have (a profile without its walls).
+  /// So many steps wait at most before their sums over the ranks are started; as many are then under way.
+  static constexpr std::int64_t most_steps = 64;
+
+  /// Throws CaseError for a quantity this case cannot have (a profile without its walls).
   explicit Quantities(const Case&);
 
   /// Collective, but waits for no rank; to be called at the start and after every step. Does nothing unless a
@@ -32,13 +35,23 @@ class Quantities {
   void set_history(const std::vector<QuantityHistory>&);
 
  private:
-  double value_of(const QuantitySpec&, const Simulation&, const QuantityHistory&) const;
+  /// A Look is what a quantity adds up of a step: so many terms.
+  struct Look {
+    std::size_t quantity;
+    std::int64_t step;
+    std::size_t terms;
+  };
+  double physical(const QuantitySpec&, double value) const;
+  void start_sums(MPI_Comm) const;
+  void fold_started(const Case&) const;
+
   const std::vector<QuantitySpec> specs_;
   const Units units_;
-  SumsOfSteps::Fold fold(const Case&) const;
   // On this rank; what has been observed and not yet been summed joins the history when somebody asks for it.
   mutable std::vector<QuantityHistory> history_;
-  mutable SumsOfSteps sums_;
+  mutable std::vector<Look> waiting_, started_;
+  mutable std::vector<rigid::ExactSum> terms_;  // of the looks that wait
+  mutable parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_;
 };
 
 }  // namespace silt::coupler

@@ -1,12 +1,11 @@
 #pragma once
-// How quantities are computed: the form that every family of them (body_quantities, flow_quantities,
-// wall_quantities) fills in. Computations are collective, give the same on every rank and any number of
-// ranks, and speak lattice units; NaN stands for a value that does not exist (no such body, no step yet).
-#include <algorithm>
+// How quantities are computed: the form of a row in a family of them (body_, flow_, wall_quantities,
+// packing_fraction). Computations are collective, give the same on every rank and any number of ranks, and
+// speak lattice units; NaN stands for a value that does not exist (no such body, no step yet). Meanings:
+// coupler/case/quantity_spec.hpp.
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -36,7 +35,9 @@ struct StepSums {
                QuantityHistory&) = nullptr;
 };
 
+/// Computation is how the quantities of a row of quantity_types are computed.
 struct Computation {
+  std::string_view type;                                                      // the row's name
   void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
   double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
   StepSums sums = {};
@@ -44,78 +45,76 @@ struct Computation {
   double (*in_last_step)(const QuantityHistory&) = nullptr;
 };
 
-/// The name of a type as a template argument.
-struct TypeName {
-  char text[40] = {};
-  constexpr TypeName(std::string_view name) { std::copy(name.begin(), name.end(), text); }
-  constexpr TypeName(const char* name) : TypeName(std::string_view(name)) {}
-};
+std::span<const Computation> body_computations();
+std::span<const Computation> flow_computations();
+std::span<const Computation> wall_computations();
 
-template <TypeName name>
-consteval Computation missing_computation() {
-  static_assert(name.text[0] == 0, "this row of quantity_types has no computation");
-  return {};
-}
+/// Returns the computation of a type; std::logic_error for one that no family has.
+const Computation& computation_of(std::string_view type);
 
-/// The computation of the type of a name. Each family specialises it beside its functions.
-template <TypeName name>
-inline constexpr Computation computation = missing_computation<name>();
+/// Returns the mean over the bodies a quantity is about of value(row), which is asked for each owned one.
+double mean_over_bodies(const Simulation&, const QuantitySpec&,
+                        const std::function<double(std::size_t)>& value);
+
+/// Returns the share of the quantity's box that lies inside bodies: exact of a convex body all inside, else
+/// along lines through the box, and by points where a shape has no convex parts.
+double packing_fraction(const Simulation&, const QuantitySpec&);
 
 // ---- the usual forms ----
 
 /// A function of the state at the end: f(simulation, spec) or f(simulation).
 template <auto f>
-double value_at_end(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
-  if constexpr (requires { f(simulation, q); })
-    return f(simulation, q);
-  else
-    return f(simulation);
+constexpr Computation at_end(std::string_view type) {
+  return {type, nullptr, [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
+            if constexpr (requires { f(simulation, q); })
+              return f(simulation, q);
+            else
+              return f(simulation);
+          }};
 }
-template <auto f>
-inline constexpr Computation at_end = {nullptr, value_at_end<f>};
 
 /// What has been observed: the first number of the history.
 inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
   return h[0] == not_yet ? no_value : h[0];
 }
-template <auto observe>
-inline constexpr Computation seen = {observe, value_seen};
 
 /// The mean over the steps from the spec's time on: their sum, their number, and the value in the last step,
 /// which may be before that time. Value of a step: f(case, spec, step, sums) or f(case, spec, sums).
-inline double value_mean(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
-  return h[0] == not_yet ? no_value : h[0] / h[1];
-}
-inline double value_in_last_step(const QuantityHistory& h) {
-  return h[2] == not_yet ? no_value : h[2];
-}
 template <auto f>
-void fold_into_mean(const Case& scene, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
+void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
                     QuantityHistory& h) {
-  if constexpr (requires { f(scene, q, step, sums); })
-    h[2] = f(scene, q, step, sums);
+  if constexpr (requires { f(setup, q, step, sums); })
+    h[2] = f(setup, q, step, sums);
   else
-    h[2] = f(scene, q, sums);
+    h[2] = f(setup, q, sums);
   if (static_cast<double>(step) < q.time) return;
   if (h[0] == not_yet) h[0] = h[1] = 0;
   h[0] += h[2];
   h[1] += 1;
 }
 template <int count, auto add, auto f>
-inline constexpr Computation mean_of = {
-    nullptr, value_mean, {count, add, fold_into_mean<f>}, value_in_last_step};
+constexpr Computation mean_of(std::string_view type) {
+  return {type,
+          nullptr,
+          [](const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
+            return h[0] == not_yet ? no_value : h[0] / h[1];
+          },
+          {count, add, fold_into_mean<f>},
+          [](const QuantityHistory& h) { return h[2] == not_yet ? no_value : h[2]; }};
+}
 
 /// f(simulation) at the first step within half a step of the spec's time or after it; without a time, at the
 /// end.
 template <auto f>
-void observe_instant(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
-  if (h[0] == not_yet && static_cast<double>(simulation.steps_done()) >= q.time - 0.5) h[0] = f(simulation);
+constexpr Computation at_instant(std::string_view type) {
+  return {type,
+          [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
+            if (h[0] == not_yet && static_cast<double>(simulation.steps_done()) >= q.time - 0.5)
+              h[0] = f(simulation);
+          },
+          [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h) {
+            return std::isfinite(q.time) ? value_seen(simulation, q, h) : f(simulation);
+          }};
 }
-template <auto f>
-double value_at_instant(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h) {
-  return std::isfinite(q.time) ? value_seen(simulation, q, h) : f(simulation);
-}
-template <auto f>
-inline constexpr Computation at_instant = {observe_instant<f>, value_at_instant<f>};
 
 }  // namespace silt::coupler

@@ -13,12 +13,11 @@
 #include "coupler/case/quantity_spec.hpp"
 #include "coupler/body_turnover.hpp"
 #include "coupler/results/build_info.hpp"
-#include "coupler/results/motion_totals.hpp"
-#include "coupler/results/skipped_passes.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
 #include "parallel/collectives.hpp"
+#include "rigid/math/exact_sum.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -42,11 +41,59 @@ Spread spread(const Simulation& simulation, double mine) {
   return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks, most[0]};
 }
 
-Json stage_seconds(const Simulation& simulation) {
+// ---- what there is, and what there is not ----
+
+/// Whether the scene's step has this stage at all.
+bool has_stage(const Scene& scene, Stage stage) {
+  switch (stage) {
+    case Stage::object_mapping:
+    case Stage::force_evaluation:
+      return scene.flow && scene.has_surfaces();
+    case Stage::lbm_communication:
+    case Stage::stream_collide:
+      return scene.flow != nullptr;
+    case Stage::integrate:
+    case Stage::collision_detection:
+    case Stage::contact_response:
+    case Stage::body_synchronisation:
+      return scene.rigid_step != nullptr;
+    case Stage::count:
+      break;
+  }
+  return false;
+}
+
+/// The stages, forces and outputs that the scene does without.
+Json skipped_passes(const Scene& scene) {
+  const OutputSpec& output = scene.setup.output;
+  Json skipped = Json::array();
+  const auto skip = [&](bool absent, std::string_view name) {
+    if (absent) skipped.push_back(name);
+  };
+  const auto none = [&](double rigid::Material::*coefficient) {
+    return std::all_of(scene.world.materials.begin(), scene.world.materials.end(),
+                       [&](const rigid::Material& m) { return m.*coefficient == 0; });
+  };
+  for (int s = 0; s < int(Stage::count); ++s) skip(!has_stage(scene, Stage(s)), stage_names[s]);
+  skip(scene.ranks == 1, "messages between ranks");
+  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
+  skip(scene.rigid_step && scene.world.gravity.isZero(0), "gravity");
+  skip(scene.flow && scene.setup.fluid->body_force.isZero(0), "body force");
+  skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
+  skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
+  skip(scene.flow && scene.rigid_step && !scene.world.lubrication, "lubrication");
+  skip(output.fields.every == 0, "field output");
+  skip(output.bodies.every == 0, "body output");
+  skip(output.checkpoint.every == 0, "checkpoints");
+  return skipped;
+}
+
+/// What of(stage) gives for each stage of the scene's step.
+template <class Of>
+Json by_stage(const Scene& scene, Of&& of) {
   Json stages = Json::object();
   for (int s = 0; s < int(Stage::count); ++s)
-    if (has_stage(simulation.scene(), Stage(s)))
-      stages[stage_names[s]] = spread(simulation, simulation.stage_seconds()[s]).json();
+    if (has_stage(scene, Stage(s))) stages[stage_names[s]] = of(s);
   return stages;
 }
 
@@ -62,12 +109,12 @@ bool keeps_momentum(const Scene& scene) {
 }
 
 /// Shapes that have flat faces or edges, and so no lubrication anywhere on them.
-Json unlubricated_shapes(const Case& scene) {
+Json unlubricated_shapes(const Case& setup) {
   Json names = Json::array();
-  for (std::size_t s = 0; s < scene.shapes.size(); ++s) {
-    const auto parts = rigid::convex_parts(scene.shapes[s]);
+  for (std::size_t s = 0; s < setup.shapes.size(); ++s) {
+    const auto parts = rigid::convex_parts(setup.shapes[s]);
     if (std::none_of(parts.begin(), parts.end(), [](const auto& p) { return rigid::is_smooth(p.shape); }))
-      names.push_back(scene.shape_names[s]);
+      names.push_back(setup.shape_names[s]);
   }
   return names;
 }
@@ -120,20 +167,46 @@ void add_balance(Simulation& simulation, Json& report) {
                                  : unknown;
 }
 
+/// Sums over the free bodies: momentum, and kinetic energy with rotation.
+struct MotionSums {
+  std::array<rigid::ExactSum, 3> momentum;
+  rigid::ExactSum energy;
+  void carry() {
+    for (rigid::ExactSum& component : momentum) component.carry();
+    energy.carry();
+  }
+};
+
+MotionSums motion_of_bodies(const Scene& scene) {
+  const rigid::BodySet& rows = scene.bodies;
+  MotionSums mine;
+  for (std::size_t row = 0; row < rows.owned; ++row) {
+    if (!rows.is_dynamic(row)) continue;
+    for (int d = 0; d < 3; ++d) mine.momentum[d].add(rows.mass[row] * rows.velocity[row][d]);
+    mine.energy.add(rows.kinetic_energy(row));
+  }
+  return parallel::sum_over_ranks(scene.comm, mine);
+}
+
+/// Momentum and kinetic energy of the free bodies, and of the cells that are fluid.
 void add_motion(const Simulation& simulation, Json& report) {
   const Units& units = simulation.setup().units;
-  const MotionTotals t = motion_totals(simulation);
+  const Scene& scene = simulation.scene();
+  const MotionSums bodies = motion_of_bodies(scene);
   const auto energy = [&](double x) { return units.physical(x, dimension::energy); };
-  const auto momentum = [&](const rigid::Vec3& p) {
-    return Json::array_of(std::array<double, 3>{units.physical(p[0], dimension::momentum),
-                                                units.physical(p[1], dimension::momentum),
-                                                units.physical(p[2], dimension::momentum)});
+  const auto momentum = [&](double x, double y, double z) {
+    std::array<double, 3> p{x, y, z};
+    for (double& component : p) component = units.physical(component, dimension::momentum);
+    return Json::array_of(p);
   };
-  report["energy"] = Json::object({{"bodies", energy(t.bodies_energy)}});
-  report["momentum"] = Json::object({{"bodies", momentum(t.bodies_momentum)}});
-  if (!simulation.scene().flow) return;
-  report["energy"]["fluid"] = energy(t.fluid_energy);
-  report["momentum"]["fluid"] = momentum(t.fluid_momentum);
+  const auto& [x, y, z] = bodies.momentum;
+  report["energy"] = Json::object({{"bodies", energy(bodies.energy.value())}});
+  report["momentum"] = Json::object({{"bodies", momentum(x.value(), y.value(), z.value())}});
+  if (!scene.flow) return;
+  const FlowTotals flow = scene.flow->account().totals();
+  const auto p = scene.flow->fields().velocity_sum(flow);
+  report["energy"]["fluid"] = energy(flow.energy);
+  report["momentum"]["fluid"] = momentum(p[0], p[1], p[2]);
 }
 
 struct PutCounter {
@@ -148,11 +221,11 @@ struct PutCounter {
 };
 
 /// By the ways that are open.
-Json left_by(const Case& scene, const RunCounters& counters) {
+Json left_by(const Case& setup, const RunCounters& counters) {
   Json ways = Json::object();
   for (int side = 0; side < first_outflow; ++side)
-    if (scene.boundary[side].removes_bodies()) ways[way_text(side)] = counters.left_by[side];
-  if (!scene.outflows.empty()) ways["outflow"] = counters.left_by[first_outflow];
+    if (setup.boundary[side].removes_bodies()) ways[way_text(side)] = counters.left_by[side];
+  if (!setup.outflows.empty()) ways["outflow"] = counters.left_by[first_outflow];
   return ways;
 }
 
@@ -183,7 +256,8 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
   report["mlups"] = scene.flow && in_steps > 0 ? steps * cells / in_steps * 1e-6 : scene.flow ? 0.0 : unknown;
   report["wall_seconds"] = status.wall_seconds;
   report["step_seconds"] = in_steps;
-  report["stage_seconds"] = stage_seconds(simulation);
+  report["stage_seconds"] =
+      by_stage(scene, [&](int s) { return spread(simulation, simulation.stage_seconds()[s]).json(); });
 }
 
 /// A rank and step, since this start: the mean over the ranks, of the collectives the most.
@@ -193,14 +267,6 @@ Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, dou
                        {"messages_per_step", a_step(mine.messages).mean},
                        {"empty_messages", a_step(mine.empty_messages).mean},
                        {"bytes_per_step", a_step(mine.bytes).mean}});
-}
-
-Json traffic_by_stage(const Simulation& simulation, double steps) {
-  Json stages = Json::object();
-  for (int s = 0; s < int(Stage::count); ++s)
-    if (has_stage(simulation.scene(), Stage(s)))
-      stages[stage_names[s]] = traffic_of(simulation, simulation.stage_traffic()[s], steps);
-  return stages;
 }
 
 /// What the ranks do in the stages without their waits: how evenly it is shared.
@@ -217,13 +283,12 @@ Json work_of(const Simulation& simulation) {
                        {"wait_seconds", spread(simulation, waits).json()}});
 }
 
-Json evenness(const Evenness& e) {
-  return Json::object({{"before", e.before}, {"after", e.after}});
-}
-
 /// Predicted work: largest over mean of the ranks.
 Json balance_of(const Simulation& simulation) {
   const BalanceRecord record = simulation.balance_record();
+  const auto evenness = [](const Evenness& e) {
+    return Json::object({{"before", e.before}, {"after", e.after}});
+  };
   return Json::object({{"every", simulation.setup().balance_every},
                        {"looks", record.looks},
                        {"moves", record.moves},
@@ -232,19 +297,17 @@ Json balance_of(const Simulation& simulation) {
                        {"seconds", parallel::max_over_ranks(simulation.scene().comm, record.seconds)}});
 }
 
-Json peak_memory_of(const Simulation& simulation) {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return spread(simulation, 1024.0 * double(usage.ru_maxrss)).json();
-}
-
 void add_parallel(const Simulation& simulation, const RunStatus& status, Json& report) {
   const double steps = double(simulation.steps_done() - status.first_step);
   report["traffic"] = traffic_of(simulation, simulation.traffic_in_steps(), steps);
-  report["traffic"]["stages"] = traffic_by_stage(simulation, steps);
+  report["traffic"]["stages"] = by_stage(simulation.scene(), [&](int s) {
+    return traffic_of(simulation, simulation.stage_traffic()[s], steps);
+  });
   report["work"] = work_of(simulation);
   report["balance"] = balance_of(simulation);
-  report["memory_peak_bytes"] = peak_memory_of(simulation);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  report["memory_peak_bytes"] = spread(simulation, 1024.0 * double(usage.ru_maxrss)).json();
 }
 
 void add_quantities(const Simulation& simulation, const Quantities& quantities, Json& report) {
@@ -254,12 +317,12 @@ void add_quantities(const Simulation& simulation, const Quantities& quantities, 
 }
 
 /// What each quantity is, and in which unit.
-Json quantity_types_of(const Case& scene) {
+Json quantity_types_of(const Case& setup) {
   Json types = Json::object();
-  for (const QuantitySpec& q : scene.quantities) {
+  for (const QuantitySpec& q : setup.quantities) {
     const QuantityType& type = quantity_type(q.type);
     const std::string unit =
-        type.unit.empty() ? scene.units.unit_text(type.dimension) : std::string(type.unit);
+        type.unit.empty() ? setup.units.unit_text(type.dimension) : std::string(type.unit);
     types[q.name] = Json::object({{"type", type.name}, {"unit", unit}, {"meaning", type.meaning}});
   }
   return types;
@@ -281,7 +344,7 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["state_hash"] = status.state_is_sound && status.at_end ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);
   add_parallel(simulation, status, report);
-  report["skipped"] = skipped_passes(scene, scene.setup.fluid, scene.setup.output);
+  report["skipped"] = skipped_passes(scene);
   report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
   if (status.state_is_sound) {
     add_balance(simulation, report);

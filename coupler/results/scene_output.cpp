@@ -52,32 +52,32 @@ void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall
 }
 
 /// The names of the kinds that hold a body whose motion is given, each once.
-std::vector<std::string> driven_kinds(const Case& scene) {
-  std::vector<bool> driven(scene.kind_names.size(), false);
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
+std::vector<std::string> driven_kinds(const Case& setup) {
+  std::vector<bool> driven(setup.kind_names.size(), false);
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t) {
     if (body.motion != rigid::Motion::free) driven[body.kind] = true;
   });
   std::vector<std::string> names;
   for (std::size_t k = 0; k < driven.size(); ++k)
-    if (driven[k]) names.push_back(scene.kind_names[k]);
+    if (driven[k]) names.push_back(setup.kind_names[k]);
   return names;
 }
 
 }  // namespace
 
-void write_scene_file(const Case& scene, const std::filesystem::path& folder) {
-  const InCaseUnits physical{scene.units};
+void write_scene_file(const Case& setup, const std::filesystem::path& folder) {
+  const InCaseUnits physical{setup.units};
   adapters::SceneInfo info;
-  info.title = scene.title;
-  if (scene.units.si) {
+  info.title = setup.title;
+  if (setup.units.si) {
     info.length_unit = std::string("m");
     info.time_unit = std::string("s");
   }
-  info.domain_upper = physical(Vec3(scene.cells[0], scene.cells[1], scene.cells[2]), dimension::length);
-  info.gravity = physical(scene.gravity, dimension::acceleration);
-  for (const BoundarySpec& side : scene.boundary) info.sides.emplace_back(boundary_names[side.kind]);
-  info.driven_kinds = driven_kinds(scene);
-  for (const CurvedWall& curved : scene.walls) {
+  info.domain_upper = physical(Vec3(setup.cells[0], setup.cells[1], setup.cells[2]), dimension::length);
+  info.gravity = physical(setup.gravity, dimension::acceleration);
+  for (const BoundarySpec& side : setup.boundary) info.sides.emplace_back(boundary_names[side.kind]);
+  info.driven_kinds = driven_kinds(setup);
+  for (const CurvedWall& curved : setup.walls) {
     SceneWall& wall = info.walls.emplace_back();
     wall.name = curved.name;
     std::visit([&](const auto& surface) { describe(surface, physical, wall); }, curved.surface);

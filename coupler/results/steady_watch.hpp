@@ -8,6 +8,8 @@
 // swings stands still where it turns. A ratio above `highest_ratio` cannot be told from rounding and is taken
 // for that: what needs more than 1 / (1 - highest_ratio) looks to fade wants looks further apart; a swing of
 // more than ten looks, closer ones.
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace silt::coupler {
@@ -26,10 +28,27 @@ class SteadyWatch {
   /// Watches until at most the share `change` of the value is left.
   explicit SteadyWatch(double change) : change_(change) {}
 
-  void look(double value);
+  /// Takes the value of a look; one that is not a number begins everything anew.
+  void look(double value) {
+    if (!std::isfinite(value)) {
+      state_ = State{};
+      return;
+    }
+    const double change = value - state_.value;
+    const bool settled = remaining(state_.last_change, change) <= change_ * std::abs(value);
+    if (state_.looks >= 2) state_.within = settled ? state_.within + 1 : 0;
+    state_.last_change = change;
+    state_.value = value;
+    ++state_.looks;
+  }
   bool steady() const { return state_.within >= 2; }
   /// Returns the estimated distance to the end of the approach after a look; as `value`.
-  static double remaining(double before, double change);
+  static double remaining(double before, double change) {
+    const double now = std::abs(change);
+    if (now == 0) return 0;
+    const double ratio = std::min(now / std::abs(before), highest_ratio);
+    return now * std::max(1.0, ratio / (1 - ratio));
+  }
 
   const State& state() const { return state_; }
   void set_state(const State& state) { state_ = state; }

@@ -1,7 +1,7 @@
 #pragma once
 // Closed triangle meshes of the bodies' surfaces, for pictures. They are made from the support function
 // alone, so a new convex shape needs no line here.
-#include "adapters/hdf5/body_kinds.hpp"
+#include "adapters/hdf5/body_series.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

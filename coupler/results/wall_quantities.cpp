@@ -1,7 +1,7 @@
-#include "coupler/results/wall_quantities.hpp"
-
+// Quantities that look at what fluid and bodies do to the walls; means over the steps from a time on. The
+// force of contacts is that of the last sub-step of each step.
 #include "coupler/case/case.hpp"
-#include "coupler/results/body_quantities.hpp"
+#include "coupler/results/quantity_computation.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
@@ -11,11 +11,6 @@ namespace {
 using rigid::BodySet;
 using rigid::ExactSum;
 using rigid::Vec3;
-
-/// Before the first step nothing has acted.
-bool has_acted(const Simulation& simulation) {
-  return simulation.steps_done() > 0;
-}
 
 /// Calls visit(force) for what this rank's bodies did to a wall in the last step.
 template <class Visit>
@@ -40,8 +35,8 @@ void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactS
       for (int d = 0; d < 3; ++d) torque[d].add(other.torque[d]);
 }
 
-double area_of(const Case& scene, int axis) {
-  return 1. * scene.cells[(axis + 1) % 3] * scene.cells[(axis + 2) % 3];
+double area_of(const Case& setup, int axis) {
+  return 1. * setup.cells[(axis + 1) % 3] * setup.cells[(axis + 2) % 3];
 }
 
 /// Adds the force of fluid and bodies on a side of the domain, +1 or -1 times.
@@ -66,8 +61,6 @@ Vec3 vector_of(std::span<const double> sums) {
   return {sums[0], sums[1], sums[2]};
 }
 
-}  // namespace
-
 double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
   const BodySet& bodies = simulation.bodies();
   const CurvedWall& wall = simulation.setup().walls[q.wall];
@@ -80,33 +73,34 @@ double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
 
 bool add_wall_stress(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                      std::span<ExactSum> force) {
-  if (!has_acted(simulation)) return false;
+  if (simulation.steps_done() == 0) return false;  // nothing has acted
   add_side_force(simulation, q.side, 1, force);
   return true;
 }
 
-double wall_stress(const Case& scene, const QuantitySpec& q, std::span<const double> force) {
-  return force[q.axis] / area_of(scene, q.side / 2);
+double wall_stress(const Case& setup, const QuantitySpec& q, std::span<const double> force) {
+  return force[q.axis] / area_of(setup, q.side / 2);
 }
 
+/// Adds the force on the lower side across the axis less that on the upper one.
 bool add_shear_resistance(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                           std::span<ExactSum> resistance) {
-  if (!has_acted(simulation)) return false;
+  if (simulation.steps_done() == 0) return false;  // nothing has acted
   add_side_force(simulation, 2 * q.axis, 1, resistance);
   add_side_force(simulation, 2 * q.axis + 1, -1, resistance);
   return true;
 }
 
-double relative_viscosity(const Case& scene, const QuantitySpec& q, std::span<const double> resistance) {
+double relative_viscosity(const Case& setup, const QuantitySpec& q, std::span<const double> resistance) {
   const int low = 2 * q.axis, high = low + 1;
-  const Vec3 shear = (scene.boundary[high].velocity - scene.boundary[low].velocity) / scene.cells[q.axis];
-  const double stress = 0.5 * vector_of(resistance).dot(shear) / area_of(scene, q.axis);
-  return stress / (scene.fluid->kinematic_viscosity * shear.squaredNorm());
+  const Vec3 shear = (setup.boundary[high].velocity - setup.boundary[low].velocity) / setup.cells[q.axis];
+  const double stress = 0.5 * vector_of(resistance).dot(shear) / area_of(setup, q.axis);
+  return stress / (setup.fluid->kinematic_viscosity * shear.squaredNorm());
 }
 
 bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                     std::span<ExactSum> force) {
-  if (!has_acted(simulation)) return false;
+  if (simulation.steps_done() == 0) return false;  // nothing has acted
   add_fluid_load(simulation, q.wall, false, force);
   for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(f[d]);
@@ -118,6 +112,7 @@ double wall_force(const Case&, const QuantitySpec& q, std::span<const double> fo
   return force[q.axis];
 }
 
+/// Adds the force, and the torque about the origin of the wall's frame.
 bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h,
                    std::span<ExactSum> load) {
   if (!add_wall_force(simulation, q, h, load.first(3))) return false;
@@ -127,9 +122,9 @@ bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const Qu
 }
 
 /// From the torque about the frame's origin to that about the point of the axis: by r x F.
-double wall_torque(const Case& scene, const QuantitySpec& q, std::int64_t step,
+double wall_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
                    std::span<const double> load) {
-  const CurvedWall& wall = scene.walls[q.wall];
+  const CurvedWall& wall = setup.walls[q.wall];
   Vec3 torque = vector_of(load.subspan(3));
   if (const MeshWall* mesh = wall.mesh()) {
     const rigid::Quat turned = mesh->motion.pose(mesh->start, static_cast<double>(step - 1)).orientation;
@@ -139,9 +134,24 @@ double wall_torque(const Case& scene, const QuantitySpec& q, std::int64_t step,
 }
 
 /// With the velocities that the wall had in the step.
-double wall_power(const Case& scene, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
-  const rigid::WallMotion::Velocity velocity = scene.walls[q.wall].velocity_at(static_cast<double>(step - 1));
+double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
+  const rigid::WallMotion::Velocity velocity = setup.walls[q.wall].velocity_at(static_cast<double>(step - 1));
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
+}
+
+constexpr Computation of_walls[] = {
+    at_end<axis_distance>("axis-distance"),
+    mean_of<3, add_wall_stress, wall_stress>("wall-stress"),
+    mean_of<3, add_shear_resistance, relative_viscosity>("relative-viscosity"),
+    mean_of<3, add_wall_force, wall_force>("wall-force"),
+    mean_of<6, add_wall_load, wall_torque>("wall-torque"),
+    mean_of<6, add_wall_load, wall_power>("wall-power"),
+};
+
+}  // namespace
+
+std::span<const Computation> wall_computations() {
+  return of_walls;
 }
 
 }  // namespace silt::coupler

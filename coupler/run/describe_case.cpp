@@ -1,5 +1,4 @@
-#include "coupler/run/describe_case.hpp"
-
+// What `silt info` says of a case and of a folder of results.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -10,7 +9,7 @@
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/results/result_folder.hpp"
-#include "coupler/run/prepare_run.hpp"
+#include "coupler/run/run.hpp"
 
 namespace silt::coupler {
 

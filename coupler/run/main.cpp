@@ -10,13 +10,11 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "adapters/hdf5/describe_file.hpp"
+#include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_overrides.hpp"
 #include "coupler/case/key_table.hpp"
 #include "coupler/results/build_info.hpp"
-#include "coupler/run/describe_case.hpp"
-#include "coupler/run/prepare_run.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/run/start_mpi.hpp"
 #include "cpu/isa.hpp"

@@ -26,18 +26,18 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Throws what building the scene would throw, while all ranks still hear of it.
-void require_buildable(const Case& scene, int ranks) {
-  const lbm::Domain domain = make_domain(scene, ranks);
-  for (int b = 0; scene.fluid && scene.has_surfaces() && b < domain.blocks(); ++b)
+void require_buildable(const Case& setup, int ranks) {
+  const lbm::Domain domain = make_domain(setup, ranks);
+  for (int b = 0; setup.fluid && setup.has_surfaces() && b < domain.blocks(); ++b)
     if (domain.block(b).box.cells() > lbm::most_cells_with_links)
       throw CaseError(
-          scene.place(scene.block_cells ? "domain.blocks" : "domain.size"),
+          setup.place(setup.block_cells ? "domain.blocks" : "domain.size"),
           fmt::format(
               "a block of {} cells has bodies or walls in it; at most {} are possible: use more ranks, "
               "or smaller domain.blocks",
               domain.block(b).box.cells(), lbm::most_cells_with_links));
-  adapters::make_backend(scene.contacts.backend);
-  adapters::make_broad_phase(scene.contacts.broad_phase, scene.contacts.backend);
+  adapters::make_backend(setup.contacts.backend);
+  adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend);
 }
 
 /// Collective. Returns the memory of the machines of the ranks, in bytes.
@@ -51,13 +51,13 @@ double memory_of_machines(MPI_Comm comm) {
 }
 
 /// Throws CaseError for a fluid that so much memory has no room for.
-void require_memory(const Case& scene, double here) {
-  if (fluid_memory(scene) > here)
+void require_memory(const Case& setup, double here) {
+  if (fluid_memory(setup) > here)
     throw CaseError(
-        scene.place("domain.size"),
+        setup.place("domain.size"),
         fmt::format("the fluid needs {:.0f} GB, and the machines of this run have {:.0f} GB together: "
                     "use larger cells, or more machines",
-                    fluid_memory(scene) / 1e9, here / 1e9));
+                    fluid_memory(setup) / 1e9, here / 1e9));
 }
 
 /// How many machines like this one a check on so many ranks is about: one has a rank a core.
@@ -66,20 +66,29 @@ double machines_for(int ranks) {
   return ranks > parallel::ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
 }
 
-/// Collective. Reads a case on rank 0, whose files then go to all, and there from what came.
+/// Collective. Reads a case on rank 0, whose files then go to all, and there from what came; judges it, and
+/// makes what else a run needs of it.
 template <class Read>
-std::unique_ptr<Case> read_once(const fs::path& directory, MPI_Comm comm, Read&& read) {
+std::unique_ptr<Case> judged_once(const fs::path& directory, MPI_Comm comm, PreparedRun& prepared,
+                                  Read&& read) {
   CaseSource source;
-  std::unique_ptr<Case> scene;
+  std::unique_ptr<Case> setup;
   parallel::on_rank_0(comm, [&] {
     source = read_source(directory);
-    scene = std::make_unique<Case>(read(source));
+    setup = std::make_unique<Case>(read(source));
   });
   broadcast(comm, source);
   parallel::together(comm, [&] {
-    if (!scene) scene = std::make_unique<Case>(read(source));
+    if (!setup) setup = std::make_unique<Case>(read(source));
   });
-  return scene;
+  parallel::together(comm, [&] {
+    prepared.warnings = require_runnable(*setup);
+    prepared.quantities = std::make_unique<Quantities>(*setup);
+    if (setup->steady) prepared.steady.emplace(setup->steady->change);
+  });
+  require_memory(*setup, memory_of_machines(comm));
+  parallel::together(comm, [&] { require_buildable(*setup, parallel::ranks_of(comm)); });
+  return setup;
 }
 
 /// Collective. As on_rank_0, but a FileError is one on every rank.
@@ -122,26 +131,32 @@ std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
 }  // namespace
 
 std::string examine_case(const RunOptions& options) {
-  const Case scene = read_case(options.directory, options.overrides);
-  auto warnings = require_runnable(scene);
+  const Case setup = read_case(options.directory, options.overrides);
+  auto warnings = require_runnable(setup);
   const int ranks = options.ranks > 0 ? options.ranks : parallel::ranks_of(MPI_COMM_WORLD);
-  require_memory(scene, memory_of_machines(MPI_COMM_WORLD) * machines_for(ranks));
-  require_buildable(scene, ranks);
-  const lbm::Domain domain = make_domain(scene, 1);
-  require_sound_start(scene, domain, MPI_COMM_SELF);
-  const Quantities quantities(scene);
-  if (scene.output.bodies.every > 0) drawn_kinds(scene);
-  const RunEstimate estimate = estimate_run(scene, place_bodies(scene, domain, MPI_COMM_SELF), ranks);
-  if (const auto found = time_warning(scene, estimate)) warnings.push_back(*found);
-  if (const auto found = disk_warning(scene, estimate.disk, result_folder(options)))
+  require_memory(setup, memory_of_machines(MPI_COMM_WORLD) * machines_for(ranks));
+  require_buildable(setup, ranks);
+  const lbm::Domain domain = make_domain(setup, 1);
+  require_sound_start(setup, domain, MPI_COMM_SELF);
+  const Quantities quantities(setup);
+  if (setup.output.bodies.every > 0) drawn_kinds(setup);
+  const RunEstimate estimate = estimate_run(setup, place_bodies(setup, domain, MPI_COMM_SELF), ranks);
+  if (const auto found = time_warning(setup, estimate)) warnings.push_back(*found);
+  if (const auto found = disk_warning(setup, estimate.disk, result_folder(options)))
     warnings.push_back(*found);
-  return derived_table(scene) + estimate_table(estimate) + listed(warnings);
+  return derived_table(setup) + estimate_table(estimate) + listed(warnings);
 }
 
-std::string earlier_options_text(const PreparedRun& prepared) {
-  if (prepared.earlier_options.empty()) return "";
-  return fmt::format(", where {} of the earlier run still holds, until it is set anew",
-                     prepared.earlier_options);
+bool PreparedRun::has_ended() const {
+  return simulation->steps_done() >= simulation->setup().steps || is_steady();
+}
+
+std::string PreparedRun::text_of_end() const {
+  if (!is_steady()) return "";
+  const Case& setup = simulation->setup();
+  return fmt::format("{} is steady at {}, to {} of it, and ends the run at step {} of {} (run.steady)",
+                     setup.steady->quantity, shown(steady->state().value), shown(setup.steady->change),
+                     simulation->steps_done(), setup.steps);
 }
 
 fs::path result_folder(const RunOptions& options) {
@@ -152,17 +167,10 @@ fs::path result_folder(const RunOptions& options) {
 
 PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   PreparedRun prepared;
-  const auto scene = read_once(options.directory, comm,
-                               [&](CaseSource& source) { return read_case(source, options.overrides); });
-  parallel::together(comm, [&] {
-    prepared.warnings = require_runnable(*scene);
-    prepared.quantities = std::make_unique<Quantities>(*scene);
-    if (scene->steady) prepared.steady.emplace(scene->steady->change);
-  });
-  require_memory(*scene, memory_of_machines(comm));
-  parallel::together(comm, [&] { require_buildable(*scene, parallel::ranks_of(comm)); });
-  require_sound_start(*scene, make_domain(*scene, parallel::ranks_of(comm)), comm);
-  prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm);
+  const auto setup = judged_once(options.directory, comm, prepared,
+                                 [&](CaseSource& source) { return read_case(source, options.overrides); });
+  require_sound_start(*setup, make_domain(*setup, parallel::ranks_of(comm)), comm);
+  prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);
   return prepared;
 }
 
@@ -188,21 +196,20 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   const adapters::CheckpointReader& reader = *first_sound;
   PreparedRun prepared;
   const CaseOrigin origin = read_origin(reader);
-  prepared.earlier_options = earlier_options(origin, options.overrides);
-  const auto scene = read_once(options.directory, comm, [&](CaseSource& source) {
+  if (const auto earlier = earlier_options(origin, options.overrides); !earlier.empty())
+    prepared.earlier_options =
+        fmt::format(", where {} of the earlier run still holds, until it is set anew", earlier);
+  const auto setup = judged_once(options.directory, comm, prepared, [&](CaseSource& source) {
     return case_to_resume(origin, source, options.overrides);
   });
   parallel::together(comm, [&] {
-    prepared.warnings = require_runnable(*scene);
-    prepared.quantities = std::make_unique<Quantities>(*scene);
-    prepared.quantities->set_history(read_history(reader, *scene));
-    prepared.steady = read_steady_watch(reader, *scene);
+    prepared.quantities->set_history(read_history(reader, *setup));
+    prepared.steady = read_steady_watch(reader, *setup);
   });
-  require_memory(*scene, memory_of_machines(comm));
-  parallel::together(comm, [&] { require_buildable(*scene, parallel::ranks_of(comm)); });
-  const SavedState state = read_state(reader, *scene);
-  prepared.simulation = std::make_unique<Simulation>(std::move(*scene), comm, state);
+  prepared.simulation = resumed_simulation(reader, std::move(*setup), comm);
   prepared.folder = std::move(ready);
+  prepared.resumed = true;
+  prepared.first_step = prepared.simulation->steps_done();
   return prepared;
 }
 

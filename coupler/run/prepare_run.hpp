@@ -21,18 +21,18 @@ struct PreparedRun {
   std::unique_ptr<Quantities> quantities;
   std::optional<SteadyWatch> steady;  // where the case asks for it
   std::vector<Diagnostic> warnings;
-  ReadyFolder folder;           // on rank 0
-  std::string earlier_options;  // of the run that goes on, which still hold
+  ReadyFolder folder;  // on rank 0
+  bool resumed = false;
+  std::int64_t first_step = 0;  // where this start begins
+  /// Says what of the options of the run that goes on still holds, or "".
+  std::string earlier_options;
+
+  bool is_steady() const { return steady && steady->steady(); }
+  /// Whether no step is left to do; and what report.json says of that end.
+  bool has_ended() const;
+  std::string reason_of_end() const { return is_steady() ? "steady" : "completed"; }
+  std::string text_of_end() const;
 };
-
-/// Says what else than the case holds of the run that goes on, or "".
-std::string earlier_options_text(const PreparedRun&);
-
-/// Reads and judges a case without running it; returns its derived table and its warnings. CaseError.
-std::string examine_case(const RunOptions&);
-
-/// Returns where the results go: the option, else DIRECTORY/out.
-std::filesystem::path result_folder(const RunOptions&);
 
 /// Collective. All three throw on every rank, with what is wrong: CaseError, FileError, std::runtime_error.
 /// Without a folder for results, for those who write none:

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "adapters/hdf5/system_reason.hpp"
+#include "adapters/hdf5/disk.hpp"
 
 namespace silt::coupler {
 
@@ -47,11 +47,13 @@ bool is_on_terminal() {
 
 }  // namespace
 
-Progress::Progress(const RunExtent& run, const std::filesystem::path& log, bool loud)
-    : run_(run), loud_(loud) {
+Progress::Progress(const RunExtent& run, bool loud)
+    : run_(run), loud_(loud), terminal_(loud && is_on_terminal()) {
   begin_ = shown_ = logged_ = Clock::now();
+}
+
+void Progress::open_log(const std::filesystem::path& log) {
   if (!loud_) return;
-  terminal_ = is_on_terminal();
   log_ = std::fopen(log.c_str(), "a");
   if (!log_)
     throw std::runtime_error(
@@ -104,7 +106,7 @@ void Progress::show(const std::string& text) {
 }
 
 void Progress::finish(std::int64_t step, double seconds_in_steps) {
-  if (!loud_) return;
+  if (!log_) return;
   const std::string text = line(step, seconds_in_steps);
   show(text);
   if (terminal_) std::puts("");

@@ -21,18 +21,20 @@ struct RunExtent {
 
 class Progress {
  public:
-  /// Appends to `log`. `loud`: this is the rank that prints. std::runtime_error if the log cannot be opened.
-  Progress(const RunExtent&, const std::filesystem::path& log, bool loud);
+  /// `loud`: this is the rank that prints.
+  Progress(const RunExtent&, bool loud);
   ~Progress();
   Progress(const Progress&) = delete;
 
+  /// Appends to this file from now on. std::runtime_error if it cannot be opened.
+  void open_log(const std::filesystem::path&);
   /// Shows a line to the user and writes it to the log.
   void say(const std::string&);
   /// Writes a line to the log only.
   void log(const std::string&);
   /// Is called after a step; prints now and then. Of `seconds_in_steps` it has the speed, as the report has.
   void step(std::int64_t step, double seconds_in_steps);
-  /// Prints the last state of the line.
+  /// Prints the last state of the line, if the log has been opened.
   void finish(std::int64_t step, double seconds_in_steps);
 
  private:
@@ -43,7 +45,7 @@ class Progress {
 
   const RunExtent run_;
   const bool loud_;
-  bool terminal_ = false;
+  const bool terminal_;
   std::FILE* log_ = nullptr;
   Clock::time_point begin_, shown_, logged_;
   std::size_t width_ = 0;  // of the line on the terminal

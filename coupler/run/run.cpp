@@ -1,30 +1,21 @@
 #include "coupler/run/run.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <cstring>
-#include <memory>
-#include <optional>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/derived_table.hpp"
 #include "coupler/guard.hpp"
-#include "coupler/results/body_output.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
-#include "coupler/results/departure_log.hpp"
-#include "coupler/results/flow_fields.hpp"
 #include "coupler/results/report.hpp"
-#include "coupler/results/result_folder.hpp"
-#include "coupler/results/run_series.hpp"
-#include "coupler/results/scene_output.hpp"
-#include "coupler/run/abort_alone.hpp"
-#include "coupler/run/complete_run.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
+#include "coupler/run/run_outputs.hpp"
 #include "coupler/run/stop_request.hpp"
 #include "cpu/isa.hpp"
 #include "parallel/collectives.hpp"
@@ -46,113 +37,88 @@ std::string quoted(const std::string& argument) {
   return text + "'";
 }
 
+RunExtent extent_of(const PreparedRun& run) {
+  const Case& setup = run.simulation->setup();
+  const auto& n = setup.cells;
+  return {run.first_step, setup.steps, setup.fluid ? double(n[0]) * n[1] * n[2] : 0, setup.units};
+}
+
 class Run {
  public:
-  Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed, parallel::Reunion&);
+  Run(PreparedRun prepared, const fs::path& folder, const RunOptions&, parallel::Reunion&);
   Exit go();
 
  private:
   const Case& setup() const { return simulation_.setup(); }
-  RunExtent extent() const;
-  bool is_steady() const { return prepared_.steady && prepared_.steady->steady(); }
-  bool ended() const { return simulation_.steps_done() >= setup().steps || is_steady(); }
-  const char* reason_of_end() const { return is_steady() ? "steady" : "completed"; }
-  std::string text_of_end() const { return is_steady() ? steady_text() : ""; }
-  bool due(const SeriesSpec& series) const;
+  bool is_alone() const { return simulation_.scene().ranks == 1; }
   void greet();
-  void start_outputs();
   void advance();
   void watch();
-  std::string steady_text() const;
   void judge_sweeps();
-  void write_outputs();
-  void log_departures();
-  void checkpoint();
-  void write_report(const std::string& reason, const std::string& text, bool sound);
   Exit end(Exit, const std::string& reason, const std::string& text);
   [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
+  std::string of_rank(int rank, std::int64_t step, const std::string& text) const;
   std::string common_text(const std::exception&);
   std::string stopped_state_text();
-  std::string last_checkpoint_text() const;
 
   PreparedRun prepared_;
   Simulation& simulation_;
-  Quantities& quantities_;
-  const MPI_Comm comm_;
   const fs::path folder_;
-  const bool resumed_;
   const std::string resume_with_;  // arguments of silt resume
-  const std::int64_t first_step_;
-  const double begin_ = MPI_Wtime();
-  const adapters::Provenance provenance_;
   StopRequest stop_request_;
   parallel::Reunion& reunion_;
-  std::unique_ptr<Progress> progress_;
-  std::unique_ptr<BodyOutput> body_output_;
-  std::unique_ptr<DepartureLog> departures_;  // on rank 0, where bodies may leave
-  std::unique_ptr<RunSeries> series_;         // on rank 0, where the case asks for reports
-  std::string last_checkpoint_;
-  double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
+  Progress progress_;
+  RunOutputs outputs_;
 };
 
-Run::Run(PreparedRun prepared, fs::path folder, const RunOptions& options, bool resumed,
-         parallel::Reunion& reunion)
+Run::Run(PreparedRun prepared, const fs::path& folder, const RunOptions& options, parallel::Reunion& reunion)
     : prepared_(std::move(prepared)),
       simulation_(*prepared_.simulation),
-      quantities_(*prepared_.quantities),
-      comm_(simulation_.scene().comm),
-      folder_(std::move(folder)),
-      resumed_(resumed),
+      folder_(folder),
       resume_with_(quoted(options.directory.string()) +
                    (options.out ? " --out " + quoted(options.out->string()) : "")),
-      first_step_(simulation_.steps_done()),
-      provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())),
-      stop_request_(comm_, options.time_limit),
-      reunion_(reunion) {}
-
-RunExtent Run::extent() const {
-  const auto& n = setup().cells;
-  return {first_step_, setup().steps, setup().fluid ? double(n[0]) * n[1] * n[2] : 0, setup().units};
-}
+      stop_request_(simulation_.scene().comm, options.time_limit),
+      reunion_(reunion),
+      progress_(extent_of(prepared_), simulation_.scene().rank == 0),
+      outputs_(prepared_, folder_, progress_) {}
 
 Exit Run::go() {
   try {
-    parallel::together(comm_, [&] {
-      progress_ = std::make_unique<Progress>(extent(), folder_ / "run.log", simulation_.scene().rank == 0);
-    });
+    parallel::together(simulation_.scene().comm, [&] { progress_.open_log(folder_ / "run.log"); });
     greet();
-    start_outputs();
-    while (!ended()) {
+    outputs_.start();
+    while (!prepared_.has_ended()) {
       advance();
       watch();
-      write_outputs();
+      outputs_.write_due();
       const std::string why = stop_request_.why(simulation_.steps_done());
-      if (why.empty() || ended()) continue;
+      if (why.empty() || prepared_.has_ended()) continue;
       const std::string text = fmt::format("{} at step {}; go on with: silt resume {}", why,
                                            simulation_.steps_done(), resume_with_);
-      write_report("interrupted", text, true);
-      checkpoint();
+      outputs_.write_report("interrupted", text, true);
+      outputs_.write_checkpoint();
       return end(Exit::interrupted, "interrupted", text);
     }
-    return end(Exit::done, reason_of_end(), text_of_end());
+    return end(Exit::done, prepared_.reason_of_end(), prepared_.text_of_end());
   } catch (const GuardStop& stop) {  // every rank
-    return end(Exit::guard, "guard", stop.what() + stopped_state_text() + last_checkpoint_text());
+    return end(Exit::guard, "guard", stop.what() + stopped_state_text() + outputs_.last_checkpoint_text());
   } catch (const std::exception& error) {
-    return end(Exit::failed, "error", common_text(error) + last_checkpoint_text());
+    return end(Exit::failed, "error", common_text(error) + outputs_.last_checkpoint_text());
   }
+}
+
+std::string Run::of_rank(int rank, std::int64_t step, const std::string& text) const {
+  return is_alone() ? text : fmt::format("step {}, rank {}: {}", step, rank, text);
 }
 
 /// Collective, if the error is every rank's: returns what it says, with the rank it comes from. Of this rank
 /// alone it ends everything.
 std::string Run::common_text(const std::exception& error) {
   const auto* common = dynamic_cast<const parallel::CommonError*>(&error);
-  const std::string text = parallel::text_of(error);
-  const Scene& scene = simulation_.scene();
-  if (scene.ranks == 1) return text;
-  const std::string of_rank =
-      fmt::format("step {}, rank {}: {}", simulation_.steps_done(), common ? common->rank : scene.rank, text);
-  if (!reunion_.all_here()) fail_alone(Exit::failed, "error", of_rank);
-  return of_rank;
+  const std::string text = of_rank(common ? common->rank : simulation_.scene().rank, simulation_.steps_done(),
+                                   parallel::text_of(error));
+  if (!is_alone() && !reunion_.all_here()) fail_alone(Exit::failed, "error", text);
+  return text;
 }
 
 /// One step. What goes wrong on this rank leaves the others waiting for it: unless it is alone, that ends
@@ -161,38 +127,27 @@ void Run::advance() {
   const int rank = simulation_.scene().rank;
   try {
     simulation_.step();
-    quantities_.observe(simulation_);
+    prepared_.quantities->observe(simulation_);
   } catch (const CommonGuardStop&) {
     throw;
   } catch (const GuardStop& stop) {
-    if (simulation_.scene().ranks == 1) throw;
+    if (is_alone()) throw;
     fail_alone(Exit::guard, "guard", stop.what());
   } catch (const std::overflow_error& error) {
     const std::string text = overflow_text(setup(), error.what(), simulation_.steps_done() + 1, rank);
-    if (simulation_.scene().ranks == 1) throw GuardStop(text);
+    if (is_alone()) throw GuardStop(text);
     fail_alone(Exit::guard, "guard", text);
   } catch (const std::exception& error) {
-    if (simulation_.scene().ranks == 1) throw;
-    fail_alone(
-        Exit::failed, "error",
-        fmt::format("step {}, rank {}: {}", simulation_.steps_done() + 1, rank, parallel::text_of(error)));
+    if (is_alone()) throw;
+    fail_alone(Exit::failed, "error", of_rank(rank, simulation_.steps_done() + 1, parallel::text_of(error)));
   }
-  progress_->step(simulation_.steps_done(), simulation_.step_seconds());
+  progress_.step(simulation_.steps_done(), simulation_.step_seconds());
 }
 
 /// Collective: looks whether the flow has become steady, where the case asks for it and it is time to.
 void Run::watch() {
   if (!prepared_.steady || simulation_.steps_done() % setup().steady->every != 0) return;
-  const std::string& name = setup().steady->quantity;
-  const double value = quantities_.evaluate(simulation_, name);
-  prepared_.steady->look(value);
-}
-
-std::string Run::steady_text() const {
-  const SteadySpec& spec = *setup().steady;
-  return fmt::format("{} is steady at {}, to {} of it, and ends the run at step {} of {} (run.steady)",
-                     spec.quantity, shown(prepared_.steady->state().value), shown(spec.change),
-                     simulation_.steps_done(), setup().steps);
+  prepared_.steady->look(prepared_.quantities->evaluate(simulation_, setup().steady->quantity));
 }
 
 /// Collective: says so where the sweeps over contacts ended far from rest, in any step.
@@ -206,7 +161,7 @@ void Run::judge_sweeps() {
            setup().units.unit_text(dimension::velocity);
   };
   const int sweeps = setup().contacts.resolver_settings.max_sweeps;
-  progress_->say(
+  progress_.say(
       fmt::format("warning: contacts.sweeps: the sweeps over the contacts ended far from rest: the last of "
                   "{} still changed a "
                   "body's velocity by {}, where the fastest body had {}; raise contacts.sweeps (--set "
@@ -215,73 +170,7 @@ void Run::judge_sweeps() {
                   sweeps, speed(counters.residual), speed(counters.body_speed), 4 * sweeps));
 }
 
-bool Run::due(const SeriesSpec& series) const {
-  return series.every > 0 && (simulation_.steps_done() % series.every == 0 || ended());
-}
-
-void Run::start_outputs() {
-  const OutputSpec& output = setup().output;
-  parallel::on_rank_0(comm_, [&] { write_scene_file(setup(), folder_); });
-  if (output.bodies.every > 0 && setup().has_bodies())
-    body_output_ = std::make_unique<BodyOutput>(simulation_, folder_, provenance_, resumed_);
-  if (output.report.every > 0)
-    parallel::on_rank_0(comm_,
-                        [&] { series_ = std::make_unique<RunSeries>(folder_, resumed_ ? first_step_ : -1); });
-  if (setup().bodies_leave())
-    parallel::on_rank_0(comm_, [&] {
-      departures_ = std::make_unique<DepartureLog>(folder_, resumed_ ? first_step_ : -1, setup().units);
-    });
-  if (resumed_) return;
-  quantities_.observe(simulation_);
-  if (simulation_.scene().flow) simulation_.look_at_flow();
-  if (body_output_) body_output_->append(simulation_);
-  if (output.fields.every > 0) write_flow_fields(simulation_, output.fields, folder_, provenance_);
-  for (const FieldsSpec& slice : output.slices)
-    if (slice.every > 0) write_flow_fields(simulation_, slice, folder_, provenance_);
-  if (output.report.every > 0) write_report("running", "", true);
-}
-
-void Run::write_outputs() {
-  const OutputSpec& output = setup().output;
-  const bool fields = due(output.fields) || std::any_of(output.slices.begin(), output.slices.end(),
-                                                        [&](const FieldsSpec& slice) { return due(slice); });
-  const bool bodies = body_output_ && due(output.bodies);
-  const bool save = due(output.checkpoint), report = due(output.report);
-  const std::int64_t step = simulation_.steps_done();
-  if (ended() || fields || bodies || save || report) simulation_.settle();
-  if (simulation_.scene().flow && (step % guard_interval == 0 || ended() || fields || save || report))
-    simulation_.look_at_flow();
-  if (step % guard_interval == 0 || ended() || save || report) log_departures();
-  if (bodies) body_output_->append(simulation_);
-  if (due(output.fields)) write_flow_fields(simulation_, output.fields, folder_, provenance_);
-  for (const FieldsSpec& slice : output.slices)
-    if (due(slice)) write_flow_fields(simulation_, slice, folder_, provenance_);
-  // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
-  if (ended() && save)
-    write_report(reason_of_end(), text_of_end(), true);
-  else if (report && !ended())
-    write_report("running", "", true);
-  if (save) checkpoint();
-}
-
-/// Collective: what left since the last look goes to the log and to departures.csv.
-void Run::log_departures() {
-  if (!setup().bodies_leave()) return;
-  const std::vector<Departure> left = gathered(comm_, simulation_.take_departures());
-  parallel::on_rank_0(comm_, [&] { departures_->append(left); });
-  if (!left.empty())
-    progress_->log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
-}
-
-void Run::checkpoint() {
-  simulation_.settle();
-  log_departures();
-  last_checkpoint_ =
-      write_checkpoint(simulation_, quantities_, folder_, provenance_, prepared_.steady).string();
-  progress_->log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
-}
-
-/// Collective: leaves the state that a guard stopped at, for a look at it.
+/// Collective: leaves the state that a guard stopped at.
 std::string Run::stopped_state_text() {
   try {
     if (simulation_.scene().flow) simulation_.look_at_flow();
@@ -289,70 +178,42 @@ std::string Run::stopped_state_text() {
     // what else is wrong with that step is not told any more
   }
   try {
-    log_departures();
-    const auto path = write_stopped_state(simulation_, quantities_, folder_, provenance_, prepared_.steady);
-    if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
-    if (body_output_) body_output_->append(simulation_);
-    return fmt::format("\nthe state it stopped in: {}", path.string());
+    return fmt::format("\nthe state it stopped in: {}", outputs_.write_stopped_state().string());
   } catch (const std::exception& error) {
     return fmt::format("\nthe state it stopped in could not be written: {}", common_text(error));
   }
 }
 
-std::string Run::last_checkpoint_text() const {
-  if (!last_checkpoint_.empty()) return fmt::format("\nlast checkpoint: {}", last_checkpoint_);
-  const auto there = adapters::list_checkpoints(folder_);
-  if (there.empty()) return "\nno checkpoint has been written (see output.checkpoint)";
-  return fmt::format("\nlast checkpoint: {}", there.front().path.string());
-}
-
 void Run::greet() {
   const Scene& scene = simulation_.scene();
-  if (!prepared_.folder.note.empty()) progress_->say(prepared_.folder.note);
-  progress_->log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
-                             provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
-                             scene.domain.blocks(), instruction_set(), provenance_.created,
-                             derived_table(setup())));
-  for (const Diagnostic& warning : prepared_.warnings) progress_->say(warning.line());
+  const adapters::Provenance& silt = outputs_.provenance();
+  if (!prepared_.folder.note.empty()) progress_.say(prepared_.folder.note);
+  progress_.log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", silt.version,
+                            silt.commit, silt.compiler, silt.host, scene.ranks, scene.domain.blocks(),
+                            instruction_set(), silt.created, derived_table(setup())));
+  for (const Diagnostic& warning : prepared_.warnings) progress_.say(warning.line());
   const auto& n = setup().cells;
   std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
   if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);
   text += fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.body_count,
                       scene.body_count == 1 ? "y" : "ies", scene.ranks, scene.ranks > 1 ? "s" : "");
-  progress_->say(text);
-  if (resumed_)
-    progress_->say(fmt::format("goes on from step {} to {}{}", first_step_, setup().steps,
-                               earlier_options_text(prepared_)));
-  progress_->say(fmt::format("results go to {}", folder_.string()));
-}
-
-/// Collective: writes report.json, at most once a second while the run goes on but with each checkpoint, and,
-/// unless it is there, its row of series.csv.
-void Run::write_report(const std::string& reason, const std::string& text, bool sound) {
-  const fs::path path = folder_ / "report.json";
-  parallel::naming(path.string(), [&] {
-    const bool at_end = ended() || reason != "running";
-    const RunStatus status{reason, text, first_step_, MPI_Wtime() - begin_, sound, at_end};
-    const adapters::Json report = report_of(simulation_, quantities_, status);
-    parallel::on_rank_0(comm_, [&] {
-      if (series_ && sound) series_->append(simulation_.steps_done(), report);
-      if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
-      write_text(path, report.text());
-      reported_ = status.wall_seconds;
-    });
-  });
+  progress_.say(text);
+  if (prepared_.resumed)
+    progress_.say(fmt::format("goes on from step {} to {}{}", prepared_.first_step, setup().steps,
+                              prepared_.earlier_options));
+  progress_.say(fmt::format("results go to {}", folder_.string()));
 }
 
 /// The end that every rank comes to.
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
-  if (progress_)
-    progress_->finish(simulation_.steps_done(), parallel::max_over_ranks(comm_, simulation_.step_seconds()));
-  if (progress_ && code != Exit::failed && code != Exit::guard) judge_sweeps();
-  if (!text.empty() && progress_) code == Exit::done ? progress_->say(text) : progress_->log(text);
+  progress_.finish(simulation_.steps_done(),
+                   parallel::max_over_ranks(simulation_.scene().comm, simulation_.step_seconds()));
+  if (code != Exit::failed && code != Exit::guard) judge_sweeps();
+  if (!text.empty()) code == Exit::done ? progress_.say(text) : progress_.log(text);
   if (!text.empty() && loud && code != Exit::done) fmt::print(stderr, "silt: {}\n", text);
   try {
-    write_report(reason, text, code != Exit::guard);
+    outputs_.write_report(reason, text, code != Exit::guard);
   } catch (const std::exception& error) {
     const std::string found = common_text(error);
     if (loud && !text.starts_with(found)) fmt::print(stderr, "silt: {}\n", found);
@@ -361,12 +222,70 @@ Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   return code;
 }
 
+/// The end of a run that this rank alone knows of, while the others wait for it somewhere: says what happened
+/// on stderr and in run.log, leaves a short report.json, and ends the whole program with MPI_Abort. Of ranks
+/// that fail alone at the same time only one speaks: the one that can create the file `last_words`.
 void Run::fail_alone(Exit code, const std::string& reason, const std::string& what) {
-  abort_alone(simulation_, folder_, code, reason, what + last_checkpoint_text());
+  const std::string text = what + outputs_.last_checkpoint_text();
+  const fs::path part = folder_ / last_words;
+  const int file = open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644);
+  if (file >= 0 || errno != EEXIST) {
+    fmt::print(stderr, "\nsilt: {}\n", text);
+    std::fflush(stderr);
+    const std::string report = adapters::Json::object({{"exit_reason", reason},
+                                                       {"exit_text", text},
+                                                       {"steps", simulation_.steps_done()},
+                                                       {"ranks", simulation_.scene().ranks}})
+                                   .text() +
+                               "\n";
+    std::error_code ignored;  // it has been said on stderr
+    if (file >= 0 && write(file, report.data(), report.size()) == ssize_t(report.size()) && fsync(file) == 0)
+      fs::rename(part, folder_ / "report.json", ignored);
+    else
+      fs::remove(part, ignored);
+    if (std::FILE* log = std::fopen((folder_ / "run.log").c_str(), "a")) {
+      fmt::print(log, "{}\n", text);
+      std::fclose(log);
+    }
+  } else {
+    sleep(1);  // whoever speaks comes to its end first
+  }
+  MPI_Abort(simulation_.scene().comm, int(code));
+  std::abort();
+}
+
+// ---- before the first step ----
+
+/// Returns why a run that is to go on has no step left to do, or "".
+std::string complete_text(const PreparedRun& prepared) {
+  const Case& setup = prepared.simulation->setup();
+  const std::int64_t step = prepared.simulation->steps_done();
+  if (!prepared.resumed || !prepared.has_ended()) return "";
+  if (step >= setup.steps)
+    return fmt::format(
+        "the run is complete: it has done {} of {} steps{}; to go on, raise run.steps (--set "
+        "run.steps={})\n",
+        step, setup.steps, prepared.earlier_options, 2 * setup.steps);
+  return fmt::format(
+      "the run is complete: {} was steady at step {}; to go on, lower run.steady.change (--set "
+      "run.steady.change={})\n",
+      setup.steady->quantity, step, shown(setup.steady->change / 10));
+}
+
+/// Collective. Returns whether report.json is not yet that of the end: the run was killed, or could not write
+/// it.
+bool lacks_final_report(const fs::path& folder, const Simulation& simulation) {
+  const std::int64_t step = simulation.steps_done();
+  if (step > simulation.setup().steps) return false;
+  int lacks = 0;
+  parallel::on_rank_0(simulation.scene().comm,
+                      [&] { lacks = !is_final_report(folder / "report.json", step); });
+  parallel::broadcast(simulation.scene().comm, lacks);
+  return lacks;
 }
 
 template <class Prepare>
-Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& prepare) {
+Exit start(const RunOptions& options, MPI_Comm comm, Prepare&& prepare) {
   const int rank = parallel::rank_of(comm);
   const fs::path folder = result_folder(options);
   parallel::Reunion reunion(comm);
@@ -382,21 +301,21 @@ Exit start(const RunOptions& options, MPI_Comm comm, bool resumed, Prepare&& pre
     if (alone) MPI_Abort(comm, int(Exit::failed));
     return dynamic_cast<const FileError*>(&error) ? Exit::failed : Exit::bad_case;
   }
-  if (const std::string complete = resumed ? complete_text(prepared) : ""; !complete.empty()) {
+  if (const std::string complete = complete_text(prepared); !complete.empty()) {
     if (rank == 0) fmt::print("{}", complete);
     if (!lacks_final_report(folder, *prepared.simulation)) return Exit::done;
   }
   catch_signals();  // until here there is nothing to lose, and they end the program at once
-  return Run(std::move(prepared), folder, options, resumed, reunion).go();
+  return Run(std::move(prepared), folder, options, reunion).go();
 }
 
 }  // namespace
 
 Exit run_case(const RunOptions& options, MPI_Comm comm) {
-  return start(options, comm, false, prepare_run);
+  return start(options, comm, prepare_run);
 }
 Exit resume_case(const RunOptions& options, MPI_Comm comm) {
-  return start(options, comm, true, prepare_resume);
+  return start(options, comm, prepare_resume);
 }
 
 }  // namespace silt::coupler

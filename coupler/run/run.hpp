@@ -1,5 +1,6 @@
 #pragma once
-// A run from its case directory to its report: steps, outputs, checkpoints, guards, and how it ends.
+// What the program does with a case: it runs it from its directory to its report, goes on with it, judges it,
+// and says what there is.
 #include <mpi.h>
 
 #include <filesystem>
@@ -33,5 +34,16 @@ struct RunOptions {
 Exit run_case(const RunOptions&, MPI_Comm);
 /// Collective. Goes on from a checkpoint, else as run_case.
 Exit resume_case(const RunOptions&, MPI_Comm);
+
+/// Reads and judges a case without running it; returns its derived table and its warnings. CaseError.
+std::string examine_case(const RunOptions&);
+
+/// Returns where the results go: the option, else DIRECTORY/out.
+std::filesystem::path result_folder(const RunOptions&);
+
+/// Returns the derived table of a case (a folder with a case.toml, or a .toml file) and a list of the results
+/// in its folder `out`; of a folder without a case.toml the list alone. CaseError; std::runtime_error for a
+/// folder with neither.
+std::string describe_case(const std::filesystem::path&);
 
 }  // namespace silt::coupler

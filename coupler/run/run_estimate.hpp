@@ -20,7 +20,7 @@ struct RunEstimate {
 };
 
 /// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it
-/// (balance/work_costs.hpp), a cell by what this machine's memory moves now, and contacts by what beds of
+/// (balance/body_work.hpp), a cell by what this machine's memory moves now, and contacts by what beds of
 /// such bodies have. Meant to be within a factor of 2; what was found is in coupler/README.md, "What a run
 /// will take". Takes some milliseconds besides the bodies.
 RunEstimate estimate_run(const Case&, const PlacedBodies&, int ranks);

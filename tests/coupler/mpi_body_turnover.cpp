@@ -290,7 +290,8 @@ TEST(BodyTurnover, ARunGoesOnToTheBit) {
       for (int t = at; t < steps; ++t) s.step();
       const auto again = [&](MPI_Comm comm) {
         const adapters::CheckpointReader reader(comm, path);
-        Simulation resumed(scene, comm, read_state(reader, scene));
+        const auto going_on = resumed_simulation(reader, scene, comm);
+        Simulation& resumed = *going_on;
         for (int t = at; t < steps; ++t) resumed.step();
         EXPECT_EQ(flux(resumed), flux(s));
         EXPECT_EQ(resumed.next_id(), s.next_id());

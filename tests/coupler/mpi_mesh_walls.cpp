@@ -87,7 +87,8 @@ TEST(MeshWalls, ARunGoesOnToTheSameBits) {
                                        provenance_of(scene, tests::ranks(), "auto"), {});
     simulation.run(30);
     const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-    Simulation again(scene, MPI_COMM_WORLD, read_state(reader, scene));
+    const auto going_on = resumed_simulation(reader, scene, MPI_COMM_WORLD);
+    Simulation& again = *going_on;
     again.run(30);
     EXPECT_EQ(again.hash(), simulation.hash()) << motion;
   }

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
-#include "adapters/hdf5/describe_file.hpp"
+#include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/results/checkpoint.hpp"

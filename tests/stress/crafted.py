@@ -81,7 +81,7 @@ CASES = {"wet": WET, "dry": DRY, "feed": FEED}
 
 
 def checksum(values):
-    """As adapters/hdf5/checksum.hpp has it."""
+    """As adapters/hdf5/verify_checkpoint.cpp has it."""
     data = np.ascontiguousarray(values).reshape(-1)
     bits = data.view(f"u{data.dtype.itemsize}").astype(np.uint64)
     with np.errstate(over="ignore"):

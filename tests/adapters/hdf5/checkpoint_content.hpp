@@ -44,10 +44,11 @@ Bits<T> bits_of(int q, int x, int y, int z) {
 
 template <class T>
 void write_populations(CheckpointWriter& writer, const std::vector<CellBox>& boxes) {
-  writer.cells<T>("populations", cells, populations, boxes, [&](int q, std::size_t box, T* out) {
+  constexpr auto storage = sizeof(T) == 4 ? adapters::Storage::single : adapters::Storage::double_;
+  writer.cells("populations", storage, cells, populations, boxes, [&](int q, std::size_t box, void* out) {
     for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
       const auto bits = bits_of<T>(q, x, y, z);
-      std::memcpy(&out[i], &bits, sizeof bits);
+      std::memcpy(static_cast<T*>(out) + i, &bits, sizeof bits);
     });
   });
 }
@@ -55,10 +56,11 @@ void write_populations(CheckpointWriter& writer, const std::vector<CellBox>& box
 template <class T>
 std::size_t wrong_populations(const CheckpointReader& reader, const std::vector<CellBox>& boxes) {
   std::size_t wrong = 0;
-  reader.cells<T>("populations", boxes, [&](int q, std::size_t box, const T* in) {
+  constexpr auto storage = sizeof(T) == 4 ? adapters::Storage::single : adapters::Storage::double_;
+  reader.cells("populations", storage, boxes, [&](int q, std::size_t box, const void* in) {
     for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
       const auto bits = bits_of<T>(q, x, y, z);
-      wrong += std::memcmp(&in[i], &bits, sizeof bits) != 0;
+      wrong += std::memcmp(static_cast<const T*>(in) + i, &bits, sizeof bits) != 0;
     });
   });
   return wrong;
@@ -105,11 +107,12 @@ inline std::vector<StoredImpulse> impulses(std::uint64_t id) {
 inline void expect_equal(const BodyRecord& a, const BodyRecord& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   EXPECT_TRUE(same(a.id, b.id) && same(a.shape, b.shape) && same(a.material, b.material) &&
-              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.wakefulness, b.wakefulness) && same(a.mass, b.mass) &&
-              same(a.weight_in_fluid, b.weight_in_fluid) && same(a.inertia_B, b.inertia_B) &&
-              same(a.position, b.position) && same(a.orientation, b.orientation) && same(a.image, b.image) &&
-              same(a.velocity, b.velocity) && same(a.angular_velocity, b.angular_velocity) &&
-              same(a.angular_momentum, b.angular_momentum) && same(a.holder_state, b.holder_state))
+              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.wakefulness, b.wakefulness) &&
+              same(a.mass, b.mass) && same(a.weight_in_fluid, b.weight_in_fluid) &&
+              same(a.inertia_B, b.inertia_B) && same(a.position, b.position) &&
+              same(a.orientation, b.orientation) && same(a.image, b.image) && same(a.velocity, b.velocity) &&
+              same(a.angular_velocity, b.angular_velocity) && same(a.angular_momentum, b.angular_momentum) &&
+              same(a.holder_state, b.holder_state))
       << "body " << b.id;
 }
 

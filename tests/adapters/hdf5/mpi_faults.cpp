@@ -69,11 +69,13 @@ void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const st
   adapters::CheckpointWriter writer(comm, path, {"0.1", "c", "t", "text\n", 1, "auto", "g++", "", ""});
   writer.set("step", std::int64_t{77});
   writer.set("label", "some text");
-  writer.cells<float>("populations", lattice, 19, boxes, [&](int q, std::size_t box, float* out) {
-    for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
-      out[i] = 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
-    });
-  });
+  writer.cells("populations", adapters::Storage::single, lattice, 19, boxes,
+               [&](int q, std::size_t box, void* to) {
+                 auto* const out = static_cast<float*>(to);
+                 for_each_cell(boxes[box], [&](int x, int y, int z, std::size_t i) {
+                   out[i] = 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
+                 });
+               });
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   BodyList owned{std::vector<rigid::BodyRecord>(2), {{}, {}}};
@@ -206,7 +208,8 @@ TEST(FullDisk, leaves_a_series_that_goes_on_when_there_is_room) {
 /// Whether a checkpoint says what write_checkpoint wrote.
 bool is_whole(const adapters::CheckpointReader& reader, const CellBox& box) {
   std::size_t wrong = 0;
-  reader.cells<float>("populations", {box}, [&](int q, std::size_t, const float* in) {
+  reader.cells("populations", adapters::Storage::single, {box}, [&](int q, std::size_t, const void* from) {
+    const auto* const in = static_cast<const float*>(from);
     for_each_cell(box, [&](int x, int y, int z, std::size_t i) {
       wrong += in[i] != 0.5f + q + 0.1f * x - 0.01f * y + 0.001f * z;
     });

@@ -105,7 +105,7 @@ const Act write_fields("write_fields", [] {
   const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
   for (const int step : {0, 50}) {
     const auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, step == 0, true);
-    write(MPI_COMM_WORLD, adapters::field_path(folder, "fields", step), boxes, 0.01 * step);
+    write(MPI_COMM_WORLD, adapters::step_path(folder, "fields", step, ".hdf"), boxes, 0.01 * step);
   }
 });
 

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <random>
 
-#include "adapters/hdf5/order_by_id.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 
 namespace silt::tests {
@@ -59,16 +58,12 @@ TEST(SliceExchange, takes_values_to_slices_and_back) {
     EXPECT_TRUE(std::equal(slice.begin(), slice.end(), all.begin() + 4 * slices.slice_begin())) << n;
     EXPECT_EQ(sum_over_ranks(double(slices.slice_size())), double(n));
     EXPECT_TRUE(slices.from_slice(4, slice) == values) << n;
-    for (const std::uint64_t piece : {1, 3, 5000}) {
+    for (const std::size_t piece : {4, 12, 20000}) {
       std::vector<std::byte> handed;
-      slices.hand_to_rank_0(
-          4, slice,
-          [&](std::uint64_t first, std::uint64_t count, const auto& more) {
-            EXPECT_EQ(4 * first, handed.size());
-            EXPECT_LE(count, piece);
-            handed.insert(handed.end(), more.begin(), more.end());
-          },
-          piece);
+      adapters::hdf5::hand_to_rank_0(slices.comm(), slice, piece, [&](std::span<const std::byte> more) {
+        EXPECT_LE(more.size(), piece);
+        handed.insert(handed.end(), more.begin(), more.end());
+      });
       EXPECT_TRUE(rank() > 0 ? handed.empty() : handed == all) << n;
     }
   }
@@ -86,8 +81,8 @@ TEST(SliceExchange, an_error_of_rank_0_leaves_nobody_waiting) {
   const SliceExchange slices(MPI_COMM_WORLD, 1000, {});
   const auto slice = slices.to_slice(8, {});
   EXPECT_TEXT(error_of([&] {
-                slices.hand_to_rank_0(
-                    8, slice, [](auto...) { throw std::runtime_error("no room"); }, 10);
+                adapters::hdf5::hand_to_rank_0(slices.comm(), slice, 80,
+                                               [](auto) { throw std::runtime_error("no room"); });
               }),
               "no room");
 }

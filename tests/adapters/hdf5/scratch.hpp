@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "adapters/hdf5/boxes.hpp"
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "tests/world.hpp"
 

@@ -1,11 +1,10 @@
 // What one process foresees of a cut is what the ranks then make together.
-#include "coupler/balance/foreseen_cut.hpp"
+#include "coupler/balance/weighted_cut.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "coupler/balance/weighted_cut.hpp"
 #include "lbm/equal_cut.hpp"
 #include "tests/world.hpp"
 

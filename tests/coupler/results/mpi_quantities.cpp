@@ -45,6 +45,11 @@ double value_of(const CaseText& text) {
   return text.values(MPI_COMM_WORLD, {finely_cut}).front();
 }
 
+TEST(Quantities, EveryTypeHasAComputation) {
+  for (const QuantityType& type : quantity_types) EXPECT_EQ(computation_of(type.name).type, type.name);
+  EXPECT_THROW(computation_of("no-such"), std::logic_error);
+}
+
 TEST(Quantities, MotionOfFreeBodiesAcrossTheBorder) {
   const std::string bodies = "positions = [[4, 4, 4], [30, 16, 16]]\nvelocity = [0.25, 0, 0]";
   EXPECT_NEAR(value_of(dry(bodies, "type = \"displacement\"\naxis = \"x\"")), 25, 1e-12);
@@ -287,7 +292,8 @@ TEST(Quantities, GoOnFromACheckpoint) {
   const auto path = write_checkpoint(simulation, quantities, scratch.path(),
                                      provenance_of(scene, tests::ranks(), simulation.scene().backend_name()));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  Simulation resumed(scene, MPI_COMM_WORLD, read_state(reader, scene));
+  const auto going_on = resumed_simulation(reader, scene, MPI_COMM_WORLD);
+  Simulation& resumed = *going_on;
   Quantities again(scene);
   again.set_history(read_history(reader, scene));
   const auto finish = [&](Simulation& s, Quantities& q) {
@@ -384,7 +390,7 @@ TEST(Quantities, ObservedWithoutWaiting) {
       if (!at_once) {
         EXPECT_LE(sent.blocking_collectives, 2u) << "outflow-rate asks the counters, once in a run";
         EXPECT_EQ(sent.messages, 0u);
-        const std::uint64_t started = (steps + 1) / SumsOfSteps::most_steps;
+        const std::uint64_t started = (steps + 1) / Quantities::most_steps;
         EXPECT_EQ(sent.collectives_under_way, tests::ranks() > 1 ? started - 1 : 0u)
             << "the last is not over";
       }

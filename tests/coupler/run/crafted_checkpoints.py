@@ -17,7 +17,7 @@ GOLDEN = 0x9E3779B97F4A7C15
 
 
 def checksum(values):
-    """As adapters/hdf5/checksum.hpp has it."""
+    """As adapters/hdf5/verify_checkpoint.cpp has it."""
     data = np.ascontiguousarray(values).reshape(-1)
     bits = data.view(f"u{data.dtype.itemsize}").astype(np.uint64)
     with np.errstate(over="ignore"):

@@ -108,7 +108,8 @@ TEST(Run, PureFluidHasOneHash) {
 std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene, MPI_Comm comm,
                            std::int64_t steps, double* speed) {
   const adapters::CheckpointReader reader(comm, path);
-  Simulation simulation(scene, comm, read_state(reader, scene));
+  const auto going_on = resumed_simulation(reader, scene, comm);
+  Simulation& simulation = *going_on;
   Quantities quantities(scene);
   quantities.set_history(read_history(reader, scene));
   simulation.run(steps - simulation.steps_done());

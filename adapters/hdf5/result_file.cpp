@@ -1,4 +1,4 @@
-#include "adapters/hdf5/describe_file.hpp"
+#include "adapters/hdf5/result_file.hpp"
 
 #include <cstdio>
 #include <string_view>
@@ -21,7 +21,7 @@ std::string attribute_text(const File& file, hid_t owner, const std::string& nam
   const auto n = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
   std::string text;
   if (H5Tget_class(type) == H5T_STRING) {
-    if (H5Tis_variable_str(type) <= 0) return n == 1 ? file.string_attribute(owner, name) : "(texts)";
+    if (H5Tis_variable_str(type) <= 0) return n == 1 ? file.text_in(owner, name) : "(texts)";
     std::vector<char*> values(n, nullptr);
     file.check(H5Aread(attribute, type, values.data()), "cannot read attribute " + name);
     for (const char* v : values) {
@@ -58,7 +58,7 @@ std::string attributes_text(const File& file, hid_t owner) {
 
 std::string dataset_text(const File& file, const std::string& name) {
   const Handle data = file.dataset(name);
-  const Handle type(H5Dget_type(data), H5Tclose, file.path(), "type of " + name);
+  const Handle type = file.type(data);
   const auto shape = file.shape(data);
   std::string text = "  " + name + " [";
   for (std::size_t d = 0; d < shape.size(); ++d) {
@@ -69,7 +69,7 @@ std::string dataset_text(const File& file, const std::string& name) {
   const H5T_class_t kind = H5Tget_class(type);
   text += kind == H5T_FLOAT ? "float" : kind == H5T_INTEGER ? "integer" : "text";
   if (kind != H5T_STRING) text += std::to_string(8 * H5Tget_size(type));
-  if (file.has_attribute(data, "unit")) text += ", " + file.string_attribute(data, "unit");
+  if (file.has_attribute(data, "unit")) text += ", " + file.text_in(data, "unit");
   return text + "\n";
 }
 
@@ -79,8 +79,16 @@ struct Objects {
 
 }  // namespace
 
+std::filesystem::path step_path(const std::filesystem::path& folder, const std::string& name,
+                                std::int64_t step, const std::string& suffix) {
+  constexpr std::size_t digits = 12;
+  std::string number = std::to_string(step);
+  if (number.size() < digits) number.insert(0, digits - number.size(), '0');
+  return folder / (name + "_" + number + suffix);
+}
+
 std::string describe_file(const std::filesystem::path& path) {
-  File file = File::open(path, false);
+  const File file = File::open(path, false);
   Objects objects;
   const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t {
     auto& all = *static_cast<Objects*>(to);
@@ -94,7 +102,7 @@ std::string describe_file(const std::filesystem::path& path) {
              "cannot list what is in it");
   std::string text = path.string() + "\n";
   for (const auto& name : objects.groups) {
-    const Handle group = file.group(name, false);
+    const Handle group = file.group(name);
     const std::string attributes = attributes_text(file, group);
     if (!attributes.empty()) text += "  " + name + "\n" + attributes;
   }

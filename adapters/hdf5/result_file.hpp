@@ -1,0 +1,48 @@
+#pragma once
+// What all files of results have in common: where they came from, which cells a rank gives or takes, how
+// numbers are stored, what files of a step are called, and how files are described to a reader at a terminal.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace silt::adapters {
+
+/// Provenance says where a file came from. Each member becomes an attribute of /provenance, except case_text,
+/// which may be long and becomes the scalar string dataset /provenance/case_text. Only rank 0's values are
+/// used.
+struct Provenance {
+  std::string version, commit;   // of silt
+  std::string title, case_text;  // case.toml as read, with overrides applied
+  std::int64_t ranks = 1;
+  std::string backend;  // of the collision detection
+  std::string compiler, flags, libraries;
+  std::string host, processor, created;  // created: ISO 8601
+};
+
+/// CellBox holds the cells lower <= x < upper, in global cell coordinates. Boxes of all ranks must not
+/// overlap.
+struct CellBox {
+  std::array<int, 3> lower, upper;
+
+  std::size_t cells() const {
+    std::size_t n = 1;
+    for (int d = 0; d < 3; ++d) n *= upper[d] > lower[d] ? upper[d] - lower[d] : 0;
+    return n;
+  }
+};
+
+/// How a number of a cell is stored.
+enum class Storage { single, double_, byte };
+
+/// Returns FOLDER/NAME_000000000100SUFFIX for step 100: names sort like steps.
+std::filesystem::path step_path(const std::filesystem::path& folder, const std::string& name,
+                                std::int64_t step, const std::string& suffix);
+
+/// Returns lines of text: where the file came from, the attributes of its groups, its datasets with their
+/// shapes and units. The case's text is left out. One rank calls it. Throws std::runtime_error naming the
+/// file and the reason.
+std::string describe_file(const std::filesystem::path&);
+
+}  // namespace silt::adapters

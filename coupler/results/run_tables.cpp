@@ -1,0 +1,170 @@
+#include "coupler/results/run_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <map>
+
+#include "adapters/hdf5/disk.hpp"
+#include "coupler/case/case_error.hpp"
+#include "coupler/results/result_folder.hpp"
+
+namespace silt::coupler {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// ---- any such file ----
+
+/// Returns a field as RFC 4180 has it: in quotes if there is a comma, a quote or a line end in it.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == text.npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
+/// Reads the names of the columns; a name in quotes may go on over ends of lines. Returns whether they are
+/// whole.
+bool take_columns(std::istream& file, std::string& columns) {
+  std::getline(file, columns);
+  for (std::string more;
+       std::count(columns.begin(), columns.end(), '"') % 2 != 0 && std::getline(file, more);)
+    columns += '\n' + more;
+  return !file.eof();
+}
+
+/// What is left of a file: the names of the columns as they stand ("": there is no file, or not all of them),
+/// and the step of its last row.
+struct RowsLeft {
+  std::string columns;
+  std::int64_t last_step = -1;
+};
+
+/// Removes the rows of steps after the given one, and a last row that a killed run left without its end.
+RowsLeft remove_rows_after(const fs::path& path, std::int64_t step) {
+  std::ifstream file(path);
+  RowsLeft left;
+  if (!file || !take_columns(file, left.columns)) return {};
+  std::string kept = left.columns + '\n', row;
+  while (std::getline(file, row) && !file.eof()) {  // without its end a row is not whole
+    std::int64_t found = 0;
+    const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), found);
+    if (error != std::errc() || *end != ',' || found > step) continue;
+    kept += row + '\n';
+    left.last_step = found;
+  }
+  file.close();
+  write_text(path, kept);
+  return left;
+}
+
+/// Adds text to a file, or begins it anew with the names of the columns.
+void add_rows(const fs::path& path, bool fresh, const std::string& columns, const std::string& rows) {
+  std::ofstream file(path, fresh ? std::ios::trunc : std::ios::app);
+  if (fresh) file << columns << '\n';
+  file << rows;
+  file.close();
+  if (!file) throw FileError(path.string() + ": cannot be written: " + adapters::system_reason(errno));
+}
+
+// ---- series.csv ----
+
+/// What of a report changes while a run goes on; of objects all numbers in them.
+constexpr std::array series_columns = {"steps",        "time",           "wall_seconds", "mlups",
+                                       "bodies",       "bodies_arrived", "bodies_left",  "bodies_left_by",
+                                       "energy",       "momentum",       "max_velocity", "min_density",
+                                       "max_density",  "mass_drift",     "mass_surplus", "bodies_asleep",
+                                       "contacts_now", "momentum_drift", "links",        "max_penetration",
+                                       "quantities",   "stage_seconds"};
+
+/// The numbers of a member of the report. Of a quantity that is a mean over steps that of the last step, and
+/// then the mean under a name that says so; of what each rank has the mean is enough.
+std::vector<std::pair<std::string, std::string>> values_now(const adapters::Json& report,
+                                                            const std::string& member) {
+  auto numbers = report.numbers(member), means = decltype(numbers){};
+  if (member == "stage_seconds")
+    std::erase_if(numbers, [](const auto& number) { return !number.first.ends_with(".avg"); });
+  if (member != "quantities") return numbers;
+  const std::string in_last_step = "quantities_in_last_step.", mean = "means.";
+  for (const auto& [path, now] : report.numbers("quantities_in_last_step")) {
+    const std::string name = path.substr(in_last_step.size());
+    for (auto& [other, number] : numbers)
+      if (other == "quantities." + name) means.emplace_back(mean + name, std::exchange(number, now));
+  }
+  numbers.insert(numbers.end(), means.begin(), means.end());
+  return numbers;
+}
+
+/// Moves a series away, so that another can begin in its place.
+void set_aside(const fs::path& path) {
+  fs::path aside;
+  for (int n = 1; aside.empty() || fs::exists(aside); ++n)
+    aside = path.parent_path() / fmt::format("series.{}.csv", n);
+  std::error_code error;
+  fs::rename(path, aside, error);
+  if (error)
+    throw FileError(path.string() + ": cannot be moved to " + aside.filename().string() + ": " +
+                    error.message());
+}
+
+}  // namespace
+
+RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(folder / "series.csv") {
+  if (resumed_at < 0) return;
+  const RowsLeft left = remove_rows_after(path_, resumed_at);
+  columns_ = left.columns, last_step_ = left.last_step;
+}
+
+void RunSeries::append(std::int64_t step, const adapters::Json& report) {
+  if (step == last_step_) return;
+  std::string names, row;
+  for (const char* column : series_columns)
+    for (const auto& [name, number] : values_now(report, column)) {
+      (names += names.empty() ? "" : ",") += csv_field(name);
+      (row += row.empty() ? "" : ",") += number;
+    }
+  const bool deleted = !fs::exists(path_), fresh = deleted || names != columns_;
+  if (fresh && !deleted && !columns_.empty()) set_aside(path_);
+  add_rows(path_, fresh, names, row + '\n');
+  columns_ = names, last_step_ = step;
+}
+
+DepartureLog::DepartureLog(const fs::path& folder, std::int64_t resumed_at, const Units& units)
+    : path_(folder / "departures.csv"), units_(units) {
+  if (resumed_at >= 0) remove_rows_after(path_, resumed_at - 1);
+}
+
+void DepartureLog::append(std::span<const Departure> departures) {
+  if (departures.empty()) return;
+  const double cell = units_.cell_size;
+  std::string rows;
+  for (const Departure& d : departures)
+    rows += fmt::format("{},{},{},{},{},{},{}\n", d.step, static_cast<double>(d.step) * units_.time_step,
+                        d.id, way_text(static_cast<int>(d.way)), d.position[0] * cell, d.position[1] * cell,
+                        d.position[2] * cell);
+  add_rows(path_, !fs::exists(path_), "step,time,id,by,x,y,z", rows);
+}
+
+std::string departures_text(std::span<const Departure> departures) {
+  constexpr std::size_t most_ids = 5;
+  std::map<std::int64_t, std::vector<std::string>> ids;
+  for (const Departure& d : departures) ids[d.way].push_back(std::to_string(d.id));
+  std::string text =
+      fmt::format("{} {} left: ", departures.size(), departures.size() > 1 ? "bodies have" : "body has");
+  for (auto& [way, list] : ids) {
+    const std::size_t count = list.size();
+    list.resize(std::min(count, most_ids));
+    if (way != ids.begin()->first) text += "; ";
+    text += fmt::format("{}{} by {}", joined(list),
+                        count > most_ids ? fmt::format(", ... ({} in all)", count) : "",
+                        way_text(static_cast<int>(way)));
+  }
+  return text;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,46 @@
+#pragma once
+// The CSV files that a run adds rows to, each of which begins with the number of a step: series.csv, what
+// report.json says of the moment, and departures.csv, the bodies that left. A run that goes on keeps the rows
+// up to its step. Errors are FileError, naming file and reason.
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "adapters/json/json.hpp"
+#include "coupler/case/units.hpp"
+#include "coupler/departures.hpp"
+
+namespace silt::coupler {
+
+class RunSeries {
+ public:
+  /// Starts the series in a folder; with a step, goes on with the one there: rows of later steps, and one
+  /// that a killed run left incomplete, are removed.
+  explicit RunSeries(const std::filesystem::path& folder, std::int64_t resumed_at = -1);
+  /// Appends a report's row, unless the last one is of the same step. If its columns are not those of the
+  /// file (a quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
+  void append(std::int64_t step, const adapters::Json& report);
+
+ private:
+  std::filesystem::path path_;
+  std::string columns_;  // of the file; "": there is none
+  std::int64_t last_step_ = -1;
+};
+
+class DepartureLog {
+ public:
+  /// resumed_at: the step at which a run goes on, whose departures come anew; -1 for a new run.
+  DepartureLog(const std::filesystem::path& folder, std::int64_t resumed_at, const Units&);
+  /// Adds lines; the file is there from the first one on.
+  void append(std::span<const Departure>);
+
+ private:
+  std::filesystem::path path_;
+  Units units_;
+};
+
+/// Returns "3 bodies have left: 12, 15 by z-high, 14 by outflow[0]", with the first few ids.
+std::string departures_text(std::span<const Departure>);
+
+}  // namespace silt::coupler

@@ -1,0 +1,122 @@
+#include "coupler/run/run_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include "coupler/case/case.hpp"
+#include "coupler/guard.hpp"
+#include "coupler/results/build_info.hpp"
+#include "coupler/results/checkpoint.hpp"
+#include "coupler/results/flow_fields.hpp"
+#include "coupler/results/report.hpp"
+#include "coupler/results/scene_output.hpp"
+#include "parallel/together.hpp"
+
+namespace silt::coupler {
+
+RunOutputs::RunOutputs(PreparedRun& run, const std::filesystem::path& folder, Progress& progress)
+    : run_(run),
+      simulation_(*run.simulation),
+      folder_(folder),
+      progress_(progress),
+      provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())) {}
+
+bool RunOutputs::due(const SeriesSpec& series) const {
+  return series.every > 0 && (simulation_.steps_done() % series.every == 0 || run_.has_ended());
+}
+
+std::vector<const FieldsSpec*> RunOutputs::fields_due() const {
+  std::vector<const FieldsSpec*> fields;
+  if (due(setup().output.fields)) fields.push_back(&setup().output.fields);
+  for (const FieldsSpec& slice : setup().output.slices)
+    if (due(slice)) fields.push_back(&slice);
+  return fields;
+}
+
+void RunOutputs::start() {
+  const OutputSpec& output = setup().output;
+  const std::int64_t resumed_at = run_.resumed ? run_.first_step : -1;
+  parallel::on_rank_0(simulation_.scene().comm, [&] { write_scene_file(setup(), folder_); });
+  if (output.bodies.every > 0 && setup().has_bodies())
+    bodies_.emplace(simulation_, folder_, provenance_, run_.resumed);
+  parallel::on_rank_0(simulation_.scene().comm, [&] {
+    if (output.report.every > 0) series_.emplace(folder_, resumed_at);
+    if (setup().bodies_leave()) departures_.emplace(folder_, resumed_at, setup().units);
+  });
+  if (run_.resumed) return;
+  run_.quantities->observe(simulation_);
+  if (simulation_.scene().flow) simulation_.look_at_flow();
+  write_bodies_and_fields();
+  if (output.report.every > 0) write_report("running", "", true);
+}
+
+void RunOutputs::write_bodies_and_fields() {
+  if (bodies_ && due(setup().output.bodies)) bodies_->append(simulation_);
+  for (const FieldsSpec* fields : fields_due()) write_flow_fields(simulation_, *fields, folder_, provenance_);
+}
+
+void RunOutputs::write_due() {
+  const OutputSpec& output = setup().output;
+  const bool ended = run_.has_ended(), fields = !fields_due().empty(), save = due(output.checkpoint),
+             report = due(output.report);
+  const bool looks = simulation_.steps_done() % guard_interval == 0 || ended || save || report;
+  if (ended || fields || save || report || (bodies_ && due(output.bodies))) simulation_.settle();
+  if (simulation_.scene().flow && (looks || fields)) simulation_.look_at_flow();
+  if (looks) log_departures();
+  write_bodies_and_fields();
+  // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
+  if (ended && save)
+    write_report(run_.reason_of_end(), run_.text_of_end(), true);
+  else if (report && !ended)
+    write_report("running", "", true);
+  if (save) write_checkpoint();
+}
+
+/// What left since the last look goes to the log and to departures.csv.
+void RunOutputs::log_departures() {
+  if (!setup().bodies_leave()) return;
+  const std::vector<Departure> left = gathered(simulation_.scene().comm, simulation_.take_departures());
+  parallel::on_rank_0(simulation_.scene().comm, [&] { departures_->append(left); });
+  if (!left.empty())
+    progress_.log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
+}
+
+void RunOutputs::write_checkpoint() {
+  simulation_.settle();
+  log_departures();
+  last_checkpoint_ =
+      coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady).string();
+  progress_.log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
+}
+
+std::filesystem::path RunOutputs::write_stopped_state() {
+  log_departures();
+  const auto path =
+      coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, "stopped");
+  if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
+  if (bodies_) bodies_->append(simulation_);
+  return path;
+}
+
+std::string RunOutputs::last_checkpoint_text() const {
+  if (!last_checkpoint_.empty()) return fmt::format("\nlast checkpoint: {}", last_checkpoint_);
+  const auto there = adapters::list_checkpoints(folder_);
+  if (there.empty()) return "\nno checkpoint has been written (see output.checkpoint)";
+  return fmt::format("\nlast checkpoint: {}", there.front().path.string());
+}
+
+void RunOutputs::write_report(const std::string& reason, const std::string& text, bool sound) {
+  const auto path = folder_ / "report.json";
+  parallel::naming(path.string(), [&] {
+    const bool at_end = run_.has_ended() || reason != "running";
+    const RunStatus status{reason, text, run_.first_step, MPI_Wtime() - begin_, sound, at_end};
+    const adapters::Json report = report_of(simulation_, *run_.quantities, status);
+    parallel::on_rank_0(simulation_.scene().comm, [&] {
+      if (series_ && sound) series_->append(simulation_.steps_done(), report);
+      if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
+      write_text(path, report.text());
+      reported_ = status.wall_seconds;
+    });
+  });
+}
+
+}  // namespace silt::coupler

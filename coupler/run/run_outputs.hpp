@@ -1,0 +1,51 @@
+#pragma once
+// The files that a run writes: fields, bodies, departures, report.json and series.csv, checkpoints.
+#include "coupler/results/body_output.hpp"
+#include "coupler/results/run_tables.hpp"
+#include "coupler/run/prepare_run.hpp"
+#include "coupler/run/progress.hpp"
+
+namespace silt::coupler {
+
+/// Everything but last_checkpoint_text is collective. Errors are std::runtime_error.
+class RunOutputs {
+ public:
+  /// Refers to the run and its progress.
+  RunOutputs(PreparedRun&, const std::filesystem::path& folder, Progress&);
+
+  const adapters::Provenance& provenance() const { return provenance_; }
+  /// Begins the files, or goes on with those that are there; of a new run it writes the first state.
+  void start();
+  /// Writes what is due after a step.
+  void write_due();
+  void write_checkpoint();
+  /// Writes report.json, at most once a second while the run goes on but with each checkpoint, and, unless it
+  /// is there, its row of series.csv. `sound`: the state is one that figures can be taken from.
+  void write_report(const std::string& reason, const std::string& text, bool sound);
+  /// Leaves the state that a guard stopped at, for a look at it. Returns its path.
+  std::filesystem::path write_stopped_state();
+
+  /// Returns a line that says which checkpoint is the last.
+  std::string last_checkpoint_text() const;
+
+ private:
+  const Case& setup() const { return simulation_.setup(); }
+  std::vector<const FieldsSpec*> fields_due() const;
+  bool due(const SeriesSpec&) const;
+  void write_bodies_and_fields();
+  void log_departures();
+
+  PreparedRun& run_;
+  Simulation& simulation_;
+  const std::filesystem::path folder_;
+  Progress& progress_;
+  const double begin_ = MPI_Wtime();
+  const adapters::Provenance provenance_;
+  std::optional<BodyOutput> bodies_;
+  std::optional<DepartureLog> departures_;  // on rank 0, where bodies may leave
+  std::optional<RunSeries> series_;         // on rank 0, where the case asks for reports
+  std::string last_checkpoint_;
+  double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
+};
+
+}  // namespace silt::coupler
