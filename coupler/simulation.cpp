@@ -51,7 +51,7 @@ Simulation::Simulation(Case scene, MPI_Comm comm, const SavedState& saved)
 Simulation::Simulation(Case&& scene, MPI_Comm comm, const SavedState* saved)
     : scene_(std::move(scene), comm, saved ? &saved->bodies : nullptr),
       coupled_step_(scene_.parts()),
-      turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
+      turnover_(scene_, saved ? saved->next_id : scene_.at_start.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
       motion_limits_(setup()),
       stops_beyond_sides_(stops_beyond_sides(setup())),
@@ -171,7 +171,7 @@ void Simulation::balance_work() {
 
 BalanceRecord Simulation::balance_record() const {
   BalanceRecord record = balance_;
-  record.at_start = scene_.evenness_at_start;
+  record.at_start = scene_.at_start.evenness;
   return record;
 }
 
@@ -258,8 +258,8 @@ RunCounters over_ranks(RunCounters c, MPI_Comm comm) {
 RunCounters Simulation::counters() const {
   RunCounters c = counters_;
   c.migrations += scene_.exchange->counters().migrations;
-  if (scene_.backend) {
-    const rigid::BackendCounters& asked = scene_.backend->counters();
+  if (scene_.contacts.backend) {
+    const rigid::BackendCounters& asked = scene_.contacts.backend->counters();
     c.queries += asked.queries, c.answered += asked.answered;
     c.refined += asked.refined, c.fallbacks += asked.fallbacks;
   }

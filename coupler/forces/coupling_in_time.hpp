@@ -19,7 +19,7 @@
 // the surface of a body at rest would return as if it fell, step after step, and pump the fluid beneath it.
 #include <Eigen/Core>
 
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/row_sums.hpp"
 #include "rigid/bodies/body_set.hpp"

@@ -17,7 +17,6 @@
 // reflects by itself.
 #include <memory>
 
-#include "coupler/case/coupling_spec.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "rigid/bodies/lubrication.hpp"
 

@@ -7,7 +7,7 @@
 // comes in every second step feeds a mode of that period, which collision hardly damps.
 #include <cstdint>
 
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/bodies/world.hpp"

@@ -73,8 +73,8 @@ void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, 
   const Case& scene = simulation.setup();
   const BodySet& bodies = simulation.bodies();
   const Vec3 period = extent_of(scene).size;
-  const auto start = simulation.scene().starts.of(scene, simulation.scene().domain, simulation.scene().comm,
-                                                  std::span(bodies.id).first(bodies.owned));
+  const auto start = simulation.scene().at_start.positions.of(
+      scene, simulation.scene().domain, simulation.scene().comm, std::span(bodies.id).first(bodies.owned));
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (q.is_about(bodies.kind[row]) && !start[row].hasNaN())
       visit(row, unwrapped(bodies, row, period) - start[row]);
@@ -220,7 +220,8 @@ double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
   std::uint64_t inside = 0;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const auto x = bodies.position[row].array();
-    inside += q.is_about(bodies.kind[row]) && (x >= q.lower.array()).all() && (x <= q.upper.array()).all();
+    inside +=
+        q.is_about(bodies.kind[row]) && (x >= q.box.lower.array()).all() && (x <= q.box.upper.array()).all();
   }
   return static_cast<double>(parallel::sum_over_ranks(simulation.scene().comm, inside));
 }

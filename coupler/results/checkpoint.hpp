@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
-#include "coupler/case/case_overrides.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/steady_watch.hpp"
 #include "coupler/simulation.hpp"

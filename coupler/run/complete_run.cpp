@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/derived_table.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/report.hpp"
 #include "parallel/collectives.hpp"

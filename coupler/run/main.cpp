@@ -12,8 +12,7 @@
 
 #include "adapters/hdf5/describe_file.hpp"
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/case_overrides.hpp"
-#include "coupler/case/key_table.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/describe_case.hpp"
 #include "coupler/run/prepare_run.hpp"

@@ -11,7 +11,7 @@
 #include "coupler/balance/body_work.hpp"
 #include "coupler/balance/foreseen_cut.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/derived_table.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/run/cell_speed.hpp"
