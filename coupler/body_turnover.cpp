@@ -10,7 +10,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/placement/body_records.hpp"
-#include "coupler/placement/place_arrivals.hpp"
+#include "coupler/placement/place_bodies.hpp"
 #include "coupler/scene.hpp"
 #include "parallel/collectives.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 using rigid::Vec3;
 
 bool is_in(const OutflowSpec& outflow, const Vec3& x) {
-  return (x.array() >= outflow.lower.array()).all() && (x.array() <= outflow.upper.array()).all();
+  return (x.array() >= outflow.box.lower.array()).all() && (x.array() <= outflow.box.upper.array()).all();
 }
 
 /// The way by which a body leaves now, if by any.

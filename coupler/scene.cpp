@@ -27,30 +27,30 @@ constexpr double ghost_layers = CellBits::ghosts;
 // Without fluid: what rounding may do to a contact point between two blocks.
 constexpr double dry_slack = 1e-3;
 
-double rim_of(const Case& scene) {
-  return scene.contacts.margin / 2 +
-         (scene.fluid ? ghost_layers + furthest_motion : scene.contacts.margin / 2 + dry_slack);
+double rim_of(const Case& setup) {
+  return setup.contacts.margin / 2 +
+         (setup.fluid ? ghost_layers + furthest_motion : setup.contacts.margin / 2 + dry_slack);
 }
 
-rigid::World make_world(const Case& scene, const std::vector<CentredShape>& shapes) {
+rigid::World make_world(const Case& setup, const std::vector<CentredShape>& shapes) {
   rigid::World world;
   for (const CentredShape& s : shapes) {
     world.shapes.push_back(s.shape);
     world.bounding_radii.push_back(s.bounding_radius);
   }
-  world.materials = scene.pair_materials;
-  world.material_count = static_cast<int>(scene.material_names.size());
-  world.gravity = scene.gravity;
-  world.contact_margin = scene.contacts.margin;
-  world.sleep = sleep_rule(scene);
-  if (scene.has_lubrication()) world.lubrication = make_lubrication(*scene.fluid, scene.coupling);
+  world.materials = setup.pair_materials;
+  world.material_count = static_cast<int>(setup.material_names.size());
+  world.gravity = setup.gravity;
+  world.contact_margin = setup.contacts.margin;
+  world.sleep = sleep_rule(setup);
+  if (setup.has_lubrication()) world.lubrication = make_lubrication(*setup.fluid, setup.coupling);
   return world;
 }
 
-std::array<rigid::WallSpec, 6> walls_of(const Case& scene) {
+std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
   std::array<rigid::WallSpec, 6> walls;
   for (int side = 0; side < 6; ++side) {
-    const BoundarySpec& boundary = scene.boundary[side];
+    const BoundarySpec& boundary = setup.boundary[side];
     walls[side].solid = boundary.kind != BoundaryKind::periodic && boundary.solid_for_bodies;
     if (boundary.kind == BoundaryKind::moving) walls[side].velocity = boundary.velocity;
   }
@@ -69,8 +69,8 @@ bool Scene::has_surfaces() const {
   return setup.has_surfaces();
 }
 
-Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
-    : own_setup_(std::make_shared<const Case>(std::move(scene))),
+Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved)
+    : own_setup_(std::make_shared<const Case>(std::move(given))),
       setup(*own_setup_),
       comm(communicator),
       ranks(parallel::ranks_of(communicator)),
@@ -99,12 +99,12 @@ Scene::Scene(Case scene, MPI_Comm communicator, const SavedBodies* saved)
   exchange->synchronise(bodies);
   if (may_be_cut_anew()) cut_for_bodies();
   if (anything_moves) {
-    backend = adapters::make_backend(setup.contacts.backend);
+    contacts.backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
     if (setup.fluid) settings.impacts = std::make_shared<EntrainedFluid>();
-    resolver = rigid::make_resolver(setup.contacts.resolver, settings);
+    contacts.resolver = rigid::make_resolver(setup.contacts.resolver, settings);
     rigid_step = std::make_unique<rigid::RigidStep>(
-        world, *backend, *resolver, *exchange,
+        world, *contacts.backend, *contacts.resolver, *exchange,
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
   if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
@@ -127,9 +127,10 @@ bool Scene::may_be_cut_anew() const {
 void Scene::cut_for_bodies() {
   constexpr double clearly = 0.05;  // of the mean work of a rank
   const CutComparison cuts = compare_cuts(*this);
-  evenness_at_start.before = evenness_at_start.after = cuts.present.largest_over_mean();
+  Evenness& evenness = at_start.evenness;
+  evenness.before = evenness.after = cuts.present.largest_over_mean();
   if (cuts.present.largest_over_mean() - cuts.better.largest_over_mean() <= clearly) return;
-  evenness_at_start.after = cuts.better.largest_over_mean();
+  evenness.after = cuts.better.largest_over_mean();
   domain = lbm::Domain(cuts.better.tree, domain.sides(), ranks);
   exchange->cut_anew(bodies);
 }
@@ -151,7 +152,7 @@ void Scene::take_saved_bodies(const SavedBodies& saved) {
 
 void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes) {
   const PlacedBodies placed = place_bodies(setup, domain, comm);
-  first_free_id = placed.next_id;
+  at_start.first_free_id = placed.next_id;
   bodies.resize(placed.size());
   bodies.owned = placed.size();
   std::size_t row = 0;
@@ -175,7 +176,7 @@ void Scene::count_bodies() {
   const auto counts = parallel::sum_over_ranks(
       comm, Counts{bodies.owned,
                    std::any_of(first, last, [](rigid::Motion m) { return m != rigid::Motion::fixed; })});
-  body_count = counts.bodies;
+  at_start.body_count = counts.bodies;
   anything_moves = counts.ranks_where_one_moves > 0 || setup.bodies_come();
 }
 

@@ -37,18 +37,22 @@ class Scene {
   int rank = 0, ranks = 1;
   lbm::Domain domain;
   rigid::World world;
-  rigid::BodySet bodies;            // this rank's
-  std::uint64_t body_count = 0;     // of all ranks, at the start of this run
-  bool anything_moves = false;      // a body that is not fixed, on any rank, or may come
-  rigid::BodyId first_free_id = 1;  // at the start: none of the case's bodies has that or a higher one
-  StartPositions starts;            // of the case's bodies
+  rigid::BodySet bodies;        // this rank's
+  bool anything_moves = false;  // a body that is not fixed, on any rank, or may come
+  struct AtStart {
+    std::uint64_t body_count = 0;     // of all ranks
+    rigid::BodyId first_free_id = 1;  // none of the case's bodies has that or a higher one
+    StartPositions positions;         // of the case's bodies
+    Evenness evenness;                // of the work of ranks, under the equal cut and the one taken
+  } at_start;                         // of this run
   bool has_surfaces() const;
   std::unique_ptr<ParallelBodyExchange> exchange;
-  std::unique_ptr<rigid::CollisionBackend> backend;  // the next three: null if no body moves
-  std::unique_ptr<rigid::ContactResolver> resolver;
+  struct {
+    std::unique_ptr<rigid::CollisionBackend> backend;
+    std::unique_ptr<rigid::ContactResolver> resolver;
+  } contacts;  // this and the step: null if no body moves
   std::unique_ptr<rigid::RigidStep> rigid_step;
   std::unique_ptr<Flow> flow;  // null: no [fluid]
-  Evenness evenness_at_start;  // of the work of ranks, under the equal cut and the one taken
 
   /// Gives walls that move the pose and the velocities that they have after so many steps, and the pose at
   /// which the next step maps them: functions of the step alone.
@@ -64,7 +68,12 @@ class Scene {
   /// Makes a row that of a body which a case places: wrapped into the domain, at rest on the lattice.
   void set_placed(std::size_t row, rigid::BodyId, const BodySpec&, const CentredShape&);
 
-  std::string backend_name() const { return backend ? std::string(backend->name()) : "none"; }
+  std::string backend_name() const {
+    return contacts.backend ? std::string(contacts.backend->name()) : "none";
+  }
+  std::string resolver_name() const {
+    return contacts.resolver ? std::string(contacts.resolver->name()) : "none";
+  }
   /// The passes of a coupled step for this scene.
   SceneParts parts();
 

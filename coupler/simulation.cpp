@@ -45,7 +45,7 @@ Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved,
 Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
     : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr),
       coupled_step_(scene_.parts()),
-      turnover_(scene_, saved ? saved->next_id : scene_.first_free_id,
+      turnover_(scene_, saved ? saved->next_id : scene_.at_start.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
       faults_(scene_.setup) {
   flush_denormals_to_zero();
@@ -162,7 +162,7 @@ void Simulation::balance_work() {
 
 BalanceRecord Simulation::balance_record() const {
   BalanceRecord record = effort_.balance;
-  record.at_start = scene_.evenness_at_start;
+  record.at_start = scene_.at_start.evenness;
   return record;
 }
 
@@ -218,8 +218,8 @@ void Simulation::count(const rigid::RigidStepReport& report) {
 RunCounters Simulation::counters() const {
   RunCounters c = counters_;
   c.migrations += scene_.exchange->counters().migrations;
-  if (scene_.backend) {
-    const rigid::BackendCounters& asked = scene_.backend->counters();
+  if (scene_.contacts.backend) {
+    const rigid::BackendCounters& asked = scene_.contacts.backend->counters();
     c.queries += asked.queries, c.answered += asked.answered;
     c.refined += asked.refined, c.fallbacks += asked.fallbacks;
   }

@@ -84,6 +84,12 @@ class Messages {
   void make_room();
   /// Returns the messages of the last round, by source.
   const std::vector<Message>& received() const { return received_; }
+  /// Calls f(value, rank) for each value of messages that hold values of one type.
+  template <class T, class F>
+  void for_received(F&& f) const {
+    for (const Message& message : received_)
+      for (ByteReader reader(message.bytes); !reader.done();) f(reader.take<T>(), message.rank);
+  }
 
   std::uint64_t messages_sent() const { return messages_sent_; }
   std::uint64_t bytes_sent() const { return bytes_sent_; }

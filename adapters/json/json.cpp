@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 namespace silt::adapters {
@@ -34,18 +35,13 @@ void print_string(std::string& out, std::string_view s) {
     const unsigned char c = static_cast<unsigned char>(s[0]);
     if (n == 0) {
       out += "\xef\xbf\xbd";
-    } else if (c == '"' || c == '\\') {
+    } else if (c == '"' || c == '\\' || c == '\n' || c == '\t') {
       out += '\\';
-      out += s[0];
-    } else if (c == '\n') {
-      out += "\\n";
-    } else if (c == '\t') {
-      out += "\\t";
+      out += c == '\n' ? 'n' : c == '\t' ? 't' : s[0];
     } else if (c < 0x20 || c == 0x7f) {
-      constexpr char digits[] = "0123456789abcdef";
-      out += "\\u00";
-      out += digits[c >> 4];
-      out += digits[c & 15];
+      char code[8];
+      std::snprintf(code, sizeof code, "\\u%04x", c);
+      out += code;
     } else {
       out += s.substr(0, n);
     }

@@ -26,34 +26,16 @@ Place place_of(const ::toml::source_region& region, const std::string& file) {
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-Node::Kind kind_of(const ::toml::node& node) {
-  switch (node.type()) {
-    case ::toml::node_type::table:
-      return Node::Kind::table;
-    case ::toml::node_type::array:
-      return Node::Kind::array;
-    case ::toml::node_type::string:
-      return Node::Kind::string;
-    case ::toml::node_type::integer:
-      return Node::Kind::integer;
-    case ::toml::node_type::floating_point:
-      return Node::Kind::floating;
-    case ::toml::node_type::boolean:
-      return Node::Kind::boolean;
-    default:
-      return Node::Kind::date;
-  }
-}
-
 bool stands_before(const Node& a, const Node& b) {
   return std::pair(a.key_place.line, a.key_place.column) < std::pair(b.key_place.line, b.key_place.column);
 }
 
 Node converted(const ::toml::node& node, const std::string& file) {
   Node result;
-  result.kind = kind_of(node);
+  result.kind = Node::Kind::date;
   result.place = place_of(node.source(), file);
   if (const auto* table = node.as_table()) {
+    result.kind = Node::Kind::table;
     for (const auto& [key, value] : *table) {
       Node child = converted(value, file);
       child.key = std::string(key.str());
@@ -62,15 +44,16 @@ Node converted(const ::toml::node& node, const std::string& file) {
     }
     std::stable_sort(result.children.begin(), result.children.end(), stands_before);
   } else if (const auto* array = node.as_array()) {
+    result.kind = Node::Kind::array;
     for (const auto& value : *array) result.children.push_back(converted(value, file));
   } else if (const auto* string = node.as_string()) {
-    result.string = string->get();
+    result.kind = Node::Kind::string, result.string = string->get();
   } else if (const auto* integer = node.as_integer()) {
-    result.integer = integer->get();
+    result.kind = Node::Kind::integer, result.integer = integer->get();
   } else if (const auto* floating = node.as_floating_point()) {
-    result.floating = floating->get();
+    result.kind = Node::Kind::floating, result.floating = floating->get();
   } else if (const auto* boolean = node.as_boolean()) {
-    result.boolean = boolean->get();
+    result.kind = Node::Kind::boolean, result.boolean = boolean->get();
   }
   return result;
 }
@@ -98,24 +81,26 @@ Node* Node::find(std::string_view wanted) {
   return const_cast<Node*>(static_cast<const Node*>(this)->find(wanted));
 }
 
+std::optional<std::vector<double>> Node::numbers(std::size_t count) const {
+  std::vector<double> found;
+  for (const Node& child : children)
+    if (child.is_number() && std::isfinite(child.number())) found.push_back(child.number());
+  const bool all = kind == Kind::array && children.size() == count && found.size() == count;
+  return all ? std::optional(found) : std::nullopt;
+}
+
+std::optional<std::vector<std::string>> Node::strings() const {
+  std::vector<std::string> found;
+  for (const Node& child : children)
+    if (child.kind == Kind::string) found.push_back(child.string);
+  const bool all = kind == Kind::array && !found.empty() && found.size() == children.size();
+  return all ? std::optional(found) : std::nullopt;
+}
+
 std::string_view kind_name(Node::Kind kind) {
-  switch (kind) {
-    case Node::Kind::table:
-      return "a table";
-    case Node::Kind::array:
-      return "an array";
-    case Node::Kind::string:
-      return "a string";
-    case Node::Kind::integer:
-      return "an integer";
-    case Node::Kind::floating:
-      return "a number";
-    case Node::Kind::boolean:
-      return "a boolean";
-    case Node::Kind::date:
-      return "a date or time";
-  }
-  return "unknown";
+  constexpr std::string_view names[] = {"a table",  "an array",  "a string",      "an integer",
+                                        "a number", "a boolean", "a date or time"};
+  return names[static_cast<std::size_t>(kind)];
 }
 
 std::string written(const Node& node) {
@@ -131,7 +116,7 @@ std::string written(const Node& node) {
     case Node::Kind::boolean:
       return node.boolean ? "true" : "false";
     case Node::Kind::date:
-      return "a date or time";
+      return std::string(kind_name(node.kind));
     case Node::Kind::array:
       break;
   }

@@ -1,6 +1,7 @@
 #pragma once
 // A TOML document as a plain tree of values that remember where they stand, without a header of toml++.
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -36,6 +37,10 @@ struct Node {
   Node* find(std::string_view key);
   bool is_number() const { return kind == Kind::integer || kind == Kind::floating; }
   double number() const { return kind == Kind::integer ? static_cast<double>(integer) : floating; }
+  /// The numbers of an array of so many, all finite; none of anything else.
+  std::optional<std::vector<double>> numbers(std::size_t count) const;
+  /// The strings of an array of nothing else, one at least; none of anything else.
+  std::optional<std::vector<std::string>> strings() const;
 };
 
 /// The kind of a value for messages: "a table", "a string", "an integer" ...

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
@@ -40,62 +39,49 @@ std::string meant(const std::string& key, double density, double fluid) {
   return "";
 }
 
-void check_ratio(const Case& scene, Findings& findings, const std::string& key, double density) {
-  if (density >= low_ratio && density <= high_ratio) return;
-  const std::string found = fmt::format("{} is {} times the fluid's; the method was measured from {} to {}",
-                                        key, shown(density), low_ratio, high_ratio);
-  if (scene.units.si)
-    return findings.warning(
-        key, found + meant(key, scene.units.physical(density, dimension::density), scene.units.density));
-  findings.warning(key, found + ": in lattice units densities are relative to the fluid's");
-}
-
-void check_matter(const Case& scene, Findings& findings, const std::string& key, double density) {
-  const double found = scene.units.physical(density, dimension::density);
-  if (!scene.units.si || is_of_a_solid(found)) return;
-  findings.warning(key, "{} is {} kg/m3; solids have {} to {}{}", key, shown(found), lightest_solid,
-                   heaviest_solid, meant(key, found, 0));
-}
-
-/// The lightest density that explicit coupling bears depends on the shape.
-void check_coupling(const Case& scene, Findings& findings, const std::string& key, double density,
-                    int shape) {
-  const double least = least_explicit_density(scene, scene.shapes[shape]);
-  if (density >= least) return;
-  findings.warning(key,
-                   "{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is stable from "
-                   "about {} on: use coupling.time = \"implicit\"",
-                   key, shown(density), scene.shape_names[shape], shown(rounded_up(least)));
-}
-
-void check_density(const Case& scene, Findings& findings, const Entry& body) {
-  const std::string key = body.key + ".density";
+/// With the fluid's; the lightest that explicit coupling bears depends on the shape.
+void check_ratio(const Case& setup, Findings& findings, const std::string& key, const Entry& body) {
   const double density = body.density;
-  if (density > most_density)
+  if (density < low_ratio || density > high_ratio)
+    findings.warning(key, "{} is {} times the fluid's; the method was measured from {} to {}{}", key,
+                     shown(density), low_ratio, high_ratio,
+                     setup.units.si
+                         ? meant(key, setup.units.physical(density, dimension::density), setup.units.density)
+                         : ": in lattice units densities are relative to the fluid's");
+  if (const double least = least_explicit_density(setup, setup.shapes[body.shape]); density < least)
+    findings.warning(key,
+                     "{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is stable "
+                     "from about {} on: use coupling.time = \"implicit\"",
+                     key, shown(density), setup.shape_names[body.shape], shown(rounded_up(least)));
+}
+
+void check_density(const Case& setup, Findings& findings, const Entry& body) {
+  const std::string key = body.key + ".density";
+  const double found = setup.units.physical(body.density, dimension::density);
+  if (body.density > most_density)
     return findings.error(key,
                           "{} is {} times the fluid's (1000 kg/m3 without a fluid); at most {} is possible: "
                           "lower it, or give the body motion = \"fixed\"",
-                          key, shown(density), shown(most_density));
-  if (!body.is_free() || !(density > 0)) return;
-  if (scene.fluid)
-    check_ratio(scene, findings, key, density), check_coupling(scene, findings, key, density, body.shape);
-  else
-    check_matter(scene, findings, key, density);
-}
-
-void check_fluid_density(const Case& scene, Findings& findings) {
-  const double density = scene.units.density;
-  if (!scene.units.si || !scene.fluid || (density >= lightest_fluid && density <= heaviest_fluid)) return;
-  findings.warning("fluid.density",
-                   "fluid.density is {} kg/m3; fluids have {} (a gas) to {} (mercury), water has 1000",
-                   shown(density), lightest_fluid, heaviest_fluid);
+                          key, shown(body.density), shown(most_density));
+  if (!(body.density > 0))
+    return findings.error(key, "{} is {}; it must be above 0", key, shown(body.density));
+  if (!body.is_free()) return;
+  if (setup.fluid)
+    check_ratio(setup, findings, key, body);
+  else if (setup.units.si && !is_of_a_solid(found))
+    findings.warning(key, "{} is {} kg/m3; solids have {} to {}{}", key, shown(found), lightest_solid,
+                     heaviest_solid, meant(key, found, 0));
 }
 
 }  // namespace
 
-void find_density_faults(const Case& scene, Findings& findings) {
-  check_fluid_density(scene, findings);
-  for (const Entry& entry : entries_of(scene)) check_density(scene, findings, entry);
+void find_density_faults(const Case& setup, Findings& findings) {
+  const double density = setup.units.density;
+  if (setup.units.si && setup.fluid && (density < lightest_fluid || density > heaviest_fluid))
+    findings.warning("fluid.density",
+                     "fluid.density is {} kg/m3; fluids have {} (a gas) to {} (mercury), water has 1000",
+                     shown(density), lightest_fluid, heaviest_fluid);
+  for (const Entry& entry : entries_of(setup)) check_density(setup, findings, entry);
 }
 
 namespace {
@@ -105,118 +91,70 @@ constexpr double fewest_cells_seen = 1;      // below, a body may lie between th
 constexpr double speck = 1e-3, dust = 1e-6;  // of the domain's length and volume
 constexpr double millimetres = 1000;         // in a metre
 
-double longest(const Case& scene) {
-  return *std::max_element(scene.cells.begin(), scene.cells.end());
+double longest(const Case& setup) {
+  return *std::max_element(setup.cells.begin(), setup.cells.end());
 }
 
 /// "; is it in millimetres? in m it is 0.004", where that would be a body that the domain and the lattice can
 /// have.
-std::string in_metres(const Case& scene, double across) {
+std::string in_metres(const Case& setup, double across) {
   const double smaller = across / millimetres;
-  if (!scene.units.si || smaller > longest(scene) || (scene.fluid && smaller < fewest_cells_seen)) return "";
-  return fmt::format("; is it in millimetres? That would be {} m", shown_length(scene, smaller));
+  if (!setup.units.si || smaller > longest(setup) || (setup.fluid && smaller < fewest_cells_seen)) return "";
+  return fmt::format("; is it in millimetres? That would be {} m", shown_length(setup, smaller));
 }
 
-std::string cell_cure(const Case& scene, double across) {
-  const double factor = across / fewest_cells_across;
-  if (scene.units.si)
-    return fmt::format("use units.cell_size = {}", shown(rounded_down(scene.units.cell_size * factor)));
-  return fmt::format("make everything {} times as large", shown(rounded_up(1 / factor)));
-}
-
-void check_cells_across(const Case& scene, Findings& findings, const Entry& body) {
-  const double across = rigid::least_width(scene.shapes[body.shape]);
+void check_cells_across(const Case& setup, Findings& findings, const Entry& body) {
+  const double across = rigid::least_width(setup.shapes[body.shape]), factor = across / fewest_cells_across;
+  if (factor >= 1) return;
   const std::string found = fmt::format("{}.shape: shape '{}' is {} cells across", body.key,
-                                        scene.shape_names[body.shape], shown(across));
+                                        setup.shape_names[body.shape], shown(across));
+  const std::string cure =
+      setup.units.si
+          ? fmt::format("use units.cell_size = {}", shown(rounded_down(setup.units.cell_size * factor)))
+          : fmt::format("make everything {} times as large", shown(rounded_up(1 / factor)));
   if (across < fewest_cells_seen)
-    findings.error(body.key + ".shape", "{}, which the lattice does not see; {}{}", found,
-                   cell_cure(scene, across),
-                   scene.units.si ? "" : ", or system = \"si\" if lengths are in m");
-  else if (across < fewest_cells_across)
+    findings.error(body.key + ".shape", "{}, which the lattice does not see; {}{}", found, cure,
+                   setup.units.si ? "" : ", or system = \"si\" if lengths are in m");
+  else
     findings.warning(body.key + ".shape", "{}; below {} its drag is inaccurate: {}", found,
-                     fewest_cells_across, cell_cure(scene, across));
+                     fewest_cells_across, cure);
 }
 
-void check_specks(const Case& scene, Findings& findings, const Entry& body) {
-  const rigid::Shape& shape = scene.shapes[body.shape];
+void check_specks(const Case& setup, Findings& findings, const Entry& body) {
+  const rigid::Shape& shape = setup.shapes[body.shape];
   const double across = 2 * rigid::bounding_radius(shape);
   const double volume = std::max(1., double(body.count)) * rigid::mass_properties(shape).volume;
-  const double domain = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
-  if (across > speck * longest(scene) || volume > dust * domain) return;
+  if (across > speck * longest(setup) || volume > dust * setup.volume()) return;
   findings.warning(
       body.key + ".shape",
       "{}.shape: shape '{}' is {} across, the domain {}: is domain.size, or the shape, in the unit of "
       "length of the case?",
-      body.key, scene.shape_names[body.shape], shown_length(scene, across),
-      shown_length(scene, longest(scene)));
+      body.key, setup.shape_names[body.shape], shown_length(setup, across),
+      shown_length(setup, longest(setup)));
 }
 
-/// What moves must find room between the walls.
-bool fits(const Case& scene, Findings& findings, const Entry& body) {
-  const double across = rigid::least_width(scene.shapes[body.shape]);
+/// What moves must find room between the walls, and must not meet itself across a border.
+void check_room(const Case& setup, Findings& findings, const Entry& body) {
+  const rigid::Shape& shape = setup.shapes[body.shape];
+  const double width = rigid::least_width(shape), length = 2 * rigid::bounding_radius(shape);
+  const double reach = length + setup.contacts.margin;
+  const std::string key = body.key + ".shape";
   for (int d = 0; d < 3; ++d) {
-    const bool walls = !scene.periodic(d) && scene.boundary[2 * d].solid_for_bodies &&
-                       scene.boundary[2 * d + 1].solid_for_bodies;
-    if (!walls || across <= scene.cells[d] + 2 * start_overlap) continue;
-    findings.error(body.key + ".shape",
-                   "{}.shape: shape '{}' is {} across, but its domain only {} from wall to wall along {}{}",
-                   body.key, scene.shape_names[body.shape], shown_length(scene, across),
-                   shown_length(scene, scene.cells[d]), "xyz"[d], in_metres(scene, across));
-    return false;
+    const bool walls = !setup.periodic(d) && setup.boundary[2 * d].solid_for_bodies &&
+                       setup.boundary[2 * d + 1].solid_for_bodies;
+    if (walls && width > setup.cells[d] + 2 * start_overlap)
+      return findings.error(
+          key, "{}: shape '{}' is {} across, but its domain only {} from wall to wall along {}{}", key,
+          setup.shape_names[body.shape], shown_length(setup, width), shown_length(setup, setup.cells[d]),
+          "xyz"[d], in_metres(setup, width));
   }
-  return true;
-}
-
-void check_images(const Case& scene, Findings& findings, const Entry& body) {
-  const double across = 2 * rigid::bounding_radius(scene.shapes[body.shape]),
-               reach = across + scene.contacts.margin;
   for (int d = 0; d < 3; ++d)
-    if (scene.periodic(d) && reach > scene.cells[d])
-      findings.error(
-          body.key + ".shape",
-          "{}.shape: shape '{}' with its contact margin reaches over {} cells, but the periodic axis {} "
-          "has {}: the body would meet itself; lengthen the axis{}",
-          body.key, scene.shape_names[body.shape], shown(reach), "xyz"[d], scene.cells[d],
-          in_metres(scene, across));
-}
-
-void check_size(const Case& scene, Findings& findings, const Entry& body) {
-  if (scene.fluid)
-    check_cells_across(scene, findings, body);
-  else
-    check_specks(scene, findings, body);
-  if (body.motion != rigid::Motion::fixed && fits(scene, findings, body)) check_images(scene, findings, body);
-}
-
-using rigid::Motion;
-using rigid::Vec3;
-
-std::string of_fill(std::size_t index, const char* key) {
-  return fmt::format("fill[{}].{}", index, key);
-}
-
-void check_entries(const Case& scene, Findings& findings) {
-  std::set<int> seen;
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t) {
-    if (!seen.insert(body.entry).second) return;
-    if (!(body.density > 0))
-      findings.error(entry_key(body.entry) + ".density", "{}.density is {}; it must be above 0",
-                     entry_key(body.entry), shown(body.density));
-  });
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
-    const FillSpec& fill = scene.fills[i];
-    if (!(fill.density > 0))
-      findings.error(of_fill(i, "density"), "fill[{}].density is {}; it must be above 0", i,
-                     shown(fill.density));
-    for (int d = 0; d < 3; ++d)
-      if (fill.lower[d] < -start_overlap || fill.upper[d] > scene.cells[d] + start_overlap ||
-          !(fill.lower[d] < fill.upper[d])) {
-        findings.error(of_fill(i, "box"), "fill[{}].box is {} to {}; it must lie in the domain, {} to {}", i,
-                       shown_point(scene, fill.lower), shown_point(scene, fill.upper),
-                       shown_point(scene, Vec3::Zero()), shown_point(scene, extent_of(scene).size));
-        break;
-      }
-  }
+    if (setup.periodic(d) && reach > setup.cells[d])
+      findings.error(key,
+                     "{}: shape '{}' with its contact margin reaches over {} cells, but the periodic axis {} "
+                     "has {}: the body would meet itself; lengthen the axis{}",
+                     key, setup.shape_names[body.shape], shown(reach), "xyz"[d], setup.cells[d],
+                     in_metres(setup, length));
 }
 
 // How often a shape is used, and whether by anything that moves freely.
@@ -225,77 +163,77 @@ struct Use {
   bool free = false;
 };
 
-std::vector<Use> uses_of(const Case& scene) {
-  std::vector<Use> uses(scene.shapes.size());
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t count) {
+std::vector<Use> uses_of(const Case& setup) {
+  std::vector<Use> uses(setup.shapes.size());
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t count) {
     uses[body.shape].count += static_cast<std::int64_t>(count);
-    uses[body.shape].free |= body.motion == Motion::free;
+    uses[body.shape].free |= body.motion == rigid::Motion::free;
   });
-  for (const FillSpec& fill : scene.fills) {
+  for (const FillSpec& fill : setup.fills) {
     uses[fill.shape].count += fill.count > 0 && fill.every == 0 ? fill.count : 2;  // of sites there are many
     uses[fill.shape].free = true;
   }
   return uses;
 }
 
-bool answers(const rigid::CollisionBackend& backend, const rigid::Shape& a, const rigid::Shape& b) {
-  for (const rigid::Part& part_a : rigid::convex_parts(a))
-    for (const rigid::Part& part_b : rigid::convex_parts(b))
-      if (!backend.supports(part_a.shape, part_b.shape)) return false;
-  return true;
-}
-
 // Every pair that can meet must have an answer.
-void check_backend(const Case& scene, Findings& findings) {
-  const auto backend = adapters::make_backend(scene.contacts.backend);
-  const std::vector<Use> uses = uses_of(scene);
+void check_backend(const Case& setup, Findings& findings) {
+  const auto backend = adapters::make_backend(setup.contacts.backend);
+  const std::vector<Use> uses = uses_of(setup);
   std::size_t messages = 0;
   const auto check = [&](std::size_t i, const rigid::Shape& other, const std::string& other_name) {
-    if (messages >= most_messages || answers(*backend, scene.shapes[i], other)) return;
+    const auto answers = [&](const rigid::Part& a) {
+      const auto parts = rigid::convex_parts(other);
+      return std::all_of(parts.begin(), parts.end(),
+                         [&](const rigid::Part& b) { return backend->supports(a.shape, b.shape); });
+    };
+    const auto parts = rigid::convex_parts(setup.shapes[i]);
+    if (messages >= most_messages || std::all_of(parts.begin(), parts.end(), answers)) return;
     ++messages;
     findings.error("contacts.backend",
                    "contacts.backend is \"{}\"; it cannot answer contacts of shape '{}' ({}) with {}: use "
                    "another backend, or a simpler shape (polyhedra of at most some 10000 vertices)",
-                   scene.contacts.backend, scene.shape_names[i], rigid::shape_name(scene.shapes[i]),
+                   setup.contacts.backend, setup.shape_names[i], rigid::shape_name(setup.shapes[i]),
                    other_name);
   };
-  const bool walls = std::any_of(scene.boundary.begin(), scene.boundary.end(),
+  const bool walls = std::any_of(setup.boundary.begin(), setup.boundary.end(),
                                  [](const BoundarySpec& side) { return side.solid_for_bodies; });
   for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (uses[i].free && walls) check(i, rigid::HalfSpace{Vec3::UnitZ()}, "a wall");
+    if (uses[i].free && walls) check(i, rigid::HalfSpace{rigid::Vec3::UnitZ()}, "a wall");
     for (std::size_t j = i; j < uses.size(); ++j)
       if ((uses[i].free || uses[j].free) && uses[i].count > 0 && uses[j].count > (i == j))
-        check(i, scene.shapes[j],
-              fmt::format("shape '{}' ({})", scene.shape_names[j], rigid::shape_name(scene.shapes[j])));
+        check(i, setup.shapes[j],
+              fmt::format("shape '{}' ({})", setup.shape_names[j], rigid::shape_name(setup.shapes[j])));
   }
 }
 
-// A fill whose bounding spheres are more than the densest packing of its box needs no try.
-void check_fill_volumes(const Case& scene, Findings& findings) {
-  const double densest = std::numbers::pi / std::sqrt(18);
+/// A fill whose bounding spheres are more than the densest packing of its box needs no try.
+void check_fill(const Case& setup, Findings& findings, std::size_t index) {
   constexpr double sampling = 1.1;  // what walls leave is no less exact
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
-    const FillSpec& fill = scene.fills[i];
-    const double volume = rigid::mass_properties(scene.shapes[fill.shape]).volume;
-    const double left = CurvedWalls(scene).share_left({fill.lower, fill.upper}, 0);
-    const double room = std::min(1., sampling * left) * (fill.upper - fill.lower).prod();
-    if (static_cast<double>(fill.count) * volume <= room * densest) continue;
-    findings.error(
-        of_fill(i, "count"),
-        "fill[{}].count is {}: the bodies have {} times the volume of their box{}; at most {:.0f} can fit", i,
-        fill.count, shown(static_cast<double>(fill.count) * volume / room),
-        scene.walls.empty() ? "" : fmt::format(", of which walls leave {:.0f} %", 100 * left),
-        room * densest / volume);
-  }
+  const double densest = std::numbers::pi / std::sqrt(18);
+  const FillSpec& fill = setup.fills[index];
+  const std::string key = fmt::format("fill[{}]", index);
+  if (!lies_in_domain(setup, fill.box, start_overlap))
+    findings.error(key + ".box", "{}.box is {}; it must lie in the domain, {}", key,
+                   shown_box(setup, fill.box), shown_box(setup, box_of(setup)));
+  const double volume = rigid::mass_properties(setup.shapes[fill.shape]).volume;
+  const double left = CurvedWalls(setup).share_left(fill.box, 0);
+  const double room = std::min(1., sampling * left) * (fill.box.upper - fill.box.lower).prod();
+  if (static_cast<double>(fill.count) * volume <= room * densest) return;
+  findings.error(key + ".count",
+                 "{}.count is {}: the bodies have {} times the volume of their box{}; at most {:.0f} can fit",
+                 key, fill.count, shown(static_cast<double>(fill.count) * volume / room),
+                 setup.walls.empty() ? "" : fmt::format(", of which walls leave {:.0f} %", 100 * left),
+                 room * densest / volume);
 }
 
-void check_fill_rooms(const Case& scene, Findings& findings) {
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) try {
-      const double radius = rigid::bounding_radius(scene.shapes[scene.fills[i].shape]);
-      if (scene.fills[i].arrangement == Arrangement::random)
-        room_for_centres(scene, i, radius);
+void check_fill_rooms(const Case& setup, Findings& findings) {
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) try {
+      const double radius = rigid::bounding_radius(setup.shapes[setup.fills[i].shape]);
+      if (setup.fills[i].arrangement == Arrangement::random)
+        room_for_centres(setup, i, radius);
       else
-        lattice_of(scene, i, radius);
+        lattice_of(setup, i, radius);
     } catch (const CaseError& error) {
       for (const Diagnostic& d : error.diagnostics()) findings.list.push_back(d);
     }
@@ -303,21 +241,18 @@ void check_fill_rooms(const Case& scene, Findings& findings) {
 
 }  // namespace
 
-void find_body_faults(const Case& scene, Findings& findings) {
-  if (!scene.has_bodies()) return;
-  const auto is_half_space = [&](const BodySpec& body) {
-    if (!std::holds_alternative<rigid::HalfSpace>(scene.shapes[body.shape])) return false;
-    findings.error(
-        entry_key(body.entry) + ".shape",
-        entry_key(body.entry) + ": a body cannot be a half-space; walls come from domain.boundary");
-    return true;
-  };
-  if (scene.any_given(is_half_space)) return;
-  check_entries(scene, findings);
-  for (const Entry& entry : entries_of(scene)) check_size(scene, findings, entry);
-  check_backend(scene, findings);
-  check_fill_volumes(scene, findings);
-  if (!has_errors(findings.list)) check_fill_rooms(scene, findings);
+void find_body_faults(const Case& setup, Findings& findings) {
+  if (!setup.has_bodies()) return;
+  for (const Entry& entry : entries_of(setup)) {
+    if (setup.fluid)
+      check_cells_across(setup, findings, entry);
+    else
+      check_specks(setup, findings, entry);
+    if (entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
+  }
+  check_backend(setup, findings);
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) check_fill(setup, findings, i);
+  if (!has_errors(findings.list)) check_fill_rooms(setup, findings);
 }
 
 }  // namespace silt::coupler

@@ -7,13 +7,17 @@
 
 namespace silt::coupler {
 
-rigid::Extent extent_of(const Case& scene) {
+rigid::Extent extent_of(const Case& setup) {
   rigid::Extent extent;
   for (int d = 0; d < 3; ++d) {
-    extent.size[d] = scene.cells[d];
-    extent.periodic[d] = scene.periodic(d);
+    extent.size[d] = setup.cells[d];
+    extent.periodic[d] = setup.periodic(d);
   }
   return extent;
+}
+
+rigid::BoundingBox box_of(const Case& setup) {
+  return {rigid::Vec3::Zero(), extent_of(setup).size};
 }
 
 void put_at(BodySpec& body, const rigid::Vec3& point, const rigid::Extent& extent) {
@@ -40,20 +44,19 @@ Place Case::place(std::string path) const {
   }
 }
 
-std::vector<Entry> entries_of(const Case& scene) {
+std::vector<Entry> entries_of(const Case& setup) {
   std::vector<Entry> entries;
   std::map<int, std::size_t> places;  // by the number of an entry of [[bodies]]
-  scene.for_each_given([&](const BodySpec& body, std::uint64_t count) {
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t count) {
     const auto [place, is_new] = places.try_emplace(body.entry, entries.size());
     if (is_new)
-      entries.push_back({fmt::format("bodies[{}]", std::max(0, body.entry)), body.shape, body.density,
-                         body.motion, body.velocity, body.angular_velocity, 0});
+      entries.push_back(
+          {body, fmt::format("bodies[{}]", std::max(0, body.entry)), body.motion, body.angular_velocity});
     entries[place->second].count += count;
   });
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) {
-    const FillSpec& fill = scene.fills[i];
-    entries.push_back({fmt::format("fill[{}]", i), fill.shape, fill.density, rigid::Motion::free,
-                       fill.velocity, rigid::Vec3::Zero(), static_cast<std::uint64_t>(fill.count)});
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
+    entries.push_back({setup.fills[i], fmt::format("fill[{}]", i)});
+    entries.back().count = static_cast<std::uint64_t>(setup.fills[i].count);
   }
   return entries;
 }

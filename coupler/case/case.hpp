@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/coupling_spec.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/name_table.hpp"
 #include "coupler/case/output_spec.hpp"
@@ -34,17 +33,22 @@ namespace silt::coupler {
 
 inline constexpr auto motion_names = names_of<rigid::Motion>("free", "fixed", "prescribed");
 
-struct BodySpec {  // one body
+/// What the bodies of an entry of [[bodies]] or [[fill]] have in common.
+struct EntrySpec {
   int shape = 0, material = 0;
-  int kind = 0;             // index into Case::kind_names
+  int kind = 0;                                // index into Case::kind_names
+  double density = 1;                          // relative to the fluid's (lattice)
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the bodies when they are placed
+};
+
+struct BodySpec : EntrySpec {
   int entry = -1;           // which [[bodies]] entry gave it; -1: a [[fill]]
   std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: the case says where it is
-  double density = 1;       // relative to the fluid's (lattice)
   rigid::Motion motion = rigid::Motion::free;
   rigid::Pose pose;   // of the centre of mass
   bool unit = false;  // the orientation is of length 1 as it stands, to the last bit: as a file has it
   rigid::Vec3 origin = rigid::Vec3::Zero();  // the point that a position of the case places, from the centre
-  rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();
+  rigid::Vec3 angular_velocity = rigid::Vec3::Zero();
 
   rigid::Vec3 given_position() const { return pose.to_world(origin); }
 };
@@ -60,18 +64,16 @@ enum class Arrangement { random, simple_cubic, hexagonal, layers };
 inline constexpr auto arrangement_names =
     names_of<Arrangement>("random", "simple-cubic", "hexagonal", "layers");
 
-struct FillSpec {
-  int shape = 0, material = 0, kind = 0;
-  std::int64_t count = 0;       // 0: as many as there are sites for, not at random
-  double density = 1, gap = 0;  // gap: least distance between bounding spheres' surfaces and to walls
+struct FillSpec : EntrySpec {
+  std::int64_t count = 0;  // 0: as many as there are sites for, not at random
+  double gap = 0;          // least distance between bounding spheres' surfaces and to walls
   Arrangement arrangement = Arrangement::random;
   double spacing = 0;    // of sites, not at random; 0: the least
   double shift = 0;      // furthest that a body is moved from its site
   bool aligned = false;  // else turned at random
-  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
+  rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
   std::uint64_t seed = 1;
-  rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the bodies when they are placed
-  std::int64_t every = 0;                      // steps between two applications; 0: at the start only
+  std::int64_t every = 0;  // steps between two applications; 0: at the start only
   double until = std::numeric_limits<double>::infinity();  // no application after this step
 
   /// Whether it is applied again before the step that follows so many.
@@ -82,7 +84,7 @@ struct FillSpec {
 
 /// A box out of which free bodies are taken as soon as their centre of mass is in it.
 struct OutflowSpec {
-  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();
+  rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 };
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
@@ -159,6 +161,7 @@ struct Case {
   std::array<BoundarySpec, 6> boundary;           // by Side
   std::optional<std::array<int, 3>> block_cells;  // none: "auto"
   bool periodic(int axis) const { return boundary[2 * axis].kind == BoundaryKind::periodic; }
+  double volume() const { return 1. * cells[0] * cells[1] * cells[2]; }  // in cells
 
   std::optional<FluidSpec> fluid;
   CouplingSpec coupling;
@@ -199,9 +202,8 @@ struct Case {
   }
   template <class Test>
   bool any_given(Test&& test) const {
-    bool any = false;
-    for_each_given([&](const BodySpec& body, std::uint64_t) { any = any || test(body); });
-    return any;
+    return std::any_of(bodies.begin(), bodies.end(), test) ||
+           std::any_of(filed.begin(), filed.end(), [&](const FiledBodies& file) { return test(file.alike); });
   }
   bool bodies_come() const {
     return std::any_of(fills.begin(), fills.end(), [](const FillSpec& fill) { return fill.every > 0; });
@@ -217,14 +219,12 @@ struct Case {
   bool has_surfaces() const { return has_bodies() || !walls.empty(); }
 };
 
-/// What the bodies of one entry of [[bodies]] or [[fill]] have in common, and how many they are.
-struct Entry {
+/// An entry of [[bodies]] or [[fill]] as a whole.
+struct Entry : EntrySpec {
   std::string key;  // "bodies[2]", "fill[0]"
-  int shape;
-  double density;
-  rigid::Motion motion;
-  rigid::Vec3 velocity, angular_velocity;
-  std::uint64_t count;  // 0: as many as a fill has sites for
+  rigid::Motion motion = rigid::Motion::free;
+  rigid::Vec3 angular_velocity = rigid::Vec3::Zero();
+  std::uint64_t count = 0;  // 0: as many as a fill has sites for
 
   bool is_free() const { return motion == rigid::Motion::free; }
   bool moves() const { return velocity.norm() + angular_velocity.norm() > 0; }
@@ -234,6 +234,7 @@ std::vector<Entry> entries_of(const Case&);
 // The domain of a case as the bodies see it.
 
 rigid::Extent extent_of(const Case&);
+rigid::BoundingBox box_of(const Case&);
 
 /// Puts a body where the case says it is: its `origin` at a point. Where that is in the domain, the centre of
 /// mass is too along the periodic axes, a whole number of periods away.

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cctype>
-#include <tuple>
+#include <utility>
 
 namespace silt::coupler {
 namespace {
 
 std::vector<Diagnostic> in_file_order(std::vector<Diagnostic> list) {
-  std::stable_sort(list.begin(), list.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::tuple(a.place.line, a.place.column) < std::tuple(b.place.line, b.place.column);
-  });
+  std::ranges::stable_sort(list, {},
+                           [](const Diagnostic& d) { return std::pair(d.place.line, d.place.column); });
   return list;
 }
 
@@ -30,16 +29,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-bool one_contains_the_other(std::string_view a, std::string_view b) {
-  constexpr std::size_t shortest = 3;  // letters: shorter pieces say nothing
-  if (std::min(a.size(), b.size()) < shortest) return false;
-  return a.find(b) != a.npos || b.find(a) != b.npos;
-}
-
-/// "body", "bodies": short names of one stem, which are far from each other as a whole.
-bool begin_alike(std::string_view a, std::string_view b) {
-  constexpr std::size_t stem = 3;
-  return a.size() <= 2 * stem && b.size() <= 2 * stem && a.substr(0, stem) == b.substr(0, stem);
+/// Whether one contains the other, or both are short and of one stem, far as they are as a whole: "body",
+/// "bodies".
+bool are_kin(std::string_view a, std::string_view b) {
+  constexpr std::size_t stem = 3;  // letters: shorter pieces say nothing
+  const bool contain = a.find(b) != a.npos || b.find(a) != b.npos;
+  const bool begin_alike = a.substr(0, stem) == b.substr(0, stem);
+  return (contain && std::min(a.size(), b.size()) >= stem) ||
+         (begin_alike && std::max(a.size(), b.size()) <= 2 * stem);
 }
 
 std::string lower_case(std::string_view text) {
@@ -52,11 +49,8 @@ std::string lower_case(std::string_view text) {
 }  // namespace
 
 std::string Diagnostic::line() const {
-  const char* label = severity == Severity::warning ? "warning: " : "";
-  std::string all = place.file.empty() ? std::string() : place.text() + ": ";
-  all += label;
-  all += text;
-  return all;
+  return fmt::format("{}{}{}", place.file.empty() ? "" : place.text() + ": ",
+                     severity == Severity::warning ? "warning: " : "", text);
 }
 
 CaseError::CaseError(std::vector<Diagnostic> list)
@@ -71,12 +65,9 @@ bool has_errors(std::span<const Diagnostic> list) {
 }
 
 std::string listed(std::span<const Diagnostic> list) {
-  std::string text;
-  for (const Diagnostic& d : list) {
-    if (!text.empty()) text += '\n';
-    text += d.line();
-  }
-  return text;
+  std::vector<std::string> lines;
+  for (const Diagnostic& d : list) lines.push_back(d.line());
+  return joined(lines, "\n");
 }
 
 std::string nearest_name(std::string_view as_written, std::span<const std::string> names) {
@@ -88,7 +79,7 @@ std::string nearest_name(std::string_view as_written, std::span<const std::strin
       best = name, best_distance = distance;
   if (best.empty())
     for (const std::string& name : names)
-      if (best.empty() && (one_contains_the_other(wanted, name) || begin_alike(wanted, name))) best = name;
+      if (best.empty() && are_kin(wanted, name)) best = name;
   if (best.empty()) {  // "viscocity" is far from "kinematic_viscosity" as a whole but close to its last word
     for (const std::string& name : names)
       for (std::size_t from = name.find('_'); from != name.npos; from = name.find('_', from + 1))
@@ -104,8 +95,7 @@ std::string joined(std::span<const std::string> names, std::string_view separato
 std::string suggestion(std::string_view wanted, std::span<const std::string> names) {
   if (names.empty()) return "; none is known here";
   const std::string nearest = nearest_name(wanted, names);
-  return (nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)) +
-         (nearest.empty() ? "; known: " : " known: ") + joined(names);
+  return (nearest.empty() ? ";" : fmt::format("; did you mean '{}'?", nearest)) + " known: " + joined(names);
 }
 
 std::string shown(double x) {

@@ -13,9 +13,8 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/case_overrides.hpp"
+#include "coupler/case/case_reader.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/key_table.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/communicator.hpp"
 
@@ -42,33 +41,30 @@ std::ifstream opened(const fs::path& directory, const fs::path& relative) {
   return stream;
 }
 
-std::string fingerprint_of(const std::string& name, std::uint64_t bytes, XXH64_hash_t hash) {
-  return fmt::format("{}: {} bytes, XXH3 {:016x}", name, bytes, hash);
-}
-
-/// Reads a file, which may not lead out of the directory. std::invalid_argument says what is wrong with it.
-AttachedFile read_attached(const fs::path& directory, const std::string& name) {
-  std::ifstream stream = opened(directory, name);
-  AttachedFile file{{std::istreambuf_iterator<char>(stream), {}}, "", {}};
-  file.fingerprint =
-      fingerprint_of(name, file.bytes.size(), XXH3_64bits(file.bytes.data(), file.bytes.size()));
+/// Reads a file, which may not lead out of the directory, to its end; keeps its bytes if they are wanted.
+/// std::invalid_argument says what is wrong with it.
+AttachedFile read_attached(const fs::path& directory, const std::string& name, const fs::path& path,
+                           bool keep) {
+  std::ifstream stream = opened(directory, path);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  std::vector<char> piece(std::size_t{1} << 20);
+  std::uint64_t bytes = 0;
+  AttachedFile file;
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0) {
+    const auto count = static_cast<std::size_t>(stream.gcount());
+    bytes += count;
+    XXH3_64bits_update(state.get(), piece.data(), count);
+    if (keep) file.bytes.append(piece.data(), count);
+  }
+  file.fingerprint = fmt::format("{}: {} bytes, XXH3 {:016x}", name, bytes, XXH3_64bits_digest(state.get()));
   return file;
 }
 
 /// Looks at positions without keeping them; errors alike.
 AttachedFile look_at_positions(const fs::path& directory, const std::string& name) {
   const PositionFile positions = position_file(name);
-  std::ifstream stream = opened(directory, positions.file);
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
-  XXH3_64bits_reset(state.get());
-  std::vector<char> piece(std::size_t{1} << 20);
-  std::uint64_t bytes = 0;
-  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())) || stream.gcount() > 0) {
-    bytes += static_cast<std::uint64_t>(stream.gcount());
-    XXH3_64bits_update(state.get(), piece.data(), static_cast<std::size_t>(stream.gcount()));
-  }
-  AttachedFile file;
-  file.fingerprint = fingerprint_of(name, bytes, XXH3_64bits_digest(state.get()));
+  AttachedFile file = read_attached(directory, name, positions.file, false);
   try {
     file.positions = look_through(directory, positions);
   } catch (const std::runtime_error& error) {
@@ -103,23 +99,15 @@ std::string text_of(const fs::path& directory, const fs::path& file) {
 
 }  // namespace
 
-const AttachedFile& CaseSource::file_named(const std::string& name) {
-  const auto found = attached.find(name);
-  if (found != attached.end()) return found->second;
-  return attached.emplace(name, read_attached(directory(), name)).first->second;
-}
-
-const AttachedFile& CaseSource::positions_named(const std::string& name) {
-  const auto found = attached.find(name);
-  if (found != attached.end()) return found->second;
-  return attached.emplace(name, look_at_positions(directory(), name)).first->second;
+const AttachedFile& CaseSource::file_named(const std::string& name, bool of_positions) {
+  if (const auto found = attached.find(name); found != attached.end()) return found->second;
+  return attached[name] = of_positions ? look_at_positions(directory(), name)
+                                       : read_attached(directory(), name, name, true);
 }
 
 CaseSource read_source(const fs::path& directory) {
   const bool is_file = directory.extension() == ".toml";
-  const fs::path folder = is_file                    ? directory
-                          : directory.has_filename() ? directory
-                                                     : directory.parent_path();
+  const fs::path folder = is_file || directory.has_filename() ? directory : directory.parent_path();
   const fs::path file = is_file ? directory : folder / "case.toml";
   return {file.string(), text_of(folder, file), {}};
 }
@@ -146,26 +134,15 @@ void broadcast(MPI_Comm comm, CaseSource& source) {
 
 namespace {
 
-Node parsed(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
-  Node root;
-  try {
-    root = adapters::parse_document(text, file);
-  } catch (const adapters::SyntaxError& error) {
-    throw CaseError(error.place, fmt::format("this is not TOML: {}", error.what()));
-  }
-  for (const std::string& argument : overrides) apply_override(root, argument);
-  return root;
-}
-
 /// Where there are solid cells, fields tell them from fluid, asked for or not.
-void add_masks(Case& scene) {
-  if (!scene.has_surfaces()) return;
+void add_masks(Case& setup) {
+  if (!setup.has_surfaces()) return;
   const auto add = [](FieldsSpec& fields) {
     if (std::count(fields.quantities.begin(), fields.quantities.end(), Field::solid) == 0)
       fields.quantities.push_back(Field::solid);
   };
-  add(scene.output.fields);
-  for (FieldsSpec& slice : scene.output.slices) add(slice);
+  add(setup.output.fields);
+  for (FieldsSpec& slice : setup.output.slices) add(slice);
 }
 
 constexpr std::tuple top_keys{
@@ -187,33 +164,27 @@ constexpr std::tuple top_keys{
     HandKey{"outflow", "list of tables", "", "none", "boxes where bodies are taken out"},
     HandKey{"quantities", "list of tables", "", "none", "figures of the report"}};
 
-void read_sections(TableReader reader, Case& scene) {
-  read_keys(reader, scene, top_keys);
-  if (constexpr std::size_t longest = 1000; scene.title.size() > longest)  // results carry it
-    reader.fail("title", "title has {} bytes; at most {} are allowed", scene.title.size(), longest);
-  read_units(reader, scene);
-  read_domain(reader, scene);
-  read_fluid(reader, scene);
-  read_contacts(reader, scene);
-  read_walls(reader, scene);
-  read_shapes(reader, scene);
-  read_bodies(reader, scene);
-  read_fills(reader, scene);
-  read_outflows(reader, scene);
-  read_run(reader, scene);
-  read_output(reader, scene);
-  add_masks(scene);
-  choose_collision(scene);
-  read_quantities(reader, scene);
+void read_sections(TableReader reader, Case& setup) {
+  read_keys(reader, setup, top_keys);
+  if (constexpr std::size_t longest = 1000; setup.title.size() > longest)  // results carry it
+    reader.fail("title", "title has {} bytes; at most {} are allowed", setup.title.size(), longest);
+  read_domain(reader, setup);
+  read_fluid(reader, setup);
+  read_contacts(reader, setup);
+  read_walls(reader, setup);
+  read_shapes(reader, setup);
+  read_bodies(reader, setup);
+  read_output(reader, setup);
+  add_masks(setup);
+  choose_collision(setup);
+  read_quantities(reader, setup);
 }
 
 }  // namespace
 
 std::string unit_on_page(Dimension d) {
   if (d == dimension::none) return "1";
-  Units si;
-  si.si = true;
-  std::string text = si.unit_text(d);
+  std::string text = Units{.si = true}.unit_text(d);
   for (const auto& [digit, power] : {std::pair("2", "²"), std::pair("3", "³")})
     if (const auto at = text.find(digit); at != text.npos) text.replace(at, 1, power);
   return text;
@@ -235,6 +206,20 @@ int index_of(TableReader& reader, std::string_view key, const std::string& name,
   return -1;
 }
 
+std::optional<int> read_name(TableReader& reader, const char* key, const std::vector<std::string>& names,
+                             std::string_view what) {
+  const auto name = reader.string(key);
+  const int index = name ? index_of(reader, key, *name, names, what) : -1;
+  return index >= 0 ? std::optional(index) : std::nullopt;
+}
+
+std::string read_new_name(TableReader& reader, std::vector<std::string>& names, std::string_view what) {
+  const std::string name = reader.string("name").value_or("");
+  if (!name.empty() && std::count(names.begin(), names.end(), name))
+    reader.fail("name", "{}: there already is a {} '{}'", reader.path("name"), what, name);
+  return names.emplace_back(name);
+}
+
 Case read_case_text(const std::string& text, const std::string& file,
                     const std::vector<std::string>& overrides) {
   CaseSource source{file, text, {}};
@@ -242,24 +227,24 @@ Case read_case_text(const std::string& text, const std::string& file,
 }
 
 Case read_case(CaseSource& source, const std::vector<std::string>& overrides) {
-  const Node root = parsed(source.text, source.file, overrides);
-  Case scene;
-  scene.overrides = overrides;
-  scene.directory = source.directory();
+  const Node root = tree_of_case(source.text, source.file, overrides);
+  Case setup;
+  setup.overrides = overrides;
+  setup.directory = source.directory();
 
   ReadContext context;
   context.file = source.file;
   context.source = &source;
-  read_sections({context, &root, "", Place{source.file}}, scene);
+  read_sections({context, &root, "", Place{source.file}}, setup);
   context.report_unread(root, "");
   if (!context.errors.empty()) throw CaseError(std::move(context.errors));
-  scene.warnings = std::move(context.warnings);
-  scene.places = std::move(context.places);
-  scene.files = std::move(context.files);
-  scene.text = source.text;
-  for (const std::string& file_read : scene.files) scene.text += fmt::format("\n# file {}", file_read);
-  for (const std::string& argument : overrides) scene.text += "\n# " + override_text(argument);
-  return scene;
+  setup.warnings = std::move(context.warnings);
+  setup.places = std::move(context.places);
+  setup.files = std::move(context.files);
+  setup.text = source.text;
+  for (const std::string& file_read : setup.files) setup.text += fmt::format("\n# file {}", file_read);
+  for (const std::string& argument : overrides) setup.text += "\n# " + override_text(argument);
+  return setup;
 }
 
 Case read_case(const fs::path& directory, const std::vector<std::string>& overrides) {

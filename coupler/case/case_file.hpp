@@ -1,6 +1,8 @@
 #pragma once
 // Reads a case directory: case.toml and the files it names, and nothing outside the directory. One rank reads
-// it, on the others it is at hand.
+// it, on the others it is at hand. `--set key.path=value` and `--unset key.path` change the tree of the file
+// before it is read; what a case may change when its run goes on from a checkpoint is [run], [output] and
+// [[quantities]], which do not act on the state.
 #include <mpi.h>
 
 #include <filesystem>
@@ -24,12 +26,10 @@ struct CaseSource {
   std::map<std::string, AttachedFile> attached;  // by name, as far as they have been asked for
 
   std::filesystem::path directory() const { return std::filesystem::path(file).parent_path(); }
-  /// Returns a file that the case names, beside it, read where it is not at hand. std::invalid_argument says
-  /// what is wrong with it.
-  const AttachedFile& file_named(const std::string& name);
-  /// Returns what there is to know of positions, "cloud.csv" or "cloud.h5:/points", without keeping them;
-  /// errors alike.
-  const AttachedFile& positions_named(const std::string& name);
+  /// Returns a file that the case names, beside it, read where it is not at hand; of positions, "cloud.csv"
+  /// or "cloud.h5:/points", what there is to know without keeping them. std::invalid_argument says what is
+  /// wrong with it.
+  const AttachedFile& file_named(const std::string& name, bool of_positions = false);
 };
 
 /// Reads case.toml of a directory, or the .toml file itself. CaseError.
@@ -50,5 +50,46 @@ Case read_case(CaseSource&, const std::vector<std::string>& overrides = {});
 /// Reads text at hand as read_case does a file; `file` labels the messages.
 Case read_case_text(const std::string& text, const std::string& file,
                     const std::vector<std::string>& overrides = {});
+
+/// Returns what a case file says after the overrides. Each sets one value, making tables on the way; a key
+/// that says the same thing in another way (run.steps and run.time) is removed. "key.path=", without a value,
+/// takes the key, table or entry of a list away; it must be there. Throws CaseError.
+adapters::Node tree_of_case(const std::string& text, const std::string& file,
+                            const std::vector<std::string>& overrides);
+
+/// Return what is wrong with an argument of --set or --unset at first sight, or "". An empty value is more
+/// often a variable of the shell that is not set than a key to be taken away.
+std::string complaint_of_set(const std::string& argument);
+std::string complaint_of_unset(const std::string& argument);
+
+/// Returns the option that gives an override: "--set fluid.density=960", "--unset run.balance".
+std::string override_text(const std::string& argument);
+
+/// What a checkpoint remembers of the case it was written for: the members of Case of the same names.
+struct CaseOrigin {
+  std::string text;
+  std::vector<std::string> overrides, files;
+};
+
+/// Reads the case that a run goes on with: what the source holds now, with the --set of the run that wrote
+/// the checkpoint and then those given. CaseError, saying where, if anything else differs from what the run
+/// began with.
+Case case_to_resume(const CaseOrigin&, CaseSource&, const std::vector<std::string>& overrides);
+
+/// Returns the options of the run that wrote the checkpoint which still hold: "--set run.steps=60 --unset
+/// run.balance"; "" if there are none.
+std::string earlier_options(const CaseOrigin&, const std::vector<std::string>& overrides);
+
+/// A row as the page and `silt keys` have it.
+struct KeyText {
+  std::string name, type, unit, fallback, meaning;
+};
+/// The rows of a table of a case; path: "fluid", "output.fields".
+struct KeySection {
+  std::string path;
+  std::vector<KeyText> keys;
+};
+/// Returns every key that a case may have, in the order of the page.
+std::vector<KeySection> case_keys();
 
 }  // namespace silt::coupler

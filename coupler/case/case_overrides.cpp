@@ -1,4 +1,3 @@
-#include "coupler/case/case_overrides.hpp"
 
 #include <fmt/format.h>
 
@@ -31,15 +30,8 @@ bool is_bare_string(const std::string& text) {
 }
 
 Node parsed_value(const std::string& text, const Place& place) {
-  if (is_bare_string(text)) {
-    Node node;
-    node.kind = Node::Kind::string;
-    node.string = text;
-    node.place = node.key_place = place;
-    return node;
-  }
   try {
-    return adapters::parse_value(text, place);
+    return adapters::parse_value(is_bare_string(text) ? '"' + text + '"' : text, place);
   } catch (const adapters::SyntaxError& error) {
     throw CaseError(place, fmt::format("'{}' is not a TOML value: {}", text, error.what()));
   }
@@ -49,12 +41,11 @@ Node parsed_value(const std::string& text, const Place& place) {
 std::vector<std::string> steps_of(std::string path) {
   std::replace(path.begin(), path.end(), '[', '.');
   std::erase(path, ']');
-  std::vector<std::string> steps(1);
-  for (const char c : path) {
-    if (c == '.')
-      steps.emplace_back();
-    else if (!std::isspace(static_cast<unsigned char>(c)))
-      steps.back() += c;
+  std::erase_if(path, [](unsigned char c) { return std::isspace(c); });
+  std::vector<std::string> steps;
+  for (std::size_t begin = 0, end = 0; end != path.npos; begin = end + 1) {
+    end = path.find('.', begin);
+    steps.push_back(path.substr(begin, end - begin));
   }
   return steps;
 }
@@ -86,23 +77,18 @@ Node* descend(Node& node, const std::string& step, const Place& place) {
 void remove_alternatives(Node& root, const std::string& path) {
   for (const auto& group : alternatives) {
     if (std::count(group.begin(), group.end(), path) == 0) continue;
-    const auto dot = path.find('.');
-    Node* table = root.find(path.substr(0, dot));
-    if (!table) continue;
-    std::erase_if(table->children, [&](const Node& child) {
-      const std::string other = path.substr(0, dot + 1) + child.key;
+    const std::string table = path.substr(0, path.find('.'));
+    std::erase_if(root.find(table)->children, [&](const Node& child) {
+      const std::string other = table + "." + child.key;
       return other != path && std::count(group.begin(), group.end(), other) > 0;
     });
   }
 }
 
 /// The child of a table or list that a step names; CaseError if there is none.
-std::vector<Node>::iterator place_of_step(Node& node, const std::string& step, const Place& place) {
-  if (node.kind == Node::Kind::array)
-    return node.children.begin() + (element(node, step, place) - node.children.data());
-  const auto found = std::find_if(node.children.begin(), node.children.end(),
-                                  [&](const Node& child) { return child.key == step; });
-  if (found != node.children.end() && node.kind == Node::Kind::table) return found;
+Node* child_at(Node& node, const std::string& step, const Place& place) {
+  if (node.kind == Node::Kind::array) return element(node, step, place);
+  if (Node* child = node.find(step)) return child;
   std::vector<std::string> known;
   for (const Node& child : node.children) known.push_back(child.key);
   throw CaseError(place, fmt::format("the case has no such key: there is no '{}'{}", step,
@@ -113,26 +99,9 @@ void take_away(Node& root, const std::string& path) {
   const Place place{"--unset " + path};
   const auto steps = steps_of(path);
   Node* node = &root;
-  for (std::size_t i = 0; i + 1 < steps.size(); ++i) node = &*place_of_step(*node, steps[i], place);
-  node->children.erase(place_of_step(*node, steps.back(), place));
-}
-
-}  // namespace
-
-std::string complaint_of_set(const std::string& argument) {
-  if (argument.find('=') + 1 != argument.size()) return "";
-  return fmt::format("{} has no value; to take a key away: --unset {}", argument,
-                     argument.substr(0, argument.size() - 1));
-}
-
-std::string complaint_of_unset(const std::string& argument) {
-  const bool key = !argument.empty() && argument.find('=') == argument.npos;
-  return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", argument);
-}
-
-std::string override_text(const std::string& argument) {
-  const bool taken_away = argument.find('=') + 1 == argument.size();
-  return taken_away ? "--unset " + argument.substr(0, argument.size() - 1) : "--set " + argument;
+  for (std::size_t i = 0; i + 1 < steps.size(); ++i) node = child_at(*node, steps[i], place);
+  node->children.erase(node->children.begin() +
+                       (child_at(*node, steps.back(), place) - node->children.data()));
 }
 
 void apply_override(Node& root, const std::string& argument) {
@@ -156,16 +125,37 @@ void apply_override(Node& root, const std::string& argument) {
   remove_alternatives(root, path);
 }
 
-namespace {
+}  // namespace
 
-/// Returns case.toml as it was read: a case's text without the comments that name the --set arguments.
-std::string file_text(std::string text, const std::vector<std::string>& overrides) {
-  for (auto o = overrides.rbegin(); o != overrides.rend(); ++o) {
-    const std::string comment = "\n# " + override_text(*o);
-    if (text.ends_with(comment)) text.resize(text.size() - comment.size());
+Node tree_of_case(const std::string& text, const std::string& file,
+                  const std::vector<std::string>& overrides) {
+  Node root;
+  try {
+    root = adapters::parse_document(text, file);
+  } catch (const adapters::SyntaxError& error) {
+    throw CaseError(error.place, fmt::format("this is not TOML: {}", error.what()));
   }
-  return text;
+  for (const std::string& argument : overrides) apply_override(root, argument);
+  return root;
 }
+
+std::string complaint_of_set(const std::string& argument) {
+  if (argument.find('=') + 1 != argument.size()) return "";
+  return fmt::format("{} has no value; to take a key away: --unset {}", argument,
+                     argument.substr(0, argument.size() - 1));
+}
+
+std::string complaint_of_unset(const std::string& argument) {
+  const bool key = !argument.empty() && argument.find('=') == argument.npos;
+  return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", argument);
+}
+
+std::string override_text(const std::string& argument) {
+  const bool taken_away = argument.find('=') + 1 == argument.size();
+  return taken_away ? "--unset " + argument.substr(0, argument.size() - 1) : "--set " + argument;
+}
+
+namespace {
 
 /// Returns the key that an argument of --set or --unset is about; the length of a run has two.
 std::string key_of(const std::string& argument) {
@@ -173,75 +163,52 @@ std::string key_of(const std::string& argument) {
   return key == "run.time" ? "run.steps" : key;
 }
 
-/// Whether a key lies in a table that a run may change when it goes on.
-bool may_change(std::string_view key) {
-  return key == "run" || key == "output" || key == "quantities" || key.starts_with("run.") ||
-         key.starts_with("output.") || key.starts_with("quantities");
+/// Whether a table may change when a run goes on.
+bool may_change(const std::string& table) {
+  return table == "run" || table == "output" || table == "quantities";
 }
 
-struct Line {
-  int number;
-  std::string text;
+/// A value of a case file that acts on the state.
+struct ValueInFile {
+  std::string text;  // with the path of its key
+  int line;
 };
 
-/// How much deeper in lists and tables a line ends than it begins; brackets in strings and comments do not
-/// count.
-int depth_gained(const std::string& line) {
-  int depth = 0;
-  char quote = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quote != 0) {
-      if (c == '\\' && quote == '"') ++i;
-      if (c == quote) quote = 0;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-    } else if (c == '#') {
-      break;
-    } else {
-      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
-    }
-  }
-  return depth;
+void list_values(const Node& node, const std::string& path, std::vector<ValueInFile>& values) {
+  if (node.children.empty()) values.push_back({path + " = " + written(node), node.place.line});
+  for (const Node& child : node.children)
+    if (!path.empty() || !may_change(child.key)) list_values(child, path + "." + child.key, values);
 }
 
-/// Returns the lines that act on the state: none of the tables that may change, no blank lines, no whole-line
-/// comments.
-std::vector<Line> lines_that_matter(const std::string& text) {
-  std::vector<Line> lines;
+std::vector<ValueInFile> values_of(const std::string& text, const std::string& file) {
+  std::vector<ValueInFile> values;
+  list_values(tree_of_case(text, file, {}), "", values);
+  return values;
+}
+
+/// Returns a line of a text without the blanks around it.
+std::string line_at(const std::string& text, int number) {
   std::istringstream stream(text);
-  bool skip = false;
-  int number = 0, depth = 0;  // within a value of several lines
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    const auto first = line.find_first_not_of(" \t\r");
-    if (first == line.npos || line[first] == '#') continue;
-    line = line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
-    const bool is_header = line[0] == '[' && depth == 0;
-    depth = std::max(0, depth + depth_gained(line));
-    if (is_header) {
-      const auto name = line.find_first_not_of("[ \t");
-      skip = name != line.npos && may_change(line.substr(name, line.find_first_of("] \t", name) - name));
-    }
-    if (!skip) lines.push_back({number, line});
-  }
-  return lines;
+  std::string line;
+  while (number-- > 0) std::getline(stream, line);
+  const auto first = line.find_first_not_of(" \t\r");
+  return first == line.npos ? "" : line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
 }
 
-void require_same_text(const CaseOrigin& origin, const Case& now) {
-  const auto before = lines_that_matter(file_text(origin.text, origin.overrides));
-  const auto after = lines_that_matter(file_text(now.text, now.overrides));
+void require_same_values(const CaseOrigin& origin, const CaseSource& source) {
+  const auto before = values_of(origin.text, source.file), now = values_of(source.text, source.file);
   std::size_t i = 0;
-  while (i < before.size() && i < after.size() && before[i].text == after[i].text) ++i;
-  if (i == before.size() && i == after.size()) return;
-  Place place = now.place("");
-  place.line = i < after.size() ? after[i].number : after.empty() ? 1 : after.back().number;
-  place.column = 1;
+  while (i < before.size() && i < now.size() && before[i].text == now[i].text) ++i;
+  if (i == before.size() && i == now.size()) return;
   throw CaseError(
-      place,
+      Place{source.file,
+            i < now.size() ? now[i].line
+            : now.empty()  ? 1
+                           : now.back().line,
+            1},
       fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only [run], "
                   "[output] and [[quantities]] may differ when a run goes on; restore it, or start a new run",
-                  i < before.size() ? before[i].text : ""));
+                  i < before.size() ? line_at(origin.text, before[i].line) : ""));
 }
 
 /// The files that the case names, too, must be those of the run.
@@ -261,17 +228,17 @@ Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vec
   auto all = origin.overrides;
   for (const std::string& o : overrides) {
     const std::string key = o.substr(0, o.find('='));
-    if (!may_change(key))
+    if (!may_change(steps_of(key)[0]))
       throw CaseError(
           Place{override_text(o)},
           fmt::format("{} cannot change when a run goes on; only keys of run, output and quantities can",
                       key));
     all.push_back(o);
   }
-  Case scene = read_case(source, all);
-  require_same_text(origin, scene);
-  require_same_files(origin, scene);
-  return scene;
+  Case setup = read_case(source, all);
+  require_same_values(origin, source);
+  require_same_files(origin, setup);
+  return setup;
 }
 
 std::string earlier_options(const CaseOrigin& origin, const std::vector<std::string>& overrides) {

@@ -32,17 +32,11 @@ bool Range::holds(double x) const {
 }
 
 std::string Range::text() const {
-  if (std::isfinite(low) && std::isfinite(high) && !low_allowed && !high_allowed)
-    return fmt::format("above {} and below {}", shown(low), shown(high));
-  if (std::isfinite(low) && std::isfinite(high))
-    return fmt::format("between {} and {}", shown(low), shown(high));
-  if (std::isfinite(low)) return fmt::format("{} {}", low_allowed ? "at least" : "above", shown(low));
-  if (std::isfinite(high)) return fmt::format("{} {}", high_allowed ? "at most" : "below", shown(high));
-  return "a finite number";
-}
-
-void ReadContext::fail(const Place& place, const std::string& text) {
-  errors.push_back({Diagnostic::Severity::error, place, text});
+  std::vector<std::string> sides;
+  if (std::isfinite(low)) sides.push_back((low_allowed ? "at least " : "above ") + shown(low));
+  if (std::isfinite(high)) sides.push_back((high_allowed ? "at most " : "below ") + shown(high));
+  if (sides.size() == 2 && low_allowed) return fmt::format("between {} and {}", shown(low), shown(high));
+  return sides.empty() ? "a finite number" : joined(sides, " and ");
 }
 
 void ReadContext::report_unread(const Node& table, const std::string& path) {
@@ -54,9 +48,9 @@ void ReadContext::report_unread(const Node& table, const std::string& path) {
     const bool element = table.kind == Node::Kind::array;
     const std::string child_path = path_of_child(table, path, child);
     if (!element && asked != known_keys.end() && !is_known(child.key)) {
-      fail(child.key_place, fmt::format("unknown key '{}' {}{}", child.key,
-                                        path.empty() ? "at the top of the file" : "in [" + path + "]",
-                                        suggestion(child.key, asked->second)));
+      fail(child.key_place, "unknown key '{}' {}{}", child.key,
+           path.empty() ? "at the top of the file" : "in [" + path + "]",
+           suggestion(child.key, asked->second));
     } else if (!child.children.empty()) {
       report_unread(child, child_path);
     }
@@ -87,14 +81,13 @@ Place TableReader::place(std::string_view key) const {
   return node ? place_of(*node) : place_;
 }
 
-void TableReader::missing(std::string_view key, std::string_view what) {
-  find(key);
-  context_->fail(place_, fmt::format("{} is missing: {}", path(key), what));
+void TableReader::need(std::string_view key, std::string_view what) {
+  if (!has(key)) context_->fail(place_, "{} is missing: {}", path(key), what);
 }
 
 void TableReader::refuse(std::string_view key, std::string_view must) {
   const Node* node = find(key);
-  fail(key, fmt::format("{} is {}; it must be {}", path(key), node ? found(*node) : "absent", must));
+  fail(key, "{} is {}; it must be {}", path(key), node ? found(*node) : "absent", must);
 }
 
 std::optional<double> TableReader::number(std::string_view key, const Range& range) {
@@ -116,27 +109,43 @@ std::optional<double> TableReader::quantity(std::string_view key, Dimension dime
   return x ? std::optional(context_->units.lattice(*x, dimension)) : x;
 }
 
-std::optional<rigid::Vec3> read_vector(ReadContext& context, const Node& node, const std::string& path) {
-  rigid::Vec3 v;
-  bool good = node.kind == Node::Kind::array && node.children.size() == 3;
-  for (int d = 0; good && d < 3; ++d) {
-    good = node.children[d].is_number() && std::isfinite(node.children[d].number());
-    if (good) v[d] = node.children[d].number();
-  }
-  if (good) return v;
-  context.fail(place_of(node), "{} is {}; it must be three finite numbers, [x, y, z]", path, found(node));
+std::optional<rigid::Vec3> TableReader::vector(const Node& node, const std::string& path) {
+  if (const auto x = node.numbers(3)) return rigid::Vec3(x->data());
+  context_->fail(place_of(node), "{} is {}; it must be three finite numbers, [x, y, z]", path, found(node));
   return {};
 }
 
-std::optional<rigid::Vec3> TableReader::vector(std::string_view key) {
-  const Node* node = find(key);
-  return node ? read_vector(*context_, *node, path(key)) : std::nullopt;
-}
-
 std::optional<rigid::Vec3> TableReader::vector(std::string_view key, Dimension dimension) {
-  auto v = vector(key);
+  const Node* node = find(key);
+  auto v = node ? vector(*node, path(key)) : std::nullopt;
   if (v) *v /= context_->units.scale(dimension);
   return v;
+}
+
+std::vector<rigid::Vec3> TableReader::points(std::string_view key, std::size_t least, std::string_view must) {
+  const Node* node = find(key);
+  std::vector<rigid::Vec3> points;
+  if (!node) return points;
+  if (node->kind != Node::Kind::array || node->children.size() < least) {
+    refuse(key, must);
+    return points;
+  }
+  for (std::size_t i = 0; i < node->children.size(); ++i)
+    if (const auto x = vector(node->children[i], fmt::format("{}[{}]", path(key), i)))
+      points.push_back(*x / context_->units.cell_size);
+  if (points.size() < node->children.size()) points.clear();
+  return points;
+}
+
+std::optional<rigid::BoundingBox> TableReader::box(std::string_view key) {
+  const Node* node = find(key);
+  const bool more = node && node->kind == Node::Kind::array && node->children.size() > 2;
+  const auto corners =
+      points(key, more ? node->children.size() + 1 : 2, "two corners, [[x, y, z], [x, y, z]]");
+  if (corners.size() != 2) return {};
+  if ((corners[1] - corners[0]).minCoeff() > 0) return rigid::BoundingBox{corners[0], corners[1]};
+  refuse(key, "two corners, [lower, upper], the upper above the lower in each direction");
+  return {};
 }
 
 std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high) {
@@ -193,10 +202,8 @@ std::vector<TableReader> TableReader::tables(std::string_view key) {
   const Node* node = find(key);
   std::vector<TableReader> result;
   if (!node) return result;
-  const bool all_tables = node->kind == Node::Kind::array &&
-                          std::all_of(node->children.begin(), node->children.end(),
-                                      [](const Node& n) { return n.kind == Node::Kind::table; });
-  if (!all_tables) {
+  const auto is_table = [](const Node& n) { return n.kind == Node::Kind::table; };
+  if (node->kind != Node::Kind::array || !std::ranges::all_of(node->children, is_table)) {
     refuse(key,
            path_.empty() ? fmt::format("an array of tables, written [[{}]]", key) : "an array of tables");
     return result;
@@ -213,14 +220,14 @@ std::string TableReader::one_of(std::initializer_list<const char*> keys, bool re
   for (const char* key : keys) {
     if (!has(key)) continue;
     if (!given.empty())
-      fail(key, fmt::format("{} and {} are both given; they say the same thing, keep one of {}", path(given),
-                            path(key), joined(all)));
+      fail(key, "{} and {} are both given; they say the same thing, keep one of {}", path(given), path(key),
+           joined(all));
     else
       given = key;
   }
   if (given.empty() && required)
-    context_->fail(place_, fmt::format("{} needs one of {}: {}",
-                                       path_.empty() ? "the case" : "[" + path_ + "]", joined(all), what));
+    context_->fail(place_, "{} needs one of {}: {}", path_.empty() ? "the case" : "[" + path_ + "]",
+                   joined(all), what);
   return given;
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
-#include "coupler/case/key_table.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/case/case_reader.hpp"
 #include "rigid/bodies/wall_motion.hpp"
 #include "rigid/shapes/polyhedron_mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
@@ -16,8 +16,7 @@ namespace silt::coupler {
 
 // domain.cpp
 std::vector<KeySection> domain_sections();
-void read_units(TableReader& root, Case&);  // first: everything after it converts
-void read_domain(TableReader& root, Case&);
+void read_domain(TableReader& root, Case&);  // [units], [domain]; first: everything after it converts
 
 // fluid.cpp
 std::vector<KeySection> fluid_sections();
@@ -52,26 +51,40 @@ std::vector<std::string> hollow_names();
 
 // bodies.cpp
 std::vector<KeySection> body_sections();
-void read_bodies(TableReader& root, Case&);    // [[bodies]]
-void read_fills(TableReader& root, Case&);     // [[fill]]
-void read_outflows(TableReader& root, Case&);  // [[outflow]]
+void read_bodies(TableReader& root, Case&);  // [[bodies]], [[fill]], [[outflow]]
 
 // output.cpp, quantities.cpp
 std::vector<KeySection> output_sections(), quantity_sections();
-void read_run(TableReader& root, Case&);         // [run]
-void read_output(TableReader& root, Case&);      // [output]
+void read_output(TableReader& root, Case&);      // [run], [output]
 void read_quantities(TableReader& root, Case&);  // [[quantities]]; last: they name bodies and walls
-
-/// Returns the index into the names of materials, 0 ("default") without the key.
-int read_material_name(TableReader&, const std::vector<std::string>& material_names);
 
 /// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
 /// it is not there.
 int index_of(TableReader&, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what);
 
-/// Reads the corners of `box`; the whole domain, of so many cells, without it.
-void read_box(TableReader&, const std::array<int, 3>& cells, rigid::Vec3& lower, rigid::Vec3& upper);
+/// Returns the index of the name that a key gives, if it is there, and known.
+std::optional<int> read_name(TableReader&, const char* key, const std::vector<std::string>& names,
+                             std::string_view what);
+
+/// Reads the name of an entry of a list, "" without one, and adds it to those before, from which it must
+/// differ.
+std::string read_new_name(TableReader&, std::vector<std::string>& names, std::string_view what);
+
+/// Calls read(name, file) for the file that a key names; what is wrong with it is reported.
+template <class Read>
+void with_file(TableReader& table, std::string_view key, bool of_positions, Read&& read) {
+  const auto name = table.string(key);
+  if (!name) return;
+  ReadContext& context = table.context();
+  try {
+    const AttachedFile& file = context.source->file_named(*name, of_positions);
+    context.files.push_back(file.fingerprint);
+    read(*name, file);
+  } catch (const std::invalid_argument& error) {
+    table.fail(key, "{}: '{}': {}", table.path(key), *name, error.what());
+  }
+}
 
 struct MotionFile {
   std::vector<rigid::MotionRow> rows;  // in lattice units
@@ -83,13 +96,13 @@ struct MotionFile {
 /// there must be two lines or more.
 MotionFile read_motion_file(const std::string& text, const Units&);
 
-// The judges of a scene: they report to the Findings what is wrong or doubtful, and what cures it.
+// The judges of a case: they report to the Findings what is wrong or doubtful, and what cures it.
 void find_domain_faults(const Case&, Findings&);   // cells, blocks, sides, inlets and outlets
 void find_fluid_faults(const Case&, Findings&);    // relaxation time, viscosity, cell Reynolds number, start
 void find_contact_faults(const Case&, Findings&);  // coefficients, margin, lubrication, sleep
 void find_run_faults(const Case&, Findings&);      // length, what becomes steady, output of what is not there
 void find_density_faults(const Case&, Findings&);  // of fluid and bodies, and slips of units in them
-void find_quantity_faults(const Case&, Findings&);  // what the scene has not, or the run is too short for
+void find_quantity_faults(const Case&, Findings&);  // what the case has not, or the run is too short for
 void find_wall_faults(const Case&, Findings&);      // room, periodic borders, speed
 void find_body_faults(const Case&, Findings&);      // sizes, backend, room in fills
 void find_turnover_faults(const Case&, Findings&);  // bodies that come and go

@@ -64,72 +64,56 @@ constexpr std::tuple name_keys{
 constexpr std::tuple between_keys{
     HandKey{"between", "[\"a\", \"b\"]", "", required, "the names of two materials"}};
 
-std::vector<std::string> as_strings(const std::vector<std::string_view>& names) {
-  return {names.begin(), names.end()};
-}
-
 /// One of those that this build has; of one that it was configured without that is said.
 std::optional<std::string> read_engine(TableReader& table, const char* key,
                                        const std::vector<std::string_view>& names) {
   const Node* node = table.find(key);
   const std::string left_out =
       node && node->kind == Node::Kind::string ? adapters::left_out_of_this_build(node->string) : "";
-  if (left_out.empty()) return table.choice(key, as_strings(names));
+  if (left_out.empty()) return table.choice(key, {names.begin(), names.end()});
   table.fail(key, "{} is \"{}\"; {}", table.path(key), node->string, left_out);
   return {};
 }
 
-std::vector<std::string> resolver_names() {
-  std::vector<std::string> names;
-  for (const rigid::ResolverModel& model : rigid::resolver_models()) names.emplace_back(model.name);
-  return names;
-}
-
-void read_material_pairs(TableReader& root, Case& scene) {
-  const int count = static_cast<int>(scene.material_names.size());
+void read_material_pairs(TableReader& root, Case& setup) {
+  const int count = static_cast<int>(setup.material_names.size());
   for (TableReader& pair : root.tables("material_pairs")) {
     rigid::Material unused;
     read_keys(pair, unused, between_keys);
     const Node* between = pair.find("between");
+    const auto names = between ? between->strings() : std::nullopt;
     int index[2] = {-1, -1};
-    const bool two_names = between && between->kind == Node::Kind::array && between->children.size() == 2 &&
-                           between->children[0].kind == Node::Kind::string &&
-                           between->children[1].kind == Node::Kind::string;
-    if (two_names)
+    if (names && names->size() == 2)
       for (int k = 0; k < 2; ++k)
-        index[k] = index_of(pair, "between", between->children[k].string, scene.material_names, "material");
+        index[k] = index_of(pair, "between", (*names)[k], setup.material_names, "material");
     else if (between)
       pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
     const bool known = index[0] >= 0 && index[1] >= 0;
-    rigid::Material& material = known ? scene.pair_materials[index[0] * count + index[1]] : unused;
+    rigid::Material& material = known ? setup.pair_materials[index[0] * count + index[1]] : unused;
     read_keys(pair, material, material_keys);
-    if (known) scene.pair_materials[index[1] * count + index[0]] = material;
+    if (known) setup.pair_materials[index[1] * count + index[0]] = material;
   }
 }
 
-void read_materials(TableReader& root, const rigid::Material& standard, Case& scene) {
-  scene.material_names = {"default"};
+void read_materials(TableReader& root, const rigid::Material& standard, Case& setup) {
+  setup.material_names = {"default"};
   for (TableReader& entry : root.tables("materials")) {
-    read_keys(entry, scene, name_keys);
-    const auto name = entry.string("name");
-    if (!name) continue;
-    if (std::count(scene.material_names.begin(), scene.material_names.end(), *name))
-      entry.fail("name", "{}: there already is a material '{}'", entry.path("name"), *name);
-    scene.material_names.push_back(*name);
+    read_keys(entry, setup, name_keys);
+    read_new_name(entry, setup.material_names, "material");
   }
-  scene.pair_materials.assign(scene.material_names.size() * scene.material_names.size(), standard);
-  read_material_pairs(root, scene);
+  setup.pair_materials.assign(setup.material_names.size() * setup.material_names.size(), standard);
+  read_material_pairs(root, setup);
 }
 
 /// Pairs that lose nothing collide one after the other, where no fluid takes part: all at once, one of three
 /// bodies that meet in a step may be only stopped.
-void collide_without_loss(Case& scene) {
+void collide_without_loss(Case& setup) {
   constexpr int enough = 1000;  // a cluster comes to rest before
-  const bool some = std::any_of(scene.pair_materials.begin(), scene.pair_materials.end(),
+  const bool some = std::any_of(setup.pair_materials.begin(), setup.pair_materials.end(),
                                 [](const rigid::Material& m) { return m.restitution == 1; });
-  if (!some || scene.fluid || !rigid::resolver_model(scene.contacts.resolver).has_impact_phase) return;
-  scene.contacts.resolver_settings.impact_sweeps = enough;
-  scene.contacts.resolver_settings.least_impact_restitution = 1;
+  if (!some || setup.fluid || !rigid::resolver_model(setup.contacts.resolver).has_impact_phase) return;
+  setup.contacts.resolver_settings.impact_sweeps = enough;
+  setup.contacts.resolver_settings.least_impact_restitution = 1;
 }
 
 /// What only some resolvers do.
@@ -147,8 +131,8 @@ void require_resolver(TableReader& table, const ContactSpec& contacts) {
     refuse("half_force", "for the classic resolver", "where all of a force acts before the contacts", "ffd");
   if (contacts.sleep_speed && !resolver.lets_sleep)
     refuse("sleep_speed", "given", "where no body sleeps", "sffd");
-  if (contacts.sleep_time && !contacts.sleep_speed)
-    table.missing("sleep_speed", "the speed below which bodies are at rest: sleep_time says how long");
+  if (contacts.sleep_time)
+    table.need("sleep_speed", "the speed below which bodies are at rest: sleep_time says how long");
 }
 
 }  // namespace
@@ -161,26 +145,28 @@ std::vector<KeySection> contact_sections() {
           section_of("materials", name_keys), pairs};
 }
 
-void read_contacts(TableReader& root, Case& scene) {
+void read_contacts(TableReader& root, Case& setup) {
   rigid::Material standard;
   TableReader table = root.table("contacts");
-  ContactSpec& c = scene.contacts;
+  ContactSpec& c = setup.contacts;
   read_keys(table, c, contact_keys);
   read_keys(table, standard, material_keys);
   read_keys(table, c.resolver_settings, resolver_keys);
   c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
   c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
-  c.resolver = table.choice("resolver", resolver_names()).value_or(c.resolver);
+  std::vector<std::string> resolvers;
+  for (const rigid::ResolverModel& model : rigid::resolver_models()) resolvers.emplace_back(model.name);
+  c.resolver = table.choice("resolver", resolvers).value_or(c.resolver);
   require_resolver(table, c);
-  read_materials(root, standard, scene);
-  if (!table.has("impact_sweeps")) collide_without_loss(scene);
+  read_materials(root, standard, setup);
+  if (!table.has("impact_sweeps")) collide_without_loss(setup);
 }
 
-std::optional<rigid::SleepRule> sleep_rule(const Case& scene) {
+std::optional<rigid::SleepRule> sleep_rule(const Case& setup) {
   constexpr double share_of_gravity = 1e-3, longest = 1e9;
-  const ContactSpec& contacts = scene.contacts;
+  const ContactSpec& contacts = setup.contacts;
   if (!contacts.sleep_speed) return std::nullopt;
-  const double gravity = scene.gravity.norm();
+  const double gravity = setup.gravity.norm();
   const double time = contacts.sleep_time ? *contacts.sleep_time
                       : gravity > 0       ? *contacts.sleep_speed / (share_of_gravity * gravity)
                                           : longest;
@@ -194,79 +180,66 @@ constexpr double steepest_angle = 89;  // degrees
 constexpr double usual_margin = 1;     // cells
 
 /// The key that gives a coefficient, of all pairs or of one, if there is but one.
-std::string coefficient_key(const Case& scene, const char* name) {
+std::string coefficient_key(const Case& setup, const std::string& name) {
   std::vector<std::string> keys;
-  for (const auto& [key, place] : scene.places)
-    if (key.starts_with("contacts") || key.starts_with("material_pairs"))
-      if (key.ends_with(fmt::format(".{}", name))) keys.push_back(key);
+  for (const auto& [key, place] : setup.places)
+    if ((key.starts_with("contacts") || key.starts_with("material_pairs")) && key.ends_with("." + name))
+      keys.push_back(key);
   return keys.size() == 1 ? keys[0] : "material_pairs";
 }
 
-void check_friction(const Case& scene, Findings& findings) {
+void check_materials(const Case& setup, Findings& findings) {
   double highest = 0;
-  for (const rigid::Material& material : scene.pair_materials) highest = std::max(highest, material.friction);
-  if (highest <= most_friction) return;
-  const double angle = std::min(highest, steepest_angle) * std::numbers::pi / 180;
-  const double tangent = rigid::elementary::sin(angle) / rigid::elementary::cos(angle);
-  findings.warning(coefficient_key(scene, "friction"),
-                   "a friction is {}; of dry matter it is up to about 1: it is no angle but the tangent of "
-                   "one, {:.2f} for {} degrees",
-                   shown(highest), tangent, shown(std::min(highest, steepest_angle)));
-}
-
-void check_materials(const Case& scene, Findings& findings) {
-  for (const rigid::Material& material : scene.pair_materials) {
+  for (const rigid::Material& material : setup.pair_materials) {
+    highest = std::max(highest, material.friction);
     if (!(material.restitution >= 0 && material.restitution <= 1))
       findings.error("contacts.restitution", "a restitution is {}; it must be between 0 and 1",
                      shown(material.restitution));
-    if (!(material.friction >= 0))
-      findings.error("contacts.friction", "a friction is {}; it must be at least 0",
-                     shown(material.friction));
   }
+  if (highest <= most_friction) return;
+  const double degrees = std::min(highest, steepest_angle), angle = degrees * std::numbers::pi / 180;
+  findings.warning(coefficient_key(setup, "friction"),
+                   "a friction is {}; of dry matter it is up to about 1: it is no angle but the tangent of "
+                   "one, {:.2f} for {} degrees",
+                   shown(highest), rigid::elementary::sin(angle) / rigid::elementary::cos(angle),
+                   shown(degrees));
 }
 
-double largest_body(const Case& scene) {
+void check_margin(const Case& setup, Findings& findings) {
+  const double margin = setup.contacts.margin;
+  const double shortest = *std::min_element(setup.cells.begin(), setup.cells.end());
   double largest = 0;
-  for (const Entry& entry : entries_of(scene))
-    largest = std::max(largest, 2 * rigid::bounding_radius(scene.shapes[entry.shape]));
-  return largest;
-}
-
-void check_margin(const Case& scene, Findings& findings) {
-  const double margin = scene.contacts.margin;
-  if (margin < 0)
-    findings.error("contacts.margin", "contacts.margin is {} cells; it must be at least 0", shown(margin));
-  const double shortest = *std::min_element(scene.cells.begin(), scene.cells.end());
-  const double largest = largest_body(scene);
-  if (!scene.has_bodies() || margin <= std::max(usual_margin, largest)) return;
+  for (const Entry& entry : entries_of(setup))
+    largest = std::max(largest, 2 * rigid::bounding_radius(setup.shapes[entry.shape]));
+  if (!setup.has_bodies() || margin <= std::max(usual_margin, largest)) return;
   findings.warning("contacts.margin",
                    "contacts.margin is {}, more than the largest body ({}) and {} of the domain's shortest "
                    "side: every pair nearer than that is a contact; use {} (one cell)",
-                   shown_length(scene, margin), shown_length(scene, largest), shown(margin / shortest),
-                   shown_length(scene, usual_margin));
+                   shown_length(setup, margin), shown_length(setup, largest), shown(margin / shortest),
+                   shown_length(setup, usual_margin));
 }
 
-void check_lubrication(const Case& scene, Findings& findings) {
-  if (scene.places.count("coupling.lubrication") && scene.coupling.lubrication && !scene.has_lubrication())
+void check_lubrication(const Case& setup, Findings& findings) {
+  if (setup.places.count("coupling.lubrication") && setup.coupling.lubrication && !setup.has_lubrication())
     findings.error("coupling.lubrication",
                    "coupling.lubrication is true, but contacts.resolver is '{}', which knows no lubrication "
                    "films; set contacts.resolver = \"sffd\", or remove the key",
-                   scene.contacts.resolver);
-  const double gap = scene.coupling.lubrication_min_gap;
+                   setup.contacts.resolver);
+  const double gap = setup.coupling.lubrication_min_gap;
   if (gap > usual_margin)
     findings.warning("coupling.lubrication_min_gap",
                      "coupling.lubrication_min_gap is {}, which the lattice resolves ({} cells): it is the "
                      "height of a surface's roughness; without the key it is a thousandth of the radius",
-                     shown_length(scene, gap), shown(gap));
+                     shown_length(setup, gap), shown(gap));
 }
 
 /// A body at the top of its path must not sleep: it is slower than the speed for as long as gravity takes to
 /// give it twice that.
-void check_sleep(const Case& scene, Findings& findings) {
-  const auto rule = sleep_rule(scene);
+void check_sleep(const Case& setup, Findings& findings) {
+  const auto rule = sleep_rule(setup);
   if (!rule) return;
-  const double gravity = scene.gravity.norm();
-  if (gravity == 0 && !scene.contacts.sleep_time)
+  const double gravity = setup.gravity.norm();
+  if (gravity == 0 && !setup.contacts.sleep_time)
     findings.error("contacts.sleep_speed",
                    "there is no gravity that tells how long a body is to be slower than "
                    "contacts.sleep_speed; give contacts.sleep_time");
@@ -280,12 +253,11 @@ void check_sleep(const Case& scene, Findings& findings) {
 
 }  // namespace
 
-void find_contact_faults(const Case& scene, Findings& findings) {
-  check_materials(scene, findings);
-  check_friction(scene, findings);
-  check_margin(scene, findings);
-  check_lubrication(scene, findings);
-  check_sleep(scene, findings);
+void find_contact_faults(const Case& setup, Findings& findings) {
+  check_materials(setup, findings);
+  check_margin(setup, findings);
+  check_lubrication(setup, findings);
+  check_sleep(setup, findings);
 }
 
 }  // namespace silt::coupler

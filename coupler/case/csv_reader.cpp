@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 
@@ -139,35 +140,52 @@ std::string complaint_of_separators(View line, std::size_t fields) {
   return "";
 }
 
-/// Takes a field in quotes off the beginning of a line; false if the quote does not end.
-bool take_quoted(View& line, std::string& field) {
+/// Takes a field off the beginning of a line, without the blanks and quotes around it (RFC 4180); `quoted`
+/// holds what stood in quotes. None if a quote does not end, or something stands beside one.
+std::optional<View> take_field(View& line, std::string& quoted) {
+  line = trimmed(line);
+  const auto end = std::min(line.find(','), line.size());
+  if (!line.starts_with('"')) {
+    const View field = trimmed(line.substr(0, end));
+    line.remove_prefix(end);
+    return field;
+  }
+  quoted.clear();
   for (std::size_t at = 1; at < line.size(); ++at) {
     if (line[at] == '"' && (at + 1 == line.size() || line[at + 1] != '"')) {
       line = trimmed(line.substr(at + 1));
-      return true;
+      return line.empty() || line[0] == ',' ? std::optional<View>(quoted) : std::nullopt;
     }
-    field += line[at];
+    quoted += line[at];
     at += line[at] == '"';  // two stand for one
   }
-  return false;
+  return {};
 }
 
-/// Splits a line at its commas, takes off blanks around fields and quotes around them (RFC 4180); none if a
-/// quote does not end, or something stands beside one.
+/// Splits a line at its commas; none if one of its fields is none.
 std::optional<std::vector<std::string>> csv_fields(View line) {
   std::vector<std::string> fields;
-  for (line = trimmed(line);; line = trimmed(line)) {
-    std::string& field = fields.emplace_back();
-    if (!line.empty() && line[0] == '"') {
-      if (!take_quoted(line, field) || (!line.empty() && line[0] != ',')) return {};
-    } else {
-      const auto end = std::min(line.find(','), line.size());
-      field = trimmed(line.substr(0, end));
-      line.remove_prefix(end);
-    }
+  std::string quoted;
+  for (;; line.remove_prefix(1)) {
+    const auto field = take_field(line, quoted);
+    if (!field) return {};
+    fields.emplace_back(*field);
     if (line.empty()) return fields;
-    line.remove_prefix(1);
   }
+}
+
+/// Reads a line of so many numbers.
+bool take_numbers(View line, std::span<double> numbers) {
+  std::string quoted;
+  for (double& number : numbers) {
+    auto field = take_field(line, quoted);
+    if (!field) return false;
+    View digits = trimmed(*field);
+    const bool last = &number == &numbers.back();
+    if (!take_number(digits, number) || !digits.empty() || line.empty() != last) return false;
+    if (!last) line.remove_prefix(1);
+  }
+  return true;
 }
 
 /// The fields of a line of headings; none if a field is, or looks like, a number: 4, +.5, "'4'", nan.
@@ -175,13 +193,10 @@ std::optional<std::vector<std::string>> csv_headings(View line) {
   auto fields = csv_fields(line);
   if (!fields || !complaint_of_text(line).empty()) return {};
   const View separators = fields->size() == 1 ? " \t;|" : "\t;|";
-  bool some = false;
-  for (const std::string& field : *fields) {
+  for (const std::string& field : *fields)
     if (any_word_looks_like_number(field, separators)) return {};
-    some = some || !field.empty();
-  }
-  if (!some) return {};
-  return fields;
+  const bool all_empty = std::all_of(fields->begin(), fields->end(), std::mem_fn(&std::string::empty));
+  return all_empty ? std::nullopt : std::move(fields);
 }
 
 /// How a line differs from so many numbers with commas between them: "has semicolons between its numbers".
@@ -206,29 +221,6 @@ bool counts(std::string_view line) {
   return !text.empty() && text[0] != '#';
 }
 
-/// Reads numbers that stand as they are, without quotes.
-bool take_numbers(std::string_view text, std::span<double> numbers) {
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    text = trimmed(text);
-    if (!take_number(text, numbers[k])) return false;
-    text = trimmed(text);
-    if (k + 1 == numbers.size()) return text.empty();
-    if (text.empty() || text[0] != ',') return false;
-    text.remove_prefix(1);
-  }
-  return false;
-}
-
-bool take_numbers_of_fields(std::string_view line, std::span<double> numbers) {
-  const auto fields = csv_fields(line);
-  if (!fields || fields->size() != numbers.size()) return false;
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    std::string_view field = trimmed((*fields)[k]);
-    if (!take_number(field, numbers[k]) || !field.empty()) return false;
-  }
-  return true;
-}
-
 /// Returns the beginning of a line with what a terminal cannot show as question marks.
 std::string shown_line(std::string_view line) {
   line = trimmed(line);
@@ -249,23 +241,23 @@ std::string_view trimmed(std::string_view text) {
 }
 
 CsvReader::CsvReader(std::istream& stream) : stream_(&stream) {
-  for (const char expected : byte_order_mark) {
-    if (stream.rdbuf()->sgetc() != std::char_traits<char>::to_int_type(expected)) break;
-    stream.rdbuf()->sbumpc();
-    ++at_;
-  }
-  if (at_ != byte_order_mark.size()) at_ = 0;
-  stream.rdbuf()->pubseekpos(static_cast<std::streamoff>(at_), std::ios::in);
+  char mark[byte_order_mark.size()] = {};
+  const auto got = static_cast<std::size_t>(stream.rdbuf()->sgetn(mark, std::ssize(byte_order_mark)));
+  go_to(View(mark, got) == byte_order_mark ? got : 0);
   for (std::uint64_t begin = at_; take_line(); begin = at_, ++lines_) {
     if (!counts(line_)) continue;
-    if (auto fields = csv_headings(line_)) {
-      headings_.push_back(std::move(*fields));
-      continue;
+    auto fields = csv_headings(line_);
+    if (!fields) {
+      go_to(begin);
+      break;
     }
-    at_ = begin;
-    stream.rdbuf()->pubseekpos(static_cast<std::streamoff>(at_), std::ios::in);
-    break;
+    headings_.push_back(std::move(*fields));
   }
+}
+
+void CsvReader::go_to(std::uint64_t byte) {
+  at_ = byte;
+  stream_->rdbuf()->pubseekpos(static_cast<std::streamoff>(at_), std::ios::in);
 }
 
 bool CsvReader::take_line() {
@@ -283,15 +275,13 @@ bool CsvReader::take_line() {
 }
 
 void CsvReader::take_part(int part, int parts) {
-  std::streambuf& bytes = *stream_->rdbuf();
   const std::uint64_t head = at_;
-  const auto size = static_cast<std::uint64_t>(bytes.pubseekoff(0, std::ios::end, std::ios::in)) - head;
-  at_ = head + size * part / parts;
-  end_ = head + size * (part + 1) / parts;
+  const auto end = static_cast<std::uint64_t>(stream_->rdbuf()->pubseekoff(0, std::ios::end, std::ios::in));
+  const std::uint64_t begin = head + (end - head) * part / parts;
+  end_ = head + (end - head) * (part + 1) / parts;
   if (part > 0) lines_ = 0;
-  const bool skips = part > 0 && at_ > 0;  // the end of a line of the part before
-  if (skips) --at_;
-  bytes.pubseekpos(static_cast<std::streamoff>(at_), std::ios::in);
+  const bool skips = part > 0 && begin > 0;  // the end of a line of the part before
+  go_to(skips ? begin - 1 : begin);
   if (skips) take_line();
 }
 
@@ -304,7 +294,7 @@ bool CsvReader::next() {
 }
 
 void CsvReader::numbers(std::span<double> numbers, std::string_view must) const {
-  if (take_numbers(line_, numbers) || take_numbers_of_fields(line_, numbers)) return;
+  if (take_numbers(line_, numbers)) return;
   throw std::invalid_argument(fmt::format("is \"{}\": it {}; it must be {}", shown_line(line_),
                                           csv_complaint(line_, numbers.size()), must));
 }

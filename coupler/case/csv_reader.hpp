@@ -35,6 +35,7 @@ class CsvReader {
 
  private:
   bool take_line();
+  void go_to(std::uint64_t byte);
 
   std::istream* stream_;
   std::string line_;

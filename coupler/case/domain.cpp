@@ -58,44 +58,58 @@ constexpr std::tuple density_keys{
     Key{"density", &BoundarySpec::density, Number{dimension::density, range::above(0)},
         "density at a pressure outlet: in this method density is pressure", "the fluid's"}};
 
-void read_time_step(TableReader& units, TableReader& fluid, Case& scene) {
+/// Returns the length of a step; 0 if something is wrong with it (reported).
+double read_time_step(TableReader& units, TableReader& fluid, double cell_size) {
   const std::string given =
       units.one_of({"time_step", "relaxation_time", "max_velocity"}, true, "they fix the length of a step");
-  Units& u = scene.units;
-  if (given == "time_step") {
-    u.time_step = units.number("time_step", range::above(0)).value_or(0);
-  } else if (!given.empty() && !fluid.present()) {
+  if (given == "time_step") return units.number(given, range::above(0)).value_or(0);
+  if (given.empty()) return 0;
+  if (!fluid.present()) {
     units.fail(given, "units.{} needs a [fluid]; give units.time_step in a dry case", given);
-    u.time_step = 0;
-  } else if (given == "max_velocity") {
-    const auto velocity = units.number("max_velocity", range::above(0));
-    u.time_step = velocity ? target_lattice_velocity * u.cell_size / *velocity : 0;
-  } else if (given == "relaxation_time") {
-    if (!fluid.has("kinematic_viscosity"))
-      fluid.missing("kinematic_viscosity", "units.relaxation_time derives the time step from it");
-    const auto tau = units.number("relaxation_time", range::above(0.5));
-    const auto viscosity = fluid.number("kinematic_viscosity", range::above(0));
-    u.time_step = tau && viscosity ? (*tau - 0.5) / 3 * u.cell_size * u.cell_size / *viscosity : 0;
-  } else {
-    u.time_step = 0;
+    return 0;
   }
+  if (given == "max_velocity") {
+    const auto velocity = units.number(given, range::above(0));
+    return velocity ? target_lattice_velocity * cell_size / *velocity : 0;
+  }
+  fluid.need("kinematic_viscosity", "units.relaxation_time derives the time step from it");
+  const auto tau = units.number(given, range::above(0.5));
+  const auto viscosity = fluid.number("kinematic_viscosity", range::above(0));
+  return tau && viscosity ? (*tau - 0.5) / 3 * cell_size * cell_size / *viscosity : 0;
 }
 
-void read_si_scales(TableReader& units, TableReader& fluid, Case& scene) {
+Units read_si_scales(TableReader& units, TableReader& fluid) {
   constexpr double water = 1000;  // kg/m3
-  Units& u = scene.units;
-  u.si = true;
-  u.cell_size = 0;
+  Units u{.cell_size = 0, .si = true};
   read_keys(units, u, si_keys);
-  read_time_step(units, fluid, scene);
+  u.time_step = read_time_step(units, fluid, u.cell_size);
   if (!fluid.present()) {
     u.density = units.has("density") ? units.number("density", range::above(0)).value_or(0) : water;
-    return;
+    return u;
   }
   if (units.has("density"))
     units.fail("density", "units.density is only for cases without [fluid]; it is fluid.density");
-  if (!fluid.has("density")) fluid.missing("density", "the density of the fluid in kg/m3");
+  fluid.need("density", "the density of the fluid in kg/m3");
   u.density = fluid.number("density", range::above(0)).value_or(0);
+  return u;
+}
+
+void read_units(TableReader& root, Case& setup) {
+  TableReader units = root.table("units"), fluid = root.table("fluid");
+  read_keys(units, setup, system_keys);
+  const auto system = units.choice("system", {"si", "lattice"});
+  fluid.has("density");
+  Units u;
+  if (!system) units.judge_no_keys();
+  if (system == "si") u = read_si_scales(units, fluid);
+  if (system == "lattice")
+    if (const auto density = fluid.number("density", range::above(0)); density && *density != 1)
+      fluid.fail("density",
+                 "fluid.density is {}; in lattice units it is 1, and densities of bodies are relative to it",
+                 shown(*density));
+  ReadContext& context = root.context();
+  context.units_known = system && u.cell_size > 0 && u.time_step > 0 && u.density > 0;
+  setup.units = context.units = context.units_known ? u : Units{};
 }
 
 void read_side_name(ReadContext& context, const Node& node, const std::string& path, const Place& place,
@@ -139,17 +153,14 @@ std::optional<BoundarySpec> read_side(ReadContext& context, const Node& node, co
   return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
 }
 
-void read_axis(TableReader& boundary, int axis, Case& scene) {
+void read_axis(TableReader& boundary, int axis, Case& setup) {
   const std::string name(axis_names.names[axis]);
   const Node* node = boundary.find(name);
   if (!node) return;
   std::optional<BoundarySpec> sides[2];
   ReadContext& context = boundary.context();
   if (node->kind == Node::Kind::array) {
-    if (node->children.size() != 2) {
-      boundary.refuse(name, "\"periodic\" or two kinds, [low, high]");
-      return;
-    }
+    if (node->children.size() != 2) return boundary.refuse(name, "\"periodic\" or two kinds, [low, high]");
     for (int side = 0; side < 2; ++side)
       sides[side] =
           read_side(context, node->children[side], fmt::format("{}[{}]", boundary.path(name), side));
@@ -157,60 +168,51 @@ void read_axis(TableReader& boundary, int axis, Case& scene) {
     sides[0] = sides[1] = read_side(context, *node, boundary.path(name));
   }
   if (!sides[0] || !sides[1]) return;
-  for (int side = 0; side < 2; ++side) scene.boundary[2 * axis + side] = *sides[side];
+  for (int side = 0; side < 2; ++side) setup.boundary[2 * axis + side] = *sides[side];
   if ((sides[0]->kind == BoundaryKind::periodic) != (sides[1]->kind == BoundaryKind::periodic))
     boundary.fail(name, "{} is periodic on one side only; a periodic axis has no sides, write \"periodic\"",
                   boundary.path(name));
 }
 
-void read_boundary(TableReader& domain, Case& scene) {
+void read_boundary(TableReader& domain, Case& setup) {
   const Node* node = domain.find("boundary");
   if (node && node->kind == Node::Kind::string) {  // one kind all round
-    scene.boundary.fill(read_side(domain.context(), *node, "domain.boundary").value_or(BoundarySpec{}));
+    setup.boundary.fill(read_side(domain.context(), *node, "domain.boundary").value_or(BoundarySpec{}));
     return;
   }
   TableReader boundary = domain.table("boundary");
-  read_keys(boundary, scene, axis_keys);
-  for (int axis = 0; axis < 3; ++axis) read_axis(boundary, axis, scene);
+  read_keys(boundary, setup, axis_keys);
+  for (int axis = 0; axis < 3; ++axis) read_axis(boundary, axis, setup);
 }
 
-void read_cells(TableReader& domain, Case& scene) {
+void read_cells(TableReader& domain, Case& setup) {
   const auto size = domain.vector("size");
   if (!size || !domain.context().units_known) return;
-  const double cell = scene.units.cell_size;
-  bool whole = true;
-  rigid::Vec3 nearest;
+  const double cell = setup.units.cell_size;
+  const rigid::Vec3 cells = *size / cell, whole = cells.array().round().max(1);
   for (int d = 0; d < 3; ++d) {
-    const double cells = (*size)[d] / cell, n = std::max(1.0, std::round(cells));
-    if (cells > most_cells_an_axis) {
-      domain.fail("size", "domain.size[{}] is {} cells; at most {:.0f} are possible", d, shown(cells),
-                  most_cells_an_axis);
-      return;
-    }
-    whole = whole && std::abs(cells - n) <= cell_count_tolerance;
-    nearest[d] = n * cell;
-    scene.cells[d] = static_cast<int>(n);
+    if (cells[d] > most_cells_an_axis)
+      return domain.fail("size", "domain.size[{}] is {} cells; at most {:.0f} are possible", d,
+                         shown(cells[d]), most_cells_an_axis);
+    setup.cells[d] = static_cast<int>(whole[d]);
   }
-  if (!whole)
-    domain.fail("size",
-                "domain.size is [{}, {}, {}]; it must be whole multiples of the cell size {}, at least one; "
-                "the nearest is [{}, {}, {}]",
-                shown((*size)[0]), shown((*size)[1]), shown((*size)[2]), shown(cell), shown(nearest[0]),
-                shown(nearest[1]), shown(nearest[2]));
+  if ((cells - whole).cwiseAbs().maxCoeff() > cell_count_tolerance)
+    domain.fail(
+        "size",
+        "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the nearest "
+        "is {}",
+        shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)));
 }
 
-void read_blocks(TableReader& domain, Case& scene) {
+void read_blocks(TableReader& domain, Case& setup) {
   const Node* node = domain.find("blocks");
   if (!node || (node->kind == Node::Kind::string && node->string == "auto")) return;
-  std::array<int, 3> cells{};
-  bool good = node->kind == Node::Kind::array && node->children.size() == 3;
-  for (int d = 0; good && d < 3; ++d) {
-    const Node& n = node->children[d];
-    good = n.kind == Node::Kind::integer && n.integer > 0 && n.integer <= most_cells_an_axis;
-    if (good) cells[d] = static_cast<int>(n.integer);
-  }
+  const auto n = node->numbers(3);
+  const bool good = n && std::all_of(n->begin(), n->end(), [](double x) {
+                      return x > 0 && x <= most_cells_an_axis && x == std::floor(x);
+                    });
   if (good)
-    scene.block_cells = cells;
+    setup.block_cells = {int((*n)[0]), int((*n)[1]), int((*n)[2])};
   else
     domain.refuse("blocks", "\"auto\" or three whole numbers of cells above 0, [x, y, z]");
 }
@@ -223,77 +225,53 @@ std::vector<KeySection> domain_sections() {
           section_of("domain.boundary.x", side_keys, velocity_keys, density_keys)};
 }
 
-void read_units(TableReader& root, Case& scene) {
-  TableReader units = root.table("units"), fluid = root.table("fluid");
-  read_keys(units, scene, system_keys);
-  const auto system = units.choice("system", {"si", "lattice"});
-  fluid.has("density");
-  if (!system) units.judge_no_keys();
-  if (system == "si") {
-    read_si_scales(units, fluid, scene);
-  } else if (system == "lattice") {
-    const auto density = fluid.number("density", range::above(0));
-    if (density && *density != 1)
-      fluid.fail("density",
-                 "fluid.density is {}; in lattice units it is 1, and densities of bodies are relative to it",
-                 shown(*density));
-  }
-  Units& u = scene.units;
-  ReadContext& context = root.context();
-  context.units_known = system && u.cell_size > 0 && u.time_step > 0 && u.density > 0;
-  if (!context.units_known) u = Units{};
-  context.units = u;
-}
-
-void read_domain(TableReader& root, Case& scene) {
+void read_domain(TableReader& root, Case& setup) {
+  read_units(root, setup);  // everything after it converts
   TableReader domain = root.table("domain");
   if (!domain.present()) return;
-  read_keys(domain, scene, domain_keys);
-  read_cells(domain, scene);
-  read_boundary(domain, scene);
-  read_blocks(domain, scene);
+  read_keys(domain, setup, domain_keys);
+  read_cells(domain, setup);
+  read_boundary(domain, setup);
+  read_blocks(domain, setup);
 }
 
 namespace {
 
-std::string velocity_key(int side) {
-  return fmt::format("{}.velocity", side_key(side));
-}
-
-std::string shown_velocity(const Case& scene, const rigid::Vec3& v) {
-  const double scale = scene.units.scale(dimension::velocity);
-  return fmt::format("[{}, {}, {}]", shown(v[0] * scale), shown(v[1] * scale), shown(v[2] * scale));
-}
-
-void check_moving_wall(const Case& scene, Findings& findings, int side) {
-  const BoundarySpec& wall = scene.boundary[side];
-  check_speed(findings, velocity_key(side), wall.velocity.norm());
+void check_moving_wall(const Case& setup, Findings& findings, int side) {
+  const BoundarySpec& wall = setup.boundary[side];
+  const std::string key = fmt::format("{}.velocity", side_key(side));
+  check_speed(findings, key, wall.velocity.norm());
   if (std::abs(wall.velocity[side / 2]) > 0)
-    findings.error(velocity_key(side),
+    findings.error(key,
                    "{} moves through itself: the velocity of a moving wall must have no component along {}",
                    side_key(side), "xyz"[side / 2]);
 }
 
-void check_inlet(const Case& scene, Findings& findings, int side) {
-  const rigid::Vec3& velocity = scene.boundary[side].velocity;
-  check_speed(findings, velocity_key(side), velocity.norm());
-  const double inwards = side % 2 == 0 ? velocity[side / 2] : -velocity[side / 2];
-  if (inwards > 0) return;
+void check_inlet(const Case& setup, Findings& findings, int side) {
+  const rigid::Vec3& velocity = setup.boundary[side].velocity;
+  const std::string key = fmt::format("{}.velocity", side_key(side));
+  const int axis = side / 2;
+  check_speed(findings, key, velocity.norm());
+  const double inwards = side % 2 == 0 ? velocity[axis] : -velocity[axis];
+  const auto shown_velocity = [&](const rigid::Vec3& v) {
+    return shown(rigid::Vec3(v * setup.units.scale(dimension::velocity)));
+  };
   rigid::Vec3 turned = velocity;
-  turned[side / 2] = -turned[side / 2];
-  findings.warning(
-      velocity_key(side),
-      inwards < 0
-          ? fmt::format("{} is {}, which points out of the domain: fluid leaves there; for an inlet use "
-                        "velocity = {}",
-                        velocity_key(side), shown_velocity(scene, velocity), shown_velocity(scene, turned))
-          : fmt::format("{} is {}, of which nothing goes along {}: no fluid comes in; for a wall that moves "
-                        "along itself use type = \"moving\"",
-                        velocity_key(side), shown_velocity(scene, velocity), "xyz"[side / 2]));
+  turned[axis] = -turned[axis];
+  if (inwards < 0)
+    findings.warning(
+        key, "{} is {}, which points out of the domain: fluid leaves there; for an inlet use velocity = {}",
+        key, shown_velocity(velocity), shown_velocity(turned));
+  else if (inwards == 0)
+    findings.warning(
+        key,
+        "{} is {}, of which nothing goes along {}: no fluid comes in; for a wall that moves along itself use "
+        "type = \"moving\"",
+        key, shown_velocity(velocity), "xyz"[axis]);
 }
 
-void check_outlet(const Case& scene, Findings& findings, int side) {
-  const double density = scene.boundary[side].density;
+void check_outlet(const Case& setup, Findings& findings, int side) {
+  const double density = setup.boundary[side].density;
   if (density > 0.5 && density < 1.5) return;
   findings.error(fmt::format("{}.density", side_key(side)),
                  "{}.density is {} times the fluid's; it must be between 0.5 and 1.5: in this method density "
@@ -301,50 +279,28 @@ void check_outlet(const Case& scene, Findings& findings, int side) {
                  side_key(side), shown(density));
 }
 
-void check_flows(const Case& scene, Findings& findings) {
+void check_flows(const Case& setup, Findings& findings) {
   int inlet = -1;
   bool outlet = false;
   for (int side = 0; side < 6; ++side) {
-    const BoundaryKind kind = scene.boundary[side].kind;
-    if (kind == BoundaryKind::moving) check_moving_wall(scene, findings, side);
-    if (kind == BoundaryKind::velocity_inlet) check_inlet(scene, findings, inlet = side);
-    if (kind == BoundaryKind::pressure_outlet) check_outlet(scene, findings, side), outlet = true;
+    const BoundaryKind kind = setup.boundary[side].kind;
+    const bool is_inlet = kind == BoundaryKind::velocity_inlet,
+               is_outlet = kind == BoundaryKind::pressure_outlet;
+    if (!setup.fluid && (is_inlet || is_outlet))
+      findings.warning(
+          side_key(side),
+          "{} is \"{}\", but the case has no [fluid]: bodies meet it as a wall; write \"no-slip\"",
+          side_key(side), boundary_names[kind]);
+    if (!setup.fluid) continue;
+    if (kind == BoundaryKind::moving) check_moving_wall(setup, findings, side);
+    if (is_inlet) check_inlet(setup, findings, inlet = side);
+    if (is_outlet) check_outlet(setup, findings, side), outlet = true;
   }
   if (inlet >= 0 && !outlet)
     findings.error(side_key(inlet),
                    "{} is a velocity-inlet, but no side is a pressure-outlet: the density would grow without "
                    "end; make one side \"pressure-outlet\"",
                    side_key(inlet));
-}
-
-/// A flow needs a fluid.
-void check_dry_sides(const Case& scene, Findings& findings) {
-  for (int side = 0; side < 6; ++side) {
-    const BoundaryKind kind = scene.boundary[side].kind;
-    if (kind == BoundaryKind::velocity_inlet || kind == BoundaryKind::pressure_outlet)
-      findings.warning(
-          side_key(side),
-          "{} is \"{}\", but the case has no [fluid]: bodies meet it as a wall; write \"no-slip\"",
-          side_key(side), boundary_names[kind]);
-  }
-}
-
-constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
-
-void check_domain(const Case& scene, Findings& findings) {
-  for (int d = 0; d < 3; ++d) {
-    if (scene.cells[d] < 1)
-      findings.error("domain.size", "the domain has {} cells along {}; it must have at least 1",
-                     scene.cells[d], "xyz"[d]);
-    if (!scene.block_cells) continue;
-    const int block = (*scene.block_cells)[d];
-    if (block < std::min(thinnest_block, scene.cells[d]))
-      findings.error("domain.blocks", "domain.blocks[{}] is {}; it must be at least {} cells", d, block,
-                     thinnest_block);
-    else if (block > scene.cells[d])
-      findings.warning("domain.blocks", "domain.blocks[{}] is {} cells; the domain has only {} along {}", d,
-                       block, scene.cells[d], "xyz"[d]);
-  }
 }
 
 }  // namespace
@@ -355,18 +311,18 @@ const char* side_key(int side) {
   return keys[side];
 }
 
-void find_domain_faults(const Case& scene, Findings& findings) {
-  check_domain(scene, findings);
-  for (int d = 0; d < 3; ++d)
-    if ((scene.boundary[2 * d].kind == BoundaryKind::periodic) !=
-        (scene.boundary[2 * d + 1].kind == BoundaryKind::periodic))
-      findings.error(fmt::format("domain.boundary.{}", "xyz"[d]),
-                     "domain.boundary.{} is periodic on one side only; a periodic axis has no sides",
-                     "xyz"[d]);
-  if (scene.fluid)
-    check_flows(scene, findings);
-  else
-    check_dry_sides(scene, findings);
+void find_domain_faults(const Case& setup, Findings& findings) {
+  constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
+  for (int d = 0; setup.block_cells && d < 3; ++d) {
+    const int block = (*setup.block_cells)[d];
+    if (block < std::min(thinnest_block, setup.cells[d]))
+      findings.error("domain.blocks", "domain.blocks[{}] is {}; it must be at least {} cells", d, block,
+                     thinnest_block);
+    else if (block > setup.cells[d])
+      findings.warning("domain.blocks", "domain.blocks[{}] is {} cells; the domain has only {} along {}", d,
+                       block, setup.cells[d], "xyz"[d]);
+  }
+  check_flows(setup, findings);
 }
 
 }  // namespace silt::coupler

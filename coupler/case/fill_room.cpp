@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
-#include "coupler/case/counter_random.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -15,24 +13,23 @@ namespace silt::coupler {
 
 using rigid::Vec3;
 
-CurvedWalls::CurvedWalls(const Case& scene) {
-  for (const CurvedWall& wall : scene.walls)
+CurvedWalls::CurvedWalls(const Case& setup) {
+  for (const CurvedWall& wall : setup.walls)
     if (const auto* hollow = wall.hollow())
-      hollows_.push_back({hollow->shape, hollow->pose()});
+      hollows_.emplace_back(hollow->shape, hollow->pose());
     else if (const auto* mesh = wall.mesh())
-      meshes_.push_back({mesh->mesh, mesh->pose(0)});
+      meshes_.emplace_back(mesh->mesh, mesh->pose(0));
 }
 
 bool CurvedWalls::are_clear_of(const Vec3& centre, double radius) const {
-  const auto clear_of_mesh = [&](const Placed<rigid::Mesh>& wall) {
-    const Vec3 x = wall.pose.to_body(centre);
-    return wall.shape.surface->nearest(x, radius).distance >= radius && !wall.shape.contains(x);
-  };
-  const auto clear_of_hollow = [&](const Placed<rigid::HollowShape>& wall) {
-    return rigid::gap_in_hollow(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, wall.shape,
-                                wall.pose) >= 0;
-  };
-  return std::ranges::all_of(hollows_, clear_of_hollow) && std::ranges::all_of(meshes_, clear_of_mesh);
+  for (const auto& [hollow, pose] : hollows_)
+    if (rigid::gap_in_hollow(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, hollow, pose) < 0)
+      return false;
+  for (const auto& [mesh, pose] : meshes_)
+    if (const Vec3 x = pose.to_body(centre);
+        mesh.surface->nearest(x, radius).distance < radius || mesh.contains(x))
+      return false;
+  return true;
 }
 
 double CurvedWalls::share_left(const rigid::BoundingBox& room, double radius) const {
@@ -49,28 +46,28 @@ double CurvedWalls::share_left(const rigid::BoundingBox& room, double radius) co
 
 namespace {
 
-[[noreturn]] void refuse(const Case& scene, std::size_t fill, int axis, double radius,
+[[noreturn]] void refuse(const Case& setup, std::size_t fill, int axis, double radius,
                          const std::string& why) {
   throw CaseError(
-      scene.place(fmt::format("fill[{}].box", fill)),
+      setup.place(fmt::format("fill[{}].box", fill)),
       fmt::format(
           "fill[{}]: bodies of {} cells ({}) do not fit along {}: {}; enlarge it or make the bodies smaller",
-          fill, shown(2 * radius), shown(scene.units.physical(2 * radius, dimension::length)), "xyz"[axis],
+          fill, shown(2 * radius), shown(setup.units.physical(2 * radius, dimension::length)), "xyz"[axis],
           why));
 }
 
 }  // namespace
 
-rigid::BoundingBox room_for_centres(const Case& scene, std::size_t index, double radius) {
-  const FillSpec& fill = scene.fills[index];
-  const rigid::Extent extent = extent_of(scene);
-  rigid::BoundingBox room{fill.lower, fill.upper};
+rigid::BoundingBox room_for_centres(const Case& setup, std::size_t index, double radius) {
+  const FillSpec& fill = setup.fills[index];
+  const rigid::Extent extent = extent_of(setup);
+  rigid::BoundingBox room = fill.box;
   for (int d = 0; d < 3; ++d) {
     double &lower = room.lower[d], &upper = room.upper[d];
     const double length = extent.size[d];
     const bool whole = lower <= 0 && upper >= length;
     if (extent.periodic[d] && 2 * radius + fill.gap > length)
-      refuse(scene, index, d, radius, fmt::format("the periodic axis is {} cells long", shown(length)));
+      refuse(setup, index, d, radius, fmt::format("the periodic axis is {} cells long", shown(length)));
     if (extent.periodic[d] && whole) {
       lower = 0;
       upper = length;
@@ -79,7 +76,7 @@ rigid::BoundingBox room_for_centres(const Case& scene, std::size_t index, double
     lower = extent.periodic[d] ? lower + radius : std::max(lower + radius, radius + fill.gap);
     upper = extent.periodic[d] ? upper - radius : std::min(upper - radius, length - radius - fill.gap);
     if (lower > upper)
-      refuse(scene, index, d, radius,
+      refuse(setup, index, d, radius,
              fmt::format("the box less the gaps to its walls is {} cells wide",
                          shown(std::max(0., upper - lower + 2 * radius))));
   }
@@ -104,8 +101,8 @@ Pattern pattern_of(Arrangement arrangement) {
 }  // namespace
 
 Lattice::Lattice(const rigid::BoundingBox& room, const rigid::Extent& extent, Arrangement arrangement,
-                 double spacing, std::uint64_t stream)
-    : arrangement_(arrangement), room_(room), stream_(stream) {
+                 double spacing, std::uint64_t key)
+    : arrangement_(arrangement), room_(room), key_(key) {
   const Pattern pattern = pattern_of(arrangement);
   const double factors[3] = {1, pattern.rows, pattern.layers};
   for (int d = 0; d < 3; ++d) {
@@ -125,7 +122,7 @@ Lattice::Lattice(const rigid::BoundingBox& room, const rigid::Extent& extent, Ar
 std::array<double, 2> Lattice::layer_offset(std::int64_t layer) const {
   if (arrangement_ == Arrangement::hexagonal && layer % 2 != 0) return {step_[0] / 2, step_[1] / 3};
   if (arrangement_ != Arrangement::layers) return {0, 0};
-  CounterRandom random(mixed(stream_ ^ mixed(static_cast<std::uint64_t>(layer))));
+  CounterRandom random(mixed(key_ ^ mixed(static_cast<std::uint64_t>(layer))));
   const double x = random.uniform(), y = random.uniform();
   return {x * step_[0], y * step_[1]};
 }
@@ -145,24 +142,24 @@ bool Lattice::in_room(const rigid::Vec3& site) const {
   return true;
 }
 
-Lattice lattice_of(const Case& scene, FillApplication application, double radius) {
+Lattice lattice_of(const Case& setup, FillApplication application, double radius) {
   const std::size_t index = application.fill;
-  const FillSpec& fill = scene.fills[index];
-  const rigid::Extent extent = extent_of(scene);
+  const FillSpec& fill = setup.fills[index];
+  const rigid::Extent extent = extent_of(setup);
   const double least = 2 * radius + fill.gap + 2 * fill.shift;
   const double spacing = fill.spacing > 0 ? fill.spacing : least;
   if (spacing < least * (1 - rounding))
-    throw CaseError(scene.place(fmt::format("fill[{}].spacing", index)),
+    throw CaseError(setup.place(fmt::format("fill[{}].spacing", index)),
                     fmt::format("fill[{}].spacing is {}; it must be at least {}: the diameter of a body's "
                                 "bounding sphere, the gap and twice the shift",
-                                index, shown_length(scene, spacing), shown_length(scene, least)));
-  rigid::BoundingBox room = room_for_centres(scene, index, radius);
+                                index, shown_length(setup, spacing), shown_length(setup, least)));
+  rigid::BoundingBox room = room_for_centres(setup, index, radius);
   for (int d = 0; d < 3; ++d) {
     if (extent.periodic[d] && room.upper[d] - room.lower[d] >= extent.size[d]) continue;
     room.lower[d] += fill.shift;
     room.upper[d] -= fill.shift;
   }
-  return Lattice(room, extent, fill.arrangement, spacing, mixed(fill.seed) ^ mixed(~application.stream()));
+  return Lattice(room, extent, fill.arrangement, spacing, application.key(fill));
 }
 
 }  // namespace silt::coupler

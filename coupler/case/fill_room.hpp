@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/counter_random.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/shapes/bounding_box.hpp"
 #include "rigid/shapes/hollow_shape.hpp"
@@ -15,8 +16,6 @@
 
 namespace silt::coupler {
 
-struct Case;
-
 /// Which fill is applied, and how often it has been before.
 struct FillApplication {
   std::size_t fill;
@@ -24,8 +23,8 @@ struct FillApplication {
 
   FillApplication(std::size_t fill, std::uint64_t number = 0) : fill(fill), number(number) {}
   bool is_first() const { return number == 0; }
-  /// Tells the random numbers of one application from those of any other of the same seed.
-  std::uint64_t stream() const { return fill | number << 24; }
+  /// Of its random numbers: none of them is one of another application, whatever the seeds.
+  std::uint64_t key(const FillSpec& spec) const { return mixed(spec.seed) ^ mixed(~(fill | number << 24)); }
 };
 
 /// The curved walls of a case at the start, as what is to be placed meets them.
@@ -40,13 +39,8 @@ class CurvedWalls {
   bool empty() const { return hollows_.empty() && meshes_.empty(); }
 
  private:
-  template <class Shape>
-  struct Placed {
-    Shape shape;
-    rigid::Pose pose;
-  };
-  std::vector<Placed<rigid::HollowShape>> hollows_;
-  std::vector<Placed<rigid::Mesh>> meshes_;
+  std::vector<std::pair<rigid::HollowShape, rigid::Pose>> hollows_;
+  std::vector<std::pair<rigid::Mesh, rigid::Pose>> meshes_;
 };
 
 /// Returns the box of a fill less a radius, and less the gap too where a side of the box is a wall; all of
@@ -61,7 +55,7 @@ class Lattice {
   using Index = std::array<std::int64_t, 3>;
   /// spacing: distance of neighbours, at least. room: for sites.
   Lattice(const rigid::BoundingBox& room, const rigid::Extent&, Arrangement, double spacing,
-          std::uint64_t stream);
+          std::uint64_t key);
 
   const Index& sites() const { return count_; }
   std::uint64_t total() const { return static_cast<std::uint64_t>(count_[0] * count_[1] * count_[2]); }
@@ -81,7 +75,7 @@ class Lattice {
 
   Arrangement arrangement_;
   rigid::BoundingBox room_;
-  std::uint64_t stream_;
+  std::uint64_t key_;
   Index count_{};
   std::array<double, 3> first_{}, step_{};
   std::array<bool, 3> round_{};

@@ -5,37 +5,37 @@
 #include <algorithm>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/derived_table.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/limits.hpp"
 
 namespace silt::coupler {
 
-double fastest_given(const Case& scene) {
-  double fastest = scene.fluid ? scene.fluid->initial.largest_speed() : 0;
-  for (const BoundarySpec& side : scene.boundary) fastest = std::max(fastest, side.velocity.norm());
-  for (const Entry& entry : entries_of(scene)) fastest = std::max(fastest, entry.velocity.norm());
+double fastest_given(const Case& setup) {
+  double fastest = setup.fluid ? setup.fluid->initial.largest_speed() : 0;
+  for (const BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.velocity.norm());
+  for (const Entry& entry : entries_of(setup)) fastest = std::max(fastest, entry.velocity.norm());
   return fastest;
 }
 
-double cell_reynolds(const Case& scene) {
-  return fastest_given(scene) / scene.fluid->kinematic_viscosity;
+double cell_reynolds(const Case& setup) {
+  return fastest_given(setup) / setup.fluid->kinematic_viscosity;
 }
 
 double measured_reynolds(lbm::Collision model) {
   return lbm::model_of(model).lasts_to;
 }
 
-void choose_collision(Case& scene) {
-  if (!scene.fluid || !scene.fluid->collision_by_scene) return;
-  const bool fast = cell_reynolds(scene) > measured_reynolds(lbm::Collision::trt);
-  scene.fluid->collision = fast ? lbm::Collision::regularised : lbm::Collision::trt;
+void choose_collision(Case& setup) {
+  if (!setup.fluid || !setup.fluid->collision_by_scene) return;
+  const bool fast = cell_reynolds(setup) > measured_reynolds(lbm::Collision::trt);
+  setup.fluid->collision = fast ? lbm::Collision::regularised : lbm::Collision::trt;
 }
 
-std::string collision_reason(const Case& scene) {
-  if (!scene.fluid->collision_by_scene) return "given";
-  return fmt::format("auto: u/nu = {}, trt lasts to {}", shown(cell_reynolds(scene)),
+std::string collision_reason(const Case& setup) {
+  if (!setup.fluid->collision_by_scene) return "given";
+  return fmt::format("auto: u/nu = {}, trt lasts to {}", shown(cell_reynolds(setup)),
                      shown(measured_reynolds(lbm::Collision::trt)));
 }
 
@@ -127,22 +127,23 @@ void read_initial(TableReader initial, InitialSpec& spec) {
   if (spec.type != InitialFlow::rest) read_keys(initial, spec, stream_keys);
 }
 
-void read_coupling(TableReader& root, Case& scene) {
+void read_coupling(TableReader& root, Case& setup) {
   TableReader table = root.table("coupling");
-  if (table.present() && !scene.fluid)
+  if (table.present() && !setup.fluid)
     root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
-  read_keys(table, scene.coupling, coupling_keys);
-  if (table.has("lubrication_min_gap") && !scene.coupling.lubrication)
+  read_keys(table, setup.coupling, coupling_keys);
+  if (table.has("lubrication_min_gap") && !setup.coupling.lubrication)
     table.fail("lubrication_min_gap", "{} is given, but {} is false; remove one of them",
                table.path("lubrication_min_gap"), table.path("lubrication"));
 }
 
 void read_collision(TableReader& fluid, FluidSpec& spec) {
-  std::vector<std::string> names = collision_names.list();
+  std::vector<std::string> names;
+  for (const lbm::CollisionModel& known : lbm::collision_models) names.emplace_back(known.name);
   names.emplace_back("auto");
   const std::optional<std::string> chosen = fluid.choice("collision", names);
   spec.collision_by_scene = chosen == "auto";
-  const auto place = std::find(names.begin(), names.end() - 1, chosen.value_or("trt")) - names.begin();
+  const auto place = std::find(names.begin(), names.end(), chosen.value_or("trt")) - names.begin();
   if (!spec.collision_by_scene) spec.collision = static_cast<lbm::Collision>(place);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
   if (fluid.has("smagorinsky") && !model.has_eddies() && !spec.collision_by_scene)
@@ -172,22 +173,22 @@ std::vector<KeySection> fluid_sections() {
           section_of("gravity", gravity_keys), section_of("coupling", coupling_keys)};
 }
 
-void read_fluid(TableReader& root, Case& scene) {
+void read_fluid(TableReader& root, Case& setup) {
   TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
   if (fluid.present()) {
-    FluidSpec& spec = scene.fluid.emplace();
+    FluidSpec& spec = setup.fluid.emplace();
     read_keys(fluid, spec, fluid_keys);
     read_viscosity(fluid, spec);
     read_collision(fluid, spec);
     read_initial(fluid.table("initial"), spec.initial);
   }
-  read_keys(gravity, scene, gravity_keys);
-  read_coupling(root, scene);
-  if (!scene.fluid) return;
+  read_keys(gravity, setup, gravity_keys);
+  read_coupling(root, setup);
+  if (!setup.fluid) return;
   const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
-  const double best = surfaces ? lbm::best_magic(scene.coupling.wall_scheme, scene.fluid->relaxation_time)
-                               : scene.fluid->magic;
-  scene.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
+  const double best = surfaces ? lbm::best_magic(setup.coupling.wall_scheme, setup.fluid->relaxation_time)
+                               : setup.fluid->magic;
+  setup.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
 }
 
 namespace {
@@ -197,43 +198,40 @@ constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, h
 constexpr double most_relaxation = 1e4, usual_relaxation = 1;
 constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
 constexpr double most_magic = 1e3;
-// m2/s: of fluids from liquid metal to honey
-constexpr double thinnest = 5e-8, thickest = 0.5;
+constexpr double most_cells = 1e13;                // far beyond the largest machines: a slip of the pen
+constexpr double thinnest = 5e-8, thickest = 0.5;  // m2/s: of fluids from liquid metal to honey
 
-const char* viscosity_key(const Case& scene) {
-  return scene.fluid->kinematic_viscosity > 0 && scene.places.count("fluid.kinematic_viscosity")
-             ? "fluid.kinematic_viscosity"
-             : "fluid.relaxation_time";
+const char* viscosity_key(const Case& setup) {
+  return setup.places.count("fluid.kinematic_viscosity") ? "fluid.kinematic_viscosity"
+                                                         : "fluid.relaxation_time";
 }
 
 /// How to get a relaxation time of 1.
-std::string shorter_steps(const Case& scene) {
-  const double factor = (usual_relaxation - 0.5) / (scene.fluid->relaxation_time - 0.5);
-  if (scene.units.si && scene.places.count("fluid.kinematic_viscosity")) return time_step_cure(scene, factor);
-  const bool time = scene.places.count("fluid.relaxation_time");
-  return fmt::format("use {} = {}", viscosity_key(scene),
-                     shown(time ? usual_relaxation : factor * scene.fluid->kinematic_viscosity));
+std::string shorter_steps(const Case& setup) {
+  const double factor = (usual_relaxation - 0.5) / (setup.fluid->relaxation_time - 0.5);
+  if (!setup.places.count("fluid.kinematic_viscosity"))
+    return fmt::format("use {} = {}", viscosity_key(setup), shown(usual_relaxation));
+  return setup.units.si ? time_step_cure(setup, factor)
+                        : fmt::format("use {} = {}", viscosity_key(setup),
+                                      shown(factor * setup.fluid->kinematic_viscosity));
 }
 
-void check_thick(const Case& scene, Findings& findings, double tau) {
-  const std::string found = fmt::format("the relaxation time is {}", shown(tau));
+void check_thick(const Case& setup, Findings& findings, double tau) {
+  const std::string found = fmt::format("the relaxation time is {}", shown(tau)), cure = shorter_steps(setup);
+  const std::string factor = shown(rounded_up((tau - 0.5) / (usual_relaxation - 0.5)));
   const std::string doubt =
-      tau > high_relaxation
-          ? fmt::format(
-                ", and if the viscosity is meant, it is too large for this time step by a factor of {}",
-                shown(rounded_up((tau - 0.5) / (usual_relaxation - 0.5))))
-          : "";
+      ", and if the viscosity is meant, it is too large for this time step by a factor of " + factor;
   if (tau > most_relaxation)
-    findings.error(viscosity_key(scene), "{}; at most {} is possible: {}{}", found, shown(most_relaxation),
-                   shorter_steps(scene), doubt);
+    findings.error(viscosity_key(setup), "{}; at most {} is possible: {}{}", found, shown(most_relaxation),
+                   cure, doubt);
   else
-    findings.warning(viscosity_key(scene), "{}; above {} walls and slow flow lose accuracy: {}{}", found,
-                     doubtful_relaxation_high, shorter_steps(scene), doubt);
+    findings.warning(viscosity_key(setup), "{}; above {} walls and slow flow lose accuracy: {}{}", found,
+                     doubtful_relaxation_high, cure, tau > high_relaxation ? doubt : "");
 }
 
-void check_relaxation(const Case& scene, Findings& findings) {
-  const double tau = scene.fluid->relaxation_time;
-  const char* key = viscosity_key(scene);
+void check_viscosity(const Case& setup, Findings& findings) {
+  const double tau = setup.fluid->relaxation_time;
+  const char* key = viscosity_key(setup);
   if (!(tau > 0.5))
     findings.error(key, "the relaxation time is {}; it must be above 0.5 (a viscosity above 0)", shown(tau));
   else if (tau - 0.5 < least_measured)
@@ -241,73 +239,56 @@ void check_relaxation(const Case& scene, Findings& findings) {
                      "the relaxation time is 0.5 + {}; no collision model was measured below 0.5 + {}: the "
                      "viscosity is too small for these cells by a factor of {}",
                      shown(tau - 0.5), least_measured, shown(rounded_up(least_measured / (tau - 0.5))));
-  else if (tau < doubtful_relaxation_low && !lbm::model_of(scene.fluid->collision).has_eddies())
+  else if (tau < doubtful_relaxation_low && !lbm::model_of(setup.fluid->collision).has_eddies())
     findings.warning(key,
                      "the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
                      "\"regularised\", smaller cells, a longer time step or a higher viscosity",
                      shown(tau), doubtful_relaxation_low);
   else if (tau > doubtful_relaxation_high)
-    check_thick(scene, findings, tau);
+    check_thick(setup, findings, tau);
+  const double found = setup.units.physical(setup.fluid->kinematic_viscosity, dimension::viscosity);
+  if (setup.units.si && !(found >= thinnest && found <= thickest))
+    findings.warning(key,
+                     "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick "
+                     "syrup), water has 1e-06, which is 1 mm2/s",
+                     shown(found), shown(thinnest), shown(thickest));
 }
 
-void check_viscosity(const Case& scene, Findings& findings) {
-  const double found = scene.units.physical(scene.fluid->kinematic_viscosity, dimension::viscosity);
-  if (!scene.units.si || (found >= thinnest && found <= thickest)) return;
-  findings.warning(viscosity_key(scene),
-                   "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick syrup), "
-                   "water has 1e-06, which is 1 mm2/s",
-                   shown(found), shown(thinnest), shown(thickest));
-}
-
-void check_cell_reynolds(const Case& scene, Findings& findings) {
-  const lbm::Collision model = scene.fluid->collision;
-  const double found = cell_reynolds(scene), measured = measured_reynolds(model);
+void check_collision(const Case& setup, Findings& findings) {
+  const lbm::CollisionModel& model = lbm::model_of(setup.fluid->collision);
+  const double found = cell_reynolds(setup), measured = measured_reynolds(setup.fluid->collision);
   if (found > measured)
     findings.warning("fluid.collision",
                      "the cell Reynolds number u/nu is {} at the largest speed given; {} was measured to "
                      "last up to {} (scripts/stability): use {}smaller cells",
-                     shown(found), lbm::model_of(model).name, shown(measured),
-                     lbm::model_of(model).has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
+                     shown(found), model.name, shown(measured),
+                     model.has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
+  if (setup.fluid->magic > most_magic)
+    findings.error("fluid.magic", "fluid.magic is {}; at most {} is possible: 0.25 is usual",
+                   shown(setup.fluid->magic), shown(most_magic));
 }
 
-void check_cells(const Case& scene, Findings& findings) {
-  constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
-  const double cells = 1. * scene.cells[0] * scene.cells[1] * scene.cells[2];
-  if (cells > most_cells)
-    findings.error("domain.size", "the domain has {} cells; at most {} are possible: use larger cells",
-                   shown(cells), shown(most_cells));
-}
-
-void check_magic(const Case& scene, Findings& findings) {
-  const double magic = scene.fluid->magic;
-  if (!(magic > 0)) findings.error("fluid.magic", "fluid.magic is {}; it must be above 0", shown(magic));
-  if (magic > most_magic)
-    findings.error("fluid.magic", "fluid.magic is {}; at most {} is possible: 0.25 is usual", shown(magic),
-                   shown(most_magic));
-}
-
-void check_initial(const Case& scene, Findings& findings) {
-  const InitialSpec& initial = scene.fluid->initial;
-  if (initial.type == InitialFlow::taylor_green_3d &&
-      (scene.cells[0] != scene.cells[1] || scene.cells[1] != scene.cells[2]))
+void check_initial(const Case& setup, Findings& findings) {
+  const InitialSpec& initial = setup.fluid->initial;
+  const auto& n = setup.cells;
+  if (initial.type == InitialFlow::taylor_green_3d && (n[0] != n[1] || n[1] != n[2]))
     findings.error("fluid.initial.type",
                    "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
                    "domain.size the same along x, y and z");
-  if (initial.type != InitialFlow::rest)
-    check_speed(findings, "fluid.initial.velocity", initial.largest_speed());
-  if (initial.noise > 0) check_speed(findings, "fluid.initial.noise", initial.noise);
+  check_speed(findings, "fluid.initial.velocity", initial.largest_speed());
+  check_speed(findings, "fluid.initial.noise", initial.noise);
 }
 
 }  // namespace
 
-void find_fluid_faults(const Case& scene, Findings& findings) {
-  if (!scene.fluid) return;
-  check_cells(scene, findings);
-  check_relaxation(scene, findings);
-  check_viscosity(scene, findings);
-  check_cell_reynolds(scene, findings);
-  check_magic(scene, findings);
-  check_initial(scene, findings);
+void find_fluid_faults(const Case& setup, Findings& findings) {
+  if (!setup.fluid) return;
+  if (setup.volume() > most_cells)
+    findings.error("domain.size", "the domain has {} cells; at most {} are possible: use larger cells",
+                   shown(setup.volume()), shown(most_cells));
+  check_viscosity(setup, findings);
+  check_collision(setup, findings);
+  check_initial(setup, findings);
 }
 
 }  // namespace silt::coupler

@@ -1,10 +1,12 @@
 #pragma once
-// The fluid: the table [fluid] of a case, and which collision model lasts in a scene, by what was measured
-// (scripts/stability).
+// The fluid: the tables [fluid] and [coupling] of a case, and which collision model lasts in a scene, by what
+// was measured (scripts/stability).
 #include <string>
 
 #include "coupler/case/name_table.hpp"
 #include "lbm/collision_model.hpp"
+#include "lbm/force_form.hpp"
+#include "lbm/wall_scheme.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
@@ -51,6 +53,34 @@ struct FluidSpec {
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
   InitialSpec initial;
+};
+
+// How fluid and bodies are coupled: the table [coupling].
+
+using lbm::WallScheme;
+inline constexpr NameTable<WallScheme, lbm::wall_scheme_names.size()> wall_scheme_names{
+    lbm::wall_scheme_names};
+
+enum class TimeCoupling { explicit_, implicit_ };
+inline constexpr auto time_coupling_names = names_of<TimeCoupling>("explicit", "implicit");
+
+enum class Refill { equilibrium, grad };
+inline constexpr auto refill_names = names_of<Refill>("equilibrium", "grad");
+
+using lbm::ForceForm;
+inline constexpr NameTable<ForceForm, lbm::force_form_names.size()> force_form_names{lbm::force_form_names};
+
+struct CouplingSpec {
+  WallScheme wall_scheme = WallScheme::multireflection;
+  TimeCoupling time = TimeCoupling::implicit_;
+  Refill refill = Refill::grad;
+  ForceForm force = ForceForm::galilean;
+  bool mass_correction = true;
+  /// How far, in cells, a surface may be from where its cells were found; mapping/mapping_poses.hpp. At most
+  /// 0.4: holders of a body that is more than 1/2 from there might not know of it (exchange/holders.hpp).
+  double remap_tolerance = 0.1;
+  bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
+  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
 };
 
 /// Returns the largest speed that a case gives anything: sides, bodies, the fluid at the start; lattice

@@ -20,6 +20,13 @@ double second_digit(double x) {
   return std::pow(10, std::floor(std::log10(x)) - 1);
 }
 
+/// The key by which a case gives the length of a step.
+std::string time_step_key(const Case& setup) {
+  for (const char* key : {"units.relaxation_time", "units.max_velocity"})
+    if (setup.places.count(key)) return key;
+  return "units.time_step";
+}
+
 }  // namespace
 
 double rounded_down(double x) {
@@ -30,43 +37,37 @@ double rounded_up(double x) {
   return std::ceil(x / second_digit(x) - digit_rounding) * second_digit(x);
 }
 
-std::string time_step_key(const Case& scene) {
-  for (const char* key : {"units.relaxation_time", "units.max_velocity"})
-    if (scene.places.count(key)) return key;
-  return "units.time_step";
-}
-
-std::string time_step_cure(const Case& scene, double factor) {
-  if (!scene.units.si) return "";
-  const std::string key = time_step_key(scene);
-  const double old = scene.units.time_step, excess = scene.fluid ? scene.fluid->relaxation_time - 0.5 : 0;
+std::string time_step_cure(const Case& setup, double factor) {
+  if (!setup.units.si) return "";
+  const std::string key = time_step_key(setup);
+  const double old = setup.units.time_step, excess = setup.fluid ? setup.fluid->relaxation_time - 0.5 : 0;
   if (key == "units.relaxation_time")
     return fmt::format("use {} = {}", key, shown(0.5 + rounded_down(factor * excess)));
   const double step = rounded_down(factor * old);
   constexpr double target = 0.05;  // cells a step: what units.max_velocity becomes
-  const double value = key == "units.max_velocity" ? rounded_up(target * scene.units.cell_size / step) : step;
-  const bool follows = scene.fluid && scene.places.count("fluid.kinematic_viscosity");
+  const double value = key == "units.max_velocity" ? rounded_up(target * setup.units.cell_size / step) : step;
+  const bool follows = setup.fluid && setup.places.count("fluid.kinematic_viscosity");
   return fmt::format("use {} = {}{}", key, shown(value),
                      follows ? fmt::format(" (relaxation time {:.3g})", 0.5 + excess * step / old) : "");
 }
 
-std::string shorter_step(const Case& scene) {
-  if (!scene.units.si) return "";
-  const std::string key = time_step_key(scene);
+std::string shorter_step(const Case& setup) {
+  if (!setup.units.si) return "";
+  const std::string key = time_step_key(setup);
   return fmt::format("a {} {}", key == "units.max_velocity" ? "larger" : "smaller", key);
 }
 
-std::string in_metres_a_second(const Case& scene, double speed) {
-  if (!scene.units.si) return "";
-  return fmt::format(" ({} m/s)", shown(scene.units.physical(speed, dimension::velocity)));
+std::string in_metres_a_second(const Case& setup, double speed) {
+  if (!setup.units.si) return "";
+  return fmt::format(" ({} m/s)", shown(setup.units.physical(speed, dimension::velocity)));
 }
 
 void check_speed(Findings& findings, const std::string& key, double speed) {
   if (speed <= doubtful_velocity) return;
-  const Case& scene = findings.scene;
+  const Case& setup = findings.setup;
   const std::string found =
-      fmt::format("{} is {} cells a step{}", key, shown(speed), in_metres_a_second(scene, speed));
-  const std::string cure = scene.units.si ? time_step_cure(scene, doubtful_velocity / speed) + ", or lower it"
+      fmt::format("{} is {} cells a step{}", key, shown(speed), in_metres_a_second(setup, speed));
+  const std::string cure = setup.units.si ? time_step_cure(setup, doubtful_velocity / speed) + ", or lower it"
                                           : fmt::format("lower it to {}", doubtful_velocity);
   if (!(speed <= impossible_velocity))
     findings.error(key, "{}; it must be at most {}: {}", found, impossible_velocity, cure);
@@ -88,28 +89,28 @@ double width_of_thinnest_part(const rigid::Shape& shape) {
 
 }  // namespace
 
-MotionLimits::MotionLimits(const Case& scene) : least_(without_limit), least_half_width_(without_limit) {
-  const ContactSpec& contacts = scene.contacts;
-  for (const rigid::Shape& shape : scene.shapes) {
+MotionLimits::MotionLimits(const Case& setup) : least_(without_limit), least_half_width_(without_limit) {
+  const ContactSpec& contacts = setup.contacts;
+  for (const rigid::Shape& shape : setup.shapes) {
     const double width = width_of_thinnest_part(shape);
-    of_shape_.push_back(scene.fluid ? furthest_motion : contacts.substeps * 0.5 * (contacts.margin + width));
+    of_shape_.push_back(setup.fluid ? furthest_motion : contacts.substeps * 0.5 * (contacts.margin + width));
     half_width_.push_back(0.5 * width);
     least_ = std::min(least_, of_shape_.back());
     least_half_width_ = std::min(least_half_width_, half_width_.back());
   }
 }
 
-double least_explicit_density(const Case& scene, const rigid::Shape& shape) {
-  if (!scene.fluid || scene.coupling.time != TimeCoupling::explicit_) return 0;
-  const bool steps = scene.coupling.wall_scheme == WallScheme::bounce_back;
+double least_explicit_density(const Case& setup, const rigid::Shape& shape) {
+  if (!setup.fluid || setup.coupling.time != TimeCoupling::explicit_) return 0;
+  const bool steps = setup.coupling.wall_scheme == WallScheme::bounce_back;
   const double stiffness = steps ? 4.7 : 5.13, bearable = steps ? 0.80 : 0.40;
-  return stiffness / (rigid::least_width(shape) * bearable * std::sqrt(scene.fluid->relaxation_time - 0.5));
+  return stiffness / (rigid::least_width(shape) * bearable * std::sqrt(setup.fluid->relaxation_time - 0.5));
 }
 
-bool has_bodies_too_light(const Case& scene) {
-  const std::vector<Entry> entries = entries_of(scene);
+bool has_bodies_too_light(const Case& setup) {
+  const std::vector<Entry> entries = entries_of(setup);
   return std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) {
-    return entry.is_free() && entry.density < least_explicit_density(scene, scene.shapes[entry.shape]);
+    return entry.is_free() && entry.density < least_explicit_density(setup, setup.shapes[entry.shape]);
   });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // Limits of the method: how fast, how far in a step and how light, and what to write where a case is beyond
-// them.
+// them; how fast bodies will fall.
 #include <string>
 #include <vector>
 
@@ -13,9 +13,6 @@ struct Findings;
 
 // The cures of velocities and relaxation times that are out of range: the key by which a case gives the
 // length of a step, with a value that is enough.
-
-/// Returns "units.time_step", "units.relaxation_time" or "units.max_velocity", whichever the case has.
-std::string time_step_key(const Case&);
 
 /// Returns "use units.time_step = 2.5e-05 (relaxation time 0.56)": steps that are `factor` times as long, or
 /// a little shorter. Only in SI: a case in lattice units has no time step to choose, and the text is empty.
@@ -37,6 +34,14 @@ void check_speed(Findings&, const std::string& key, double speed);
 
 /// Returns " (0.25 m/s)", or nothing in lattice units.
 std::string in_metres_a_second(const Case&, double speed);
+
+/// Returns the diameter of a sphere of a shape's volume.
+double sphere_of_volume(const rigid::Shape&);
+
+/// Returns the speed at which a sphere falls or rises steadily in unbounded fluid, by the drag law of
+/// Schiller and Naumann (1933), C_D = 24/Re (1 + 0.15 Re^0.687). Lattice units; density relative to the
+/// fluid's; negative never.
+double terminal_velocity(double diameter, double density, double gravity, double kinematic_viscosity);
 
 /// Bodies that move further in a step (cells) cover cells that no neighbour has seen. Only with a fluid.
 inline constexpr double furthest_motion = 1;

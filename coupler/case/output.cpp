@@ -64,16 +64,11 @@ void read_field_names(TableReader& fields, std::vector<Field>& quantities) {
   const std::vector<std::string> known = field_names.list();
   const Node* list = fields.find("quantities");
   if (!list) return;
-  const bool strings = list->kind == Node::Kind::array && !list->children.empty() &&
-                       std::all_of(list->children.begin(), list->children.end(),
-                                   [](const Node& n) { return n.kind == Node::Kind::string; });
-  if (!strings) {
-    fields.refuse("quantities", "a list out of " + joined(known));
-    return;
-  }
+  const auto names = list->strings();
+  if (!names) return fields.refuse("quantities", "a list out of " + joined(known));
   quantities.clear();
-  for (const Node& name : list->children)
-    if (const int i = index_of(fields, "quantities", name.string, known, "quantity"); i >= 0)
+  for (const std::string& name : *names)
+    if (const int i = index_of(fields, "quantities", name, known, "quantity"); i >= 0)
       quantities.push_back(Field(i));
 }
 
@@ -101,13 +96,12 @@ void read_plane(TableReader& table, FieldsSpec& slice) {
 
 /// The cells whose centres are in a box.
 void read_cells(TableReader& table, FieldsSpec& slice) {
-  rigid::Vec3 lower, upper;
-  read_box(table, slice.upper, lower, upper);
-  for (int d = 0; d < 3; ++d) {
-    const int least = std::min(least_layers, slice.upper[d]);
-    slice.lower[d] = int(std::ceil(std::clamp(lower[d], 0., double(slice.upper[d])) - 0.5));
-    slice.upper[d] = int(std::floor(std::clamp(upper[d], 0., double(slice.upper[d])) - 0.5)) + 1;
-    if (slice.upper[d] - slice.lower[d] < least)
+  const auto box = table.box("box");
+  for (int d = 0; box && d < 3; ++d) {
+    const double cells = slice.upper[d];
+    slice.lower[d] = int(std::ceil(std::clamp(box->lower[d], 0., cells) - 0.5));
+    slice.upper[d] = int(std::floor(std::clamp(box->upper[d], 0., cells) - 0.5)) + 1;
+    if (slice.upper[d] - slice.lower[d] < std::min<double>(least_layers, cells))
       return table.refuse("box", "one that holds the centres of two cells along each axis or more");
   }
 }
@@ -120,16 +114,14 @@ bool is_file_name(const std::string& name) {
 }
 
 void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vector<FieldsSpec>& slices) {
+  std::vector<std::string> names;
   for (TableReader& table : output.tables("slices")) {
     FieldsSpec slice;
     read_keys(table, slice, slice_keys);
-    const std::string name = table.string("name").value_or("");
+    const std::string name = read_new_name(table, names, "slice");
     if (table.has("name") && !is_file_name(name))
       table.refuse("name", "up to 64 letters, digits, dots and hyphens");
     slice.name = "slice_" + name;
-    for (const FieldsSpec& other : slices)
-      if (other.name == slice.name)
-        table.fail("name", "{}: there already is a slice '{}'", table.path("name"), name);
     slice.upper = cells;
     read_fields(table, slice);
     if (table.has("axis") && table.has("box")) table.fail("box", "a slice has a plane (axis, at) or a box");
@@ -156,6 +148,15 @@ void read_length_of_run(TableReader& run, std::int64_t& steps) {
   }
 }
 
+void read_run(TableReader run, Case& setup) {
+  read_keys(run, setup, run_keys);
+  if (!run.present()) return;
+  read_length_of_run(run, setup.steps);
+  TableReader steady = run.table("steady"), balance = run.table("balance");
+  if (steady.present()) read_keys(steady, setup.steady.emplace(), steady_keys);
+  read_keys(balance, setup, balance_keys);
+}
+
 }  // namespace
 
 std::vector<KeySection> output_sections() {
@@ -170,26 +171,17 @@ std::vector<KeySection> output_sections() {
           section_of("output.report", series_keys)};
 }
 
-void read_run(TableReader& root, Case& scene) {
-  TableReader run = root.table("run");
-  read_keys(run, scene, run_keys);
-  if (!run.present()) return;
-  read_length_of_run(run, scene.steps);
-  TableReader steady = run.table("steady"), balance = run.table("balance");
-  if (steady.present()) read_keys(steady, scene.steady.emplace(), steady_keys);
-  read_keys(balance, scene, balance_keys);
-}
-
-void read_output(TableReader& root, Case& scene) {
-  OutputSpec& output = scene.output;
+void read_output(TableReader& root, Case& setup) {
+  read_run(root.table("run"), setup);
+  OutputSpec& output = setup.output;
   TableReader table = root.table("output");
-  output.fields.upper = scene.cells;
+  output.fields.upper = setup.cells;
   read_keys(table, output, output_keys);
   if (!table.present()) return;
   TableReader fields = table.table("fields"), bodies = table.table("bodies");
   TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
   read_fields(fields, output.fields);
-  read_slices(table, scene.cells, output.slices);
+  read_slices(table, setup.cells, output.slices);
   read_keys(bodies, output.bodies, series_keys);
   read_keys(bodies, output, contact_output_keys);
   read_keys(checkpoint, output.checkpoint, series_keys);
@@ -199,46 +191,43 @@ void read_output(TableReader& root, Case& scene) {
 
 namespace {
 
-void check_steady(const Case& scene, Findings& findings) {
+void check_steady(const Case& setup, Findings& findings) {
   constexpr int looks_needed = 4;
-  if (!scene.steady) return;
   std::vector<std::string> names;
-  for (const QuantitySpec& quantity : scene.quantities) names.push_back(quantity.name);
-  const std::string& name = scene.steady->quantity;
+  for (const QuantitySpec& quantity : setup.quantities) names.push_back(quantity.name);
+  const auto& [name, change, every] = *setup.steady;
   if (std::find(names.begin(), names.end(), name) == names.end())
     findings.error("run.steady.quantity",
                    "run.steady.quantity: there is no quantity '{}' in [[quantities]]{}", name,
                    names.empty() ? "" : suggestion(name, names));
-  if (scene.steady->every > scene.steps / looks_needed)
+  if (every > setup.steps / looks_needed)
     findings.warning("run.steady.every",
                      "run.steady.every is {}, of {} steps in all: there will be less than the {} looks it "
                      "takes to see that something is steady",
-                     scene.steady->every, scene.steps, looks_needed);
+                     every, setup.steps, looks_needed);
 }
 
 }  // namespace
 
-void find_run_faults(const Case& scene, Findings& findings) {
-  if (scene.steps < 1)
-    findings.error("run.steps", "the run has {} steps; it must have at least 1", scene.steps);
-  if (static_cast<double>(scene.steps) > most_steps)
-    findings.error("run.steps", "the run has {} steps; at most {} are possible: shorten it", scene.steps,
+void find_run_faults(const Case& setup, Findings& findings) {
+  if (setup.steps < 1)
+    findings.error("run.steps", "the run has {} steps; it must have at least 1", setup.steps);
+  if (static_cast<double>(setup.steps) > most_steps)
+    findings.error("run.steps", "the run has {} steps; at most {} are possible: shorten it", setup.steps,
                    shown(most_steps));
-  check_steady(scene, findings);
-  if (!scene.fluid && !scene.has_bodies())
+  if (setup.steady) check_steady(setup, findings);
+  if (!setup.fluid && !setup.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
-  const bool flat = std::find(scene.cells.begin(), scene.cells.end(), 1) != scene.cells.end();
-  if (scene.fluid && flat && (scene.output.fields.every > 0 || !scene.output.slices.empty()))
+  const bool flat = std::find(setup.cells.begin(), setup.cells.end(), 1) != setup.cells.end();
+  if (setup.fluid && flat && (setup.output.fields.every > 0 || !setup.output.slices.empty()))
     findings.warning("output",
                      "the domain is one cell thick, and VTK and ParaView end with an error on fields as flat "
                      "as that: make domain.size two cells thick");
-  if (!scene.fluid && !scene.output.slices.empty())
-    findings.error("output.slices",
-                   "output.slices asks for fields of the fluid, but the case has no [fluid]; remove it");
-  if (!scene.fluid && scene.output.fields.every > 0)
-    findings.error("output.fields",
-                   "output.fields asks for fields of the fluid, but the case has no [fluid]; remove it");
-  if (!scene.has_bodies() && scene.output.bodies.every > 0)
+  for (const auto& [key, asked] : {std::pair("output.slices", !setup.output.slices.empty()),
+                                   std::pair("output.fields", setup.output.fields.every > 0)})
+    if (!setup.fluid && asked)
+      findings.error(key, "{} asks for fields of the fluid, but the case has no [fluid]; remove it", key);
+  if (!setup.has_bodies() && setup.output.bodies.every > 0)
     findings.warning("output.bodies", "output.bodies asks for bodies, but the case has none");
 }
 

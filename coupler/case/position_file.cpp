@@ -17,15 +17,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Columns that go together.
-struct Group {
-  int begin, end;
-};
-constexpr Group whole_positions{0, 3}, whole_orientations{3, 7}, whole_velocities{7, 10}, whole_turns{10, 13};
-
-bool has(const std::vector<int>& columns, Group group) {
+bool has(const std::vector<int>& columns, ColumnGroup group) {
   return std::any_of(columns.begin(), columns.end(),
-                     [&](int k) { return k >= group.begin && k < group.end; });
+                     [&](int k) { return k >= group.begin && k < group.end(); });
+}
+
+/// Returns the name of a column: that of its key in [[bodies]].
+std::string column_name(int column) {
+  const ColumnGroup* group = std::begin(column_groups);
+  while (column >= group->end()) ++group;
+  return std::string(group->prefix) + group->letters[column - group->begin];
 }
 
 /// Returns the column that a heading names, its unit in brackets left out; -1 for another name.
@@ -33,8 +34,9 @@ int column_of(std::string_view heading) {
   std::string name(trimmed(heading.substr(0, heading.find_first_of("[("))));
   for (char& c : name)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const auto found = std::find(position_columns.begin(), position_columns.end(), name);
-  return found == position_columns.end() ? -1 : static_cast<int>(found - position_columns.begin());
+  for (int k = 0; k < position_columns; ++k)
+    if (name == column_name(k)) return k;
+  return -1;
 }
 
 [[noreturn]] void refuse_headings(const std::string& what) {
@@ -64,12 +66,12 @@ std::vector<int> columns_of(const std::vector<std::vector<std::string>>& heading
     else if (!may_be_positions(named))
       refuse_headings(fmt::format("name \"{}\"", line[unknown - named.begin()]));
   }
-  for (const Group group : {whole_positions, whole_orientations, whole_velocities, whole_turns})
-    for (int k = group.begin; k < group.end; ++k) {
+  for (const ColumnGroup& group : column_groups)
+    for (int k = group.begin; k < group.end(); ++k) {
       const auto times = std::count(columns.begin(), columns.end(), k);
-      if (times > 1) refuse_headings(fmt::format("name {} twice", position_columns[k]));
+      if (times > 1) refuse_headings(fmt::format("name {} twice", column_name(k)));
       if (times == 0 && (group.begin == 0 || has(columns, group)))
-        refuse_headings(fmt::format("do not name {}", position_columns[k]));
+        refuse_headings(fmt::format("do not name {}", column_name(k)));
     }
   return columns;
 }
@@ -81,22 +83,17 @@ std::ifstream opened(const fs::path& path) {
   return stream;
 }
 
-std::string names_of_columns(const std::vector<int>& columns) {
-  std::vector<std::string> names;
-  for (const int k : columns) names.emplace_back(position_columns[k]);
-  return joined(names);
-}
-
 /// What a line must be.
 std::string line_of(const std::vector<int>& columns) {
-  return fmt::format("{} finite numbers with commas between them: {}", columns.size(),
-                     names_of_columns(columns));
+  std::vector<std::string> names;
+  for (const int k : columns) names.push_back(column_name(k));
+  return fmt::format("{} finite numbers with commas between them: {}", columns.size(), joined(names));
 }
 
 bool has_no_direction(const PositionSlice& slice, std::size_t body) {
   FiledPose pose = {};
   slice.put(body, pose);
-  return std::all_of(pose.begin() + whole_orientations.begin, pose.begin() + whole_orientations.end,
+  return std::all_of(&pose[orientation_columns.begin], &pose[orientation_columns.end()],
                      [](double q) { return q == 0; });
 }
 
@@ -106,7 +103,7 @@ PositionSlice read_csv(const fs::path& path, int part, int parts) {
   PositionSlice slice{columns_of(reader.headings()), {}, 0, ""};
   const std::size_t width = slice.columns.size();
   const std::string must = line_of(slice.columns);
-  const bool turned = has(slice.columns, whole_orientations);
+  const bool turned = has(slice.columns, orientation_columns);
   reader.take_part(part, parts);
   while (slice.fault.empty() && reader.next()) {
     slice.numbers.resize(slice.numbers.size() + width);
@@ -136,10 +133,10 @@ PositionSlice read_hdf5(const fs::path& path, const std::string& dataset, int pa
 }
 
 /// Keeps the longer of two vectors.
-void keep_longer(const FiledPose& pose, Group group, std::array<double, 3>& longest) {
+void keep_longer(const FiledPose& pose, const ColumnGroup& group, FiledPose& longest) {
   const auto square = [](const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
-  if (square(&pose[group.begin]) > square(longest.data()))
-    std::copy_n(&pose[group.begin], 3, longest.begin());
+  if (square(&pose[group.begin]) > square(&longest[group.begin]))
+    std::copy_n(&pose[group.begin], 3, &longest[group.begin]);
 }
 
 PositionContents look_through_csv(const fs::path& path) {
@@ -148,16 +145,16 @@ PositionContents look_through_csv(const fs::path& path) {
   const std::vector<int> columns = columns_of(reader.headings());
   PositionContents found;
   found.headings = static_cast<int>(reader.headings().size());
-  found.orientation = has(columns, whole_orientations);
-  found.velocity = has(columns, whole_velocities), found.angular_velocity = has(columns, whole_turns);
+  found.orientation = has(columns, orientation_columns);
+  found.velocity = has(columns, velocity_columns), found.angular_velocity = has(columns, turn_columns);
   std::vector<double> numbers(columns.size());
   for (; reader.next(); ++found.points) try {
       if (!found.velocity && !found.angular_velocity) continue;
       reader.numbers(numbers, "");
       FiledPose pose = {};
       for (std::size_t k = 0; k < columns.size(); ++k) pose[columns[k]] = numbers[k];
-      keep_longer(pose, whole_velocities, found.fastest);
-      keep_longer(pose, whole_turns, found.fastest_turn);
+      keep_longer(pose, velocity_columns, found.fastest);
+      keep_longer(pose, turn_columns, found.fastest);
     } catch (const std::invalid_argument&) {  // told by who reads the bodies
     }
   return found;

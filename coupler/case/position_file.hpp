@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace silt::coupler {
@@ -19,31 +20,28 @@ struct PositionFile {
 /// Returns whose name it is; std::invalid_argument says what names there are.
 PositionFile position_file(const std::string& name);
 
-/// The columns that a CSV file may have, in the order of its headings: the keys of [[bodies]].
-inline constexpr std::array<const char*, 13> position_columns = {"x",
-                                                                 "y",
-                                                                 "z",
-                                                                 "orientation.w",
-                                                                 "orientation.x",
-                                                                 "orientation.y",
-                                                                 "orientation.z",
-                                                                 "velocity.x",
-                                                                 "velocity.y",
-                                                                 "velocity.z",
-                                                                 "angular_velocity.x",
-                                                                 "angular_velocity.y",
-                                                                 "angular_velocity.z"};
+/// Columns of a CSV file that go together, named after the keys of [[bodies]].
+struct ColumnGroup {
+  std::string_view prefix, letters;
+  int begin;
 
-/// What one body's line says, by position_columns; what a file does not say stays as it was.
-using FiledPose = std::array<double, position_columns.size()>;
+  constexpr int end() const { return begin + static_cast<int>(letters.size()); }
+};
+inline constexpr ColumnGroup column_groups[] = {
+    {"", "xyz", 0}, {"orientation.", "wxyz", 3}, {"velocity.", "xyz", 7}, {"angular_velocity.", "xyz", 10}};
+inline constexpr const ColumnGroup &orientation_columns = column_groups[1],
+                                   &velocity_columns = column_groups[2], &turn_columns = column_groups[3];
+inline constexpr int position_columns = turn_columns.end();
+
+/// What one body's line says, by its columns; what a file does not say stays as it was.
+using FiledPose = std::array<double, position_columns>;
 
 /// What a file holds, as far as a case has to know before the bodies are read.
 struct PositionContents {
   std::uint64_t points = 0;                                              // good or not
   int headings = 0;                                                      // lines
   bool orientation = false, velocity = false, angular_velocity = false;  // whether it says them
-  // the largest that it says, in the units of the case
-  std::array<double, 3> fastest = {}, fastest_turn = {};
+  FiledPose fastest = {};  // the largest velocities that it says, in the units of the case
 };
 
 /// Looks through a file. std::runtime_error names one that cannot be read, std::invalid_argument says what is
@@ -52,7 +50,7 @@ PositionContents look_through(const std::filesystem::path& directory, const Posi
 
 /// Some of the bodies of a file, one after the other, in the units of the case.
 struct PositionSlice {
-  std::vector<int> columns;     // of position_columns: of what a body's numbers are
+  std::vector<int> columns;     // of what a body's numbers are
   std::vector<double> numbers;  // columns.size() a body
   std::uint64_t lines = 0;      // read of a CSV file
   std::string fault;            // what is wrong with the next body, which ended the reading; "" if nothing

@@ -43,7 +43,7 @@ constexpr std::tuple type_keys{
                          "coordinate along the axis that bodies are to pass", required}},
     KeyOf{Q::centre, Key{"centre", &QuantitySpec::centre, Vector{dimension::length},
                          "a point of the container's axis, [x, y, z]", required}},
-    KeyOf{Q::box, HandKey{"box", "[[x, y, z], [x, y, z]]", "m", "the domain", "two corners"}},
+    KeyOf{Q::box, Key{"box", &QuantitySpec::box, Corners{}, "two corners", "the domain"}},
     KeyOf{Q::profile,
           Key{"profile", &QuantitySpec::profile, Choice{profile_names},
               "analytic flow to compare with: channel, duct or pipe; of a pipe with its rotation", required}},
@@ -51,35 +51,26 @@ constexpr std::tuple type_keys{
                        "side of the domain, \"z-low\" for one", required}},
     KeyOf{Q::wall, HandKey{"wall", "string", "", "the only one", "name of one of [[walls]]"}}};
 
-std::vector<std::string> type_names() {
+void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
   std::vector<std::string> names;
-  for (const QuantityType& type : quantity_types) names.emplace_back(type.name);
-  return names;
-}
-
-void read_wall(TableReader& table, QuantitySpec& quantity, const Case& scene) {
-  std::vector<std::string> names;
-  for (const CurvedWall& wall : scene.walls) names.push_back(wall.name);
-  const auto name = table.string("wall");
-  if (name)
-    quantity.wall = std::max(0, index_of(table, "wall", *name, names, "wall"));
-  else if (names.size() != 1 && !table.has("wall"))
-    table.missing("wall", names.empty() ? "the name of one of [[walls]], of which there is none"
-                                        : "the name of one of [[walls]]: " + joined(names));
+  for (const CurvedWall& wall : setup.walls) names.push_back(wall.name);
+  quantity.wall = read_name(table, "wall", names, "wall").value_or(0);
+  if (names.size() != 1)
+    table.need("wall", names.empty() ? "the name of one of [[walls]], of which there is none"
+                                     : "the name of one of [[walls]]: " + joined(names));
 }
 
 // The keys that the type takes; any other is unknown.
 void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
-                        const Case& scene) {
+                        const Case& setup) {
   if (type.takes(Q::instant)) quantity.time = std::numeric_limits<double>::infinity();  // the end
   const auto read = [&](const auto& row) {
     if (type.takes(row.taken)) read_key(table, quantity, row.key);
   };
   std::apply([&](const auto&... row) { (read(row), ...); }, type_keys);
-  if (const auto body = type.takes(Q::body) ? table.string("body") : std::nullopt)
-    quantity.kind = index_of(table, "body", *body, scene.kind_names, "name of [[bodies]] or [[fill]]");
-  if (type.takes(Q::wall)) read_wall(table, quantity, scene);
-  if (type.takes(Q::box)) read_box(table, scene.cells, quantity.lower, quantity.upper);
+  if (type.takes(Q::body))
+    quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
+  if (type.takes(Q::wall)) read_wall(table, quantity, setup);
 }
 
 }  // namespace
@@ -90,44 +81,34 @@ std::vector<KeySection> quantity_sections() {
   return {section};
 }
 
-void read_quantities(TableReader& root, Case& scene) {
+void read_quantities(TableReader& root, Case& setup) {
   std::vector<std::string> names;
   for (TableReader& table : root.tables("quantities")) {
     QuantitySpec quantity;
+    quantity.box = box_of(setup);
     read_keys(table, quantity, every_type_keys);
-    quantity.name = table.string("name").value_or("");
-    if (!quantity.name.empty() && std::count(names.begin(), names.end(), quantity.name))
-      table.fail("name", "{}: there already is a quantity '{}'", table.path("name"), quantity.name);
-    names.push_back(quantity.name);
-    const auto type = table.choice("type", type_names());
+    quantity.name = read_new_name(table, names, "quantity");
+    std::vector<std::string> types;
+    for (const QuantityType& known : quantity_types) types.emplace_back(known.name);
+    const auto type = table.choice("type", types);
     if (!type) table.judge_no_keys();
     if (!type) continue;
     quantity.type = *type;
-    read_quantity_keys(table, quantity_type(*type), quantity, scene);
-    scene.quantities.push_back(quantity);
+    read_quantity_keys(table, quantity_type(*type), quantity, setup);
+    setup.quantities.push_back(quantity);
   }
 }
 
 namespace {
 
-void check_sampled_box(const Case& scene, Findings& findings, const QuantitySpec& quantity,
-                       const std::string& key) {
-  for (int d = 0; d < 3; ++d)
-    if (quantity.lower[d] < 0 || quantity.upper[d] > scene.cells[d])
-      return findings.error(key, "{} reaches from {} to {} along {}; it must lie in the domain, 0 to {}", key,
-                            shown(quantity.lower[d] * scene.units.cell_size),
-                            shown(quantity.upper[d] * scene.units.cell_size), "xyz"[d],
-                            shown(scene.cells[d] * scene.units.cell_size));
-}
-
-// What a quantity needs and the scene has not.
-std::string lacking(const Case& scene, const QuantityType& type) {
-  if (type.asks_for(Q::fluid) && !scene.fluid) return "the case has no [fluid]";
-  if (type.asks_for(Q::bodies) && !scene.has_bodies()) return "the case has no bodies";
-  if (type.asks_for(Q::gravity) && scene.gravity.norm() == 0) return "the case has no [gravity]";
+// What a quantity needs and the case has not.
+std::string lacking(const Case& setup, const QuantityType& type) {
+  if (type.asks_for(Q::fluid) && !setup.fluid) return "the case has no [fluid]";
+  if (type.asks_for(Q::bodies) && !setup.has_bodies()) return "the case has no bodies";
+  if (type.asks_for(Q::gravity) && setup.gravity.norm() == 0) return "the case has no [gravity]";
   const bool driven =
-      scene.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
-  if (type.asks_for(Q::same_bodies) && (scene.bodies_come() || scene.bodies_leave()))
+      setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+  if (type.asks_for(Q::same_bodies) && (setup.bodies_come() || setup.bodies_leave()))
     return "bodies come or leave, of which it knows nothing";
   if (type.asks_for(Q::undriven) && driven)
     return "the case has a body of prescribed motion, which drives the others";
@@ -138,41 +119,44 @@ bool is_wall(const BoundarySpec& side) {
   return side.kind == BoundaryKind::no_slip || side.kind == BoundaryKind::moving;
 }
 
-void check_side(const Case& scene, Findings& findings, const QuantitySpec& quantity, const std::string& key) {
-  if (is_wall(scene.boundary[quantity.side])) return;
-  findings.error(key, "{} is {}, which is no wall; it must be a side that is no-slip or moving", key,
-                 side_key(quantity.side));
-}
-
-void check_shear(const Case& scene, Findings& findings, const QuantitySpec& quantity,
-                 const std::string& key) {
-  const BoundarySpec &low = scene.boundary[2 * quantity.axis], &high = scene.boundary[2 * quantity.axis + 1];
-  if (is_wall(low) && is_wall(high) && low.velocity != high.velocity) return;
-  findings.error(key,
-                 "{} is {}, across which nothing is sheared; both sides there must be walls (no-slip or "
-                 "moving), of different velocities",
-                 key, "xyz"[quantity.axis]);
+/// Where it looks: a side, an axis, a box.
+void check_place(const Case& setup, Findings& findings, const QuantitySpec& quantity,
+                 const std::string& entry) {
+  const QuantityType& type = quantity_type(quantity.type);
+  if (type.takes(Q::side) && !is_wall(setup.boundary[quantity.side]))
+    findings.error(entry + ".side",
+                   "{}.side is {}, which is no wall; it must be a side that is no-slip or moving", entry,
+                   side_key(quantity.side));
+  const BoundarySpec &low = setup.boundary[2 * quantity.axis], &high = setup.boundary[2 * quantity.axis + 1];
+  if (type.asks_for(Q::sheared) && !(is_wall(low) && is_wall(high) && low.velocity != high.velocity))
+    findings.error(entry + ".axis",
+                   "{}.axis is {}, across which nothing is sheared; both sides there must be walls (no-slip "
+                   "or moving), of different velocities",
+                   entry, "xyz"[quantity.axis]);
+  const auto& [lower, upper] = quantity.box;
+  for (int d = 0; type.takes(Q::box) && d < 3; ++d)
+    if (lower[d] < 0 || upper[d] > setup.cells[d])
+      return findings.error(entry + ".box",
+                            "{}.box reaches from {} to {} along {}; it must lie in the domain, 0 to {}",
+                            entry, shown_length(setup, lower[d]), shown_length(setup, upper[d]), "xyz"[d],
+                            shown_length(setup, setup.cells[d]));
 }
 
 }  // namespace
 
-void find_quantity_faults(const Case& scene, Findings& findings) {
-  for (std::size_t i = 0; i < scene.quantities.size(); ++i) {
-    const QuantitySpec& quantity = scene.quantities[i];
+void find_quantity_faults(const Case& setup, Findings& findings) {
+  for (std::size_t i = 0; i < setup.quantities.size(); ++i) {
+    const QuantitySpec& quantity = setup.quantities[i];
     const QuantityType& type = quantity_type(quantity.type);
-    const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(scene, type);
+    const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(setup, type);
+    const auto end = static_cast<double>(setup.steps);
     if (!lack.empty())
       findings.error(entry + ".type", "{}.type is \"{}\", but {}", entry, quantity.type, lack);
-    const bool never = type.takes(QuantityType::time)
-                           ? quantity.time >= static_cast<double>(scene.steps)
-                           : type.takes(QuantityType::instant) && std::isfinite(quantity.time) &&
-                                 quantity.time > static_cast<double>(scene.steps);
-    if (never)
+    if ((type.takes(Q::time) && quantity.time >= end) ||
+        (type.takes(Q::instant) && std::isfinite(quantity.time) && quantity.time > end))
       findings.warning(entry + ".time",
                        "{}.time is not before the end of the run: the quantity will have no value", entry);
-    if (type.takes(QuantityType::side)) check_side(scene, findings, quantity, entry + ".side");
-    if (type.asks_for(QuantityType::sheared)) check_shear(scene, findings, quantity, entry + ".axis");
-    if (type.takes(QuantityType::box)) check_sampled_box(scene, findings, quantity, entry + ".box");
+    check_place(setup, findings, quantity, entry);
   }
 }
 

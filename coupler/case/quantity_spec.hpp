@@ -8,7 +8,7 @@
 
 #include "coupler/case/name_table.hpp"
 #include "coupler/case/units.hpp"
-#include "rigid/math/types.hpp"
+#include "rigid/shapes/bounding_box.hpp"
 
 namespace silt::coupler {
 
@@ -31,7 +31,7 @@ struct QuantitySpec {
   int side = 0;       // a Side of the domain
   int wall = 0;       // index into Case::walls
   rigid::Vec3 centre = rigid::Vec3::Zero();
-  rigid::Vec3 lower = rigid::Vec3::Zero(), upper = rigid::Vec3::Zero();  // a box
+  rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 
   bool is_about(int body_kind) const { return kind < 0 || body_kind == kind; }
 };

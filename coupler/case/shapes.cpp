@@ -38,8 +38,8 @@ constexpr std::tuple shape_keys{
             "a mesh; a resumed run needs the same file"},
     HandKey{"scale", "number", "1", "1", "unit of length of the file in that of the case"},
     HandKey{"parts", "list of tables", "", required, "convex parts of a compound, see below"}};
-constexpr std::tuple part_keys{
-    HandKey{"position", "[x, y, z]", "m", "0", "of the part's origin, in the frame of the shape"}};
+constexpr std::tuple part_keys{Key{"position", &rigid::Pose::position, Vector{dimension::length},
+                                   "of the part's origin, in the frame of the shape"}};
 
 /// A rotation that an orientation is given by.
 struct Turn {
@@ -56,15 +56,15 @@ double read_length(TableReader& table, const rigid::Field<Solid, double>& field)
   std::string given = field.key;
   if (field.other_key)
     given = table.one_of({field.key, field.other_key}, true, field.doc);
-  else if (!table.has(field.key))
-    table.missing(field.key, field.doc);
+  else
+    table.need(field.key, field.doc);
   const double share = given == field.key ? field.share : field.other_share;
   return (given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2)) * share;
 }
 
 template <class Solid>
 Vec3 read_length(TableReader& table, const rigid::Field<Solid, Vec3>& field) {
-  if (!table.has(field.key)) table.missing(field.key, field.doc);
+  table.need(field.key, field.doc);
   const Vec3 lengths = table.vector(field.key, dimension::length).value_or(Vec3::Ones());
   if (lengths.minCoeff() <= 0) table.refuse(field.key, "above 0 in each direction");
   return field.share * lengths;
@@ -79,25 +79,10 @@ Solid read_sizes(TableReader& table) {
   return solid;
 }
 
-/// In lattice units; none where something is wrong with one (reported).
-std::vector<Vec3> read_vertices(TableReader& table, const Units& units) {
-  const Node* node = table.find("vertices");
-  if (node->kind != Node::Kind::array || node->children.size() < 4) {
-    table.refuse("vertices", "a list of at least 4 points, [[x, y, z], ...]");
-    return {};
-  }
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < node->children.size(); ++i)
-    if (const auto x =
-            read_vector(table.context(), node->children[i], fmt::format("{}[{}]", table.path("vertices"), i)))
-      points.push_back(*x / units.cell_size);
-  return points.size() == node->children.size() ? points : std::vector<Vec3>{};
-}
-
 using Hull = std::shared_ptr<const rigid::PolyhedronMesh>;
 
-Hull hull_of_vertices(TableReader& table, const Units& units) {
-  const auto points = read_vertices(table, units);
+Hull hull_of_vertices(TableReader& table) {
+  const auto points = table.points("vertices", 4, "a list of at least 4 points, [[x, y, z], ...]");
   if (points.empty()) return {};
   const auto hull = adapters::convex_hull(points);
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -118,7 +103,7 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
                table.path("scale"));
   Hull mesh;
   try {
-    if (given == "vertices") mesh = hull_of_vertices(table, table.context().units);
+    if (given == "vertices") mesh = hull_of_vertices(table);
     if (given == "file") mesh = read_polyhedron_file(table);
   } catch (const std::invalid_argument& error) {
     table.fail(given, "{}: {}", table.path(given), error.what());
@@ -127,45 +112,35 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
   return rigid::Polyhedron{mesh};
 }
 
-/// An alternative of ConvexShape or HollowShape.
-template <class Any>
-struct Type {
-  std::string name;
-  Any (*read)(TableReader&);
-};
-
-template <class S, class Any>
-void add_type(std::vector<Type<Any>>& types) {
-  if constexpr (std::is_same_v<S, rigid::Polyhedron>)
-    types.push_back({std::string(S::name), read_polyhedron});
-  else if constexpr (!std::is_same_v<S, rigid::HalfSpace>)  // only walls are half-spaces
-    types.push_back({std::string(S::name), [](TableReader& table) -> Any { return read_sizes<S>(table); }});
-}
-
-template <class Any, class... S>
-std::vector<Type<Any>> types_of(const std::variant<S...>&) {
-  std::vector<Type<Any>> types;
-  (add_type<S>(types), ...);
-  return types;
-}
-
-template <class Any>
-const std::vector<Type<Any>>& types_of() {
-  static const std::vector<Type<Any>> types = types_of<Any>(Any());
-  return types;
+/// Calls f with the type of every alternative of ConvexShape or HollowShape that a case may name; only the
+/// sides of the domain are half-spaces.
+template <class F, class... S>
+void for_types(F&& f, const std::variant<S...>&) {
+  const auto call = [&]<class T>(std::type_identity<T> type) {
+    if constexpr (!std::is_same_v<T, rigid::HalfSpace>) f(type);
+  };
+  (call(std::type_identity<S>{}), ...);
 }
 
 template <class Any>
 std::vector<std::string> names_of_types() {
   std::vector<std::string> names;
-  for (const Type<Any>& type : types_of<Any>()) names.push_back(type.name);
+  for_types([&]<class S>(std::type_identity<S>) { names.emplace_back(S::name); }, Any());
   return names;
 }
 
 template <class Any>
 Any read_type(TableReader& table, const std::string& name) {
-  const auto& types = types_of<Any>();
-  return std::ranges::find(types, name, &Type<Any>::name)->read(table);
+  Any shape;
+  const auto read = [&]<class S>(std::type_identity<S>) {
+    if (name != S::name) return;
+    if constexpr (std::is_same_v<S, rigid::Polyhedron>)
+      shape = read_polyhedron(table);
+    else
+      shape = read_sizes<S>(table);
+  };
+  for_types(read, Any());
+  return shape;
 }
 
 std::vector<std::string> convex_names() {
@@ -181,20 +156,19 @@ std::vector<std::string> shape_types() {
 
 rigid::Compound read_compound(TableReader& table) {
   rigid::Compound compound;
-  if (!table.has("parts"))
-    table.missing("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
+  table.need("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
   for (TableReader& part : table.tables("parts")) {
-    if (!part.has("type")) part.missing("type", "one of " + joined(convex_names()));
+    part.need("type", "one of " + joined(convex_names()));
     const auto type = part.choice("type", convex_names());
     if (!type) part.judge_no_keys();
     if (!type) continue;
     rigid::Pose pose;
-    pose.position = part.vector("position", dimension::length).value_or(Vec3::Zero());
+    read_keys(part, pose, part_keys);
     pose.orientation = read_orientation(part);
     compound.parts.push_back({read_type<rigid::ConvexShape>(part, *type), pose});
   }
   if (compound.parts.empty() && table.has("parts"))
-    table.fail("parts", table.path("parts") + " has no usable part");
+    table.fail("parts", "{} has no usable part", table.path("parts"));
   return compound;
 }
 
@@ -222,15 +196,9 @@ std::vector<std::string> hollow_names() {
 Quat read_orientation(TableReader& table) {
   const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
   if (given == "orientation") {
-    const Node* node = table.find(given);
-    double q[4] = {};
-    bool good = node->kind == Node::Kind::array && node->children.size() == 4;
-    for (int i = 0; good && i < 4; ++i) {
-      good = node->children[i].is_number() && std::isfinite(node->children[i].number());
-      if (good) q[i] = node->children[i].number();
-    }
+    const auto q = table.find(given)->numbers(4).value_or(std::vector<double>(4));
     const Quat orientation(q[0], q[1], q[2], q[3]);
-    if (good && orientation.norm() > 0) return orientation.normalized();
+    if (orientation.norm() > 0) return orientation.normalized();
     table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
   } else if (given == "axis_angle") {
     TableReader turn = table.table(given);
@@ -250,40 +218,29 @@ Quat read_orientation(TableReader& table) {
   return Quat::Identity();
 }
 
-namespace {
-
-/// Puts a shape about its centre of mass: however far it is from the origin that the case gives it about.
-void add_centred(const rigid::Shape& given, Case& scene) {
-  const Vec3 centre = rigid::mass_properties(given).centre;
-  scene.shapes.push_back(centre.isZero(0) ? given : rigid::recentred(given, centre));
-  scene.shape_origins.push_back(-centre);
-}
-
-}  // namespace
-
-void read_shapes(TableReader& root, Case& scene) {
+void read_shapes(TableReader& root, Case& setup) {
   for (TableReader& table : root.tables("shapes")) {
-    if (!table.has("name")) table.missing("name", "what bodies call the shape");
-    if (!table.has("type")) table.missing("type", "one of " + joined(shape_types()));
-    const std::string name = table.string("name").value_or("");
+    table.need("name", "what bodies call the shape");
+    table.need("type", "one of " + joined(shape_types()));
+    read_new_name(table, setup.shape_names, "shape");
     rigid::Shape shape = rigid::Sphere{1};
-    if (table.has("type") && table.find("type")->kind == Node::Kind::string &&
-        table.find("type")->string == rigid::HalfSpace::name) {
+    const Node* given = table.find("type");
+    std::optional<std::string> type;
+    if (given && given->kind == Node::Kind::string && given->string == rigid::HalfSpace::name)
       table.fail("type",
                  "{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a body's "
                  "shape is one of {}",
                  table.path("type"), joined(shape_types()));
-      table.judge_no_keys();
-    } else if (const auto type = table.choice("type", shape_types())) {
+    else
+      type = table.choice("type", shape_types());
+    if (type)
       shape = read_shape(table, *type);
-    } else {
+    else
       table.judge_no_keys();
-    }
-    add_centred(shape, scene);
-    std::vector<std::string>& names = scene.shape_names;
-    if (std::count(names.begin(), names.end(), name))
-      table.fail("name", "{}: there already is a shape '{}'", table.path("name"), name);
-    names.push_back(name);
+    // about its centre of mass, however far it is from the origin that the case gives it about
+    const Vec3 centre = rigid::mass_properties(shape).centre;
+    setup.shapes.push_back(centre.isZero(0) ? shape : rigid::recentred(shape, centre));
+    setup.shape_origins.push_back(-centre);
   }
 }
 

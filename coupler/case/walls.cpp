@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "adapters/mesh/read_mesh.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/csv_reader.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -43,32 +42,17 @@ namespace {
 using rigid::HollowWallSpec;
 using rigid::Vec3;
 
-/// Calls read(bytes) for the file that the key names; what is wrong with it is reported.
-template <class Read>
-void with_file(TableReader& table, std::string_view key, Read&& read) {
-  const auto name = table.string(key);
-  if (!name) return;
-  ReadContext& context = table.context();
-  try {
-    const AttachedFile& file = context.source->file_named(*name);
-    context.files.push_back(file.fingerprint);
-    read(*name, file.bytes);
-  } catch (const std::invalid_argument& error) {
-    table.fail(key, "{}: '{}': {}", table.path(key), *name, error.what());
-  }
-}
-
 std::string contents_of(const adapters::ReadMesh& read) {
   std::string text = fmt::format("{} triangles in {} {}", read.surface->triangles().size(),
                                  read.closed.shells, read.closed.shells == 1 ? "shell" : "shells");
-  const auto add = [&](std::size_t count, const char* what) {
+  const std::pair<std::size_t, const char*> more[] = {
+      {read.closed.hollows, "of them hollows"},
+      {read.welded.degenerate, "degenerate triangles left out"},
+      {read.welded.duplicate, "duplicate triangles left out"},
+      {read.welded.thin, "triangles of fins and membranes left out"},
+      {read.closed.turned, "triangles turned over"}};
+  for (const auto& [count, what] : more)
     if (count > 0) text += fmt::format(", {} {}", count, what);
-  };
-  add(read.closed.hollows, "of them hollows");
-  add(read.welded.degenerate, "degenerate triangles left out");
-  add(read.welded.duplicate, "duplicate triangles left out");
-  add(read.welded.thin, "triangles of fins and membranes left out");
-  add(read.closed.turned, "triangles turned over");
   return text;
 }
 
@@ -113,28 +97,28 @@ constexpr std::tuple oscillation_keys{
     Key{"phase", &rigid::WallMotion::phase, Number{dimension::none, range::any, "degrees"},
         "of the sine at the start"}};
 
-/// Of a file whose numbers do not keep its surface: its origin is far away.
-void warn_of_steps(TableReader& table, const std::string& name, double coordinate_step) {
+/// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units in one of the
+/// file's) and warns of one whose numbers do not keep it: its origin is far away.
+template <class Read, class Use>
+void with_surface(TableReader& table, Read&& read, Use&& use) {
   constexpr double enough = 0.1;  // cells
-  if (!(coordinate_step > enough)) return;
-  table.warn("file",
-             "{}: '{}' keeps its coordinates in single precision, which are {} cells apart so far from its "
-             "origin; save it in double precision or as text, or with its origin near the surface",
-             table.path("file"), name, shown(coordinate_step));
-}
-
-/// Lattice units in one of the file's.
-double read_scale(TableReader& table) {
-  return table.number("scale", range::above(0)).value_or(1) / table.context().units.cell_size;
+  const double scale = table.number("scale", range::above(0)).value_or(1) / table.context().units.cell_size;
+  with_file(table, "file", false, [&](const std::string& name, const AttachedFile& file) {
+    const auto surface = read(name, file.bytes, scale);
+    if (surface.coordinate_step > enough)
+      table.warn("file",
+                 "{}: '{}' keeps its coordinates in single precision, which are {} cells apart so far from "
+                 "its origin; save it in double precision or as text, or with its origin near the surface",
+                 table.path("file"), name, shown(surface.coordinate_step));
+    use(surface, name);
+  });
 }
 
 /// "x", "y", "z" or a direction, made a unit vector; `what` says of what.
 Vec3 read_direction(TableReader& table, std::string_view what) {
+  table.need("axis", fmt::format("{}: \"x\", \"y\", \"z\" or [x, y, z]", what));
   const Node* node = table.find("axis");
-  if (!node) {
-    table.missing("axis", fmt::format("{}: \"x\", \"y\", \"z\" or [x, y, z]", what));
-    return Vec3::UnitZ();
-  }
+  if (!node) return Vec3::UnitZ();
   if (node->kind == Node::Kind::string) {
     const auto name = table.choice("axis", {"x", "y", "z"});
     return Vec3::Unit(name ? (*name)[0] - 'x' : 2);
@@ -160,10 +144,10 @@ void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
   read_keys(oscillation, motion, oscillation_keys);
   motion.phase = motion.phase * std::numbers::pi / 180;
   if (turn == "table")
-    with_file(table, "table", [&](const std::string& name, const std::string& bytes) {
-      MotionFile file = read_motion_file(bytes, table.context().units);
-      wall.table = name, wall.table_headings = file.headings;
-      motion.table = std::move(file.rows);
+    with_file(table, "table", false, [&](const std::string& name, const AttachedFile& file) {
+      MotionFile read = read_motion_file(file.bytes, table.context().units);
+      wall.table = name, wall.table_headings = read.headings;
+      motion.table = std::move(read.rows);
     });
 }
 
@@ -171,16 +155,13 @@ MeshWall read_mesh_wall(TableReader& table) {
   MeshWall wall;
   read_keys(table, wall, mesh_file_keys);
   read_keys(table, wall, mesh_keys);
-  const double scale = read_scale(table);
   const Vec3 position = table.vector("position", dimension::length).value_or(Vec3::Zero());
   const rigid::Quat orientation = read_orientation(table);
   const bool hollow = table.choice("solid", {"inside", "outside"}) == "outside";
   Vec3 point = position;
   read_motion(table.table("motion"), wall, point);
   wall.start = {point, orientation};
-  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
-    const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
-    warn_of_steps(table, name, read.coordinate_step);
+  with_surface(table, adapters::read_mesh, [&](const adapters::ReadMesh& read, const std::string& name) {
     wall.file = name, wall.contents = contents_of(read);
     const Vec3 middle = 0.5 * (read.surface->box().lower + read.surface->box().upper);
     wall.mesh = rigid::Mesh{read.surface, hollow}.recentred(middle);
@@ -193,11 +174,8 @@ MeshWall read_mesh_wall(TableReader& table) {
 
 rigid::Shape read_mesh_body(TableReader& table) {
   require(table, std::get<0>(mesh_file_keys));
-  const double scale = read_scale(table);
   rigid::Shape shape = rigid::Sphere{1};
-  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
-    const adapters::ReadMesh read = adapters::read_mesh(name, bytes, scale);
-    warn_of_steps(table, name, read.coordinate_step);
+  with_surface(table, adapters::read_mesh, [&](const adapters::ReadMesh& read, const std::string&) {
     const rigid::Mesh mesh{read.surface, false};
     if (!(mesh.mass_properties().volume > 0))
       throw std::invalid_argument("it encloses no volume: a body needs some");
@@ -207,19 +185,15 @@ rigid::Shape read_mesh_body(TableReader& table) {
 }
 
 std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& table) {
-  const double scale = read_scale(table);
   std::shared_ptr<const rigid::PolyhedronMesh> mesh;
-  with_file(table, "file", [&](const std::string& name, const std::string& bytes) {
-    const adapters::ReadPolyhedron read = adapters::read_polyhedron(name, bytes, scale);
-    warn_of_steps(table, name, read.coordinate_step);
-    mesh = read.mesh;
-  });
+  with_surface(table, adapters::read_polyhedron,
+               [&](const adapters::ReadPolyhedron& read, const std::string&) { mesh = read.mesh; });
   return mesh;
 }
 
 namespace {
 
-std::string read_name(TableReader& table, const std::vector<CurvedWall>& walls) {
+std::string read_wall_name(TableReader& table, const std::vector<CurvedWall>& walls) {
   const std::string name = table.string("name").value_or(table.path());
   for (const CurvedWall& other : walls)
     if (other.name == name) table.fail("name", "{}: there already is a wall '{}'", table.path("name"), name);
@@ -242,8 +216,8 @@ std::vector<KeySection> wall_sections() {
       section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
 }
 
-void read_walls(TableReader& root, Case& scene) {
-  std::vector<CurvedWall>& walls = scene.walls;
+void read_walls(TableReader& root, Case& setup) {
+  std::vector<CurvedWall>& walls = setup.walls;
   std::vector<std::string> types = hollow_names();
   types.emplace_back(rigid::Mesh::name);
   for (TableReader& table : root.tables("walls")) {
@@ -251,8 +225,8 @@ void read_walls(TableReader& root, Case& scene) {
     read_keys(table, wall, wall_keys);
     const auto type = table.choice("type", types);
     if (!type) table.judge_no_keys();
-    wall.name = read_name(table, walls);
-    const int material = read_material_name(table, scene.material_names);
+    wall.name = read_wall_name(table, walls);
+    const int material = read_name(table, "material", setup.material_names, "material").value_or(0);
     if (type == rigid::Mesh::name) {
       MeshWall mesh = read_mesh_wall(table);
       if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else what is wrong has been said

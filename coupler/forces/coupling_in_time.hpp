@@ -6,7 +6,7 @@
 // bodies do not change.
 #include <Eigen/Core>
 
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/row_sums.hpp"
 #include "rigid/bodies/body_set.hpp"

@@ -10,7 +10,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/forces/coupling_in_time.hpp"
 #include "coupler/forces/covered_momentum.hpp"

@@ -4,7 +4,6 @@
 // once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
 #include <memory>
 
-#include "coupler/case/coupling_spec.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "rigid/bodies/lubrication.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 // From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
 // is.
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/solid_map.hpp"

@@ -4,7 +4,7 @@
 // are applied"). Bodies are mapped in common steps, every 1, 3, 9, ... of them.
 #include <cstdint>
 
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/bodies/world.hpp"

@@ -7,7 +7,7 @@
 // included.
 #include <mpi.h>
 
-#include "coupler/case/coupling_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/body_set.hpp"

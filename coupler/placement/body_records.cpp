@@ -14,9 +14,9 @@ void store(const Vec3& v, double* to) {
 
 }  // namespace
 
-std::vector<CentredShape> centred_shapes(const Case& scene) {
+std::vector<CentredShape> centred_shapes(const Case& setup) {
   std::vector<CentredShape> shapes;
-  for (const rigid::Shape& shape : scene.shapes) {
+  for (const rigid::Shape& shape : setup.shapes) {
     const rigid::MassProperties mass = rigid::mass_properties(shape);
     shapes.push_back({shape, mass.volume, rigid::bounding_radius(shape), mass.inertia});
   }

@@ -1,13 +1,10 @@
-#include "coupler/placement/filed_bodies.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/case.hpp"
-#include "coupler/placement/first_faults.hpp"
-#include "parallel/collectives.hpp"
+#include "coupler/placement/given_bodies.hpp"
+#include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -21,21 +18,22 @@ struct Passing {
   FiledPose pose;       // in the units of the case
 };
 
-BodySpec spec_of(const Case& scene, const FiledBodies& filed, const Passing& body) {
+BodySpec spec_of(const Case& setup, const FiledBodies& filed, const Passing& body) {
   BodySpec spec = filed.alike;
   const auto vector = [&](int column, Dimension dimension) -> Vec3 {
-    return Eigen::Map<const Vec3>{&body.pose[column]} / scene.units.scale(dimension);
+    return Eigen::Map<const Vec3>{&body.pose[column]} / setup.units.scale(dimension);
   };
   if (filed.contents.orientation) {
-    const double* q = &body.pose[3];
+    const double* q = &body.pose[orientation_columns.begin];
     spec.pose.orientation = {q[0], q[1], q[2], q[3]};
     constexpr double rounding = 1e-14;
     if (std::abs(spec.pose.orientation.squaredNorm() - 1) > rounding) spec.pose.orientation.normalize();
     spec.unit = true;
   }
-  put_at(spec, vector(0, dimension::length), extent_of(scene));
-  if (filed.contents.velocity) spec.velocity = vector(7, dimension::velocity);
-  if (filed.contents.angular_velocity) spec.angular_velocity = vector(10, dimension::angular_velocity);
+  put_at(spec, vector(0, dimension::length), extent_of(setup));
+  if (filed.contents.velocity) spec.velocity = vector(velocity_columns.begin, dimension::velocity);
+  if (filed.contents.angular_velocity)
+    spec.angular_velocity = vector(turn_columns.begin, dimension::angular_velocity);
   spec.point = body.point + 1;
   return spec;
 }
@@ -46,61 +44,54 @@ struct Slice : PositionSlice {
 };
 
 /// The fault of the rank that comes first in the file is told.
-void throw_fault(const Case& scene, const FiledBodies& filed, Surroundings& around,
-                 const std::vector<BodyFault>& mine) {
-  const auto faults = first_faults(around.comm(), mine, 1);
-  if (!faults.empty())
-    throw CaseError(scene.place(fmt::format("bodies[{}].positions", filed.alike.entry)), faults[0].text);
+void throw_fault(const Case& setup, const FiledBodies& filed, Surroundings& around, const std::string& mine) {
+  const std::string fault = parallel::text_of_first(around.comm(), mine);
+  if (!fault.empty())
+    throw CaseError(setup.place(fmt::format("bodies[{}].positions", filed.alike.entry)), fault);
 }
 
-Slice read_slice_here(const Case& scene, const FiledBodies& filed, Surroundings& around) {
+Slice read_slice_here(const Case& setup, const FiledBodies& filed, Surroundings& around) {
   const std::string name = filed.positions.name();
   PositionSlice slice;
-  std::vector<BodyFault> unreadable;
+  std::string fault;
   try {
-    slice = read_slice(scene.directory, filed.positions, around.rank, around.ranks);
+    slice = read_slice(setup.directory, filed.positions, around.rank, around.ranks);
   } catch (const std::exception& error) {
-    unreadable.push_back({rigid::BodyId(around.rank), 0, error.what()});
+    fault = error.what();
   }
-  throw_fault(scene, filed, around, unreadable);
+  throw_fault(setup, filed, around, fault);
   struct Counts {
     std::uint64_t bodies, lines;
   };
   const std::uint64_t n = slice.size();
   const Counts before = parallel::sum_of_ranks_before(around.comm(), Counts{n, slice.lines});
-  std::vector<BodyFault> bad;
-  if (!slice.fault.empty()) {
-    const bool has_lines = filed.positions.dataset.empty();
-    bad.push_back(
-        {before.bodies + n, 0,
-         fmt::format("{} {} of {} {}", has_lines ? "line" : "point",
-                     has_lines ? before.lines + slice.lines : before.bodies + n + 1, name, slice.fault)});
-  }
-  throw_fault(scene, filed, around, bad);
-  const std::uint64_t all = around.sum(n);
-  if (all != filed.contents.points)
-    throw CaseError(
-        scene.place(fmt::format("bodies[{}].positions", filed.alike.entry)),
-        fmt::format("{} has {} points now, and had {} a moment ago: it is being written; wait, and "
-                    "start again",
-                    name, all, filed.contents.points));
+  const bool has_lines = filed.positions.dataset.empty();
+  if (!slice.fault.empty())
+    fault = fmt::format("{} {} of {} {}", has_lines ? "line" : "point",
+                        has_lines ? before.lines + slice.lines : before.bodies + n + 1, name, slice.fault);
+  throw_fault(setup, filed, around, fault);
+  if (const std::uint64_t all = around.sum(n); all != filed.contents.points)
+    throw_fault(setup, filed, around,
+                fmt::format("{} has {} points now, and had {} a moment ago: it is being written; wait, and "
+                            "start again",
+                            name, all, filed.contents.points));
   return {std::move(slice), before.bodies};
 }
 
 /// Whom a body concerns: the rank of its centre of mass, and those near which it reaches.
-std::vector<int> ranks_of(const Case& scene, Surroundings& around, const BodySpec& spec) {
-  std::vector<int> ranks = around.ranks_near(rigid::bounding_box(scene.shapes[spec.shape], spec.pose));
+std::vector<int> ranks_of(const Case& setup, Surroundings& around, const BodySpec& spec) {
+  std::vector<int> ranks = around.ranks_near(rigid::bounding_box(setup.shapes[spec.shape], spec.pose));
   const int owner = around.holders.rank_at(spec.pose.position);
   if (!std::count(ranks.begin(), ranks.end(), owner)) ranks.push_back(owner);
   return ranks;
 }
 
-void send(const Case& scene, const FiledBodies& filed, Surroundings& around, const Slice& slice,
+void send(const Case& setup, const FiledBodies& filed, Surroundings& around, const Slice& slice,
           std::size_t from, std::size_t to) {
   for (std::size_t i = from; i < std::min<std::size_t>(to, slice.size()); ++i) {
     Passing body{slice.first + i, {}};
     slice.put(i, body.pose);
-    for (const int rank : ranks_of(scene, around, spec_of(scene, filed, body)))
+    for (const int rank : ranks_of(setup, around, spec_of(setup, filed, body)))
       parallel::put(around.messages.to(rank), body);
   }
   around.messages.unannounced();
@@ -108,20 +99,18 @@ void send(const Case& scene, const FiledBodies& filed, Surroundings& around, con
 
 }  // namespace
 
-void add_filed_bodies(const Case& scene, Surroundings& around, std::vector<GivenBody>& bodies,
+void add_filed_bodies(const Case& setup, Surroundings& around, std::vector<GivenBody>& bodies,
                       std::size_t at_once) {
-  rigid::BodyId first_id = 1 + scene.bodies.size();
-  for (const FiledBodies& filed : scene.filed) {
-    const Slice slice = read_slice_here(scene, filed, around);
+  rigid::BodyId first_id = 1 + setup.bodies.size();
+  for (const FiledBodies& filed : setup.filed) {
+    const Slice slice = read_slice_here(setup, filed, around);
     const std::size_t begin = bodies.size(), most = parallel::most_over_ranks(around.comm(), slice.size());
     for (std::size_t from = 0; from < most; from += at_once) {
-      send(scene, filed, around, slice, from, from + at_once);
-      for (const parallel::Messages::Message& m : around.messages.received())
-        for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-          const auto body = reader.take<Passing>();
-          const BodySpec spec = spec_of(scene, filed, body);
-          bodies.push_back({first_id + body.point, spec, around.is_here(spec.pose.position)});
-        }
+      send(setup, filed, around, slice, from, from + at_once);
+      around.messages.for_received<Passing>([&](const Passing& body, int) {
+        const BodySpec spec = spec_of(setup, filed, body);
+        bodies.push_back({first_id + body.point, spec, around.is_here(spec.pose.position)});
+      });
     }
     std::sort(bodies.begin() + static_cast<std::ptrdiff_t>(begin), bodies.end(),
               [](const GivenBody& a, const GivenBody& b) { return a.id < b.id; });

@@ -1,5 +1,6 @@
 #pragma once
-// The bodies that a case gives one by one, on the ranks they concern.
+// The bodies that a case gives one by one, on the ranks they concern, and how ranks tell what is wrong with
+// them.
 #include <span>
 #include <vector>
 
@@ -18,11 +19,23 @@ struct GivenBody {
 /// Collective. Returns the given bodies that this rank owns or that reach near it, in the order of ids: from
 /// 1 on, first those whose positions the case says, then those of files, each in the order of the case.
 std::vector<GivenBody> given_bodies(const Case&, Surroundings&);
+/// Collective. Adds those of files. Each rank reads a slice of each file and sends every body to the ranks it
+/// concerns, in rounds of `at_once` a rank: none ever has more than its slice, and its own. CaseError on
+/// every rank names file and point.
+void add_filed_bodies(const Case&, Surroundings&, std::vector<GivenBody>&, std::size_t at_once = 1 << 16);
 /// Returns the mean diameter of their bounding spheres, at least a cell: what suits a grid of them.
 double mean_width(const Case&, std::span<const GivenBody>);
 /// Returns how many there are on all ranks.
 std::uint64_t count_given(const Case&);
 /// Returns which entry of [[bodies]] gave one.
 int entry_of(const Case&, rigid::BodyId);
+
+struct BodyFault {
+  rigid::BodyId body, other = 0;  // other: 0 if there is none
+  std::string text;
+};
+/// Collective. Returns the first `most` faults by (body, other), each once though several ranks may have
+/// found it.
+std::vector<BodyFault> first_faults(MPI_Comm, std::vector<BodyFault> mine, std::size_t most);
 
 }  // namespace silt::coupler

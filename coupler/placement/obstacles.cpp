@@ -11,16 +11,16 @@ namespace silt::coupler {
 using rigid::BoundingBox;
 using rigid::Vec3;
 
-Obstacles::Obstacles(const Case& scene, const rigid::Extent& extent, std::span<const GivenBody> given,
+Obstacles::Obstacles(const Case& setup, const rigid::Extent& extent, std::span<const GivenBody> given,
                      double reach)
-    : scene_(scene),
+    : setup_(setup),
       extent_(extent),
       given_(given),
-      walls_(scene),
-      given_grid_(extent, std::max(reach, mean_width(scene, given))) {
+      walls_(setup),
+      given_grid_(extent, std::max(reach, mean_width(setup, given))) {
   for (std::size_t i = 0; i < given.size(); ++i)
     given_grid_.insert(static_cast<int>(i),
-                       rigid::bounding_box(scene.shapes[given[i].spec.shape], given[i].spec.pose));
+                       rigid::bounding_box(setup.shapes[given[i].spec.shape], given[i].spec.pose));
 }
 
 void Obstacles::begin_balls(double radius, double gap) {
@@ -33,30 +33,23 @@ void Obstacles::add_ball(const Vec3& centre) {
   balls.centres.push_back(centre);
 }
 
-bool Obstacles::clear_of_given(const Vec3& centre, double distance) const {
-  bool clear = true;
-  if (!given_.empty())
-    given_grid_.visit(BoundingBox::around(centre, Vec3::Constant(distance)), [&](int i) {
-      const BodySpec& body = given_[i].spec;
-      clear = distance_to(scene_.shapes[body.shape], body.pose, centre, extent_) >= distance;
-      return clear;
-    });
-  return clear;
-}
-
 bool Obstacles::is_free(const Vec3& centre, double radius, double gap) const {
   if (!walls_.are_clear_of(centre, radius + gap)) return false;
-  for (const Balls& balls : balls_) {
-    const double distance = balls.radius + radius + gap;
+  const auto all_beyond = [&](const NeighbourGrid& grid, double distance, auto&& distance_of) {
     bool clear = true;
-    if (balls.centres.empty()) continue;
-    balls.grid.visit(BoundingBox::around(centre, Vec3::Constant(distance)), [&](int i) {
-      clear = nearest_image(balls.centres[i] - centre, extent_).norm() >= distance;
-      return clear;
-    });
-    if (!clear) return false;
-  }
-  return clear_of_given(centre, radius + gap);
+    grid.visit(BoundingBox::around(centre, Vec3::Constant(distance)),
+               [&](int i) { return clear = distance_of(i) >= distance; });
+    return clear;
+  };
+  for (const Balls& balls : balls_)
+    if (!balls.centres.empty() && !all_beyond(balls.grid, balls.radius + radius + gap, [&](int i) {
+          return nearest_image(balls.centres[i] - centre, extent_).norm();
+        }))
+      return false;
+  return given_.empty() || all_beyond(given_grid_, radius + gap, [&](int i) {
+           const BodySpec& body = given_[i].spec;
+           return distance_to(setup_.shapes[body.shape], body.pose, centre, extent_);
+         });
 }
 
 }  // namespace silt::coupler

@@ -27,9 +27,8 @@ class Obstacles {
     NeighbourGrid grid;
     std::vector<rigid::Vec3> centres;
   };
-  bool clear_of_given(const rigid::Vec3& centre, double distance) const;
 
-  const Case& scene_;
+  const Case& setup_;
   const rigid::Extent extent_;
   const std::span<const GivenBody> given_;
   const CurvedWalls walls_;

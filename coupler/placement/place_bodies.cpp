@@ -1,8 +1,148 @@
 #include "coupler/placement/place_bodies.hpp"
 
-#include "coupler/case/case.hpp"
+#include <algorithm>
+#include <numeric>
+
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
+
+std::vector<std::uint64_t> number_off(parallel::Messages& messages, const std::vector<std::uint64_t>& keys,
+                                      std::uint64_t range) {
+  const int ranks = parallel::ranks_of(messages.comm());
+  const auto rank_of = [&](std::uint64_t key) {
+    return static_cast<int>(static_cast<unsigned __int128>(key) * ranks / range);
+  };
+  for (const std::uint64_t key : keys) parallel::put(messages.to(rank_of(key)), key);
+  messages.unannounced();
+  std::vector<std::pair<std::uint64_t, int>> asked;  // of this slice by all ranks: key, rank
+  messages.for_received<std::uint64_t>([&](std::uint64_t key, int rank) { asked.emplace_back(key, rank); });
+  std::sort(asked.begin(), asked.end());
+  std::uint64_t before = parallel::sum_of_ranks_before(messages.comm(), asked.size());
+  for (const auto& [key, rank] : asked) parallel::put(messages.to(rank), before++);
+  messages.unannounced();
+  std::vector<std::uint64_t> numbers;  // slices answer in the order of ranks, which is that of keys
+  messages.for_received<std::uint64_t>([&](std::uint64_t number, int) { numbers.push_back(number); });
+  return numbers;
+}
+
+void set_places(std::vector<FilledBody>& bodies, std::uint64_t range, Surroundings& around) {
+  std::vector<std::uint64_t> numbers;
+  for (const FilledBody& body : bodies) numbers.push_back(body.number);
+  const std::vector<std::uint64_t> places = number_off(around.messages, numbers, range);
+  for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].place = places[i];
+}
+
+namespace {
+
+using rigid::Vec3;
+
+double radius_of_fill(const Case& setup, std::size_t fill) {
+  return rigid::bounding_radius(setup.shapes[setup.fills[fill].shape]);
+}
+
+/// Places of the applications, the largest bodies first: small ones still find room between them.
+std::vector<std::size_t> by_size(const Case& setup, const std::vector<FillApplication>& applications) {
+  std::vector<std::size_t> order(applications.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return radius_of_fill(setup, applications[a].fill) > radius_of_fill(setup, applications[b].fill);
+  });
+  return order;
+}
+
+AppliedFill apply(const Case& setup, FillApplication application, Surroundings& around,
+                  Obstacles& obstacles) {
+  const FillSpec& spec = setup.fills[application.fill];
+  const OneFill fill{setup, application, spec, radius_of_fill(setup, application.fill), around, obstacles};
+  AppliedFill filled;
+  static_cast<EntrySpec&>(filled.alike) = spec;
+  obstacles.begin_balls(fill.radius, spec.gap);
+  Filling placed = spec.arrangement == Arrangement::random ? fill_at_random(fill) : fill_sites(fill);
+  const auto count = static_cast<std::uint64_t>(spec.count);
+  filled.bodies = std::move(placed.bodies), filled.total = placed.total;
+  filled.refused = count - std::min(count, filled.total);
+  return filled;
+}
+
+/// The furthest at which a body of any fill asks what is there.
+double reach_of_fills(const Case& setup) {
+  double radius = 0, gap = 0;
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
+    radius = std::max(radius, radius_of_fill(setup, i));
+    gap = std::max(gap, setup.fills[i].gap);
+  }
+  return 2 * radius + gap;
+}
+
+/// Applies fills, each body where its bounding sphere meets neither what is there, which each rank knows
+/// within reach_of_fills of its blocks, nor another one. Ids count from `next_id` on in the order of the
+/// applications, and `next_id` goes past them.
+std::vector<AppliedFill> apply_fills(const Case& setup, const std::vector<FillApplication>& applications,
+                                     std::span<const GivenBody> there, Surroundings& around,
+                                     rigid::BodyId& next_id) {
+  std::vector<AppliedFill> applied(applications.size());
+  if (applications.empty()) return applied;
+  Obstacles obstacles(setup, around.extent, there, reach_of_fills(setup));
+  for (const std::size_t i : by_size(setup, applications))
+    applied[i] = apply(setup, applications[i], around, obstacles);
+  for (AppliedFill& filled : applied) {
+    filled.first_id = next_id;
+    next_id += filled.total;
+  }
+  return applied;
+}
+
+/// A body that is there already, as other ranks see it.
+struct Present {
+  rigid::BodyId id;
+  std::int64_t shape;
+  double position[3], orientation[4];  // w, x, y, z
+};
+
+Present present(const rigid::BodySet& bodies, std::size_t row) {
+  const rigid::Quat& q = bodies.orientation[row];
+  const Vec3& x = bodies.position[row];
+  return {bodies.id[row], bodies.shape[row], {x[0], x[1], x[2]}, {q.w(), q.x(), q.y(), q.z()}};
+}
+
+GivenBody given(const Present& p) {
+  BodySpec spec;
+  spec.shape = static_cast<int>(p.shape);
+  spec.pose.position = Eigen::Map<const Vec3>{p.position};
+  spec.pose.orientation = {p.orientation[0], p.orientation[1], p.orientation[2], p.orientation[3]};
+  return {p.id, spec, false};
+}
+
+/// Whether a box is so close to that of a fill that one of its bodies might ask for it.
+bool concerns(const FillSpec& fill, const rigid::BoundingBox& box, double reach,
+              const rigid::Extent& extent) {
+  const Vec3 apart =
+      nearest_image((box.lower + box.upper - fill.box.lower - fill.box.upper) / 2, extent).cwiseAbs();
+  const Vec3 widths = (box.upper - box.lower + fill.box.upper - fill.box.lower) / 2;
+  return ((apart - widths).array() <= reach).all();
+}
+
+/// The bodies near the fills' boxes that are within reach of this rank's blocks.
+std::vector<GivenBody> present_near(const Case& setup, const std::vector<FillApplication>& applications,
+                                    const rigid::BodySet& bodies, double reach, Surroundings& around) {
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const Present body = present(bodies, row);
+    const auto box = rigid::bounding_box(setup.shapes[bodies.shape[row]], given(body).spec.pose);
+    if (std::none_of(applications.begin(), applications.end(), [&](const FillApplication& application) {
+          return concerns(setup.fills[application.fill], box, reach, around.extent);
+        }))
+      continue;
+    parallel::put(around.messages.to(around.rank), body);
+    around.tell_others_near(box, body);
+  }
+  around.messages.unannounced();
+  std::vector<GivenBody> near;
+  around.messages.for_received<Present>([&](const Present& body, int) { near.push_back(given(body)); });
+  return near;
+}
+
+}  // namespace
 
 std::size_t PlacedBodies::size() const {
   std::size_t n = given.size();
@@ -10,16 +150,33 @@ std::size_t PlacedBodies::size() const {
   return n;
 }
 
-PlacedBodies place_bodies(const Case& scene, const lbm::Domain& domain, MPI_Comm comm) {
-  Surroundings around(scene, domain, comm, reach_of_fills(scene));
+PlacedBodies place_bodies(const Case& setup, const lbm::Domain& domain, MPI_Comm comm) {
+  Surroundings around(setup, domain, comm, reach_of_fills(setup));
   PlacedBodies placed;
-  placed.given = given_bodies(scene, around);
-  placed.next_id = 1 + count_given(scene);
+  placed.given = given_bodies(setup, around);
+  placed.next_id = 1 + count_given(setup);
   std::vector<FillApplication> all;
-  for (std::size_t i = 0; i < scene.fills.size(); ++i) all.emplace_back(i);
-  placed.filled = apply_fills(scene, all, placed.given, around, placed.next_id);
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) all.emplace_back(i);
+  placed.filled = apply_fills(setup, all, placed.given, around, placed.next_id);
   std::erase_if(placed.given, [](const GivenBody& body) { return !body.own; });
   return placed;
+}
+
+std::vector<FillApplication> fills_due(const Case& setup, std::int64_t steps_done) {
+  std::vector<FillApplication> due;
+  for (std::size_t i = 0; i < setup.fills.size(); ++i)
+    if (const FillSpec& fill = setup.fills[i]; fill.comes_at(steps_done))
+      due.emplace_back(i, static_cast<std::uint64_t>(steps_done / fill.every));
+  return due;
+}
+
+std::vector<AppliedFill> place_arrivals(const Case& setup, const std::vector<FillApplication>& applications,
+                                        const lbm::Domain& domain, MPI_Comm comm,
+                                        const rigid::BodySet& bodies, rigid::BodyId& next_id) {
+  const double reach = reach_of_fills(setup);
+  Surroundings around(setup, domain, comm, reach);
+  const auto there = present_near(setup, applications, bodies, reach, around);
+  return apply_fills(setup, applications, there, around, next_id);
 }
 
 }  // namespace silt::coupler

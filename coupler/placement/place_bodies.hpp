@@ -1,11 +1,29 @@
 #pragma once
-// The bodies of a case at the start, on the ranks where they will live.
+// The bodies of a case on the ranks where they will live: those of the start, and those that fills place
+// while a run goes on.
 #include <vector>
 
-#include "coupler/placement/apply_fills.hpp"
 #include "coupler/placement/given_bodies.hpp"
+#include "coupler/placement/one_fill.hpp"
 
 namespace silt::coupler {
+
+/// This rank's bodies of one application of a fill.
+struct AppliedFill {
+  BodySpec alike;
+  rigid::BodyId first_id = 0;
+  std::uint64_t total = 0, refused = 0;  // of all ranks: placed; asked for, but without room
+  std::vector<FilledBody> bodies;
+
+  template <class F>
+  void for_each(F&& f) const {
+    BodySpec body = alike;
+    for (const FilledBody& filled : bodies) {
+      body.pose = {filled.centre, filled.orientation};
+      f(first_id + filled.place, body);
+    }
+  }
+};
 
 /// This rank's bodies at the start: those whose centre of mass lies in its blocks. Ids count from 1: the
 /// given bodies in the order of the case, then those of each fill, ordered so that close ids are mostly close
@@ -13,8 +31,7 @@ namespace silt::coupler {
 class PlacedBodies {
  public:
   std::size_t size() const;
-  /// Calls f(id, spec) in the order of ids. The centres of mass of fills are
-  /// in the domain.
+  /// Calls f(id, spec) in the order of ids. The centres of mass of fills are in the domain.
   template <class F>
   void for_each(F&& f) const {
     for (const GivenBody& body : given) f(body.id, body.spec);
@@ -33,5 +50,13 @@ class PlacedBodies {
 /// fills may be equal. Fills on sites take those that are free, in order. CaseError on every rank, saying how
 /// many fitted, if one does not fit.
 PlacedBodies place_bodies(const Case&, const lbm::Domain&, MPI_Comm);
+
+/// Returns the fills that are applied again before the step that follows so many.
+std::vector<FillApplication> fills_due(const Case&, std::int64_t steps_done);
+
+/// Collective. Places the bodies of these applications among those of all ranks, of which `bodies` has this
+/// rank's, as above. Of the random numbers of an application no other has any.
+std::vector<AppliedFill> place_arrivals(const Case&, const std::vector<FillApplication>&, const lbm::Domain&,
+                                        MPI_Comm, const rigid::BodySet& bodies, rigid::BodyId& next_id);
 
 }  // namespace silt::coupler

@@ -1,5 +1,3 @@
-#include "coupler/placement/random_fill.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,9 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
+#include "coupler/placement/one_fill.hpp"
 #include "coupler/placement/rain.hpp"
-#include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {
@@ -31,6 +28,9 @@ struct DrawnPoint {
   bool own = true, shared = false, told = false;
   PointState state = PointState::open;
   bool waits = false;  // in this round of messages, for another rank
+
+  bool is_open() const { return own && state == PointState::open; }
+  bool stays_here() const { return own && state == PointState::stays; }
 };
 
 /// A point as others see it.
@@ -41,49 +41,214 @@ struct Seen {
 struct Decided {
   std::uint64_t number, stays;
 };
+struct Tally {
+  std::uint64_t fallen, stay;
+};
+
+bool by_number(const auto& a, const auto& b) {
+  return a.number < b.number;
+}
 
 class RandomFill {
  public:
-  RandomFill(const Case& scene, FillApplication application, double radius, const BoundingBox& room,
-             Surroundings& around, Obstacles& obstacles)
-      : scene_(scene),
-        application_(application),
-        spec_(scene.fills[application.fill]),
-        radius_(radius),
-        distance_(2 * radius + spec_.gap),
-        points_a_body_(application.is_first() ? points_a_body_at_start : points_a_body_later),
-        around_(around),
-        obstacles_(obstacles),
-        rain_(room, spec_.seed, application.stream(),
-              std::min(static_cast<double>(spec_.count) / bodies_a_cell, Rain::most_cells / 2)) {}
+  explicit RandomFill(const OneFill& fill)
+      : fill_(fill),
+        distance_(2 * fill.radius + fill.spec.gap),
+        points_a_body_(fill.application.is_first() ? points_a_body_at_start : points_a_body_later),
+        rain_(room_for_centres(fill.setup, fill.application.fill, fill.radius),
+              fill.application.key(fill.spec),
+              std::min(static_cast<double>(fill.spec.count) / bodies_a_cell, Rain::most_cells / 2)) {}
 
-  RandomlyFilled bodies();
+  Filling placed() {
+    std::uint64_t missing = fill_.spec.count, round = 0, rounds = bodies_a_cell;
+    for (;;) {
+      let_fall(round, rounds);
+      tell_neighbours();
+      decide();
+      const Tally all = tally();
+      const bool enough = all.stay >= missing;
+      keep(enough ? time_of_last(missing) : std::numeric_limits<std::uint64_t>::max());
+      missing -= enough ? missing : all.stay;
+      round += rounds;
+      const bool full =
+          static_cast<double>(all.fallen) >= points_a_body_ * static_cast<double>(all.stay + 1) ||
+          round >= Rain::most_rounds;
+      if (!enough && full && fill_.application.is_first()) refuse(fill_.spec.count - missing);
+      if (enough || full) break;
+      rounds = std::min(next_rounds(rounds, all, missing), Rain::most_rounds - round);
+    }
+    std::sort(placed_.begin(), placed_.end(), by_number<FilledBody, FilledBody>);
+    set_places(placed_, rain_.range(), around_);
+    return {std::move(placed_), fill_.spec.count - missing};
+  }
 
  private:
-  struct Tally {
-    std::uint64_t fallen, stay;
-  };
-  void let_fall(std::uint64_t first_round, std::uint64_t rounds);
-  void let_fall_on(const lbm::BlockPlace&, std::uint64_t first_round, std::uint64_t rounds);
-  std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const;
-  void tell_neighbours();
-  void decide();
-  PointState judge(DrawnPoint&, const NeighbourGrid&);
-  void decide_what_can_be(const NeighbourGrid&);
-  void hear_decisions();
-  Tally tally() const;
-  std::uint64_t time_of_last(std::uint64_t wanted) const;
-  void keep(std::uint64_t last_time);
-  std::uint64_t next_rounds(std::uint64_t rounds, const Tally&, std::uint64_t missing) const;
-  [[noreturn]] void refuse(std::uint64_t placed) const;
+  /// As many as the last ones suggest are needed; of a full box not too many at a time.
+  std::uint64_t next_rounds(std::uint64_t rounds, const Tally& last, std::uint64_t missing) const {
+    const auto cells = static_cast<double>(rain_.total_cells());
+    const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);
+    const double wanted = 1.1 * a_body * static_cast<double>(missing);
+    const double most = std::max(2 * points_a_body_, 16 * static_cast<double>(fill_.spec.count));
+    const double next = std::ceil(std::min(wanted, most) / cells);
+    return static_cast<std::uint64_t>(std::clamp(next, 1.0, 16.0 * static_cast<double>(rounds)));
+  }
 
-  const Case& scene_;
-  const FillApplication application_;
-  const FillSpec& spec_;
-  const double radius_, distance_;  // least one of two centres
+  void let_fall(std::uint64_t first_round, std::uint64_t rounds) {
+    fallen_ = 0;
+    points_.clear();
+    for (const lbm::BlockPlace& block : around_.domain.blocks_of(around_.rank))
+      let_fall_on(block, first_round, rounds);
+  }
+
+  /// A cell across blocks is drawn for each of them, a point kept for the one in which it lies.
+  void let_fall_on(const lbm::BlockPlace& block, std::uint64_t first_round, std::uint64_t rounds) {
+    const auto along_x = cells_met(0, block.box), along_y = cells_met(1, block.box),
+               along_z = cells_met(2, block.box);
+    const auto take = [&](std::uint64_t number) {
+      Vec3 centre = rain_.point(number);
+      std::array<std::int32_t, 3> image{};
+      around_.extent.wrap(centre, image);
+      if (around_.holders.block_at(centre) != block.index) return;
+      ++fallen_;
+      if (fill_.obstacles.is_free(centre, fill_.radius, fill_.spec.gap)) points_.push_back({number, centre});
+    };
+    for (const std::int64_t z : along_z)
+      for (const std::int64_t y : along_y)
+        for (const std::int64_t x : along_x)
+          for (std::uint64_t round = first_round; round < first_round + rounds; ++round)
+            rain_.for_points({x, y, z}, round, take);
+  }
+
+  /// The cells of an axis that a block meets, in any periodic image; blocks at a wall reach beyond it.
+  std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const {
+    constexpr double slack = 1e-6, infinity = std::numeric_limits<double>::infinity();
+    const double length = around_.extent.size[axis];
+    const bool periodic = around_.extent.periodic[axis];
+    double lower = box.lower[axis] - slack, upper = box.lower[axis] + box.size[axis] + slack;
+    if (!periodic && lower < 0) lower = -infinity;
+    if (!periodic && upper > length) upper = infinity;
+    const auto meets = [&](std::int64_t i, double shift) {
+      return rain_.side(axis, i) + shift <= upper && rain_.side(axis, i + 1) + shift >= lower;
+    };
+    std::vector<std::int64_t> met;
+    for (std::int64_t i = 0; i < rain_.cells()[axis]; ++i)
+      if (meets(i, 0) || (periodic && (meets(i, -length) || meets(i, length)))) met.push_back(i);
+    return met;
+  }
+
+  void tell_neighbours() {
+    for (DrawnPoint& p : points_)
+      p.shared = around_.tell_others_near({p.centre, p.centre},
+                                          Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
+    around_.messages.unannounced();
+    around_.messages.for_received<Seen>([&](const Seen& seen, int) {
+      points_.push_back({seen.number, Vec3(seen.centre), false});
+    });
+    std::sort(points_.begin(), points_.end(), by_number<DrawnPoint, DrawnPoint>);
+  }
+
+  void decide() {
+    NeighbourGrid grid(around_.extent, distance_);
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      grid.insert(static_cast<int>(i), {points_[i].centre, points_[i].centre});
+    do {
+      decide_what_can_be(grid);
+      hear_decisions();
+    } while (around_.sum(std::count_if(points_.begin(), points_.end(), std::mem_fn(&DrawnPoint::is_open))) >
+             0);
+  }
+
+  /// All that does not wait for another rank; tells who shares it.
+  void decide_what_can_be(const NeighbourGrid& grid) {
+    for (DrawnPoint& p : points_) p.waits = false;
+    for (DrawnPoint& p : points_)
+      if (p.is_open()) judge(p, grid);
+    for (DrawnPoint& p : points_) {
+      if (!p.shared || p.told || p.state == PointState::open) continue;
+      p.told =
+          around_.tell_others_near({p.centre, p.centre}, Decided{p.number, p.state == PointState::stays});
+    }
+  }
+
+  /// Decides a point of this rank, and before it the earlier ones too close to it.
+  PointState judge(DrawnPoint& p, const NeighbourGrid& grid) {
+    const std::uint64_t time = rain_.time_of(p.number);
+    PointState state = PointState::stays;
+    grid.visit(BoundingBox::around(p.centre, Vec3::Constant(distance_)), [&](int i) {
+      DrawnPoint& other = points_[i];
+      if (other.state == PointState::goes || rain_.time_of(other.number) >= time) return true;
+      if (nearest_image(other.centre - p.centre, around_.extent).norm() >= distance_) return true;
+      const PointState found = other.is_open() && !other.waits ? judge(other, grid) : other.state;
+      if (found == PointState::stays) state = PointState::goes;
+      if (found == PointState::open) state = PointState::open;
+      return state != PointState::goes;
+    });
+    p.waits = state == PointState::open;
+    return p.state = state;
+  }
+
+  void hear_decisions() {
+    around_.messages.unannounced();
+    around_.messages.for_received<Decided>([&](const Decided& decided, int) {
+      std::lower_bound(points_.begin(), points_.end(), decided, by_number<DrawnPoint, Decided>)->state =
+          decided.stays ? PointState::stays : PointState::goes;
+    });
+  }
+
+  Tally tally() const {
+    Tally mine{fallen_, 0};
+    for (const DrawnPoint& p : points_) mine.stay += p.stays_here();
+    return parallel::sum_over_ranks(around_.comm(), mine);
+  }
+
+  /// The time at which the wanted number has been placed, of the points of this batch, on all ranks: its
+  /// bytes one after the other.
+  std::uint64_t time_of_last(std::uint64_t wanted) const {
+    std::uint64_t time = 0, known = 0;  // known: mask of the bytes found
+    for (int shift = 56; shift >= 0; shift -= 8) {
+      std::array<std::uint64_t, 256> counts{};
+      for (const DrawnPoint& p : points_)
+        if (const std::uint64_t t = rain_.time_of(p.number); p.stays_here() && (t & known) == time)
+          ++counts[t >> shift & 255];
+      parallel::sum_over_ranks(around_.comm(), std::span(counts));
+      std::uint64_t byte = 0;
+      for (; counts[byte] < wanted; ++byte) wanted -= counts[byte];
+      time |= byte << shift;
+      known |= std::uint64_t{255} << shift;
+    }
+    return time;
+  }
+
+  void keep(std::uint64_t last_time) {
+    for (const DrawnPoint& p : points_) {
+      if (p.state != PointState::stays || rain_.time_of(p.number) > last_time) continue;
+      fill_.obstacles.add_ball(p.centre);
+      if (!p.own) continue;
+      placed_.push_back({p.number, p.centre});
+      if (!fill_.spec.aligned) placed_.back().orientation = rain_.orientation(p.number);
+    }
+  }
+
+  [[noreturn]] void refuse(std::uint64_t placed) const {
+    const FillSpec& spec = fill_.spec;
+    const double ball = 4. / 3 * std::numbers::pi * rigid::elementary::power(fill_.radius + spec.gap / 2, 3);
+    const CurvedWalls walls(fill_.setup);
+    const double left = walls.share_left(spec.box, 0);
+    const double room = left * (spec.box.upper - spec.box.lower).prod();
+    throw CaseError(
+        fill_.setup.place(fmt::format("fill[{}].count", fill_.application.fill)),
+        fmt::format(
+            "fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
+            "would take {:.0f} % of the box{}, and random places run out near 35 % of what other "
+            "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
+            fill_.application.fill, spec.count, placed, 100 * static_cast<double>(spec.count) * ball / room,
+            walls.empty() ? "" : fmt::format(" less its walls, which leave {:.0f} % of it", 100 * left)));
+  }
+
+  const OneFill& fill_;
+  const double distance_;  // least one of two centres
   const double points_a_body_;
-  Surroundings& around_;
-  Obstacles& obstacles_;
+  Surroundings& around_ = fill_.around;
   const Rain rain_;
   std::uint64_t fallen_ = 0;  // of this batch of rounds, here
   // of this batch: those that meet nothing placed earlier; by number, so that memory is near where space is
@@ -91,212 +256,10 @@ class RandomFill {
   std::vector<FilledBody> placed_;
 };
 
-RandomlyFilled RandomFill::bodies() {
-  std::uint64_t missing = spec_.count, round = 0, rounds = bodies_a_cell;
-  for (;;) {
-    let_fall(round, rounds);
-    tell_neighbours();
-    decide();
-    const Tally all = tally();
-    const bool enough = all.stay >= missing;
-    keep(enough ? time_of_last(missing) : std::numeric_limits<std::uint64_t>::max());
-    missing -= enough ? missing : all.stay;
-    round += rounds;
-    const bool full = static_cast<double>(all.fallen) >= points_a_body_ * static_cast<double>(all.stay + 1) ||
-                      round >= Rain::most_rounds;
-    if (!enough && full && application_.is_first()) refuse(spec_.count - missing);
-    if (enough || full) break;
-    rounds = std::min(next_rounds(rounds, all, missing), Rain::most_rounds - round);
-  }
-  std::sort(placed_.begin(), placed_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
-  return {std::move(placed_), rain_.range(), spec_.count - missing};
-}
-
-/// As many as the last ones suggest are needed; of a full box not too many at a time.
-std::uint64_t RandomFill::next_rounds(std::uint64_t rounds, const Tally& last, std::uint64_t missing) const {
-  const auto cells = static_cast<double>(rain_.total_cells());
-  const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);
-  const double wanted = 1.1 * a_body * static_cast<double>(missing);
-  const double most = std::max(2 * points_a_body_, 16 * static_cast<double>(spec_.count));
-  const double next = std::ceil(std::min(wanted, most) / cells);
-  return static_cast<std::uint64_t>(std::clamp(next, 1.0, 16.0 * static_cast<double>(rounds)));
-}
-
-void RandomFill::let_fall(std::uint64_t first_round, std::uint64_t rounds) {
-  fallen_ = 0;
-  points_.clear();
-  for (const lbm::BlockPlace& block : around_.domain.blocks_of(around_.rank))
-    let_fall_on(block, first_round, rounds);
-}
-
-/// A cell across blocks is drawn for each of them, a point kept for the one in which it lies.
-void RandomFill::let_fall_on(const lbm::BlockPlace& block, std::uint64_t first_round, std::uint64_t rounds) {
-  const lbm::CellBox& box = block.box;
-  const auto along_x = cells_met(0, box), along_y = cells_met(1, box), along_z = cells_met(2, box);
-  const auto take = [&](std::uint64_t number) {
-    Vec3 centre = rain_.point(number);
-    std::array<std::int32_t, 3> image{};
-    around_.extent.wrap(centre, image);
-    if (around_.holders.block_at(centre) != block.index) return;
-    ++fallen_;
-    if (obstacles_.is_free(centre, radius_, spec_.gap)) points_.push_back({number, centre});
-  };
-  for (const std::int64_t z : along_z)
-    for (const std::int64_t y : along_y)
-      for (const std::int64_t x : along_x)
-        for (std::uint64_t round = first_round; round < first_round + rounds; ++round)
-          rain_.for_points({x, y, z}, round, take);
-}
-
-/// The cells of an axis that a block meets, in any periodic image; blocks at a wall reach beyond it.
-std::vector<std::int64_t> RandomFill::cells_met(int axis, const lbm::CellBox& box) const {
-  constexpr double slack = 1e-6, infinity = std::numeric_limits<double>::infinity();
-  const double length = around_.extent.size[axis];
-  const bool periodic = around_.extent.periodic[axis];
-  double lower = box.lower[axis] - slack, upper = box.lower[axis] + box.size[axis] + slack;
-  if (!periodic && lower < 0) lower = -infinity;
-  if (!periodic && upper > length) upper = infinity;
-  std::vector<std::int64_t> met;
-  for (std::int64_t i = 0; i < rain_.cells()[axis]; ++i)
-    for (const double shift : {0.0, -length, length}) {
-      if (shift != 0 && !periodic) continue;
-      if (rain_.side(axis, i) + shift > upper || rain_.side(axis, i + 1) + shift < lower) continue;
-      met.push_back(i);
-      break;
-    }
-  return met;
-}
-
-void RandomFill::tell_neighbours() {
-  for (DrawnPoint& p : points_)
-    for (const int rank : around_.ranks_near({p.centre, p.centre})) {
-      if (rank == around_.rank) continue;
-      p.shared = true;
-      parallel::put(around_.messages.to(rank), Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
-    }
-  around_.messages.unannounced();
-  for (const parallel::Messages::Message& m : around_.messages.received())
-    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-      const auto seen = reader.take<Seen>();
-      points_.push_back({seen.number, Eigen::Map<const Vec3>{seen.centre}, false});
-    }
-  std::sort(points_.begin(), points_.end(),
-            [](const DrawnPoint& a, const DrawnPoint& b) { return a.number < b.number; });
-}
-
-void RandomFill::decide() {
-  NeighbourGrid grid(around_.extent, distance_);
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    grid.insert(static_cast<int>(i), {points_[i].centre, points_[i].centre});
-  do {
-    decide_what_can_be(grid);
-    hear_decisions();
-  } while (around_.sum(std::count_if(points_.begin(), points_.end(), [](const DrawnPoint& p) {
-    return p.own && p.state == PointState::open;
-  })) > 0);
-}
-
-/// All that does not wait for another rank; tells who shares it.
-void RandomFill::decide_what_can_be(const NeighbourGrid& grid) {
-  for (DrawnPoint& p : points_) p.waits = false;
-  for (DrawnPoint& p : points_) {
-    if (!p.own || p.state != PointState::open) continue;
-    judge(p, grid);
-  }
-  for (DrawnPoint& p : points_) {
-    if (!p.shared || p.told || p.state == PointState::open) continue;
-    p.told = true;
-    for (const int rank : around_.ranks_near({p.centre, p.centre}))
-      if (rank != around_.rank)
-        parallel::put(around_.messages.to(rank), Decided{p.number, p.state == PointState::stays});
-  }
-}
-
-/// Decides a point of this rank, and before it the earlier ones too close to it.
-PointState RandomFill::judge(DrawnPoint& p, const NeighbourGrid& grid) {
-  const std::uint64_t time = rain_.time_of(p.number);
-  PointState state = PointState::stays;
-  grid.visit(BoundingBox::around(p.centre, Vec3::Constant(distance_)), [&](int i) {
-    DrawnPoint& other = points_[i];
-    if (other.state == PointState::goes || rain_.time_of(other.number) >= time) return true;
-    if (nearest_image(other.centre - p.centre, around_.extent).norm() >= distance_) return true;
-    const bool known = other.state != PointState::open || !other.own || other.waits;
-    const PointState found = known ? other.state : judge(other, grid);
-    if (found == PointState::stays) state = PointState::goes;
-    if (found == PointState::open) state = PointState::open;
-    return state != PointState::goes;
-  });
-  p.waits = state == PointState::open;
-  return p.state = state;
-}
-
-void RandomFill::hear_decisions() {
-  around_.messages.unannounced();
-  for (const parallel::Messages::Message& m : around_.messages.received())
-    for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-      const auto decided = reader.take<Decided>();
-      const auto at =
-          std::lower_bound(points_.begin(), points_.end(), decided.number,
-                           [](const DrawnPoint& p, std::uint64_t number) { return p.number < number; });
-      at->state = decided.stays ? PointState::stays : PointState::goes;
-    }
-}
-
-RandomFill::Tally RandomFill::tally() const {
-  Tally mine{fallen_, 0};
-  for (const DrawnPoint& p : points_) mine.stay += p.own && p.state == PointState::stays;
-  return parallel::sum_over_ranks(around_.comm(), mine);
-}
-
-/// The time at which the wanted number has been placed, of the points of this batch, on all ranks: its bytes
-/// one after the other.
-std::uint64_t RandomFill::time_of_last(std::uint64_t wanted) const {
-  std::uint64_t time = 0, known = 0;  // known: mask of the bytes found
-  for (int shift = 56; shift >= 0; shift -= 8) {
-    std::array<std::uint64_t, 256> counts{};
-    for (const DrawnPoint& p : points_)
-      if (const std::uint64_t t = rain_.time_of(p.number);
-          p.own && p.state == PointState::stays && (t & known) == time)
-        ++counts[t >> shift & 255];
-    parallel::sum_over_ranks(around_.comm(), std::span(counts));
-    std::uint64_t byte = 0;
-    for (; counts[byte] < wanted; ++byte) wanted -= counts[byte];
-    time |= byte << shift;
-    known |= std::uint64_t{255} << shift;
-  }
-  return time;
-}
-
-void RandomFill::keep(std::uint64_t last_time) {
-  for (const DrawnPoint& p : points_) {
-    if (p.state != PointState::stays || rain_.time_of(p.number) > last_time) continue;
-    obstacles_.add_ball(p.centre);
-    if (!p.own) continue;
-    placed_.push_back({p.number, p.centre, rigid::Quat::Identity()});
-    if (!spec_.aligned) placed_.back().orientation = rain_.orientation(p.number);
-  }
-}
-
-void RandomFill::refuse(std::uint64_t placed) const {
-  const double ball = 4. / 3 * std::numbers::pi * rigid::elementary::power(radius_ + spec_.gap / 2, 3);
-  const CurvedWalls walls(scene_);
-  const double left = walls.share_left({spec_.lower, spec_.upper}, 0);
-  const double room = left * (spec_.upper - spec_.lower).prod();
-  throw CaseError(
-      scene_.place(fmt::format("fill[{}].count", application_.fill)),
-      fmt::format(
-          "fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
-          "would take {:.0f} % of the box{}, and random places run out near 35 % of what other "
-          "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
-          application_.fill, spec_.count, placed, 100 * static_cast<double>(spec_.count) * ball / room,
-          walls.empty() ? "" : fmt::format(" less its walls, which leave {:.0f} % of it", 100 * left)));
-}
-
 }  // namespace
 
-RandomlyFilled fill_at_random(const Case& scene, FillApplication application, double radius,
-                              const BoundingBox& room, Surroundings& around, Obstacles& obstacles) {
-  return RandomFill(scene, application, radius, room, around, obstacles).bodies();
+Filling fill_at_random(const OneFill& fill) {
+  return RandomFill(fill).placed();
 }
 
 }  // namespace silt::coupler

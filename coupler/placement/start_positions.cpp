@@ -14,18 +14,17 @@ using rigid::BodyId;
 using rigid::Vec3;
 
 /// The starts of those bodies whose meeting place this rank is.
-std::vector<StartPositions::Start> StartPositions::met_here(const Case& scene, const lbm::Domain& domain,
+std::vector<StartPositions::Start> StartPositions::met_here(const Case& setup, const lbm::Domain& domain,
                                                             MPI_Comm comm) {
   const int ranks = parallel::ranks_of(comm);
   parallel::Messages messages(comm);
-  place_bodies(scene, domain, comm).for_each([&](BodyId id, const BodySpec& body) {
+  place_bodies(setup, domain, comm).for_each([&](BodyId id, const BodySpec& body) {
     const Vec3& x = body.pose.position;
     parallel::put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
   });
   messages.unannounced();
   std::vector<Start> starts;
-  for (const parallel::Messages::Message& m : messages.received())
-    for (parallel::ByteReader reader(m.bytes); !reader.done();) starts.push_back(reader.take<Start>());
+  messages.for_received<Start>([&](const Start& start, int) { starts.push_back(start); });
   std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
   return starts;
 }
@@ -37,22 +36,19 @@ StartPositions::Start StartPositions::found(const std::vector<Start>& starts, Bo
   return at != starts.end() && at->id == id ? *at : Start{id, {nowhere, nowhere, nowhere}};
 }
 
-std::vector<Vec3> StartPositions::of(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
+std::vector<Vec3> StartPositions::of(const Case& setup, const lbm::Domain& domain, MPI_Comm comm,
                                      std::span<const BodyId> ids) const {
-  if (!starts_) starts_ = met_here(scene, domain, comm);
+  if (!starts_) starts_ = met_here(setup, domain, comm);
   const int ranks = parallel::ranks_of(comm);
   parallel::Messages messages(comm);
   for (const BodyId id : ids) parallel::put(messages.to(static_cast<int>(id % ranks)), id);
   messages.unannounced();
   std::vector<std::pair<int, BodyId>> asked;
-  for (const parallel::Messages::Message& m : messages.received())
-    for (parallel::ByteReader reader(m.bytes); !reader.done();)
-      asked.emplace_back(m.rank, reader.take<BodyId>());
+  messages.for_received<BodyId>([&](BodyId id, int rank) { asked.emplace_back(rank, id); });
   for (const auto& [rank, id] : asked) parallel::put(messages.to(rank), found(*starts_, id));
   messages.unannounced();
   std::vector<Start> answers;
-  for (const parallel::Messages::Message& m : messages.received())
-    for (parallel::ByteReader reader(m.bytes); !reader.done();) answers.push_back(reader.take<Start>());
+  messages.for_received<Start>([&](const Start& start, int) { answers.push_back(start); });
   std::sort(answers.begin(), answers.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
   std::vector<Vec3> positions;
   for (const BodyId id : ids) positions.push_back(Eigen::Map<const Vec3>{found(answers, id).position});

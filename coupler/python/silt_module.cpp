@@ -10,7 +10,7 @@
 #include <cstdio>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_overrides.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/python/live_simulation.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/flow_fields.hpp"

@@ -69,7 +69,7 @@ void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, 
   const BodySet& bodies = simulation.bodies();
   const Vec3 period = extent_of(scene.setup).size;
   const auto start =
-      scene.starts.of(scene.setup, scene.domain, scene.comm, std::span(bodies.id).first(bodies.owned));
+      scene.at_start.positions.of(scene.setup, scene.domain, scene.comm, std::span(bodies.id).first(bodies.owned));
   for_bodies_of(bodies, q, [&](std::size_t row) {
     if (!start[row].hasNaN()) visit(row, unwrapped(bodies, row, period) - start[row]);
   });
@@ -333,7 +333,7 @@ double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
   std::uint64_t inside = 0;
   for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
     const auto x = simulation.bodies().position[row].array();
-    inside += (x >= q.lower.array()).all() && (x <= q.upper.array()).all();
+    inside += (x >= q.box.lower.array()).all() && (x <= q.box.upper.array()).all();
   });
   return static_cast<double>(parallel::sum_over_ranks(simulation.scene().comm, inside));
 }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
-#include "coupler/case/case_overrides.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/steady_watch.hpp"
 #include "coupler/simulation.hpp"

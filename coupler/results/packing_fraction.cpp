@@ -23,7 +23,7 @@ struct SampledBox {
   std::array<bool, 3> endless;
 
   SampledBox(const QuantitySpec& q, double widest, const rigid::Extent& extent)
-      : lower(q.lower), upper(q.upper) {
+      : lower(q.box.lower), upper(q.box.upper) {
     for (int d = 0; d < 3; ++d) {
       const double edge = upper[d] - lower[d];
       count[d] = std::max<std::int64_t>(1, std::llround(std::ceil(edge / widest)));

@@ -134,7 +134,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
   report["bodies"] = simulation.body_count();
   report["backend"] = scene.backend_name();
-  report["resolver"] = scene.resolver ? std::string(scene.resolver->name()) : "none";
+  report["resolver"] = scene.resolver_name();
   if (c.fluid) {
     report["collision"] = std::string(collision_names[c.fluid->collision]);
     report["collision_reason"] = collision_reason(c);

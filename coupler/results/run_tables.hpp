@@ -9,7 +9,7 @@
 
 #include "adapters/json/json.hpp"
 #include "coupler/case/units.hpp"
-#include "coupler/departures.hpp"
+#include "coupler/body_turnover.hpp"
 
 namespace silt::coupler {
 

@@ -7,7 +7,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/derived_table.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/results/result_folder.hpp"
 #include "coupler/run/run.hpp"
 

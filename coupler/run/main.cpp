@@ -12,8 +12,7 @@
 
 #include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/case_overrides.hpp"
-#include "coupler/case/key_table.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/run/start_mpi.hpp"

@@ -9,7 +9,6 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/derived_table.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/placement/start_check.hpp"
 #include "coupler/results/body_output.hpp"
@@ -177,7 +176,7 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
 PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   PreparedRun prepared = prepare_scene(options, comm);
   const Scene& made = prepared.simulation->scene();
-  if (const auto found = disk_warning(made.setup, disk_needed(made.setup, made.body_count), folder))
+  if (const auto found = disk_warning(made.setup, disk_needed(made.setup, made.at_start.body_count), folder))
     prepared.warnings.push_back(*found);
   prepared.folder = folder_on_rank_0(comm, [&] { return prepare_result_folder(folder, options.overwrite); });
   return prepared;

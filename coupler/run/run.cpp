@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/derived_table.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/run/prepare_run.hpp"
@@ -195,8 +195,8 @@ void Run::greet() {
   const auto& n = setup().cells;
   std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
   if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);
-  text += fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.body_count,
-                      scene.body_count == 1 ? "y" : "ies", scene.ranks, scene.ranks > 1 ? "s" : "");
+  text += fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.at_start.body_count,
+                      scene.at_start.body_count == 1 ? "y" : "ies", scene.ranks, scene.ranks > 1 ? "s" : "");
   progress_.say(text);
   if (prepared_.resumed)
     progress_.say(fmt::format("goes on from step {} to {}{}", prepared_.first_step, setup().steps,

@@ -12,7 +12,7 @@
 #include "coupler/balance/body_work.hpp"
 #include "coupler/balance/weighted_cut.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/derived_table.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "lbm/fluid.hpp"

@@ -39,7 +39,7 @@ void run(const Options& o) {
       "%d x %d x %d cells, %llu bodies: %.1f bytes a cell (populations %.1f, of them padding and ghosts "
       "%.1f); at "
       "most %.1f\n",
-      nx, ny, nz, static_cast<unsigned long long>(s.scene().body_count), bytes, populations,
+      nx, ny, nz, static_cast<unsigned long long>(s.scene().at_start.body_count), bytes, populations,
       populations - 4 * lbm::directions, peak);
   Figures out;
   out.figures["memory.bytes_per_cell"] = bytes;

@@ -213,7 +213,7 @@ Row no_neighbour_ranks() {
     explicit Alone(const SceneText& text)
         : passes(text),
           exchange(passes.scene.exchange->extent()),
-          step(passes.scene.world, *passes.scene.backend, *passes.scene.resolver, exchange,
+          step(passes.scene.world, *passes.scene.contacts.backend, *passes.scene.contacts.resolver, exchange,
                adapters::make_broad_phase("auto", "auto")) {}
     Passes passes;
     rigid::BodyExchange exchange;

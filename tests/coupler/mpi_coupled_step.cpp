@@ -25,7 +25,7 @@ constexpr int crowd_steps = 500;
 
 /// Everything thrown about at the start, so that much happens in few steps.
 void stir(Simulation& s) {
-  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id) {
+  for (rigid::BodyId id = 1; id <= s.scene().at_start.body_count; ++id) {
     const double a = 1.7 * double(id);
     s.set_velocity(id, 0.04 * Vec3(std::cos(a), std::sin(a), std::sin(2 * a)),
                    0.005 * Vec3(std::sin(a), std::cos(3 * a), std::sin(5 * a)));

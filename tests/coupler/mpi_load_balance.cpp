@@ -19,7 +19,7 @@ using tests::odd_cut;
 using tests::ranks;
 
 void throw_about(Simulation& s) {
-  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
+  for (rigid::BodyId id = 1; id <= s.scene().at_start.body_count; ++id)
     s.set_velocity(
         id, 0.05 * Vec3(std::cos(1.7 * double(id)), std::sin(1.7 * double(id)), std::sin(3.4 * double(id))),
         0.01 * Vec3(std::sin(1.7 * double(id)), 0.3, -0.5));
@@ -169,7 +169,8 @@ TEST(LoadBalance, LinksAndBodiesAreCounted) {
 double mapping_of_a_link(double speed) {
   Simulation s = bottom().start(MPI_COMM_WORLD);
   for (int t = 0; t < 10; ++t) {  // past the first common one of nine
-    for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id) s.set_velocity(id, {0, 0, speed}, {0, 0, 0});
+    for (rigid::BodyId id = 1; id <= s.scene().at_start.body_count; ++id)
+      s.set_velocity(id, {0, 0, speed}, {0, 0, 0});
     s.step();
   }
   WorkCosts costs = only(&WorkCosts::mapping);

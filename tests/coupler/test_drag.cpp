@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/driving.hpp"
+#include "coupler/case/limits.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "tests/coupler/coupled_scenes.hpp"

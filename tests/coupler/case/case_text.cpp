@@ -38,23 +38,23 @@ Simulation simulation_of(const std::string& text, MPI_Comm comm, const Overrides
   return {read_case_text(text, "case.toml", overrides), comm};
 }
 
-std::vector<Diagnostic> judgement(const Case& scene, MPI_Comm comm) {
-  auto list = check_case(scene);
+std::vector<Diagnostic> judgement(const Case& setup, MPI_Comm comm) {
+  auto list = check_case(setup);
   if (has_errors(list)) return list;
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
-  const lbm::Domain domain = make_domain(scene, ranks);
+  const lbm::Domain domain = make_domain(setup, ranks);
   try {
-    require_sound_start(scene, domain, comm);
-    place_bodies(scene, domain, comm);
+    require_sound_start(setup, domain, comm);
+    place_bodies(setup, domain, comm);
   } catch (const CaseError& error) {
     list.insert(list.end(), error.diagnostics().begin(), error.diagnostics().end());
   }
   return list;
 }
 
-std::string fault_of(const Case& scene, MPI_Comm comm) {
-  auto list = judgement(scene, comm);
+std::string fault_of(const Case& setup, MPI_Comm comm) {
+  auto list = judgement(setup, comm);
   std::erase_if(list, [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::warning; });
   return list.empty() ? "" : CaseError(std::move(list)).what();
 }

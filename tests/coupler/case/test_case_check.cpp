@@ -88,10 +88,10 @@ TEST(CaseCheck, RequireRunnableKeepsWarningsAndThrowsErrors) {
   CaseText c;
   c.rest = gravity;
   c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
-  Case scene = c.read();
-  EXPECT_EQ(require_runnable(scene).size(), 1u);
-  scene.steps = 0;
-  EXPECT_THROW(require_runnable(scene), CaseError);
+  Case setup = c.read();
+  EXPECT_EQ(require_runnable(setup).size(), 1u);
+  setup.steps = 0;
+  EXPECT_THROW(require_runnable(setup), CaseError);
 }
 
 TEST(CaseCheck, FixedBodiesMayReachIntoWallsAndEachOther) {
@@ -112,12 +112,12 @@ TEST(CaseCheck, TouchingBodiesAreLegal) {
 }
 
 TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Case made by a program can
-  Case scene = CaseText{}.read();
-  scene.fluid->relaxation_time = 0.5;
-  scene.pair_materials[0].restitution = 1.5;
-  scene.steps = 0;
-  scene.bodies[0].density = -1;
-  const std::string text = listed(judgement(scene));
+  Case setup = CaseText{}.read();
+  setup.fluid->relaxation_time = 0.5;
+  setup.pair_materials[0].restitution = 1.5;
+  setup.steps = 0;
+  setup.bodies[0].density = -1;
+  const std::string text = listed(judgement(setup));
   for (const char* part :
        {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
     EXPECT_TRUE(contains(text, part)) << part << " is not in\n" << text;
@@ -139,19 +139,19 @@ rigid::Polyhedron prism(int corners) {
 }
 
 TEST(CaseCheck, AShapeThatTheBackendCannotAnswerForIsRefused) {
-  Case scene = CaseText{}.read();
-  scene.bodies[0].density = 1;
-  scene.shapes[0] = prism(8);
-  EXPECT_EQ(listed(judgement(scene)), "");
-  scene.shapes[0] = prism(11000);  // more vertices, edges and faces than 16 bits count
-  const std::string text = listed(judgement(scene));
+  Case setup = CaseText{}.read();
+  setup.bodies[0].density = 1;
+  setup.shapes[0] = prism(8);
+  EXPECT_EQ(listed(judgement(setup)), "");
+  setup.shapes[0] = prism(11000);  // more vertices, edges and faces than 16 bits count
+  const std::string text = listed(judgement(setup));
   EXPECT_TRUE(
       contains(text,
                "contacts.backend is \"auto\"; it cannot answer contacts of shape 'ball' (polyhedron) with a "
                "wall: use another backend, or a simpler shape (polyhedra of at most some 10000 vertices)"))
       << text;
-  scene.bodies[0].motion = rigid::Motion::fixed;  // meets nothing
-  EXPECT_FALSE(contains(listed(judgement(scene)), "cannot answer")) << text;
+  setup.bodies[0].motion = rigid::Motion::fixed;  // meets nothing
+  EXPECT_FALSE(contains(listed(judgement(setup)), "cannot answer")) << text;
 }
 
 // Legal scenes must never be refused: the depth found is never above the true one.

@@ -9,7 +9,6 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/key_table.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

@@ -3,8 +3,7 @@
 
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/derived_table.hpp"
-#include "coupler/case/driving.hpp"
+#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
@@ -18,19 +17,19 @@ TEST(CaseFile, ConvertsSiToLatticeUnits) {
   c.fluid += "body_force = [0.5, 0, 0]\n";
   c.rest = "[gravity]\nacceleration = [0, 0, -9.81]\n";
   c.bodies += "velocity = [0, 0, 0.002]\nangular_velocity = [0.1, 0, 0]\n";
-  const Case scene = c.read();
-  EXPECT_EQ(scene.cells, (std::array<int, 3>{32, 32, 32}));
-  ASSERT_TRUE(scene.fluid);
-  EXPECT_NEAR(scene.fluid->kinematic_viscosity, 1e-5 * 1e-2 / 1e-6, 1e-15);
-  EXPECT_NEAR(scene.fluid->relaxation_time, 0.8, 1e-15);
-  EXPECT_NEAR(scene.fluid->body_force[0], 0.5 * 1e-4 / 1e-3, 1e-15);
-  EXPECT_NEAR(scene.gravity[2], -9.81 * 1e-4 / 1e-3, 1e-14);
-  ASSERT_EQ(scene.bodies.size(), 1u);
-  EXPECT_NEAR(scene.bodies[0].density, 1.2, 1e-15);
-  EXPECT_NEAR(scene.bodies[0].pose.position[1], 16, 1e-12);
-  EXPECT_NEAR(scene.bodies[0].velocity[2], 0.02, 1e-15);
-  EXPECT_NEAR(scene.bodies[0].angular_velocity[0], 1e-3, 1e-17);
-  EXPECT_NEAR(std::get<rigid::Sphere>(scene.shapes[0]).radius, 4, 1e-12);
+  const Case setup = c.read();
+  EXPECT_EQ(setup.cells, (std::array<int, 3>{32, 32, 32}));
+  ASSERT_TRUE(setup.fluid);
+  EXPECT_NEAR(setup.fluid->kinematic_viscosity, 1e-5 * 1e-2 / 1e-6, 1e-15);
+  EXPECT_NEAR(setup.fluid->relaxation_time, 0.8, 1e-15);
+  EXPECT_NEAR(setup.fluid->body_force[0], 0.5 * 1e-4 / 1e-3, 1e-15);
+  EXPECT_NEAR(setup.gravity[2], -9.81 * 1e-4 / 1e-3, 1e-14);
+  ASSERT_EQ(setup.bodies.size(), 1u);
+  EXPECT_NEAR(setup.bodies[0].density, 1.2, 1e-15);
+  EXPECT_NEAR(setup.bodies[0].pose.position[1], 16, 1e-12);
+  EXPECT_NEAR(setup.bodies[0].velocity[2], 0.02, 1e-15);
+  EXPECT_NEAR(setup.bodies[0].angular_velocity[0], 1e-3, 1e-17);
+  EXPECT_NEAR(std::get<rigid::Sphere>(setup.shapes[0]).radius, 4, 1e-12);
 }
 
 TEST(CaseFile, UnitsThereAndBack) {
@@ -66,17 +65,17 @@ boundary.x = [{ type = "velocity-inlet", velocity = [0.02, 0, 0] }, { type = "pr
 boundary.y = ["free-slip", { type = "moving", velocity = [0, 0, 0.01], solid_for_bodies = false }]
 boundary.z = "periodic"
 )";
-  const Case scene = c.read();
-  EXPECT_EQ(scene.boundary[0].kind, BoundaryKind::velocity_inlet);
-  EXPECT_EQ(scene.boundary[0].velocity, Vec3(0.02, 0, 0));
-  EXPECT_EQ(scene.boundary[1].kind, BoundaryKind::pressure_outlet);
-  EXPECT_EQ(scene.boundary[1].density, 1.01);
-  EXPECT_EQ(scene.boundary[2].kind, BoundaryKind::free_slip);
-  EXPECT_TRUE(scene.boundary[2].solid_for_bodies);
-  EXPECT_EQ(scene.boundary[3].kind, BoundaryKind::moving);
-  EXPECT_FALSE(scene.boundary[3].solid_for_bodies);
-  EXPECT_TRUE(scene.periodic(2));
-  EXPECT_EQ(scene.block_cells, (std::array<int, 3>{16, 8, 32}));
+  const Case setup = c.read();
+  EXPECT_EQ(setup.boundary[0].kind, BoundaryKind::velocity_inlet);
+  EXPECT_EQ(setup.boundary[0].velocity, Vec3(0.02, 0, 0));
+  EXPECT_EQ(setup.boundary[1].kind, BoundaryKind::pressure_outlet);
+  EXPECT_EQ(setup.boundary[1].density, 1.01);
+  EXPECT_EQ(setup.boundary[2].kind, BoundaryKind::free_slip);
+  EXPECT_TRUE(setup.boundary[2].solid_for_bodies);
+  EXPECT_EQ(setup.boundary[3].kind, BoundaryKind::moving);
+  EXPECT_FALSE(setup.boundary[3].solid_for_bodies);
+  EXPECT_TRUE(setup.periodic(2));
+  EXPECT_EQ(setup.block_cells, (std::array<int, 3>{16, 8, 32}));
   c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"no-slip\"\n";
   for (const BoundarySpec& side : c.read().boundary) EXPECT_EQ(side.kind, BoundaryKind::no_slip);
 }
@@ -105,23 +104,23 @@ axis_angle = { axis = [0, 2, 0], degrees = 90 }
 positions = [[8, 8, 16], [24, 24, 16]]
 motion = "prescribed"
 )";
-  const Case scene = c.read();
-  const auto& rod = std::get<rigid::Capsule>(scene.shapes[1]);
+  const Case setup = c.read();
+  const auto& rod = std::get<rigid::Capsule>(setup.shapes[1]);
   EXPECT_EQ(rod.radius, 3);
   EXPECT_EQ(rod.half_length, 3);
-  const auto& star = std::get<rigid::Compound>(scene.shapes[2]);
+  const auto& star = std::get<rigid::Compound>(setup.shapes[2]);
   ASSERT_EQ(star.parts.size(), 3u);
   EXPECT_NEAR((star.parts[0].pose.orientation * Vec3::UnitZ() - Vec3::UnitX()).norm(), 0, 1e-15);
   EXPECT_EQ(std::get<rigid::Sphere>(star.parts[1].shape).radius, 3.5);
-  EXPECT_NEAR((star.parts[1].pose.position - scene.shape_origins[2] - Vec3(1, 2, 3)).norm(), 0, 1e-14);
+  EXPECT_NEAR((star.parts[1].pose.position - setup.shape_origins[2] - Vec3(1, 2, 3)).norm(), 0, 1e-14);
   EXPECT_NEAR(rigid::mass_properties(star).centre.norm(), 0, 1e-4) << "about its centre of mass";
   EXPECT_EQ(std::get<rigid::Box>(star.parts[2].shape).half_edges, Vec3(1, 2, 3));
   EXPECT_EQ(star.parts[2].pose.orientation.z(), 1);
-  ASSERT_EQ(scene.bodies.size(), 2u);
-  EXPECT_EQ(scene.bodies[1].pose.position, Vec3(24, 24, 16));
-  EXPECT_EQ(scene.bodies[1].motion, rigid::Motion::prescribed);
-  EXPECT_NEAR((scene.bodies[0].pose.orientation * Vec3::UnitZ() - Vec3::UnitX()).norm(), 0, 1e-15);
-  EXPECT_EQ(scene.kind_names, std::vector<std::string>{"turned"});
+  ASSERT_EQ(setup.bodies.size(), 2u);
+  EXPECT_EQ(setup.bodies[1].pose.position, Vec3(24, 24, 16));
+  EXPECT_EQ(setup.bodies[1].motion, rigid::Motion::prescribed);
+  EXPECT_NEAR((setup.bodies[0].pose.orientation * Vec3::UnitZ() - Vec3::UnitX()).norm(), 0, 1e-15);
+  EXPECT_EQ(setup.kind_names, std::vector<std::string>{"turned"});
 }
 
 TEST(CaseFile, CylindersEllipsoidsPolyhedraAndCones) {
@@ -136,8 +135,8 @@ parts = [
   { type = "cone", diameter = 6e-3, height = 5e-3 },
 ]
 )";
-  const Case scene = c.read();
-  const auto& parts = std::get<rigid::Compound>(scene.shapes[0]).parts;
+  const Case setup = c.read();
+  const auto& parts = std::get<rigid::Compound>(setup.shapes[0]).parts;
   EXPECT_NEAR(std::get<rigid::Cylinder>(parts[0].shape).radius, 3, 1e-12);
   EXPECT_NEAR(std::get<rigid::Cylinder>(parts[0].shape).half_length, 4, 1e-12);
   EXPECT_NEAR((std::get<rigid::Ellipsoid>(parts[1].shape).half_axes - Vec3(3, 4, 5)).norm(), 0, 1e-12);
@@ -164,10 +163,10 @@ TEST(CaseFile, BodiesFromStlFilesBesideTheCase) {
          << " endloop endfacet\nendsolid a\n";
   };
   write("0 0 6");
-  const Case scene = read_case(folder);
-  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 36, 1e-9) << "millimetres, in cells of one";
-  ASSERT_EQ(scene.files.size(), 1u);
-  EXPECT_TRUE(scene.files[0].starts_with("rocks/a.stl: ")) << scene.files[0];
+  const Case setup = read_case(folder);
+  EXPECT_NEAR(rigid::mass_properties(setup.shapes[0]).volume, 36, 1e-9) << "millimetres, in cells of one";
+  ASSERT_EQ(setup.files.size(), 1u);
+  EXPECT_TRUE(setup.files[0].starts_with("rocks/a.stl: ")) << setup.files[0];
   write("0 0 5");
   EXPECT_EQ(
       error_of([&] { read_case(folder); }),
@@ -214,53 +213,53 @@ body = "ball"
 axis = "x"
 )";
   c.bodies += "material = \"rubber\"\n";
-  const Case scene = c.read();
-  EXPECT_EQ(scene.coupling.wall_scheme, WallScheme::bounce_back);
-  EXPECT_EQ(scene.coupling.time, TimeCoupling::explicit_);
-  EXPECT_EQ(scene.coupling.refill, Refill::equilibrium);
-  EXPECT_EQ(scene.coupling.force, ForceForm::exact);
-  EXPECT_FALSE(scene.coupling.mass_correction);
-  EXPECT_EQ(scene.contacts.backend, "fcl");
-  EXPECT_EQ(scene.contacts.broad_phase, "bullet");
-  EXPECT_EQ(scene.contacts.resolver, "ffd");
-  EXPECT_EQ(scene.contacts.resolver_settings.max_sweeps, 8);
-  EXPECT_EQ(scene.contacts.substeps, 4);
-  EXPECT_EQ(scene.contacts.margin, 0.5);
-  EXPECT_EQ(scene.material_names, (std::vector<std::string>{"default", "steel", "rubber"}));
-  ASSERT_EQ(scene.pair_materials.size(), 9u);
-  EXPECT_EQ(scene.pair_materials[1 * 3 + 2].friction, 0.8);
-  EXPECT_EQ(scene.pair_materials[2 * 3 + 1].friction, 0.8);
-  EXPECT_EQ(scene.pair_materials[2 * 3 + 1].restitution, 0.9);
-  EXPECT_EQ(scene.pair_materials[0].friction, 0.3);
-  EXPECT_EQ(scene.bodies[0].material, 2);
-  EXPECT_EQ(scene.output.fields.every, 10);
-  EXPECT_EQ(scene.output.fields.quantities, (std::vector{Field::velocity, Field::solid}));
-  EXPECT_EQ(scene.output.keep_checkpoints, 3);
-  ASSERT_EQ(scene.quantities.size(), 1u);
-  EXPECT_EQ(scene.quantities[0].axis, 0);
-  EXPECT_EQ(scene.quantities[0].kind, 0);
+  const Case setup = c.read();
+  EXPECT_EQ(setup.coupling.wall_scheme, WallScheme::bounce_back);
+  EXPECT_EQ(setup.coupling.time, TimeCoupling::explicit_);
+  EXPECT_EQ(setup.coupling.refill, Refill::equilibrium);
+  EXPECT_EQ(setup.coupling.force, ForceForm::exact);
+  EXPECT_FALSE(setup.coupling.mass_correction);
+  EXPECT_EQ(setup.contacts.backend, "fcl");
+  EXPECT_EQ(setup.contacts.broad_phase, "bullet");
+  EXPECT_EQ(setup.contacts.resolver, "ffd");
+  EXPECT_EQ(setup.contacts.resolver_settings.max_sweeps, 8);
+  EXPECT_EQ(setup.contacts.substeps, 4);
+  EXPECT_EQ(setup.contacts.margin, 0.5);
+  EXPECT_EQ(setup.material_names, (std::vector<std::string>{"default", "steel", "rubber"}));
+  ASSERT_EQ(setup.pair_materials.size(), 9u);
+  EXPECT_EQ(setup.pair_materials[1 * 3 + 2].friction, 0.8);
+  EXPECT_EQ(setup.pair_materials[2 * 3 + 1].friction, 0.8);
+  EXPECT_EQ(setup.pair_materials[2 * 3 + 1].restitution, 0.9);
+  EXPECT_EQ(setup.pair_materials[0].friction, 0.3);
+  EXPECT_EQ(setup.bodies[0].material, 2);
+  EXPECT_EQ(setup.output.fields.every, 10);
+  EXPECT_EQ(setup.output.fields.quantities, (std::vector{Field::velocity, Field::solid}));
+  EXPECT_EQ(setup.output.keep_checkpoints, 3);
+  ASSERT_EQ(setup.quantities.size(), 1u);
+  EXPECT_EQ(setup.quantities[0].axis, 0);
+  EXPECT_EQ(setup.quantities[0].kind, 0);
 }
 
 TEST(CaseFile, RemembersWhereKeysStand) {
-  const Case scene = CaseText{}.read();
-  EXPECT_EQ(scene.place("domain.size").text(), "case.toml:4:1");
-  EXPECT_EQ(scene.place("bodies[0].position").text(), "case.toml:15:1");
-  EXPECT_EQ(scene.place("bodies[0].velocity").text(), "case.toml:12:1") << "not there: its table";
+  const Case setup = CaseText{}.read();
+  EXPECT_EQ(setup.place("domain.size").text(), "case.toml:4:1");
+  EXPECT_EQ(setup.place("bodies[0].position").text(), "case.toml:15:1");
+  EXPECT_EQ(setup.place("bodies[0].velocity").text(), "case.toml:12:1") << "not there: its table";
 }
 
 TEST(CaseFile, OverridesReplaceAddAndDisplace) {
   CaseText c;
-  const Case scene =
+  const Case setup =
       c.read({"fluid.relaxation_time=0.9", "contacts.backend=bullet", "contacts.resolver=\"ffd\"",
               "bodies[0].position=[8, 8, 8]", "domain.blocks=[8,8,8]", "run.time=7"});
-  EXPECT_EQ(scene.fluid->relaxation_time, 0.9);
-  EXPECT_EQ(scene.contacts.backend, "bullet");
-  EXPECT_EQ(scene.contacts.resolver, "ffd");
-  EXPECT_EQ(scene.bodies[0].pose.position, Vec3(8, 8, 8));
-  EXPECT_EQ(scene.block_cells, (std::array<int, 3>{8, 8, 8}));
-  EXPECT_EQ(scene.steps, 7) << "run.time takes the place of run.steps";
-  EXPECT_NE(scene.text.find("# --set run.time=7"), std::string::npos);
-  EXPECT_EQ(scene.text.find(c.text()), 0u);
+  EXPECT_EQ(setup.fluid->relaxation_time, 0.9);
+  EXPECT_EQ(setup.contacts.backend, "bullet");
+  EXPECT_EQ(setup.contacts.resolver, "ffd");
+  EXPECT_EQ(setup.bodies[0].pose.position, Vec3(8, 8, 8));
+  EXPECT_EQ(setup.block_cells, (std::array<int, 3>{8, 8, 8}));
+  EXPECT_EQ(setup.steps, 7) << "run.time takes the place of run.steps";
+  EXPECT_NE(setup.text.find("# --set run.time=7"), std::string::npos);
+  EXPECT_EQ(setup.text.find(c.text()), 0u);
 }
 
 TEST(CaseFile, EntriesOfOneNameMakeOneKind) {
@@ -268,11 +267,11 @@ TEST(CaseFile, EntriesOfOneNameMakeOneKind) {
   c.bodies +=
       "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [16, 16, 26]\n[[fill]]\nname = \"more\"\n"
       "shape = \"ball\"\ndensity = 2\ncount = 3\n";
-  const Case scene = c.read();
-  EXPECT_EQ(scene.kind_names, (std::vector<std::string>{"ball", "more"}));
-  EXPECT_EQ(scene.bodies[1].kind, 0);
-  EXPECT_EQ(scene.bodies[1].entry, 1);
-  EXPECT_EQ(scene.fills[0].kind, 1);
+  const Case setup = c.read();
+  EXPECT_EQ(setup.kind_names, (std::vector<std::string>{"ball", "more"}));
+  EXPECT_EQ(setup.bodies[1].kind, 0);
+  EXPECT_EQ(setup.bodies[1].entry, 1);
+  EXPECT_EQ(setup.fills[0].kind, 1);
 }
 
 TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
@@ -282,13 +281,13 @@ TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
     if (!std::filesystem::exists(entry.path() / "case.toml")) continue;
     SCOPED_TRACE(entry.path().string());
     ++count;
-    const Case scene = read_case(entry.path());
-    EXPECT_EQ(listed(judgement(scene)), "");
-    EXPECT_FALSE(scene.title.empty());
-    EXPECT_NE(derived_table(scene).find("cells"), std::string::npos);
+    const Case setup = read_case(entry.path());
+    EXPECT_EQ(listed(judgement(setup)), "");
+    EXPECT_FALSE(setup.title.empty());
+    EXPECT_NE(derived_table(setup).find("cells"), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(entry.path() / "README.md"));
     const std::string reference = file_text(entry.path() / "reference.toml");
-    for (const QuantitySpec& quantity : scene.quantities)
+    for (const QuantitySpec& quantity : setup.quantities)
       EXPECT_NE(reference.find('"' + quantity.name + '"'), std::string::npos)
           << quantity.name << " has no reference";
   }

@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/key_table.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

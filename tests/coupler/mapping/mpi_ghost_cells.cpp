@@ -47,7 +47,7 @@ void check(const CaseText& text, const Files& files = {}) {
   Simulation s(read_with(text, files), MPI_COMM_WORLD);
   const lbm::Domain& domain = s.scene().domain;
   expect_ghosts_as_owned(domain, s.bodies(), s.scene().world);
-  if (s.scene().body_count == 0)
+  if (s.scene().at_start.body_count == 0)
     expect_ghosts_as_owned(
         {tests::odd_cut(domain.cells(), 3 * tests::ranks(), 1), domain.sides(), tests::ranks()}, s.bodies(),
         s.scene().world);

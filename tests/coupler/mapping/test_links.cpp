@@ -18,7 +18,7 @@ void move(rigid::BodySet& bodies, std::size_t row, const Vec3& to) {
 template <class T>
 void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
   Simulation s = crowd().start(MPI_COMM_SELF, {blocks});
-  for (rigid::BodyId id = 1; id <= s.scene().body_count; ++id)
+  for (rigid::BodyId id = 1; id <= s.scene().at_start.body_count; ++id)
     s.set_velocity(id, 0.05 * Vec3(std::cos(1.7 * id), std::sin(1.7 * id), std::sin(3.4 * id)),
                    0.01 * Vec3(std::sin(1.7 * id), 0.3, -0.5));
   for (int t = 0; t < 80; ++t) s.step();

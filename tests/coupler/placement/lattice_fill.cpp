@@ -29,17 +29,17 @@ std::vector<Vec3> centres_of(const CaseText& c, const Overrides& overrides = {})
 }
 
 /// The distances from one body to the others, the least first.
-std::vector<double> distances(const std::vector<Vec3>& centres, std::size_t from, const Case& scene) {
+std::vector<double> distances(const std::vector<Vec3>& centres, std::size_t from, const Case& setup) {
   std::vector<double> all;
   for (std::size_t i = 0; i < centres.size(); ++i)
-    if (i != from) all.push_back(nearest_image(centres[i] - centres[from], extent_of(scene)).norm());
+    if (i != from) all.push_back(nearest_image(centres[i] - centres[from], extent_of(setup)).norm());
   std::sort(all.begin(), all.end());
   return all;
 }
 
-double least_distance(const std::vector<Vec3>& centres, const Case& scene) {
+double least_distance(const std::vector<Vec3>& centres, const Case& setup) {
   double least = 1e9;
-  for (std::size_t i = 0; i < centres.size(); ++i) least = std::min(least, distances(centres, i, scene)[0]);
+  for (std::size_t i = 0; i < centres.size(); ++i) least = std::min(least, distances(centres, i, setup)[0]);
   return least;
 }
 
@@ -67,12 +67,12 @@ TEST(LatticeFill, SimpleCubicStandsInTheMiddleBetweenWalls) {
 TEST(LatticeFill, HexagonalIsTheClosestPacking) {
   CaseText c = sites("arrangement = \"hexagonal\"\n", "\"no-slip\"");
   const auto centres = centres_of(c);
-  const Case scene = c.read();
-  EXPECT_NEAR(least_distance(centres, scene), 4, 1e-9);
+  const Case setup = c.read();
+  EXPECT_NEAR(least_distance(centres, setup), 4, 1e-9);
   std::size_t inner = 0;
   for (std::size_t i = 0; i < centres.size(); ++i) {
     if ((centres[i] - Vec3::Constant(20)).cwiseAbs().maxCoeff() > 13) continue;
-    const auto d = distances(centres, i, scene);
+    const auto d = distances(centres, i, setup);
     EXPECT_NEAR(d[11], 4, 1e-9);
     EXPECT_NEAR(d[12], 4 * std::numbers::sqrt2, 1e-9);
     ++inner;

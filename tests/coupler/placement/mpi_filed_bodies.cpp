@@ -1,6 +1,6 @@
 // Bodies whose positions stand in files: as if the case listed them, on any ranks; what is wrong with a file
 // every rank says alike, with the point.
-#include "coupler/placement/filed_bodies.hpp"
+#include "coupler/placement/given_bodies.hpp"
 
 #include <gtest/gtest.h>
 
@@ -81,9 +81,9 @@ Case read(const Scratch& scratch, const CaseText& text, const Overrides& overrid
   return read_case(scratch.path(), overrides);
 }
 
-std::uint64_t filed_hash(const Case& scene, MPI_Comm comm) {
+std::uint64_t filed_hash(const Case& setup, MPI_Comm comm) {
   std::uint64_t sum = 0;
-  place(scene, comm).for_each([&](rigid::BodyId id, const BodySpec& body) {
+  place(setup, comm).for_each([&](rigid::BodyId id, const BodySpec& body) {
     std::uint64_t h = mixed(id + 1000 * body.shape);
     for (int d = 0; d < 3; ++d) h = mixed(h + std::bit_cast<std::uint64_t>(body.pose.position[d]));
     sum += h;
@@ -99,10 +99,10 @@ TEST(FiledBodies, AreThoseThatACaseWouldList) {
   const std::uint64_t expected = alone([&] { return filed_hash(text_of(listed()).read(), MPI_COMM_SELF); });
   for (const char* name : {"\"cloud.csv\"", "\"cloud.h5:/bodies/position\""})
     for (const char* blocks : {"\"auto\"", "[8, 32, 5]", "[3, 7, 32]"}) {
-      const Case scene = read(scratch, text_of(name), {std::string("domain.blocks=") + blocks});
-      EXPECT_EQ(count_given(scene), std::uint64_t(points));
-      EXPECT_EQ(fault_of(scene, MPI_COMM_WORLD), "");
-      EXPECT_EQ(filed_hash(scene, MPI_COMM_WORLD), expected) << name << ", blocks " << blocks;
+      const Case setup = read(scratch, text_of(name), {std::string("domain.blocks=") + blocks});
+      EXPECT_EQ(count_given(setup), std::uint64_t(points));
+      EXPECT_EQ(fault_of(setup, MPI_COMM_WORLD), "");
+      EXPECT_EQ(filed_hash(setup, MPI_COMM_WORLD), expected) << name << ", blocks " << blocks;
     }
 }
 
@@ -119,8 +119,8 @@ TEST(FiledBodies, ArePlacedByTheirOriginOrCentre) {
       text.bodies = body_of("off", 1,
                             std::string(position) + "\naxis_angle = { axis = [0, 0, 1], degrees = 90 }" +
                                 (centre ? "\norigin = \"centre\"" : ""));
-      const Case scene = read(scratch, text);
-      place(scene, MPI_COMM_WORLD).for_each([&](rigid::BodyId, const BodySpec& body) {
+      const Case setup = read(scratch, text);
+      place(setup, MPI_COMM_WORLD).for_each([&](rigid::BodyId, const BodySpec& body) {
         EXPECT_LT((body.pose.position - Vec3(8, centre ? 9 : 10, 10)).norm(), 1e-12) << position;
         EXPECT_LT((body.given_position() - Vec3(8, 9, 10)).norm(), 1e-12) << position;
       });
@@ -134,19 +134,19 @@ TEST(FiledBodies, InSmallRoundsAndWithOthers) {
   CaseText text = text_of("\"cloud.csv\"");
   text.bodies = body_of("ball", 1, "position = [16, 31.9, 29]") + text.bodies +
                 body_of("ball", 1, "positions = \"one.csv\"");
-  const Case scene = read(scratch, text);
-  const lbm::Domain domain = make_domain(scene, ranks());
+  const Case setup = read(scratch, text);
+  const lbm::Domain domain = make_domain(setup, ranks());
   for (const std::size_t at_once : {1, 7, 1000}) {
-    Surroundings around(scene, domain, MPI_COMM_WORLD, 2);
+    Surroundings around(setup, domain, MPI_COMM_WORLD, 2);
     std::vector<GivenBody> bodies;
-    add_filed_bodies(scene, around, bodies, at_once);
+    add_filed_bodies(setup, around, bodies, at_once);
     std::uint64_t own[2] = {0, 0};
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       const GivenBody& body = bodies[k];
       EXPECT_TRUE(k == 0 || bodies[k - 1].id < body.id);
       EXPECT_EQ(body.own, around.is_here(body.spec.pose.position));
       EXPECT_EQ(body.spec.pose.position, point(int(body.id) - 2)) << "ids: first those that the case lists";
-      EXPECT_EQ(entry_of(scene, body.id), int(body.id) == points + 1 ? 2 : 1);
+      EXPECT_EQ(entry_of(setup, body.id), int(body.id) == points + 1 ? 2 : 1);
       if (body.own) own[0] += 1, own[1] += body.id;
     }
     parallel::sum_over_ranks(MPI_COMM_WORLD, std::span(own));
@@ -228,11 +228,11 @@ TEST(FiledBodies, FaultsNameTheFileAndThePoint) {
 TEST(FiledBodies, AFileThatChangesIsNoticed) {
   const Scratch scratch;
   write(scratch / "cloud.csv", csv_of(30));
-  const Case scene = read(scratch, text_of("\"cloud.csv\""));
-  ASSERT_EQ(scene.files.size(), 1u);
-  EXPECT_TRUE(scene.files[0].starts_with("cloud.csv: ")) << scene.files[0];
+  const Case setup = read(scratch, text_of("\"cloud.csv\""));
+  ASSERT_EQ(setup.files.size(), 1u);
+  EXPECT_TRUE(setup.files[0].starts_with("cloud.csv: ")) << setup.files[0];
   write(scratch / "cloud.csv", csv_of(31));
-  EXPECT_TEXT(fault_of(scene, MPI_COMM_WORLD), "cloud.csv has 31 points now, and had 30 a moment ago");
+  EXPECT_TEXT(fault_of(setup, MPI_COMM_WORLD), "cloud.csv has 31 points now, and had 30 a moment ago");
 }
 
 }  // namespace

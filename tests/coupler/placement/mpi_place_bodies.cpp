@@ -8,7 +8,7 @@
 #include <set>
 
 #include "coupler/case/counter_random.hpp"
-#include "coupler/placement/number_off.hpp"
+#include "coupler/placement/one_fill.hpp"
 #include "coupler/placement/start_check.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -34,15 +34,15 @@ std::uint64_t hash_of(BodyId id, const BodySpec& body) {
 }
 
 /// Of all bodies; each must be where its centre is.
-std::uint64_t placed_hash(const Case& scene, MPI_Comm comm) {
+std::uint64_t placed_hash(const Case& setup, MPI_Comm comm) {
   std::uint64_t sum = 0;
   int here = 0, n = 1;
   MPI_Comm_rank(comm, &here);
   MPI_Comm_size(comm, &n);
-  const lbm::Domain domain = make_domain(scene, n);
+  const lbm::Domain domain = make_domain(setup, n);
   const Holders holders(domain, 0);
-  place_bodies(scene, domain, comm).for_each([&](BodyId id, const BodySpec& body) {
-    const Vec3 centre = rigid::mass_properties(scene.shapes[body.shape]).centre;
+  place_bodies(setup, domain, comm).for_each([&](BodyId id, const BodySpec& body) {
+    const Vec3 centre = rigid::mass_properties(setup.shapes[body.shape]).centre;
     EXPECT_EQ(holders.rank_at(body.pose.to_world(centre)), here) << "body " << id;
     sum += hash_of(id, body);
   });
@@ -106,10 +106,10 @@ TEST(PlaceBodies, TheSameOnSites) {
 }
 
 TEST(PlaceBodies, IdsCountFromOne) {
-  const Case scene = with_fills().read();
+  const Case setup = with_fills().read();
   std::uint64_t sums[2] = {0, 0};
   std::set<BodyId> ids;
-  place(scene, MPI_COMM_WORLD).for_each([&](BodyId id, const BodySpec& body) {
+  place(setup, MPI_COMM_WORLD).for_each([&](BodyId id, const BodySpec& body) {
     EXPECT_EQ(body.kind, id == 1 ? 0 : id <= 41 ? 1 : 2);
     EXPECT_TRUE(ids.empty() || id > *ids.rbegin());
     ids.insert(id);

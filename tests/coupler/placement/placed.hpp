@@ -43,16 +43,16 @@ seed = 3
   return c;
 }
 
-inline PlacedBodies place(const Case& scene, MPI_Comm comm) {
+inline PlacedBodies place(const Case& setup, MPI_Comm comm) {
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
-  return place_bodies(scene, make_domain(scene, ranks), comm);
+  return place_bodies(setup, make_domain(setup, ranks), comm);
 }
 
 /// All bodies, by ids, placed by this rank alone.
-inline std::vector<BodySpec> bodies_of(const Case& scene) {
+inline std::vector<BodySpec> bodies_of(const Case& setup) {
   std::vector<BodySpec> bodies;
-  place(scene, MPI_COMM_SELF).for_each([&](rigid::BodyId, const BodySpec& body) { bodies.push_back(body); });
+  place(setup, MPI_COMM_SELF).for_each([&](rigid::BodyId, const BodySpec& body) { bodies.push_back(body); });
   return bodies;
 }
 

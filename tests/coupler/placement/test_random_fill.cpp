@@ -28,8 +28,8 @@ TEST(Fill, GivenBodiesFirstThenEveryFill) {
 }
 
 TEST(Fill, IsTheSameEachTimeAndAnotherForAnotherSeed) {
-  const Case scene = with_fills().read();
-  const auto a = bodies_of(scene), b = bodies_of(scene);
+  const Case setup = with_fills().read();
+  const auto a = bodies_of(setup), b = bodies_of(setup);
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].pose.position, b[i].pose.position);
     EXPECT_EQ(a[i].pose.orientation.coeffs(), b[i].pose.orientation.coeffs());
@@ -40,31 +40,31 @@ TEST(Fill, IsTheSameEachTimeAndAnotherForAnotherSeed) {
 
 TEST(Fill, SequenceIsPinned) {  // a case must give the same scene with every version: this may only change on
                                 // purpose
-  const Case scene = with_fills().read();
-  const auto bodies = bodies_of(scene);
-  const auto origin = [&](const BodySpec& b) { return b.pose.to_world(scene.shape_origins[b.shape]); };
+  const Case setup = with_fills().read();
+  const auto bodies = bodies_of(setup);
+  const auto origin = [&](const BodySpec& b) { return b.pose.to_world(setup.shape_origins[b.shape]); };
   EXPECT_NEAR(origin(bodies[1])[0], 4.3070675527453481, 1e-9);
   EXPECT_NEAR(origin(bodies[44])[2], 23.091747563900142, 1e-9);
 }
 
 TEST(Fill, NothingOverlaps) {
-  const Case scene = with_fills().read();
-  const auto bodies = bodies_of(scene);
+  const Case setup = with_fills().read();
+  const auto bodies = bodies_of(setup);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      EXPECT_LE(overlap_depth(scene.shapes[bodies[i].shape], bodies[i].pose, scene.shapes[bodies[j].shape],
-                              bodies[j].pose, extent_of(scene)),
+      EXPECT_LE(overlap_depth(setup.shapes[bodies[i].shape], bodies[i].pose, setup.shapes[bodies[j].shape],
+                              bodies[j].pose, extent_of(setup)),
                 1e-9)
           << i << " and " << j;
 }
 
 TEST(Fill, StaysInTheBoxAndOffTheWalls) {
-  const Case scene = with_fills().read();
-  for (const BodySpec& body : bodies_of(scene)) {
-    const auto box = rigid::bounding_box(scene.shapes[body.shape], body.pose);
+  const Case setup = with_fills().read();
+  for (const BodySpec& body : bodies_of(setup)) {
+    const auto box = rigid::bounding_box(setup.shapes[body.shape], body.pose);
     EXPECT_GE(box.lower[2], (body.kind == 2 ? 18 : body.kind == 1 ? 0.5 : 0) - 1e-9);
     EXPECT_LE(box.upper[2], (body.kind == 1 ? 31.5 : 32) + 1e-9);
-    const Vec3 centre = body.pose.to_world(rigid::mass_properties(scene.shapes[body.shape]).centre);
+    const Vec3 centre = body.pose.to_world(rigid::mass_properties(setup.shapes[body.shape]).centre);
     for (int d = 0; d < 2; ++d) {  // periodic: canonical
       EXPECT_GE(centre[d], -1e-9);
       EXPECT_LE(centre[d], 32 + 1e-9);
@@ -97,12 +97,12 @@ TEST(Fill, StaysInATube) {
   CaseText c = with_fills();
   c.rest = "[[walls]]\ntype = \"tube\"\naxis = [1, 0, 0]\nradius = 14\npoint = [0, 16, 15.5]\n";
   c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"no-slip\"\n";
-  const Case scene = c.read({"fill[0].count=12", "fill[1].count=3"});
-  const auto bodies = bodies_of(scene);
+  const Case setup = c.read({"fill[0].count=12", "fill[1].count=3"});
+  const auto bodies = bodies_of(setup);
   ASSERT_EQ(bodies.size(), 16u);
   for (const BodySpec& body : bodies)
-    EXPECT_GE(rigid::gap_in_hollow(scene.shapes[body.shape], body.pose, rigid::Tube{14},
-                                   scene.walls[0].hollow()->pose()),
+    EXPECT_GE(rigid::gap_in_hollow(setup.shapes[body.shape], body.pose, rigid::Tube{14},
+                                   setup.walls[0].hollow()->pose()),
               0);
 }
 

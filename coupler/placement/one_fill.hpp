@@ -1,0 +1,59 @@
+#pragma once
+// One application of a fill, and the two ways in which its bodies find their places.
+//
+// On the sites of a lattice each rank takes those of its blocks that are free.
+//
+// At random: random sequential addition on many ranks. Points rain on the room for the bodies' centres, a
+// Poisson process in space and time, and a body is placed where one falls unless it would meet what is there:
+// the first `count` that stay are the fill. As a point's time is a function of (seed, cell, draw), nobody
+// needs to know them all: whether one stays depends on earlier points less than a diameter away, and on those
+// in turn on which these depend. Ranks draw the points of their own blocks, tell those near a border to the
+// ranks there, and decide those of which all such points are decided, to and fro until none is left. Only how
+// many have stayed is asked of all ranks, and when the last one fell.
+#include <vector>
+
+#include "coupler/case/fill_room.hpp"
+#include "coupler/placement/obstacles.hpp"
+#include "coupler/placement/surroundings.hpp"
+
+namespace silt::coupler {
+
+struct FilledBody {
+  std::uint64_t number;  // unlike that of any other of the fill; bodies close together have close numbers
+  rigid::Vec3 centre;    // of its bounding sphere and of mass; wrapped
+  rigid::Quat orientation = rigid::Quat::Identity();
+  std::uint64_t place = 0;  // among all bodies of this application
+};
+
+/// An application under way. Balls of its radius have been begun in the obstacles, to which the bodies placed
+/// here and near are added.
+struct OneFill {
+  const Case& setup;
+  FillApplication application;
+  const FillSpec& spec;
+  double radius;  // of the bounding sphere
+  Surroundings& around;
+  Obstacles& obstacles;
+};
+
+/// Collective. Return this rank's bodies in the order of their numbers and how many all ranks have placed,
+/// the same bodies to the bit on any number of ranks. If they do not all fit: CaseError on every rank at the
+/// first application; at a later one there are fewer.
+struct Filling {
+  std::vector<FilledBody> bodies;
+  std::uint64_t total;
+};
+Filling fill_sites(const OneFill&);
+Filling fill_at_random(const OneFill&);
+
+/// Collective. Returns for each of this rank's keys, which are sorted, below `range` and unlike all others on
+/// any rank, how many keys of all ranks are smaller. Each rank counts a slice of the range: none holds more
+/// than that.
+std::vector<std::uint64_t> number_off(parallel::Messages&, const std::vector<std::uint64_t>& keys,
+                                      std::uint64_t range);
+
+/// Collective. Numbers the bodies of all ranks, whose own numbers are below `range`, from 0 on in their
+/// order.
+void set_places(std::vector<FilledBody>&, std::uint64_t range, Surroundings&);
+
+}  // namespace silt::coupler
