@@ -14,17 +14,6 @@ constexpr double slack = 0.05;
 /// The relative rounding of coordinates: a cube must not miss by it what `meet` finds.
 constexpr double rounding = 1e-14;
 
-/// Every direction and its opposite are the same pair seen from either body: these are half of the 26.
-std::vector<Image> half_of_images(const rigid::Extent& extent) {
-  std::vector<Image> images;
-  const auto range = [&](int d) -> std::int8_t { return extent.periodic[d] ? 1 : 0; };
-  for (std::int8_t x = -range(0); x <= range(0); ++x)
-    for (std::int8_t y = -range(1); y <= range(1); ++y)
-      for (std::int8_t z = -range(2); z <= range(2); ++z)
-        if (const Image image{x, y, z}; image > Image{}) images.push_back(image);
-  return images;
-}
-
 /// The box around all cubes.
 struct Bounds {
   Vec3 lower = Vec3::Constant(1e300), upper = Vec3::Constant(-1e300);
@@ -96,7 +85,9 @@ void TreeBroadPhase::drop_absent() {
 
 void TreeBroadPhase::find_images(const rigid::Surroundings& around,
                                  std::vector<rigid::CandidatePair>& found) {
-  const std::vector<Image> images = half_of_images(around.extent);
+  // every direction and its opposite are the same pair seen from either body: half of them are enough
+  std::vector<Image> images = rigid::images_of(around.extent);
+  std::erase_if(images, [](Image image) { return image <= Image{}; });
   if (images.empty()) return;
   Bounds all;
   for (const Leaf k : by_row_) all.add(leaves_[k].cube);

@@ -1,4 +1,4 @@
-#include "rigid/collision/ball_on_mesh.hpp"
+#include "rigid/collision/mesh_contacts.hpp"
 
 #include <algorithm>
 #include <cmath>

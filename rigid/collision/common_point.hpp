@@ -7,9 +7,9 @@ namespace silt::rigid {
 
 /// Where the normal of a contact passes through both outlines.
 struct CommonPoint {
-  Vec3 on_a, on_b;               // lattice units, on the cores
-  double miss;                   // of on_b from on_a + gap n: 0 but for rounding
-  std::uint32_t code_a, code_b;  // of the features they lie on
+  Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();  // lattice units, on the cores
+  double miss = 0;                                // of on_b from on_a + gap n: 0 but for rounding
+  std::uint32_t code_a = 0, code_b = 0;           // of the features they lie on
 };
 
 /// The points of the two outlines, `gap` (lattice units) apart, that lie most exactly over each other along

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "rigid/collision/outline.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -37,32 +39,14 @@ struct SeenPoints {
   }
 };
 
-Vec3 cut(const Vec3& x, const Vec3& y, double d_x, double d_y) {
-  return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
-}
-
-/// Sutherland and Hodgman (CACM 17 (1974) 32); points within `slack` outside count as inside.
-std::vector<Vec3> clip_face(const Prism& prism, const ContactOutline& face, double slack) {
-  std::vector<Vec3> polygon, kept;
-  for (const auto& c : face.corners) polygon.push_back(c.x);
-  for (std::size_t k = 0; k < prism.size() && !polygon.empty(); ++k) {
-    kept.clear();
-    for (std::size_t c = 0; c < polygon.size(); ++c) {
-      const Vec3 &x = polygon[c], &y = polygon[(c + 1) % polygon.size()];
-      const double d_x = prism.beyond(k, x), d_y = prism.beyond(k, y);
-      if (d_x <= slack) kept.push_back(x);
-      if ((d_x < -slack && d_y > slack) || (d_x > slack && d_y < -slack)) kept.push_back(cut(x, y, d_x, d_y));
-    }
-    polygon.swap(kept);
-  }
-  return polygon;
-}
-
 void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double slack,
                   std::vector<ContactPoint>& points) {
   if (a.normal.dot(n) < oblique_cosine || -b.normal.dot(n) < oblique_cosine) return;
   const Prism over_a(a, n), over_b(b, n);
-  for (const Vec3& x : clip_face(over_a, b, slack)) {
+  std::vector<Vec3> patch;
+  for (const auto& corner : b.corners) patch.push_back(corner.x);
+  clip(over_a, slack, patch);
+  for (const Vec3& x : patch) {
     const double gap = -a.height(x, n);
     const std::uint32_t of_a = code_under(a, over_a, x, 10 * slack),
                         of_b = code_under(b, over_b, x, 10 * slack);
@@ -87,21 +71,15 @@ void line_on_face(const ConvexCore& core, const ContactOutline& line, const Cont
                   const Vec3& m, double slack, const SeenPoints& points) {
   if (-face.normal.dot(m) < oblique_cosine) return;
   const Prism prism(face, m);
-  std::array<Vec3, 2> end{line.corners[0].x, line.corners[1].x};
-  std::array<std::uint32_t, 2> code{line.corners[0].code, line.corners[1].code};
-  for (std::size_t k = 0; k < prism.size(); ++k) {
-    const std::array<double, 2> d{prism.beyond(k, end[0]), prism.beyond(k, end[1])};
-    if (d[0] > slack && d[1] > slack) return;
-    for (int e = 0; e < 2; ++e)
-      if (d[e] > slack) end[e] = cut(end[e], end[1 - e], d[e], d[1 - e]), code[e] = line.code;
-  }
-  for (int e = 0; e < 2; ++e) {
-    const double t = (end[e] - core.centre).dot(core.axes.col(2));
-    const auto offset = to_surface(core, t, m);
+  const auto over = clip_segment(prism, line.corners[0].x, line.corners[1].x, slack);
+  for (int e = 0; e < 2 && over; ++e) {
+    const Vec3& end = over->end[e];
+    const auto offset = to_surface(core, (end - core.centre).dot(core.axes.col(2)), m);
     if (!offset) continue;
-    const Vec3 surface = end[e] + *offset * m;
+    const Vec3 surface = end + *offset * m;
     // both ends cut: the features of the face tell them apart
-    points.add(surface, m, face.height(surface, m), code[e], code_under(face, prism, end[e], 10 * slack));
+    points.add(surface, m, face.height(surface, m), over->is_cut[e] ? line.code : line.corners[e].code,
+               code_under(face, prism, end, 10 * slack));
   }
 }
 

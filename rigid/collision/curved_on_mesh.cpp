@@ -1,4 +1,4 @@
-#include "rigid/collision/curved_on_mesh.hpp"
+#include "rigid/collision/mesh_contacts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -46,9 +46,8 @@ class FlatPolyhedron {
 class OnTriangle {
  public:
   OnTriangle(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
-             std::vector<MeshContact>& out)
-      : body_(body),
-        pose_(pose),
+             std::vector<ContactPoint>& out)
+      : pose_(pose),
         mesh_(mesh),
         core_(convex_core(body, {Vec3::Zero(), pose.orientation})),
         deep_(deep_behind_faces(body)),
@@ -88,7 +87,7 @@ class OnTriangle {
     const Vec3& n = best->normal;
     const Vec3 on_body = core_.support(n) + core_.radius * n;
     const double gap = best->core_gap - core_.radius;
-    add({{on_body, on_body + gap * n, n, gap, 0}, 0, mesh_.code_of_facet(overlapped_.front())});
+    add({on_body, on_body + gap * n, n, gap, mesh_feature(0, mesh_.code_of_facet(overlapped_.front()))});
   }
 
  private:
@@ -133,12 +132,11 @@ class OnTriangle {
   }
 
   void add_over_face(std::uint32_t triangle) {
-    thread_local std::vector<MeshContact> points;
+    thread_local std::vector<ContactPoint> points;
     points.clear();
-    append_on_plane(body_, {Vec3::Zero(), pose_.orientation}, corners_[0], n_, mesh_.code_of_facet(triangle),
-                    tolerance_, points);
-    for (MeshContact& c : points)
-      if (is_over(triangle, c.point)) add(c);
+    append_on_plane(core_, corners_[0], n_, mesh_.code_of_facet(triangle), tolerance_, points);
+    for (const ContactPoint& p : points)
+      if (is_over(triangle, p)) add(p);
   }
   /// A point behind the triangle at a sharp edge is not: it comes out over the edge's other side.
   bool is_over(std::uint32_t triangle, const ContactPoint& point) const {
@@ -169,9 +167,11 @@ class OnTriangle {
     thread_local std::vector<ContactPoint> points;
     points.clear();
     append_manifold(core_, flat(), *found, tolerance_, points);
-    for (const ContactPoint& p : points)
-      if (const auto code = sharp_code(triangle, p.feature & 0xffff))
-        add({p, static_cast<std::uint32_t>(p.feature >> 16), *code});
+    for (ContactPoint& p : points)
+      if (const auto code = sharp_code(triangle, p.feature & 0xffff)) {
+        p.feature = mesh_feature(static_cast<std::uint32_t>(p.feature >> 16), *code);
+        add(p);
+      }
     return m;
   }
 
@@ -218,18 +218,17 @@ class OnTriangle {
     return {};
   }
 
-  void add(MeshContact c) {
-    c.point.on_a += pose_.position;
-    c.point.on_b += pose_.position;
-    out_.push_back(c);
+  void add(ContactPoint p) {
+    p.on_a += pose_.position;
+    p.on_b += pose_.position;
+    out_.push_back(p);
   }
 
-  const ConvexShape& body_;
   const Pose& pose_;
   const MeshFeatures& mesh_;
   const ConvexCore core_;  // about the origin
   double deep_, tolerance_;
-  std::vector<MeshContact>& out_;
+  std::vector<ContactPoint>& out_;
   Vec3 n_;
   std::array<Vec3, 3> corners_;  // from the body's centre
   FlatPolyhedron flat_;
@@ -243,25 +242,23 @@ double deep_behind_faces(const ConvexShape& body) {
   return deep * std::visit([](const auto& s) { return s.least_width(); }, body);
 }
 
-void append_on_plane(const ConvexShape& body, const Pose& pose, const Vec3& origin, const Vec3& outward,
-                     std::uint32_t code, double tolerance, std::vector<MeshContact>& out) {
-  thread_local std::vector<ContactPoint> points;
-  points.clear();
-  const ConvexCore core = convex_core(body, pose);
-  append_plane_manifold(core, origin, outward, tolerance, points);
-  for (const ContactPoint& p : points)
-    out.push_back({p, static_cast<std::uint32_t>(core.is_box ? p.feature : p.feature >> 16), code});
+void append_on_plane(const ConvexCore& body, const Vec3& origin, const Vec3& outward, std::uint32_t code,
+                     double tolerance, std::vector<ContactPoint>& out) {
+  const std::size_t first = out.size();
+  append_plane_manifold(body, origin, outward, tolerance, out);
+  for (std::size_t k = first; k < out.size(); ++k)
+    out[k].feature = mesh_feature(static_cast<std::uint32_t>(out[k].feature >> (body.is_box ? 0 : 16)), code);
 }
 
 void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
                            std::span<const std::uint32_t> near, double tolerance,
-                           std::vector<MeshContact>& out) {
+                           std::vector<ContactPoint>& out) {
   OnTriangle on(body, pose, mesh, tolerance, out);
   for (const std::uint32_t t : near) on.look(t);
 }
 
 void append_overlap(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
-                    std::span<const std::uint32_t> near, std::vector<MeshContact>& out) {
+                    std::span<const std::uint32_t> near, std::vector<ContactPoint>& out) {
   OnTriangle on(body, pose, mesh, 0, out);
   for (const std::uint32_t t : near) on.look_for_overlap(t);
   on.add_overlap();

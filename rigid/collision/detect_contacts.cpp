@@ -28,7 +28,6 @@ struct DetectContacts::ShapeParts {
   Pose pose_of(std::size_t piece, const Pose& body) const {
     return hollow || mesh || plain ? body : body * parts[piece].pose;
   }
-  ConvexPart part_with_surface(std::size_t i) const { return {parts[i].shape, surfaces[i].get()}; }
 };
 
 namespace {
@@ -40,18 +39,16 @@ constexpr double least_margin = 1e-6;
 /// Least ratio of a gap's lesser curvature to the greater: below, it is a line contact, which the laws of
 /// lubrication do not know.
 constexpr double least_roundness = 0.02;
-
 /// Cosine of the angle up to which the normals of one gap differ.
 constexpr double same_gap = 0.95;
 
-/// Of a contact whose arms reach to either body's own surface: puts them where its impulse acts
-/// (rigid/README.md, The arms).
-void set_arms(const BodySet& bodies, const CandidatePair& p, const ContactPoint& point, Contact& c) {
+/// Puts the arms, which reach to either body's own surface, where the impulse acts (rigid/README.md, The
+/// arms).
+void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across, Contact& c) {
   const bool a_moves = bodies.is_dynamic(p.row_a), b_moves = bodies.is_dynamic(p.row_b);
   if (!c.lubrication && !(a_moves && b_moves)) return;
   const double mass_a = bodies.mass[p.row_a], mass_b = bodies.mass[p.row_b];
   const double share = !b_moves ? 0 : !a_moves ? 1 : c.lubrication ? 0.5 : mass_a / (mass_a + mass_b);
-  const Vec3 across = point.on_b - point.on_a;
   c.r_a += share * across;
   c.r_b -= (1 - share) * across;
 }
@@ -65,16 +62,6 @@ Vec3 into_domain(const Extent& extent, Vec3 x) {
   return x;
 }
 
-/// Those that a body may meet a wall through.
-std::vector<Image> images(const Extent& extent) {
-  std::vector<Image> all;
-  const auto last = [&](int d) -> std::int8_t { return extent.periodic[d] ? 1 : 0; };
-  for (std::int8_t x = -last(0); x <= last(0); ++x)
-    for (std::int8_t y = -last(1); y <= last(1); ++y)
-      for (std::int8_t z = -last(2); z <= last(2); ++z) all.push_back({x, y, z});
-  return all;
-}
-
 }  // namespace
 
 DetectContacts::DetectContacts(std::unique_ptr<BroadPhase> broad_phase)
@@ -84,21 +71,19 @@ DetectContacts::~DetectContacts() = default;
 
 void DetectContacts::learn_shapes(const World& world) {
   for (std::size_t s = shapes_.size(); s < world.shapes.size(); ++s) {
+    const Shape& shape = world.shapes[s];
     ShapeParts known;
-    known.parts = convex_parts(world.shapes[s]);
-    for (const Part& part : known.parts)
-      known.radii.push_back(bounding_radius(Compound{{{part.shape, Pose{}}}}));
+    known.parts = convex_parts(shape);
+    for (const Part& part : known.parts) known.radii.push_back(reach({part.shape, Pose{}}));
     known.smooth = std::any_of(known.parts.begin(), known.parts.end(),
                                [](const Part& part) { return is_smooth(part.shape); });
-    known.sphere = is_sphere(world.shapes[s]);
-    known.half_space = std::holds_alternative<HalfSpace>(world.shapes[s]);
-    known.hollow = hollow_of(world.shapes[s]);
-    if (const auto* mesh = std::get_if<Mesh>(&world.shapes[s]))
+    known.sphere = is_sphere(shape);
+    known.half_space = std::holds_alternative<HalfSpace>(shape);
+    known.hollow = hollow_of(shape);
+    if (const auto* mesh = std::get_if<Mesh>(&shape))
       known.mesh = std::make_shared<const MeshFeatures>(*mesh), with_meshes_ = true;
     if (known.mesh && world.lubrication) known.facets = std::make_shared<const FacetCurvature>(*known.mesh);
-    const Pose pose = known.parts.empty() ? Pose{} : known.parts[0].pose;
-    known.plain =
-        known.parts.size() == 1 && pose.position.isZero(0) && pose.orientation.isApprox(Quat::Identity(), 0);
+    known.plain = known.parts.size() == 1 && known.parts[0].pose == Pose{};
     shapes_.push_back(std::move(known));
   }
   if (!with_meshes_) return;
@@ -109,48 +94,47 @@ void DetectContacts::learn_shapes(const World& world) {
 
 void DetectContacts::set_reach(const World& world, const BodySet& bodies, double dt) {
   const std::size_t count = bodies.first_wall();
-  reach_.resize(count);
-  turn_.resize(count);
-  boxes_.resize(count);
+  reach_.resize(count), turn_.resize(count), boxes_.resize(count);
   const double fall = dt * dt * world.gravity.norm();
   for (std::size_t row = 0; row < count; ++row) {
-    const double radius = world.bounding_radii[bodies.shape[row]];
-    turn_[row] = shapes_[bodies.shape[row]].sphere ? 0.0 : dt * radius * bodies.angular_velocity[row].norm();
-    if (!shapes_[bodies.shape[row]].sphere)
-      boxes_[row] = bounding_box(world.shapes[bodies.shape[row]], {Vec3::Zero(), bodies.orientation[row]});
+    const std::uint32_t number = bodies.shape[row];
+    const ShapeParts& shape = shapes_[number];
+    const double radius = world.bounding_radii[number];
+    turn_[row] = shape.sphere ? 0.0 : dt * radius * bodies.angular_velocity[row].norm();
+    if (!shape.sphere)
+      boxes_[row] = bounding_box(world.shapes[number], {Vec3::Zero(), bodies.orientation[row]});
     const double travel =
         dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_in_fluid[row]);
     double margin = std::min(margin_safety * travel + least_margin * radius, world.contact_margin);
-    const ShapeParts& shape = shapes_[bodies.shape[row]];
     if (world.lubrication && (shape.smooth || shape.mesh))
       margin = std::max(margin, world.lubrication->reach());
     reach_[row] = {radius, margin};
   }
   walls_.clear();
   for (std::size_t row = count; row < bodies.size(); ++row) {
-    const Shape& shape = world.shapes[bodies.shape[row]];
-    const Quat& turn = bodies.orientation[row];
-    const bool moves = bodies.is_active(row);
-    if (const auto& hollow = shapes_[bodies.shape[row]].hollow)
-      walls_.push_back({.moves = moves, .hollow = hollow, .pose = bodies.pose(row)});
-    else if (std::holds_alternative<Mesh>(shape))
+    const ShapeParts& shape = shapes_[bodies.shape[row]];
+    if (shape.mesh)
       walls_.push_back(WallSurface::out_of_sight());
+    else if (shape.hollow)
+      walls_.push_back({.moves = bodies.is_active(row), .hollow = shape.hollow, .pose = bodies.pose(row)});
     else
-      walls_.push_back({bodies.position[row], turn * std::get<HalfSpace>(shape).normal, moves});
+      walls_.push_back({bodies.position[row],
+                        bodies.orientation[row] * std::get<HalfSpace>(shape.parts[0].shape).normal,
+                        bodies.is_active(row)});
   }
 }
 
 /// A point near both bodies, however deep they overlap: the middle of a gap, the surface of the smaller body
 /// in an overlap. Whoever looks at it holds both.
-Vec3 DetectContacts::point_near_both(const BodySet& bodies, const CandidatePair& p,
-                                     const ContactPoint& point) const {
+Vec3 DetectContacts::point_near_both(const Pair& p, const ContactPoint& point) const {
   if (point.gap >= 0) return 0.5 * (point.on_a + point.on_b);
-  const bool a_is_smaller = is_wall(bodies.id[p.row_b]) || reach_[p.row_a].radius <= reach_[p.row_b].radius;
-  return a_is_smaller ? point.on_a : point.on_b;
+  const bool b_is_smaller =
+      !is_wall(p.call.bodies.id[p.row_b]) && reach_[p.row_a].radius > reach_[p.row_b].radius;
+  return b_is_smaller ? point.on_b : point.on_a;
 }
 
-double DetectContacts::pair_margin(const World& world, const BodySet& bodies, const CandidatePair& p,
-                                   const Vec3& shift, double dt) const {
+double DetectContacts::pair_margin(const Call& call, const CandidatePair& p, const Vec3& shift) const {
+  const auto& [world, bodies, exchange, backend, dt] = call;
   const bool wall = is_wall(bodies.id[p.row_b]);
   const bool turns = wall && shapes_[bodies.shape[p.row_b]].mesh;  // the others turn in their own surface
   const Vec3 arm = turns ? Vec3(bodies.position[p.row_a] - bodies.position[p.row_b] - shift) : Vec3::Zero();
@@ -169,31 +153,34 @@ double DetectContacts::pair_margin(const World& world, const BodySet& bodies, co
   return std::max(margin, world.lubrication->reach());
 }
 
-bool DetectContacts::parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b,
-                                 std::size_t j, const Pose& pose_b, double margin) const {
-  if (a.mesh || b.mesh) return false;
-  const Vec3 centre_a = pose_a.to_world(a.parts[i].pose.position);
-  if (b.hollow) return b.hollow->gap(pose_b, centre_a) > a.radii[i] + margin;
-  if (b.half_space) {
-    const Vec3 normal = pose_b.orientation * std::get<HalfSpace>(b.parts[j].shape).normal;
-    return normal.dot(centre_a - pose_b.position) > a.radii[i] + margin;
+bool DetectContacts::pieces_apart(const Piece& a, const Piece& b, double margin) {
+  if (a.of->mesh || b.of->mesh) return false;
+  const Vec3& centre_a = a.pose.position;
+  const double radius_a = a.of->radii[a.index];
+  if (b.of->hollow) return b.of->hollow->gap(b.pose, centre_a) > radius_a + margin;
+  if (b.of->half_space) {
+    const Vec3 normal = b.pose.orientation * std::get<HalfSpace>(b.of->parts[b.index].shape).normal;
+    return normal.dot(centre_a - b.pose.position) > radius_a + margin;
   }
-  const double range = a.radii[i] + b.radii[j] + margin;
-  if ((pose_b.to_world(b.parts[j].pose.position) - centre_a).squaredNorm() > range * range) return true;
-  const BoundingBox box_a = part_box(a.parts[i], pose_a), box_b = part_box(b.parts[j], pose_b);
+  const double range = radius_a + b.of->radii[b.index] + margin;
+  if ((b.pose.position - centre_a).squaredNorm() > range * range) return true;
+  const auto box_of = [](const Piece& p) {
+    return std::visit([&](const auto& s) { return s.bounding_box(p.pose); }, p.of->parts[p.index].shape);
+  };
+  const BoundingBox box_a = box_of(a), box_b = box_of(b);
   return ((box_a.lower - box_b.upper).array() > margin).any() ||
          ((box_b.lower - box_a.upper).array() > margin).any();
 }
 
 /// By their speeds relative to each other; the broad phase knew only each body's own.
-bool DetectContacts::bodies_apart(const BodySet& bodies, const CandidatePair& p, const Vec3& from_a_to_b,
-                                  double margin) const {
-  const double range = reach_[p.row_a].radius + reach_[p.row_b].radius + margin;
-  if (from_a_to_b.squaredNorm() > range * range) return true;
-  if (shapes_[bodies.shape[p.row_a]].sphere || shapes_[bodies.shape[p.row_b]].sphere) return false;
+bool DetectContacts::bodies_apart(const Pair& p) const {
+  const auto& shape = p.call.bodies.shape;
+  const double range = reach_[p.row_a].radius + reach_[p.row_b].radius + p.margin;
+  if (p.from_a_to_b.squaredNorm() > range * range) return true;
+  if (shapes_[shape[p.row_a]].sphere || shapes_[shape[p.row_b]].sphere) return false;
   const BoundingBox &a = boxes_[p.row_a], &b = boxes_[p.row_b];
-  return ((from_a_to_b + b.lower - a.upper).array() > margin).any() ||
-         ((a.lower - b.upper - from_a_to_b).array() > margin).any();
+  return ((p.from_a_to_b + b.lower - a.upper).array() > p.margin).any() ||
+         ((a.lower - b.upper - p.from_a_to_b).array() > p.margin).any();
 }
 
 /// A mesh stands for a smooth surface that it is near to. Of two meshes nothing is known.
@@ -206,26 +193,24 @@ bool DetectContacts::may_lubricate(const ShapeParts& a, const ShapeParts& b) {
 /// several points of one gap: its film is where it is narrowest.
 bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) const {
   if (!with_mesh) return points_.size() == 1;
-  const auto is_wider_than = [&](const ContactPoint& other) {
+  return std::none_of(points_.begin(), points_.end(), [&](const ContactPoint& other) {
     return std::tie(other.gap, other.feature) < std::tie(point.gap, point.feature) &&
            other.normal.dot(point.normal) > same_gap;
-  };
-  return std::none_of(points_.begin(), points_.end(), is_wider_than);
+  });
 }
 
 /// Where both surfaces are smooth and curve away from each other.
-void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, const Piece& a, const Piece& b,
-                                     const ContactPoint& point, Contact& c) const {
-  const BodySet& bodies = call.bodies;
+void DetectContacts::put_lubrication(const Pair& p, const Piece& a, const Piece& b, const ContactPoint& point,
+                                     Contact& c) const {
+  const BodySet& bodies = p.call.bodies;
   const Vec3& n = point.normal;
-  const auto curvature_W = [&](const Piece& piece, const Vec3& x,
-                               const Vec3& outward) -> std::optional<Mat3> {
+  const auto curvature_W = [&](const Piece& piece, const Vec3& x, const Vec3& out) -> std::optional<Mat3> {
     const Mat3 r = piece.pose.orientation.toRotationMatrix();
-    const Vec3 outward_B = r.transpose() * outward;
-    const auto k = piece.of.mesh ? piece.of.facets->at(feature_of(point.feature))
-                   : piece.of.hollow
-                       ? piece.of.hollow->curvature(outward_B)
-                       : curvature(piece.of.parts[piece.index].shape, piece.pose.to_body(x), outward_B);
+    const Vec3 outward_B = r.transpose() * out;
+    const ShapeParts& of = *piece.of;
+    const auto k = of.mesh     ? of.facets->at(feature_of(point.feature))
+                   : of.hollow ? of.hollow->curvature(outward_B)
+                               : curvature(of.parts[piece.index].shape, piece.pose.to_body(x), outward_B);
     if (!k) return std::nullopt;
     return r * *k * r.transpose();
   };
@@ -233,89 +218,91 @@ void DetectContacts::put_lubrication(const Call& call, const CandidatePair& p, c
   if (!of_a || !of_b) return;
   const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
   const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
-  const LubricatedGap gap{point.gap, call.dt * opening, *of_a, *of_b, middle, n, b.of.half_space};
+  const LubricatedGap gap{point.gap, p.call.dt * opening, *of_a, *of_b, middle, n, b.of->half_space};
   const double sum = gap.curvature_sum();
   if (sum > 0 && gap.curvature_product() >= least_roundness * sum * sum)
-    c.lubrication = (*call.world.lubrication)(gap);
+    c.lubrication = (*p.call.world.lubrication)(gap);
   if (c.lubrication) c.feature |= lubrication_feature;
 }
 
 /// Fills points_ with those of a piece of one body and a piece of the other.
-void DetectContacts::collide_pieces(const Piece& a, const Piece& b, double margin,
-                                    CollisionBackend& backend) {
+void DetectContacts::collide_pieces(const Pair& p, const Piece& a, const Piece& b) {
   points_.clear();
-  if (a.of.mesh || b.of.mesh) return collide_meshes(a, b, margin, backend);
-  const ConvexShape& shape = a.of.parts[a.index].shape;
-  if (b.of.hollow)
-    append_hollow_contacts(shape, a.pose, *b.of.hollow, b.pose, margin, points_);
-  else
-    backend.collide(shape, a.pose, b.of.parts[b.index].shape, b.pose, margin, points_);
-  reduce_manifold(points_);
-}
-
-void DetectContacts::collide_meshes(const Piece& a, const Piece& b, double margin,
-                                    CollisionBackend& backend) {
-  if (a.of.mesh && b.of.mesh) {
-    append_mesh_contacts(*a.of.mesh, a.pose, *b.of.mesh, b.pose, margin, backend, points_);
-  } else if (b.of.mesh) {
-    append_mesh_contacts(a.of.part_with_surface(a.index), a.pose, *b.of.mesh, b.pose, margin, backend,
-                         points_);
-  } else if (b.of.hollow) {
-    append_mesh_contacts(*a.of.mesh, a.pose, *b.of.hollow, b.pose, margin, points_);
-  } else if (b.of.half_space) {
-    append_mesh_contacts(*a.of.mesh, a.pose, std::get<HalfSpace>(b.of.parts[b.index].shape), b.pose, margin,
-                         points_);
+  CollisionBackend& backend = p.call.backend;
+  const auto shape_of = [](const Piece& piece) -> const ConvexShape& {
+    return piece.of->parts[piece.index].shape;
+  };
+  const auto convex_at = [&](const Piece& piece) {
+    return ConvexAt{shape_of(piece), piece.of->surfaces[piece.index].get(), piece.pose};
+  };
+  const auto mesh_at = [](const Piece& piece) { return MeshAt{*piece.of->mesh, piece.pose}; };
+  if (!a.of->mesh && !b.of->mesh) {
+    if (b.of->hollow)
+      append_hollow_contacts(shape_of(a), a.pose, *b.of->hollow, b.pose, p.margin, points_);
+    else
+      backend.collide(shape_of(a), a.pose, shape_of(b), b.pose, p.margin, points_);
+    reduce_manifold(points_);
+  } else if (!a.of->mesh) {
+    append_mesh_contacts(convex_at(a), mesh_at(b), p.margin, backend, points_);
+  } else if (b.of->mesh) {
+    append_mesh_contacts(mesh_at(a), mesh_at(b), p.margin, backend, points_);
+  } else if (b.of->hollow) {
+    append_mesh_contacts(mesh_at(a), *b.of->hollow, b.pose, p.margin, points_);
+  } else if (b.of->half_space) {
+    append_mesh_contacts(mesh_at(a), std::get<HalfSpace>(shape_of(b)), b.pose, p.margin, points_);
   } else {
-    append_mesh_contacts(b.of.part_with_surface(b.index), b.pose, *a.of.mesh, a.pose, margin, backend,
-                         points_);
-    exchange_sides(points_);
+    append_mesh_contacts(convex_at(b), mesh_at(a), p.margin, backend, points_);
+    for (ContactPoint& point : points_) std::swap(point.on_a, point.on_b), point.normal = -point.normal;
   }
 }
 
-void DetectContacts::collide_pair(const Call& call, const CandidatePair& p, const Vec3& from_a_to_b,
-                                  double margin, std::vector<Contact>& contacts) {
-  const World& world = call.world;
-  const BodySet& bodies = call.bodies;
+void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts) {
+  const World& world = p.call.world;
+  const BodySet& bodies = p.call.bodies;
   const ShapeParts &a = shapes_[bodies.shape[p.row_a]], &b = shapes_[bodies.shape[p.row_b]];
   const Pose pose_a{Vec3::Zero(), bodies.orientation[p.row_a]},
-      pose_b{from_a_to_b, bodies.orientation[p.row_b]};
+      pose_b{p.from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.pieces() == 1 && b.pieces() == 1, with_mesh = a.mesh || b.mesh;
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   double least_gap = std::numeric_limits<double>::infinity();
   Vec3 narrowest = Vec3::Zero();  // a point near both bodies at the least gap
-  for (std::size_t i = 0; i < a.pieces(); ++i)
-    for (std::size_t j = 0; j < b.pieces(); ++j) {
-      if (!single && parts_apart(a, i, pose_a, b, j, pose_b, margin)) continue;
-      const Pose piece_a = a.pose_of(i, pose_a), piece_b = b.pose_of(j, pose_b);
-      const Piece of_a{a, i, piece_a}, of_b{b, j, piece_b};
-      collide_pieces(of_a, of_b, margin, call.backend);
+  pieces_of_b_.clear();
+  for (std::size_t j = 0; j < b.pieces(); ++j) pieces_of_b_.push_back({&b, j, b.pose_of(j, pose_b)});
+  for (std::size_t i = 0; i < a.pieces(); ++i) {
+    const Piece of_a{&a, i, a.pose_of(i, pose_a)};
+    for (const Piece& of_b : pieces_of_b_) {
+      if (!single && pieces_apart(of_a, of_b, p.margin)) continue;
+      collide_pieces(p, of_a, of_b);
       const std::size_t first_of_pieces = contacts.size();
       for (const ContactPoint& point : points_) {
-        const std::uint64_t feature =
-            with_mesh ? packed_mesh_feature(i + j, point.feature) : packed_feature(i, j, point.feature);
+        const std::uint64_t feature = with_mesh ? packed_mesh_feature(i + of_b.index, point.feature)
+                                                : packed_feature(i, of_b.index, point.feature);
         contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, feature, point.normal, point.gap,
-                            point.on_a, point.on_b - from_a_to_b, material.restitution, material.friction});
+                            point.on_a, point.on_b - p.from_a_to_b, material.restitution, material.friction});
         if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
-          put_lubrication(call, p, of_a, of_b, point, contacts.back());
-        set_arms(bodies, p, point, contacts.back());
-        if (point.gap < least_gap) least_gap = point.gap, narrowest = point_near_both(bodies, p, point);
+          put_lubrication(p, of_a, of_b, point, contacts.back());
+        set_arms(bodies, p, point.on_b - point.on_a, contacts.back());
+        if (point.gap < least_gap) least_gap = point.gap, narrowest = point_near_both(p, point);
       }
-      let_pass(call, p, of_a, of_b, from_a_to_b, std::span(contacts).subspan(first_of_pieces));
+      let_pass(p, of_a, of_b, std::span(contacts).subspan(first_of_pieces));
     }
+  }
   if (contacts.size() == first) return;
-  const Vec3 reference = into_domain(call.exchange.extent(), bodies.position[p.row_a] + narrowest);
-  if (!call.exchange.owns_contact_at(reference)) contacts.resize(first);
-  if (world.lubrication) count_lubrication(*world.lubrication, std::span(contacts).subspan(first));
+  const Vec3 reference = into_domain(p.call.exchange.extent(), bodies.position[p.row_a] + narrowest);
+  if (!p.call.exchange.owns_contact_at(reference)) contacts.resize(first);
+  for (const Contact& c : std::span(contacts).subspan(first))
+    if (world.lubrication && c.gap < world.lubrication->reach())
+      ++(c.lubrication ? lubrication_counts_.with : lubrication_counts_.without);
 }
 
 /// The contacts of two pieces, those of points_ one by one, that would act although the pieces pass each
 /// other get the plane between which they do so.
-void DetectContacts::let_pass(const Call& call, const CandidatePair& p, const Piece& a, const Piece& b,
-                              const Vec3& from_a_to_b, std::span<Contact> of_pieces) const {
-  if (a.of.sphere || b.of.sphere || b.of.half_space || b.of.hollow) return;
-  const BodySet& bodies = call.bodies;
+void DetectContacts::let_pass(const Pair& p, const Piece& a, const Piece& b,
+                              std::span<Contact> of_pieces) const {
+  if (a.of->sphere || b.of->sphere || b.of->half_space || b.of->hollow) return;
+  const BodySet& bodies = p.call.bodies;
   const double slack =
       passing_slack * (reach_[p.row_a].radius + (is_wall(bodies.id[p.row_b]) ? 0.0 : reach_[p.row_b].radius));
   std::optional<Passing> found;
@@ -323,10 +310,10 @@ void DetectContacts::let_pass(const Call& call, const CandidatePair& p, const Pi
   for (std::size_t k = 0; k < of_pieces.size(); ++k) {
     Contact& c = of_pieces[k];
     const ContactPoint& point = points_[k];
-    const Vec3 motion = call.dt * (bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
+    const Vec3 motion = p.call.dt * (bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
     if (c.lubrication || c.gap < -slack || c.gap + c.normal.dot(motion) >= -slack) continue;
-    if (!looked || a.of.mesh || b.of.mesh)
-      found = find_passing(call, p, a, b, from_a_to_b, point, std::abs(c.gap) + motion.norm() + slack);
+    if (!looked || a.of->mesh || b.of->mesh)
+      found = find_passing(p, a, b, point, std::abs(c.gap) + motion.norm() + slack);
     looked = true;
     if (!found) continue;
     c.normal = found->normal;
@@ -334,45 +321,33 @@ void DetectContacts::let_pass(const Call& call, const CandidatePair& p, const Pi
   }
 }
 
-/// By the motion before the kick, which bodies at rest on others have, and by that with gravity's kick if
-/// they pass each other then as well, as bodies do that fall.
-std::optional<Passing> DetectContacts::find_passing(const Call& call, const CandidatePair& p, const Piece& a,
-                                                    const Piece& b, const Vec3& from_a_to_b,
+std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& a, const Piece& b,
                                                     const ContactPoint& point, double reach) const {
+  const BodySet& bodies = p.call.bodies;
+  const double dt = p.call.dt;
+  const auto moving = [&](const Piece& piece, std::size_t row, const Vec3& position, std::uint32_t code) {
+    const ConvexShape* convex = piece.of->mesh ? nullptr : &piece.of->parts[piece.index].shape;
+    const Vec3 fall = bodies.is_free(row) ? Vec3(dt * dt * bodies.weight_in_fluid[row] * p.call.world.gravity)
+                                          : Vec3(Vec3::Zero());
+    Pose after{position + dt * bodies.velocity[row],
+               (cayley(dt * bodies.angular_velocity[row]) * bodies.orientation[row]).normalized()};
+    MovingPart part{convex, piece.of->mesh.get(), code, piece.pose, piece.of->pose_of(piece.index, after), {},
+                    fall};
+    after.position += fall;
+    part.fallen = piece.of->pose_of(piece.index, after);
+    return part;
+  };
+  const std::uint32_t code_b = feature_of(point.feature), code_a = b.of->mesh ? point.feature >> 32 : code_b;
+  return passing(moving(a, p.row_a, Vec3::Zero(), code_a), moving(b, p.row_b, p.from_a_to_b, code_b),
+                 point.on_a, reach);
+}
+
+/// From a to b: small numbers, and the same ones on every rank. A hollow that is alike all along its axis
+/// is taken where a is abreast of it.
+Vec3 DetectContacts::displacement_to(const Call& call, const CandidatePair& p) const {
   const BodySet& bodies = call.bodies;
-  const auto fall = [&](std::size_t row) -> Vec3 {
-    return bodies.is_free(row) ? Vec3(call.dt * call.dt * bodies.weight_in_fluid[row] * call.world.gravity)
-                               : Vec3(Vec3::Zero());
-  };
-  const auto moving = [&](const Piece& piece, std::size_t row, const Vec3& position, const Vec3& fallen) {
-    const ConvexShape* convex = piece.of.mesh ? nullptr : &piece.of.parts[piece.index].shape;
-    const Pose after{position + call.dt * bodies.velocity[row] + fallen,
-                     (cayley(call.dt * bodies.angular_velocity[row]) * bodies.orientation[row]).normalized()};
-    return MovingPart{convex, piece.of.mesh.get(), piece.pose, piece.of.pose_of(piece.index, after)};
-  };
-  const std::uint32_t code_b = feature_of(point.feature), code_a = b.of.mesh ? point.feature >> 32 : code_b;
-  const auto look = [&](const Vec3& fall_a, const Vec3& fall_b) {
-    return passing(moving(a, p.row_a, Vec3::Zero(), fall_a), code_a, moving(b, p.row_b, from_a_to_b, fall_b),
-                   code_b, point.on_a, reach);
-  };
-  const auto found = look(Vec3::Zero(), Vec3::Zero());
-  if (!found) return {};
-  const Vec3 fall_a = fall(p.row_a), fall_b = fall(p.row_b);
-  if (found->least + found->normal.dot(fall_b - fall_a) >= 0) return found;
-  const auto falling = look(fall_a, fall_b);
-  return falling ? falling : found;
-}
-
-void DetectContacts::count_lubrication(const LubricationLaw& law, std::span<const Contact> contacts) {
-  for (const Contact& c : contacts)
-    if (c.gap < law.reach()) ++(c.lubrication ? lubrication_counts_.with : lubrication_counts_.without);
-}
-
-/// From a to b: small numbers, and the same ones on every rank. A hollow that is alike all along its axis is
-/// taken where a is abreast of it.
-Vec3 DetectContacts::displacement_to(const BodySet& bodies, const Extent& extent,
-                                     const CandidatePair& p) const {
-  const Vec3 displacement = bodies.position[p.row_b] + extent.shift(p.image) - bodies.position[p.row_a];
+  const Vec3 displacement =
+      bodies.position[p.row_b] + call.exchange.extent().shift(p.image) - bodies.position[p.row_a];
   const auto& hollow = shapes_[bodies.shape[p.row_b]].hollow;
   if (!hollow || !hollow->slides()) return displacement;
   const Vec3 axis = bodies.orientation[p.row_b] * Vec3::UnitZ();
@@ -388,22 +363,18 @@ void DetectContacts::add_mesh_walls(const Call& call) {
   for (std::size_t wall = bodies.first_wall(); wall < bodies.size(); ++wall) {
     const auto& mesh = shapes_[bodies.shape[wall]].mesh;
     if (!mesh) continue;
-    const BoundingBox box =
-        Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // of a hollow one too
-    for (const Image image : images(extent))
+    const BoundingBox box = Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // if hollow, too
+    for (const Image image : images_of(extent))
       for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
         if (!bodies.is_dynamic(row) || !(bodies.is_active(row) || bodies.is_active(wall))) continue;
         const CandidatePair p{row, wall, image};
         const Vec3 shift = extent.shift(image), x = bodies.position[row] - shift;
-        const double reach = reach_[row].radius + pair_margin(call.world, bodies, p, shift, call.dt);
+        const double reach = reach_[row].radius + pair_margin(call, p, shift);
         const double beyond = (box.lower - x).cwiseMax(x - box.upper).maxCoeff();
         if (beyond <= reach) pairs_.push_back(p);
       }
   }
-  const auto before = [&](const CandidatePair& p, const CandidatePair& q) {
-    return std::tuple(bodies.id[p.row_a], bodies.id[p.row_b], p.image) <
-           std::tuple(bodies.id[q.row_a], bodies.id[q.row_b], q.image);
-  };
+  const auto before = pair_order([&](std::size_t row) { return bodies.id[row]; });
   std::sort(pairs_.begin() + first, pairs_.end(), before);
   std::inplace_merge(pairs_.begin(), pairs_.begin() + first, pairs_.end(), before);
 }
@@ -411,18 +382,17 @@ void DetectContacts::add_mesh_walls(const Call& call) {
 std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies,
                                        const BodyExchange& exchange, CollisionBackend& backend, double dt,
                                        std::vector<Contact>& contacts) {
-  contacts.clear();
-  lubrication_counts_ = {};
+  contacts.clear(), lubrication_counts_ = {};
   learn_shapes(world);
   set_reach(world, bodies, dt);
   const Call call{world, bodies, exchange, backend, dt};
   (*broad_phase_)(bodies, exchange.extent(), reach_, walls_, pairs_);
   if (with_meshes_) add_mesh_walls(call);
   for (const CandidatePair& p : pairs_) {
-    const double margin = pair_margin(world, bodies, p, exchange.extent().shift(p.image), dt);
-    const Vec3 from_a_to_b = displacement_to(bodies, exchange.extent(), p);
-    if (!is_wall(bodies.id[p.row_b]) && bodies_apart(bodies, p, from_a_to_b, margin)) continue;
-    collide_pair(call, p, from_a_to_b, margin, contacts);
+    const Pair pair{p, call, displacement_to(call, p),
+                    pair_margin(call, p, exchange.extent().shift(p.image))};
+    if (!is_wall(bodies.id[p.row_b]) && bodies_apart(pair)) continue;
+    collide_pair(pair, contacts);
   }
   return pairs_.size();
 }

@@ -46,33 +46,32 @@ class DetectContacts {
     CollisionBackend& backend;
     double dt;
   };
+  struct Pair : CandidatePair {
+    const Call& call;
+    Vec3 from_a_to_b;
+    double margin;
+  };
   struct Piece {  // a part of a body, or a mesh or hollow
-    const ShapeParts& of;
+    const ShapeParts* of;
     std::size_t index;
-    const Pose& pose;  // in the frame of the query
+    Pose pose;  // in the frame of the query
   };
   void learn_shapes(const World&);
   void set_reach(const World&, const BodySet&, double dt);
-  double pair_margin(const World&, const BodySet&, const CandidatePair&, const Vec3& shift, double dt) const;
-  Vec3 point_near_both(const BodySet&, const CandidatePair&, const ContactPoint&) const;
   void add_mesh_walls(const Call&);
-  bool bodies_apart(const BodySet&, const CandidatePair&, const Vec3& from_a_to_b, double margin) const;
-  Vec3 displacement_to(const BodySet&, const Extent&, const CandidatePair&) const;
-  void collide_pieces(const Piece& a, const Piece& b, double margin, CollisionBackend&);
-  void collide_meshes(const Piece& a, const Piece& b, double margin, CollisionBackend&);
-  void collide_pair(const Call&, const CandidatePair&, const Vec3& from_a_to_b, double margin,
-                    std::vector<Contact>& contacts);
+  Vec3 displacement_to(const Call&, const CandidatePair&) const;
+  double pair_margin(const Call&, const CandidatePair&, const Vec3& shift) const;
+  bool bodies_apart(const Pair&) const;
+  void collide_pair(const Pair&, std::vector<Contact>& contacts);
+  static bool pieces_apart(const Piece& a, const Piece& b, double margin);
+  void collide_pieces(const Pair&, const Piece& a, const Piece& b);
+  Vec3 point_near_both(const Pair&, const ContactPoint&) const;
   static bool may_lubricate(const ShapeParts& a, const ShapeParts& b);
   bool has_lubrication(const ContactPoint&, bool with_mesh) const;
-  void put_lubrication(const Call&, const CandidatePair&, const Piece& a, const Piece& b, const ContactPoint&,
-                       Contact&) const;
-  void let_pass(const Call&, const CandidatePair&, const Piece& a, const Piece& b, const Vec3& from_a_to_b,
-                std::span<Contact> of_pieces) const;
-  std::optional<Passing> find_passing(const Call&, const CandidatePair&, const Piece& a, const Piece& b,
-                                      const Vec3& from_a_to_b, const ContactPoint&, double reach) const;
-  void count_lubrication(const LubricationLaw&, std::span<const Contact>);
-  bool parts_apart(const ShapeParts& a, std::size_t i, const Pose& pose_a, const ShapeParts& b, std::size_t j,
-                   const Pose& pose_b, double margin) const;
+  void put_lubrication(const Pair&, const Piece& a, const Piece& b, const ContactPoint&, Contact&) const;
+  void let_pass(const Pair&, const Piece& a, const Piece& b, std::span<Contact> of_pieces) const;
+  std::optional<Passing> find_passing(const Pair&, const Piece& a, const Piece& b, const ContactPoint&,
+                                      double reach) const;
 
   std::vector<ShapeParts> shapes_;
   bool with_meshes_ = false;
@@ -82,6 +81,7 @@ class DetectContacts {
   std::vector<double> turn_;        // how far rotation moves a body's surface in the step
   std::vector<WallSurface> walls_;
   std::vector<CandidatePair> pairs_;
+  std::vector<Piece> pieces_of_b_;  // of the pair at work
   std::vector<ContactPoint> points_;
   LubricationCounts lubrication_counts_;
 };

@@ -7,10 +7,10 @@
 // The slack of a body is what it is expected to move in the calls that the list is to serve: fast bodies have
 // more than slow ones. Only motion apart from that which all have in common counts, so that a bed that falls
 // keeps its list. Towards walls all of it does: a body that has moved further than there was room to the next
-// one is looked at with the walls again, by itself (kept_walls.cpp).
+// one is looked at with the walls again, by itself.
 //
 // Of many ranks each has bodies that come and go. Those that have gone are passed over; the few that come are
-// looked at with all the others, and what they may meet is added (kept_newcomers.cpp).
+// looked at with all the others, and what they may meet is added.
 #include <limits>
 #include <vector>
 
@@ -55,6 +55,18 @@ class KeptPairs {
   struct NearWall {
     std::uint32_t seen, wall;  // in seen_; in the span of walls
   };
+  struct Rows {
+    std::vector<std::uint32_t> of_seen;    // now; none: it is gone
+    std::vector<std::uint32_t> seen;       // of each, the index in seen_; none: it has just come
+    std::vector<BodyId> ids;               // of each
+    std::vector<std::uint32_t> newcomers;  // which have just come
+  };
+  struct Plan {
+    std::vector<Slack> slack;  // one a row
+    Slack typical{};           // of all
+    bool has_slack = false;
+    double largest = 0;  // reach and slack of a body
+  };
   bool same_extent_and_walls(const Surroundings&, std::span<const WallSurface>) const;
   bool same_rows(const Surroundings&) const;
   void find_rows(const Surroundings&);
@@ -65,28 +77,18 @@ class KeptPairs {
   Slack motion_of(const Surroundings&, std::size_t n, const Vec3& common) const;
   std::int32_t image_change(const BodySet&, const CandidatePair& kept, int axis) const;
   bool image_now(const BodySet&, const CandidatePair& kept, Image&) const;
-
-  // ---- kept_walls.cpp ----
   void look_at_walls(const Surroundings&, std::span<const WallSurface>);
   template <class List>
   void look_at_walls(const Surroundings&, std::span<const WallSurface>, std::uint32_t n, List&&);
-
-  // ---- kept_newcomers.cpp ----
   bool take_in(const Surroundings&, const Vec3& common);
   void pair_with_all(const Surroundings&, std::size_t n, const Vec3& common);
   bool one_image_is_in_reach() const;
 
-  std::vector<Seen> seen_;                  // those that came later at the end
-  std::vector<std::uint32_t> row_of_seen_;  // now; none: it is gone
-  std::vector<std::uint32_t> seen_of_row_;  // index in seen_; none: it has just come
-  std::vector<BodyId> ids_;                 // of the rows
-  std::vector<std::uint32_t> newcomers_;    // rows
+  std::vector<Seen> seen_;  // those that came later at the end
+  Rows rows_;
   std::vector<WallSurface> walls_;
   Extent extent_;
-  std::vector<Slack> planned_;  // one a row
-  Slack typical_{};             // of all
-  bool has_slack_ = false;
-  double largest_ = 0;  // reach and slack of a body
+  Plan plan_;
   // since then
   int calls_ = 0;
   bool known_ = false;                     // the same walls, and bodies that are what they were

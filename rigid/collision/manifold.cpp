@@ -127,14 +127,15 @@ void capsule_on_box(const ConvexCore& capsule, const ConvexCore& box, const Vec3
                     std::vector<ContactPoint>& points) {
   const BoxFace face = face_towards(box, -m);
   const FacePrism prism = prism_over(face, m);
-  const ClippedSegment over = clip_segment(prism, capsule, slack);
-  for (int e = 0; e < 2 && !over.empty; ++e) {
-    const Feature of_capsule{{0, 0, over.sign[e]}},
-        of_box = feature_under(face, prism, over.end[e], 10 * slack);
-    const double t = (over.end[e] - capsule.centre).dot(capsule.axes.col(2));
+  const auto over = clip_segment(prism, capsule.vertex(Vec3(0, 0, -1)), capsule.vertex(Vec3(0, 0, 1)), slack);
+  for (int e = 0; e < 2 && over; ++e) {
+    const Vec3& end = over->end[e];
+    const Feature of_capsule{{0, 0, std::int8_t(over->is_cut[e] ? 0 : 2 * e - 1)}},
+        of_box = feature_under(face, prism, end, 10 * slack);
+    const double t = (end - capsule.centre).dot(capsule.axes.col(2));
     const auto offset = to_surface(capsule, {t, of_capsule}, m);
     if (!offset) continue;
-    const Vec3 surface = over.end[e] + *offset * m;
+    const Vec3 surface = end + *offset * m;
     const double gap = face.height(surface, m);
     if (!swap)
       add_unique(points, contact(surface, m, gap, of_capsule, of_box));
@@ -147,9 +148,11 @@ void box_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double 
                 std::vector<ContactPoint>& points) {
   const BoxFace face_a = face_towards(a, n), face_b = face_towards(b, -n);
   const FacePrism over_a = prism_over(face_a, n), over_b = prism_over(face_b, n);
-  const Polygon patch = clip_face(over_a, face_b, slack);
-  for (int c = 0; c < patch.size; ++c) {
-    const Vec3& x = patch.corner[c];
+  BoxPolygon patch;
+  for (const Vec3& x : face_b.corner) patch.push_back(x);
+  clip(over_a, slack, patch);
+  for (std::size_t c = 0; c < patch.size(); ++c) {
+    const Vec3& x = patch[c];
     const double gap = -face_a.height(x, n);
     // by where it is, not by what the clipping passed through: where a vertex meets an edge that is up to
     // rounding

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigid/collision/ball_on_mesh.hpp"
-#include "rigid/collision/curved_on_mesh.hpp"
 #include "rigid/collision/manifold.hpp"
-#include "rigid/collision/mesh_on_mesh.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
@@ -61,23 +58,14 @@ void finish(std::vector<ContactPoint>& points, const Pose& frame, std::vector<Co
   }
 }
 
-std::vector<ContactPoint>& with_features(const std::vector<MeshContact>& contacts) {
-  thread_local std::vector<ContactPoint> points;
-  points.clear();
-  for (const MeshContact& c : contacts) {
-    points.push_back(c.point);
-    points.back().feature = std::uint64_t{c.code_a} << 32 | c.code_b;
-  }
-  return points;
-}
-
 /// A body with its centre in the solid.
 void append_deep(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
-                 std::vector<MeshContact>& out) {
+                 std::vector<ContactPoint>& out) {
   const TriangleMesh::Nearest nearest = mesh.surface().nearest(pose.position);
   const Vec3 up = nearest.point - pose.position;
   const Vec3 outward = nearest.distance > 0 ? Vec3(up / nearest.distance) : mesh.normal(nearest.triangle);
-  append_on_plane(body, pose, nearest.point, outward, mesh.code_of_facet(nearest.triangle), tolerance, out);
+  append_on_plane(convex_core(body, pose), nearest.point, outward, mesh.code_of_facet(nearest.triangle),
+                  tolerance, out);
 }
 
 Vec3 middle_of(const BoxTree::Node& node) {
@@ -106,58 +94,55 @@ void for_corners(const MeshFeatures& mesh, const Bound& gap_of_box, double toler
 
 }  // namespace
 
-void append_mesh_contacts(const ConvexPart& part, const Pose& pose_of_part, const MeshFeatures& mesh,
-                          const Pose& pose_of_mesh, double tolerance, CollisionBackend& backend,
+void append_mesh_contacts(const ConvexAt& part, const MeshAt& at, double tolerance, CollisionBackend& backend,
                           std::vector<ContactPoint>& out) {
-  const Pose pose = pose_of_part.seen_from(pose_of_mesh);
+  const MeshFeatures& mesh = at.mesh;
+  const Pose pose = part.pose.seen_from(at.pose);
   BoundingBox box = std::visit([&](const auto& s) { return s.bounding_box(pose); }, part.shape);
   const double reach = std::max(tolerance, deep_behind_faces(part.shape));
   box.lower.array() -= reach;
   box.upper.array() += reach;
   thread_local std::vector<std::uint32_t> near;
+  thread_local std::vector<ContactPoint> points;
   near.clear();
+  points.clear();
   backend.triangles_near(mesh.mesh().surface, box, near);
   if (near.empty()) return;
   std::sort(near.begin(), near.end());
-  if (const auto* ball = std::get_if<Sphere>(&part.shape)) {
-    thread_local std::vector<ContactPoint> points;
-    points.clear();
+  const auto* const ball = std::get_if<Sphere>(&part.shape);
+  if (ball) {
     append_ball_contacts(pose.position, ball->radius, mesh, near, tolerance, points);
-    return finish(points, pose_of_mesh, out);
-  }
-  thread_local std::vector<MeshContact> contacts;
-  contacts.clear();
-  if (mesh.mesh().contains(pose.position)) {
-    append_deep(part.shape, pose, mesh, tolerance, contacts);
+  } else if (mesh.mesh().contains(pose.position)) {
+    append_deep(part.shape, pose, mesh, tolerance, points);
   } else if (part.surface) {
     thread_local std::vector<TrianglePair> pairs;
     pairs.clear();
     backend.triangle_pairs_near(part.surface->mesh().surface, pose, mesh.mesh().surface, Pose{},
                                 std::max(tolerance, deepest(*part.surface, mesh)), pairs);
-    append_mesh_on_mesh(*part.surface, pose, mesh, pairs, tolerance, contacts);
+    append_mesh_on_mesh(*part.surface, pose, mesh, pairs, tolerance, points);
   } else {
-    append_curved_on_mesh(part.shape, pose, mesh, near, tolerance, contacts);
+    append_curved_on_mesh(part.shape, pose, mesh, near, tolerance, points);
   }
-  if (contacts.empty()) append_overlap(part.shape, pose, mesh, near, contacts);
-  finish(with_features(contacts), pose_of_mesh, out);
+  if (points.empty() && !ball) append_overlap(part.shape, pose, mesh, near, points);
+  finish(points, at.pose, out);
 }
 
-void append_mesh_contacts(const MeshFeatures& a, const Pose& pose_a, const MeshFeatures& b,
-                          const Pose& pose_b, double tolerance, CollisionBackend& backend,
+void append_mesh_contacts(const MeshAt& a, const MeshAt& b, double tolerance, CollisionBackend& backend,
                           std::vector<ContactPoint>& out) {
   thread_local std::vector<TrianglePair> pairs;
-  thread_local std::vector<MeshContact> contacts;
+  thread_local std::vector<ContactPoint> points;
   pairs.clear();
-  contacts.clear();
-  const Pose pose = pose_a.seen_from(pose_b);
-  backend.triangle_pairs_near(a.mesh().surface, pose, b.mesh().surface, Pose{},
-                              std::max(tolerance, deepest(a, b)), pairs);
-  append_mesh_on_mesh(a, pose, b, pairs, tolerance, contacts);
-  finish(with_features(contacts), pose_b, out);
+  points.clear();
+  const Pose pose = a.pose.seen_from(b.pose);
+  backend.triangle_pairs_near(a.mesh.mesh().surface, pose, b.mesh.mesh().surface, Pose{},
+                              std::max(tolerance, deepest(a.mesh, b.mesh)), pairs);
+  append_mesh_on_mesh(a.mesh, pose, b.mesh, pairs, tolerance, points);
+  finish(points, b.pose, out);
 }
 
-void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const HalfSpace& wall,
-                          const Pose& pose_of_plane, double tolerance, std::vector<ContactPoint>& out) {
+void append_mesh_contacts(const MeshAt& at, const HalfSpace& wall, const Pose& pose_of_plane,
+                          double tolerance, std::vector<ContactPoint>& out) {
+  const auto& [mesh, pose] = at;
   const Pose seen = pose_of_plane.seen_from(pose);
   const Vec3 outward = seen.orientation * wall.normal;
   const auto gap_of = [&](const Vec3& x) { return outward.dot(x - seen.position); };
@@ -174,8 +159,9 @@ void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const Half
   finish(points, pose, out);
 }
 
-void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const HollowShape& wall,
-                          const Pose& pose_of_wall, double tolerance, std::vector<ContactPoint>& out) {
+void append_mesh_contacts(const MeshAt& at, const HollowShape& wall, const Pose& pose_of_wall,
+                          double tolerance, std::vector<ContactPoint>& out) {
+  const auto& [mesh, pose] = at;
   const Pose seen = pose_of_wall.seen_from(pose);
   thread_local std::vector<ContactPoint> points;
   points.clear();
@@ -194,13 +180,6 @@ void append_mesh_contacts(const MeshFeatures& mesh, const Pose& pose, const Holl
       },
       wall);
   finish(points, pose, out);
-}
-
-void exchange_sides(std::vector<ContactPoint>& points) {
-  for (ContactPoint& p : points) {
-    std::swap(p.on_a, p.on_b);
-    p.normal = -p.normal;
-  }
 }
 
 }  // namespace silt::rigid

@@ -1,4 +1,4 @@
-#include "rigid/collision/mesh_on_mesh.hpp"
+#include "rigid/collision/mesh_contacts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -78,10 +78,18 @@ class CornersOn {
     }
   }
 
-  const std::vector<BesideFace>& beside() const { return beside_; }
-  /// Calls use(OnFace) for those over faces that touch.
-  template <class Use>
-  void for_contacts(Use&& use) {
+  /// Appends the contacts of those beside edges and corners, and of those over faces that touch; the corners
+  /// are of the second body if `exchanged`.
+  void append(bool exchanged, std::vector<ContactPoint>& out) {
+    const auto add = [&](const Vec3& x, const Vec3& normal, double gap, std::uint32_t v, std::uint32_t code) {
+      const std::uint32_t own = of_.mesh.code_of_corner(v);
+      const Vec3 other = x + gap * normal;
+      if (exchanged)
+        out.push_back({other, x, -normal, gap, mesh_feature(code, own)});
+      else
+        out.push_back({x, other, normal, gap, mesh_feature(own, code)});
+    };
+    for (const BesideFace& p : beside_) add(p.x, -p.towards, p.distance, p.vertex, p.code);
     std::sort(found_.begin(), found_.end(),
               [](const OnFace& p, const OnFace& q) { return p.key() < q.key(); });
     std::vector<const OnFace*> nearer;  // of one corner
@@ -89,7 +97,7 @@ class CornersOn {
       if (!nearer.empty() && nearer[0]->vertex != p.vertex) nearer.clear();
       if (p.height < 0 && !is_way_out(p, nearer)) continue;
       nearer.push_back(&p);
-      use(p);
+      add(p.x, -on_.normal(p.triangle), p.height, p.vertex, on_.mesh.code_of_facet(p.triangle));
     }
   }
 
@@ -188,7 +196,7 @@ double length_behind(const EdgeSegment& s, const PlacedFeatures& placed, std::ui
 
 /// Two edges that cross.
 void cross_edges(const PlacedFeatures& a, std::uint32_t edge_a, const PlacedFeatures& b, std::uint32_t edge_b,
-                 double tolerance, std::vector<MeshContact>& out) {
+                 double tolerance, std::vector<ContactPoint>& out) {
   constexpr double parallel = 1e-3;  // sine
   const EdgeSegment s = segment_of(a, edge_a), r = segment_of(b, edge_b);
   const Vec3 cross = s.d.cross(r.d), between = r.x - s.x;
@@ -205,9 +213,8 @@ void cross_edges(const PlacedFeatures& a, std::uint32_t edge_a, const PlacedFeat
   const double gap = out_of_b.dot(on_a - r.at(u));
   if (gap > tolerance || gap < -deepest(a.mesh, b.mesh)) return;
   if (gap < 0 && std::min(length_behind(s, b, edge_b), length_behind(r, a, edge_a)) < -gap) return;
-  out.push_back({{on_a, on_a - gap * out_of_b, -out_of_b, gap, 0},
-                 a.mesh.code_of_edge(edge_a),
-                 b.mesh.code_of_edge(edge_b)});
+  out.push_back({on_a, on_a - gap * out_of_b, -out_of_b, gap,
+                 mesh_feature(a.mesh.code_of_edge(edge_a), b.mesh.code_of_edge(edge_b))});
 }
 
 /// Each edge is looked at with the first of its triangles, which is near where the edge is.
@@ -231,7 +238,7 @@ double deepest(const MeshFeatures& a, const MeshFeatures& b) {
 
 void append_mesh_on_mesh(const MeshFeatures& mesh_a, const Pose& pose, const MeshFeatures& mesh_b,
                          std::span<const TrianglePair> near, double tolerance,
-                         std::vector<MeshContact>& out) {
+                         std::vector<ContactPoint>& out) {
   const PlacedFeatures a{mesh_a, pose.position, pose.orientation.toRotationMatrix()},
       b{mesh_b, Vec3::Zero(), Mat3::Identity()};
   const auto size = [](const MeshFeatures& mesh) {
@@ -246,26 +253,8 @@ void append_mesh_on_mesh(const MeshFeatures& mesh_a, const Pose& pose, const Mes
       for_own_edges(mesh_b, r, [&](std::uint32_t f) { cross_edges(a, e, b, f, tolerance, out); });
     });
   }
-  for (const BesideFace& p : of_a.beside())
-    out.push_back({{p.x, p.x - p.distance * p.towards, -p.towards, p.distance, 0},
-                   mesh_a.code_of_corner(p.vertex),
-                   p.code});
-  for (const BesideFace& p : of_b.beside())
-    out.push_back({{p.x - p.distance * p.towards, p.x, p.towards, p.distance, 0},
-                   p.code,
-                   mesh_b.code_of_corner(p.vertex)});
-  of_a.for_contacts([&](const OnFace& p) {
-    const Vec3 n = -b.normal(p.triangle);
-    out.push_back({{p.x, p.x + p.height * n, n, p.height, 0},
-                   mesh_a.code_of_corner(p.vertex),
-                   mesh_b.code_of_facet(p.triangle)});
-  });
-  of_b.for_contacts([&](const OnFace& p) {
-    const Vec3 n = a.normal(p.triangle);
-    out.push_back({{p.x - p.height * n, p.x, n, p.height, 0},
-                   mesh_a.code_of_facet(p.triangle),
-                   mesh_b.code_of_corner(p.vertex)});
-  });
+  of_a.append(false, out);
+  of_b.append(true, out);
 }
 
 }  // namespace silt::rigid

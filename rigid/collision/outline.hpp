@@ -1,6 +1,8 @@
 #pragma once
 // The side of a box that faces a direction, and what of another shape lies over it.
+#include <algorithm>
 #include <array>
+#include <optional>
 
 #include "rigid/collision/convex_core.hpp"
 
@@ -24,7 +26,8 @@ struct FacePrism {
   std::array<Vec3, 4> outward;  // unit
   std::array<double, 4> bound;
 
-  double beyond(int k, const Vec3& x) const { return outward[k].dot(x) - bound[k]; }
+  std::size_t size() const { return 4; }
+  double beyond(std::size_t k, const Vec3& x) const { return outward[k].dot(x) - bound[k]; }
 };
 FacePrism prism_over(const BoxFace&, const Vec3& n);
 
@@ -32,24 +35,59 @@ FacePrism prism_over(const BoxFace&, const Vec3& n);
 /// units).
 Feature feature_under(const BoxFace&, const FacePrism&, const Vec3& x, double slack);
 
-/// Corners of a clipped face: four, and one more for each edge it is cut by.
-struct Polygon {
-  std::array<Vec3, 8> corner;
-  int size = 0;
+/// Where the line from x to y, at distances d_x and d_y from a plane, crosses it.
+inline Vec3 crossing(const Vec3& x, const Vec3& y, double d_x, double d_y) {
+  return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
+}
 
-  void add(const Vec3& x) { corner[size++] = x; }
+/// Corners of a clipped face of a box: four, and one more for each edge it is cut by.
+class BoxPolygon {
+ public:
+  std::size_t size() const { return size_; }
+  const Vec3& operator[](std::size_t k) const { return corner_[k]; }
+  void push_back(const Vec3& x) { corner_[size_++] = x; }
+  void clear() { size_ = 0; }
+
+ private:
+  std::array<Vec3, 8> corner_;
+  std::size_t size_ = 0;
 };
-/// The part of `face` within the prism (Sutherland, Hodgman, CACM 17 (1974) 32); points within `slack`
-/// (lattice units) outside count as inside.
-Polygon clip_face(const FacePrism&, const BoxFace& face, double slack);
 
-/// The two ends of a segment, each with the sign of the capsule's end it is, 0 where it was cut.
+/// Leaves of a polygon the part within a prism (Sutherland, Hodgman, CACM 17 (1974) 32); points within
+/// `slack` (lattice units) outside count as inside.
+template <class AnyPrism, class Polygon>
+void clip(const AnyPrism& prism, double slack, Polygon& polygon) {
+  Polygon kept;
+  for (std::size_t k = 0; k < prism.size() && polygon.size() > 0; ++k) {
+    kept.clear();
+    for (std::size_t c = 0; c < polygon.size(); ++c) {
+      const Vec3 &x = polygon[c], &y = polygon[c + 1 < polygon.size() ? c + 1 : 0];
+      const double d_x = prism.beyond(k, x), d_y = prism.beyond(k, y);
+      if (d_x <= slack) kept.push_back(x);
+      // a corner on the plane, within slack, is where the outline crosses it
+      if ((d_x < -slack && d_y > slack) || (d_x > slack && d_y < -slack))
+        kept.push_back(crossing(x, y, d_x, d_y));
+    }
+    std::swap(polygon, kept);
+  }
+}
+
+/// The part of a segment within a prism, and which of its ends were cut; nothing where it is outside.
 struct ClippedSegment {
   std::array<Vec3, 2> end;
-  std::array<std::int8_t, 2> sign;
-  bool empty;
+  std::array<bool, 2> is_cut{};
 };
-/// The part of the capsule's segment within the prism.
-ClippedSegment clip_segment(const FacePrism&, const ConvexCore& capsule, double slack);
+template <class AnyPrism>
+std::optional<ClippedSegment> clip_segment(const AnyPrism& prism, const Vec3& from, const Vec3& to,
+                                           double slack) {
+  ClippedSegment s{{from, to}};
+  for (std::size_t k = 0; k < prism.size(); ++k) {
+    const std::array<double, 2> d{prism.beyond(k, s.end[0]), prism.beyond(k, s.end[1])};
+    if (d[0] > slack && d[1] > slack) return {};
+    for (int e = 0; e < 2; ++e)
+      if (d[e] > slack) s.end[e] = crossing(s.end[e], s.end[1 - e], d[e], d[1 - e]), s.is_cut[e] = true;
+  }
+  return s;
+}
 
 }  // namespace silt::rigid

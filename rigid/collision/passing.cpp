@@ -123,33 +123,40 @@ std::vector<Polyhedron> solids_at(const MeshFeatures& mesh, std::uint32_t code, 
   return solids;
 }
 
-/// Calls use(convex shape, pose before, pose after) for what of a part a contact lies on.
+/// Calls use(convex shape) for what of a part a contact lies on.
 template <class Use>
-void for_convex(const MovingPart& part, std::uint32_t code, const Vec3& near, double reach, Use&& use) {
-  if (part.convex) return use(*part.convex, part.before, part.after);
-  for (const Polyhedron& solid : solids_at(*part.mesh, code, part.before.to_body(near), reach))
-    use(solid, part.before, part.after);
+void for_convex(const MovingPart& part, const Vec3& near, double reach, Use&& use) {
+  if (part.convex) return use(*part.convex);
+  for (const Polyhedron& solid : solids_at(*part.mesh, part.code, part.before.to_body(near), reach))
+    use(solid);
+}
+
+/// As passing(), with one pose of each after the step.
+std::optional<Passing> passing_to(const MovingPart& a, const MovingPart& b, Pose MovingPart::*after,
+                                  const Vec3& near, double reach) {
+  std::optional<Passing> closest;
+  bool meets = false;
+  for_convex(a, near, reach, [&](const ConvexShape& of_a) {
+    for_convex(b, near, reach, [&](const ConvexShape& of_b) {
+      if (meets) return;
+      const auto found =
+          convex_passing(of_a, a.before.seen_from(b.before), (a.*after).seen_from(b.*after), of_b, b.before);
+      if (!found)
+        meets = true;
+      else if (!closest || found->least < closest->least)
+        closest = found;
+    });
+  });
+  return meets ? std::nullopt : closest;
 }
 
 }  // namespace
 
-std::optional<Passing> passing(const MovingPart& a, std::uint32_t code_a, const MovingPart& b,
-                               std::uint32_t code_b, const Vec3& near, double reach) {
-  std::optional<Passing> closest;
-  bool meets = false;
-  for_convex(a, code_a, near, reach, [&](const ConvexShape& of_a, const Pose& before_a, const Pose& after_a) {
-    for_convex(
-        b, code_b, near, reach, [&](const ConvexShape& of_b, const Pose& before_b, const Pose& after_b) {
-          if (meets) return;
-          const auto found =
-              convex_passing(of_a, before_a.seen_from(before_b), after_a.seen_from(after_b), of_b, before_b);
-          if (!found)
-            meets = true;
-          else if (!closest || found->least < closest->least)
-            closest = found;
-        });
-  });
-  return meets ? std::nullopt : closest;
+std::optional<Passing> passing(const MovingPart& a, const MovingPart& b, const Vec3& near, double reach) {
+  const auto found = passing_to(a, b, &MovingPart::after, near, reach);
+  if (!found || found->least + found->normal.dot(b.fall - a.fall) >= 0) return found;
+  const auto falling = passing_to(a, b, &MovingPart::fallen, near, reach);
+  return falling ? falling : found;
 }
 
 }  // namespace silt::rigid

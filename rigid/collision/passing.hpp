@@ -11,8 +11,10 @@ namespace silt::rigid {
 /// without contacts takes it. All poses of a pair are in one frame, lattice units.
 struct MovingPart {
   const ConvexShape* convex;
-  const MeshFeatures* mesh;  // where it is no convex part
-  Pose before, after;
+  const MeshFeatures* mesh;    // where it is no convex part
+  std::uint32_t code;          // of a mesh: what the contact lies on
+  Pose before, after, fallen;  // fallen: after, with the kick of gravity
+  Vec3 fall;                   // by that kick
 };
 
 /// A plane that a stays on one side of and b on the other.
@@ -28,11 +30,13 @@ struct Passing {
 /// theta bulges out of this hull by 1 - cos theta/2 of its arm). Parts that touch, up to 1e-7 of their size,
 /// do not meet.
 ///
+/// That is by the motion before the kick, which bodies at rest on others have, and by that with the kick if
+/// they pass each other then as well, as bodies do that fall.
+///
 /// Of a mesh only what a contact lies on is looked at: the facets at the corner or edge of that code, or the
 /// facet, and those that go on from them at a small angle, no further than `reach` (lattice units) from the
 /// point `near` before the step.
-std::optional<Passing> passing(const MovingPart& a, std::uint32_t code_a, const MovingPart& b,
-                               std::uint32_t code_b, const Vec3& near, double reach);
+std::optional<Passing> passing(const MovingPart& a, const MovingPart& b, const Vec3& near, double reach);
 
 /// Part of a pair's size: a contact that is closed by less is not looked at.
 inline constexpr double passing_slack = 1e-9;

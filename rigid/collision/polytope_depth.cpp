@@ -127,7 +127,10 @@ class FacesOfDifference {
 }  // namespace
 
 bool has_few_edges(const ConvexCore& a, const ConvexCore& b) {
-  return a.is_solid_polytope() && b.is_solid_polytope() && edges_of(a) * edges_of(b) <= most_edge_pairs;
+  const auto has_mesh = [](const ConvexCore& core) {
+    return core.is_solid_polytope() && (core.is_box || core.is<Polyhedron>());
+  };
+  return has_mesh(a) && has_mesh(b) && edges_of(a) * edges_of(b) <= most_edge_pairs;
 }
 
 Peak least_depth(const ConvexCore& a, const ConvexCore& b) {

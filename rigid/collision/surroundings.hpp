@@ -3,6 +3,8 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <tuple>
+#include <vector>
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -19,6 +21,26 @@ struct CandidatePair {
 inline Image opposite(Image image) {
   return {static_cast<std::int8_t>(-image.x), static_cast<std::int8_t>(-image.y),
           static_cast<std::int8_t>(-image.z)};
+}
+
+/// Returns the order of pairs by the lower id, the higher one and the image; id_of(row) tells an id.
+template <class IdOf>
+auto pair_order(IdOf id_of) {
+  return [id_of](const CandidatePair& p, const CandidatePair& q) {
+    return std::tuple(id_of(p.row_a), id_of(p.row_b), p.image) <
+           std::tuple(id_of(q.row_a), id_of(q.row_b), q.image);
+  };
+}
+
+/// Returns all images that a body may meet another through, in their order: none but itself along axes that
+/// are not periodic.
+inline std::vector<Image> images_of(const Extent& extent) {
+  std::vector<Image> all;
+  const auto last = [&](int d) -> std::int8_t { return extent.periodic[d] ? 1 : 0; };
+  for (std::int8_t x = -last(0); x <= last(0); ++x)
+    for (std::int8_t y = -last(1); y <= last(1); ++y)
+      for (std::int8_t z = -last(2); z <= last(2); ++z) all.push_back({x, y, z});
+  return all;
 }
 
 /// Reach says how far a body's surface may travel, and from where.

@@ -161,7 +161,7 @@ TEST_P(MeshPairs, TwoMeshesMeetAsTwoBoxes) {
       return features_of(tessellated_cuboid(std::get<rigid::Box>(s).half_edges, 2));
     };
     Points found;
-    rigid::append_mesh_contacts(mesh(p.a), p.pose_a, mesh(p.b), p.pose_b, 1, *backend_, found);
+    rigid::append_mesh_contacts({mesh(p.a), p.pose_a}, {mesh(p.b), p.pose_b}, 1, *backend_, found);
     return found;
   };
   std::mt19937_64 random(16);
@@ -199,8 +199,8 @@ TEST_P(MeshPairs, PlanesAndTubesMeetTheFurthestCorners) {
       to_tube = std::min(to_tube, tube.signed_distance(x));
     }
     Points on_plane, in_tube;
-    rigid::append_mesh_contacts(gear, at, plane, wall, 0.3, on_plane);
-    rigid::append_mesh_contacts(gear, at, tube, wall, 0.3, in_tube);
+    rigid::append_mesh_contacts({gear, at}, plane, wall, 0.3, on_plane);
+    rigid::append_mesh_contacts({gear, at}, tube, wall, 0.3, in_tube);
     ASSERT_EQ(on_plane.empty(), to_plane > 0.3);
     ASSERT_EQ(in_tube.empty(), to_tube > 0.3);
     expect_sound(on_plane);
@@ -238,7 +238,7 @@ TEST(MeshTrees, EveryEngineGivesTheSameBits) {
     }
     expect_same([&](auto& backend) {
       Points found;
-      rigid::append_mesh_contacts(gear, at, torus, pose_b, 0.5, backend, found);
+      rigid::append_mesh_contacts({gear, at}, {torus, pose_b}, 0.5, backend, found);
       return found;
     });
   }

@@ -43,7 +43,7 @@ inline Points collide_with(rigid::CollisionBackend& backend, const ConvexShape& 
                            const MeshFeatures& mesh, const Pose& pose_of_mesh, double tolerance = 1) {
   const auto surface = rigid::features_of_polytope(shape);
   Points points;
-  rigid::append_mesh_contacts({shape, surface.get()}, pose, mesh, pose_of_mesh, tolerance, backend, points);
+  rigid::append_mesh_contacts({shape, surface.get(), pose}, {mesh, pose_of_mesh}, tolerance, backend, points);
   return points;
 }
 

@@ -65,8 +65,8 @@ void on_floor(int n) {
         const auto backend = adapters::make_backend(name);
         std::printf(" %.0f |", nanoseconds([&](int p) {
                       points.clear();
-                      append_mesh_contacts({row.shape, surface.get()}, place(p, n, row.lift * size - 0.001),
-                                           floor, {}, tolerance, *backend, points);
+                      append_mesh_contacts({row.shape, surface.get(), place(p, n, row.lift * size - 0.001)},
+                                           {floor, {}}, tolerance, *backend, points);
                     }));
       }
       std::printf("\n");
@@ -79,11 +79,12 @@ void rings() {
   std::vector<ContactPoint> points;
   for (const char* name : backends) {
     const auto backend = adapters::make_backend(name);
-    std::printf(" %.0f |", nanoseconds([&](int p) {
-                  points.clear();
-                  const Quat turn(Eigen::AngleAxisd(1.2 + 0.01 * p, Vec3::UnitY()));
-                  append_mesh_contacts(ring, {{0, -1.601, 0}, turn}, ring, {}, tolerance, *backend, points);
-                }));
+    std::printf(
+        " %.0f |", nanoseconds([&](int p) {
+          points.clear();
+          const Quat turn(Eigen::AngleAxisd(1.2 + 0.01 * p, Vec3::UnitY()));
+          append_mesh_contacts({ring, {{0, -1.601, 0}, turn}}, {ring, {}}, tolerance, *backend, points);
+        }));
   }
   std::printf("\n");
 }
