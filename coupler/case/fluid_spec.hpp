@@ -5,7 +5,6 @@
 
 #include "coupler/case/name_table.hpp"
 #include "lbm/collision_model.hpp"
-#include "lbm/force_form.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "rigid/math/types.hpp"
 

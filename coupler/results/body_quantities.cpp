@@ -54,7 +54,7 @@ double ratio(double change, double start) {
 }
 
 /// The mean over the bodies of a vector's component along the axis.
-template <std::vector<Vec3> BodySet::*vectors>
+template <std::vector<Vec3> rigid::BodyMotions::*vectors>
 double mean_component(const Simulation& simulation, const QuantitySpec& q) {
   const auto& x = simulation.bodies().*vectors;
   return mean_over_bodies(simulation, q, [&](std::size_t row) { return x[row][q.axis]; });
@@ -68,8 +68,8 @@ void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, 
   const Scene& scene = simulation.scene();
   const BodySet& bodies = simulation.bodies();
   const Vec3 period = extent_of(scene.setup).size;
-  const auto start =
-      scene.at_start.positions.of(scene.setup, scene.domain, scene.comm, std::span(bodies.id).first(bodies.owned));
+  const auto start = scene.at_start.positions.of(scene.setup, scene.domain, scene.comm,
+                                                 std::span(bodies.id).first(bodies.owned));
   for_bodies_of(bodies, q, [&](std::size_t row) {
     if (!start[row].hasNaN()) visit(row, unwrapped(bodies, row, period) - start[row]);
   });

@@ -1,5 +1,6 @@
 #pragma once
 // The files that a run writes: fields, bodies, departures, report.json and series.csv, checkpoints.
+#include "coupler/case/output_spec.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/run_tables.hpp"
 #include "coupler/run/prepare_run.hpp"

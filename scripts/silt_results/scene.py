@@ -24,6 +24,7 @@ class Wall:
         if self.type != "mesh":
             self.axis = group.attrs["axis"]
             self.sizes = {key: float(value) for key, value in group.attrs.items() if key not in ("name", "type", "position", "axis")}
+            self.radius = self.sizes.get("radius")
             return
         self.hollow = text(group.attrs["solid"]) == "outside"
         self.vertices, self.triangles, self.table = group["vertices"][:], group["triangles"][:].astype(int), group["table"][:]

@@ -174,7 +174,7 @@ std::function<void()> free_motion(const SceneText& text, Forces&& act) {
     std::vector<rigid::Contact> none;
     rigid::drift(s.bodies, 0.5);
     s.exchange->update_copies(s.bodies);
-    (*detect)(s.world, s.bodies, *s.exchange, *s.backend, 1.0, none);
+    (*detect)(s.world, s.bodies, *s.exchange, *s.contacts.backend, 1.0, none);
     act(s);
     rigid::drift(s.bodies, 0.5);
     s.exchange->synchronise(s.bodies);
