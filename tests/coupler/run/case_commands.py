@@ -138,20 +138,31 @@ class Commands(SiltTest):
         (folder / "bin" / "silt").chmod(0o755)
         self.assertEqual(run().stdout, "installed: run\n")
 
-    def test_build_lets_go_of_the_pipe_that_it_writes_to(self):
+    def tiny_tree(self):
+        """A tree whose build takes a second and fails where two do it at once."""
         tree = pathlib.Path(self.scratch.name) / "tree"
         (tree / "scripts").mkdir(parents=True)
         shutil.copy(SCRIPTS / "build", tree / "scripts")
         (tree / "scripts/setup").write_text("#!/bin/sh\n")
         (tree / "scripts/setup").chmod(0o755)
-        (tree / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(tiny NONE)\n"
-                                             "add_custom_target(short ALL COMMAND ${CMAKE_COMMAND} -E sleep 1)\n")
+        (tree / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(tiny NONE)\nadd_custom_target(short ALL COMMAND mkdir "
+                                             "busy COMMAND ${CMAKE_COMMAND} -E sleep 1 COMMAND rmdir busy)\n")
         (tree / "CMakePresets.json").write_text('{"version": 3, "configurePresets": [{"name": "release", "generator": "Ninja", '
                                                 '"binaryDir": "${sourceDir}/build/release"}]}')
+        return tree
+
+    def test_build_lets_go_of_the_pipe_that_it_writes_to(self):
         begun = time.monotonic()
-        done = subprocess.run([tree / "scripts/build"], capture_output=True, text=True, check=False)  # reads until nobody writes
+        done = subprocess.run([self.tiny_tree() / "scripts/build"], capture_output=True, text=True, check=False)  # reads until nobody writes
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertLess(time.monotonic() - begun, 8)  # it tells how far it is each 10 s
+
+    def test_two_builds_of_a_tree_come_one_after_the_other(self):
+        command = [self.tiny_tree() / "scripts/build"]
+        builds = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+        said = sorted(build.communicate(timeout=60)[1] for build in builds)
+        self.assertEqual([build.returncode for build in builds], [0, 0], said)
+        self.assertEqual(said, ["", "build: waits until another build of this tree has ended\n"])
 
     def test_a_wrong_word_gets_the_nearest(self):
         self.assertIn("did you mean 'check'?", self.silt("chek", self.case, code=2).stderr)
