@@ -195,6 +195,9 @@ void check_materials(const Case& setup, Findings& findings) {
     if (!(material.restitution >= 0 && material.restitution <= 1))
       findings.error("contacts.restitution", "a restitution is {}; it must be between 0 and 1",
                      shown(material.restitution));
+    if (!(material.friction >= 0))
+      findings.error("contacts.friction", "a friction is {}; it must be at least 0",
+                     shown(material.friction));
   }
   if (highest <= most_friction) return;
   const double degrees = std::min(highest, steepest_angle), angle = degrees * std::numbers::pi / 180;
@@ -207,6 +210,8 @@ void check_materials(const Case& setup, Findings& findings) {
 
 void check_margin(const Case& setup, Findings& findings) {
   const double margin = setup.contacts.margin;
+  if (!(margin >= 0))
+    findings.error("contacts.margin", "contacts.margin is {} cells; it must be at least 0", shown(margin));
   const double shortest = *std::min_element(setup.cells.begin(), setup.cells.end());
   double largest = 0;
   for (const Entry& entry : entries_of(setup))

@@ -263,6 +263,8 @@ void check_collision(const Case& setup, Findings& findings) {
                      "last up to {} (scripts/stability): use {}smaller cells",
                      shown(found), model.name, shown(measured),
                      model.has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
+  if (!(setup.fluid->magic > 0))
+    findings.error("fluid.magic", "fluid.magic is {}; it must be above 0", shown(setup.fluid->magic));
   if (setup.fluid->magic > most_magic)
     findings.error("fluid.magic", "fluid.magic is {}; at most {} is possible: 0.25 is usual",
                    shown(setup.fluid->magic), shown(most_magic));

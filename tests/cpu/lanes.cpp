@@ -55,5 +55,41 @@ TEST(Lanes, OfAnyNumberDoTheSame) {
   does_lane_by_lane<Lanes<double, 8>, double>();
 }
 
+/// n elements in as many registers as they fill do what n elements by themselves do.
+template <class E, int n>
+void registers_do_as_elements() {
+  SCOPED_TRACE(n);
+  using R = Registers<E, n>;
+  const auto a_of = [](int l) { return E(0.3) * E(l % 5 - 2); };
+  const auto b_of = [](int l) { return E(0.7) - E(0.2) * E(l); };
+  const R a = R::gathered(a_of), b = R::gathered(b_of);
+  const auto less = a < b;
+  const R sum = a + b, quotient = a / b, chosen = choose(less, a, b), most = larger(a, b),
+          root = square_root(a * a), seven(E(7));
+  E stored[n], largest_b = b_of(0);
+  sum.store(stored);
+  unsigned bits = 0;
+  for (int l = 0; l < n; ++l) {
+    const E x = a_of(l), y = b_of(l);
+    EXPECT_EQ(stored[l], x + y);
+    EXPECT_EQ(quotient[l], x / y);
+    EXPECT_EQ(chosen[l], x < y ? x : y);
+    EXPECT_EQ(most[l], x > y ? x : y);
+    EXPECT_EQ(root[l], std::sqrt(x * x));
+    EXPECT_EQ(seven[l], E(7));
+    bits |= unsigned(x < y) << l;
+    largest_b = std::max(largest_b, y);
+  }
+  EXPECT_EQ(lane_bits(less), bits);
+  EXPECT_EQ(any_lane(less), bits != 0);
+  EXPECT_EQ(largest(b), largest_b);
+}
+
+TEST(Registers, DoAsElementsByThemselves) {
+  registers_do_as_elements<float, 8>();
+  registers_do_as_elements<double, 2>();
+  registers_do_as_elements<double, 8>();
+}
+
 }  // namespace
 }  // namespace silt

@@ -114,12 +114,16 @@ TEST(CaseCheck, TouchingBodiesAreLegal) {
 TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Case made by a program can
   Case setup = CaseText{}.read();
   setup.fluid->relaxation_time = 0.5;
+  setup.fluid->magic = 0;
   setup.pair_materials[0].restitution = 1.5;
+  setup.pair_materials[0].friction = -0.1;
+  setup.contacts.margin = -1;
   setup.steps = 0;
   setup.bodies[0].density = -1;
   const std::string text = listed(judgement(setup));
   for (const char* part :
-       {"must be above 0.5", "a restitution is 1.5", "the run has 0 steps", "density is -1"})
+       {"must be above 0.5", "fluid.magic is 0", "a restitution is 1.5", "a friction is -0.1",
+        "contacts.margin is -1 cells", "the run has 0 steps", "density is -1"})
     EXPECT_TRUE(contains(text, part)) << part << " is not in\n" << text;
 }
 
