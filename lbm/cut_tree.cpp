@@ -1,17 +1,41 @@
 #include "lbm/cut_tree.hpp"
 
+#include <map>
 #include <stdexcept>
 #include <string>
 
 namespace silt::lbm {
 
-CutTree::CutTree(Int3 cells, std::vector<Cut> nodes)
-    : cells_(cells), nodes_(std::make_shared<const std::vector<Cut>>(std::move(nodes))) {
+namespace {
+
+std::vector<LeafKind> counted(std::vector<LeafKind> kinds) {
+  std::map<std::pair<int, int>, int> count;
+  for (LeafKind& kind : kinds) kind.place = count[{kind.rank, kind.level}]++;
+  return kinds;
+}
+
+}  // namespace
+
+CutTree::CutTree(Int3 cells, std::vector<Cut> nodes, std::vector<LeafKind> kinds)
+    : cells_(cells),
+      nodes_(std::make_shared<const std::vector<Cut>>(std::move(nodes))),
+      kinds_(std::make_shared<const std::vector<LeafKind>>(counted(std::move(kinds)))) {
+  if (!kinds_->empty() && int(kinds_->size()) != leaves())
+    throw std::invalid_argument("a tree of cuts has " + std::to_string(leaves()) + " leaves and " +
+                                std::to_string(kinds_->size()) + " kinds of them");
   check(whole());
 }
 
 void CutTree::check(const Part& part) const {
-  if (part.leaves == 1) return;
+  if (part.leaves == 1) {
+    const int level = kinds_->empty() ? 0 : (*kinds_)[part.first_leaf].level;
+    for (int d = 0; d < 3 && level > 0; ++d)
+      if ((part.box.lower[d] | part.box.size[d]) & ((1 << level) - 1))
+        throw std::invalid_argument("leaf " + std::to_string(part.first_leaf) +
+                                    " of a tree of cuts is cut through cells of level " +
+                                    std::to_string(level));
+    return;
+  }
   const Cut& cut = (*nodes_)[part.node];
   const bool an_axis = cut.axis >= 0 && cut.axis < 3;
   if (!an_axis || cut.lower_leaves < 1 || cut.lower_leaves >= part.leaves ||

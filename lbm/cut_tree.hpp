@@ -6,6 +6,10 @@
 //     node k: a part with n leaves;   its lower part with m leaves: node k + 1;   the upper one: node k + m
 //
 // Who knows the tree finds the leaf of a cell, or the leaves near a box, by descending it.
+//
+// Leaves may have a kind: the rank that has them and the level of their cells, whose edges are 2^level. Then
+// each rank has a tree of its own, which tells its own part of the box and those near it; any other part is
+// one leaf of no level.
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,6 +23,14 @@ struct Cut {
   std::int32_t axis, position, lower_leaves;
 };
 
+struct LeafKind {
+  static constexpr int far = -1;
+  std::int32_t rank;
+  std::int32_t level = 0;  // far: a part that this rank does not know
+  std::int32_t place = 0;  // among the leaves of the same rank and level; the tree counts them
+  bool operator==(const LeafKind&) const = default;
+};
+
 class CutTree {
  public:
   struct Leaf {
@@ -28,12 +40,15 @@ class CutTree {
 
   /// The box of cells from 0 on, in one leaf.
   explicit CutTree(Int3 cells) : CutTree(cells, {}) {}
-  /// The nodes in preorder. std::invalid_argument for planes that do not cut their part in two.
-  CutTree(Int3 cells, std::vector<Cut> nodes);
+  /// The nodes in preorder, the kinds of the leaves if they have any. std::invalid_argument for planes that
+  /// do not cut their part in two, and for leaves that do not consist of whole cells of their level.
+  CutTree(Int3 cells, std::vector<Cut> nodes, std::vector<LeafKind> kinds = {});
 
   Int3 cells() const { return cells_; }
   int leaves() const { return static_cast<int>(nodes_->size()) + 1; }
   std::span<const Cut> nodes() const { return *nodes_; }
+  /// Those of the leaves; empty: they have none.
+  std::span<const LeafKind> kinds() const { return *kinds_; }
   Leaf leaf(int index) const;
   /// The leaf of a cell inside the box.
   Leaf leaf_at(Int3 cell) const;
@@ -62,6 +77,7 @@ class CutTree {
 
   Int3 cells_;
   std::shared_ptr<const std::vector<Cut>> nodes_;  // one table, however many copies
+  std::shared_ptr<const std::vector<LeafKind>> kinds_;
 };
 
 }  // namespace silt::lbm

@@ -10,8 +10,8 @@
 
 namespace silt::lbm {
 
-Domain::Domain(CutTree tree, const std::array<SideCondition, 6>& sides, int ranks)
-    : tree_(std::move(tree)), sides_(sides), ranks_(ranks) {
+Domain::Domain(CutTree tree, const std::array<SideCondition, 6>& sides, int ranks, int level)
+    : tree_(std::move(tree)), sides_(sides), ranks_(ranks), level_(level) {
   if (blocks() < ranks)
     throw std::invalid_argument("the domain is cut into " + std::to_string(blocks()) +
                                 " blocks, fewer than the " + std::to_string(ranks) +
@@ -24,8 +24,23 @@ Domain::Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optio
 
 std::vector<BlockPlace> Domain::blocks_of(int rank) const {
   std::vector<BlockPlace> mine;
-  for (int b = first_block(rank); b < first_block(rank + 1); ++b) mine.push_back(block(b));
+  if (tree_.kinds().empty()) {
+    for (int b = first_block(rank); b < first_block(rank + 1); ++b) mine.push_back(block(b));
+    return mine;
+  }
+  for (int b = 0; b < blocks(); ++b)
+    if (tree_.kinds()[b].rank == rank && tree_.kinds()[b].level == level_) mine.push_back(block(b));
   return mine;
+}
+
+int Domain::local_index(const BlockPlace& block, int rank) const {
+  if (block.rank != rank) return -1;
+  return tree_.kinds().empty() ? block.index - first_block(rank) : tree_.kinds()[block.index].place;
+}
+
+int Domain::rank_of(int block) const {
+  if (!tree_.kinds().empty()) return tree_.kinds()[block].rank;
+  return int(((block + std::int64_t(1)) * ranks_ - 1) / blocks());
 }
 
 Int3 Domain::wrapped(Int3 x) const {
@@ -77,8 +92,8 @@ std::vector<int> Domain::neighbourhood(int b) const {
 
 std::vector<int> Domain::neighbourhood_of_rank(int rank) const {
   std::set<int> found;
-  for (int b = first_block(rank); b < first_block(rank + 1); ++b)
-    for (const int n : neighbourhood(b)) found.insert(n);
+  for (const BlockPlace& mine : blocks_of(rank))
+    for (const int n : neighbourhood(mine.index)) found.insert(n);
   return {found.begin(), found.end()};
 }
 

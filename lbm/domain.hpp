@@ -1,5 +1,7 @@
 #pragma once
-// The global box of cells, its sides, how it is cut into blocks, and which rank holds which block.
+// The global box of cells, its sides, how it is cut into blocks, and which rank holds which block. Where a
+// scene has cells of several levels there is one domain a level, of the same box and sides: its cells are of
+// that level, and so are its blocks, which leave the rest of the box to others.
 #include <array>
 #include <optional>
 #include <vector>
@@ -32,13 +34,16 @@ struct CellRun {
 class Domain {
  public:
   /// Sides are in the order x low, x high, y low, ... Each leaf of the tree is a block. Ranks have contiguous
-  /// runs of blocks, as many each but for one. Throws std::invalid_argument for fewer blocks than ranks.
-  Domain(CutTree, const std::array<SideCondition, 6>& sides, int ranks);
+  /// runs of blocks, as many each but for one, or those that the kinds of the leaves say. Blocks are then the
+  /// leaves of the level; edges of the box are whole cells of it. Throws std::invalid_argument for fewer
+  /// blocks than ranks.
+  Domain(CutTree, const std::array<SideCondition, 6>& sides, int ranks, int level = 0);
   /// The same, of blocks that have about so many cells along each axis; without that one a rank, all of about
   /// the same size (equal_cut.hpp).
   Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells, int ranks);
 
-  Int3 cells() const { return tree_.cells(); }
+  int level() const { return level_; }
+  Int3 cells() const { return coarsened(tree_.cells()); }
   bool periodic(int axis) const { return sides_[2 * axis].kind == SideKind::periodic; }
   const SideCondition& side(int axis, bool upper) const { return sides_[2 * axis + upper]; }
   const std::array<SideCondition, 6>& sides() const { return sides_; }
@@ -46,17 +51,17 @@ class Domain {
   int ranks() const { return ranks_; }
   int blocks() const { return tree_.leaves(); }
   BlockPlace block(int index) const { return placed(tree_.leaf(index)); }
-  /// The blocks of a rank are first_block(rank) up to the one before first_block(rank + 1).
-  int first_block(int rank) const { return int(std::int64_t(blocks()) * rank / ranks_); }
   std::vector<BlockPlace> blocks_of(int rank) const;
   /// The place of a block among those of a rank, -1 for one of another rank.
-  int local_index(const BlockPlace& block, int rank) const {
-    return block.rank == rank ? block.index - first_block(rank) : -1;
+  int local_index(const BlockPlace& block, int rank) const;
+  int rank_of(int block) const;
+  /// The block of a cell inside the domain: of this level or not.
+  BlockPlace block_at(Int3 cell) const { return placed(tree_.leaf_at(refined(cell))); }
+  bool is_of_level(const BlockPlace& block) const {
+    return tree_.kinds().empty() || tree_.kinds()[block.index].level == level_;
   }
-  int rank_of(int block) const { return int(((block + std::int64_t(1)) * ranks_ - 1) / blocks()); }
-  /// The block of a cell inside the domain.
-  BlockPlace block_at(Int3 cell) const { return placed(tree_.leaf_at(cell)); }
-  int rank_at(Int3 cell) const { return rank_of(tree_.leaf_at(cell).index); }
+  bool has(Int3 cell) const { return is_of_level(block_at(cell)); }
+  int rank_at(Int3 cell) const { return rank_of(tree_.leaf_at(refined(cell)).index); }
   /// The image of a cell that lies in the domain along the periodic axes.
   Int3 wrapped(Int3 cell) const;
   bool inside(Int3 cell) const;
@@ -66,8 +71,10 @@ class Domain {
   /// velocity across it: the walls that meet there leave a corner at rest. With the lid's alone, the jets of
   /// a lid-driven square at Reynolds number 1000, 65 cells, are a tenth too weak.
   double wall_velocity_along(Int3 walls, int j) const;
-  /// Calls visit(BlockPlace) for every block that has a cell in these runs, one an axis; more than once if
-  /// runs go on at the beginning of an axis.
+  /// Calls visit(BlockPlace) for every block of the level that has a cell of a box, or in these runs, one an
+  /// axis; more than once if runs go on at the beginning of an axis.
+  template <class Visit>
+  void for_blocks_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>
   void for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const;
   /// The blocks that share a face, edge or corner, or a part of one, with block b, b itself included (sorted,
@@ -78,12 +85,25 @@ class Domain {
   std::vector<int> neighbourhood_of_rank(int rank) const;
 
  private:
-  BlockPlace placed(const CutTree::Leaf& leaf) const { return {leaf.index, leaf.box, rank_of(leaf.index)}; }
+  BlockPlace placed(const CutTree::Leaf& leaf) const {
+    return {leaf.index, {coarsened(leaf.box.lower), coarsened(leaf.box.size)}, rank_of(leaf.index)};
+  }
+  /// Between cells of the level and those of the tree.
+  Int3 refined(Int3 x) const { return {x.x << level_, x.y << level_, x.z << level_}; }
+  Int3 coarsened(Int3 x) const { return {x.x >> level_, x.y >> level_, x.z >> level_}; }
+  int first_block(int rank) const { return int(std::int64_t(blocks()) * rank / ranks_); }
 
   CutTree tree_;
   std::array<SideCondition, 6> sides_;
-  int ranks_;
+  int ranks_, level_;
 };
+
+template <class Visit>
+void Domain::for_blocks_meeting(const CellBox& box, Visit&& visit) const {
+  tree_.for_leaves_meeting({refined(box.lower), refined(box.size)}, [&](const CutTree::Leaf& leaf) {
+    if (const BlockPlace place = placed(leaf); is_of_level(place)) visit(place);
+  });
+}
 
 template <class Visit>
 void Domain::for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const {
@@ -96,8 +116,7 @@ void Domain::for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visi
       box.lower[d] = goes_on ? 0 : runs[d].first;
       box.size[d] = goes_on ? runs[d].count - before_end : before_end;
     }
-    if (box.size.x > 0 && box.size.y > 0 && box.size.z > 0)
-      tree_.for_leaves_meeting(box, [&](const CutTree::Leaf& leaf) { visit(placed(leaf)); });
+    if (box.size.x > 0 && box.size.y > 0 && box.size.z > 0) for_blocks_meeting(box, visit);
   }
 }
 

@@ -27,8 +27,8 @@ void for_shared_cells(const Fluid<T>& here, const Domain& there, Visit&& visit) 
   };
   std::vector<Shared> list;
   for (int b = 0; b < int(here.blocks().size()); ++b)
-    there.tree().for_leaves_meeting(here.blocks()[b].box(), [&](const CutTree::Leaf& leaf) {
-      list.push_back({b, there.rank_of(leaf.index), overlap(here.blocks()[b].box(), leaf.box)});
+    there.for_blocks_meeting(here.blocks()[b].box(), [&](const BlockPlace& place) {
+      list.push_back({b, place.rank, overlap(here.blocks()[b].box(), place.box)});
     });
   std::sort(list.begin(), list.end(), [](const Shared& a, const Shared& b) {
     const Int3 p = a.box.lower, q = b.box.lower;

@@ -169,7 +169,7 @@ std::vector<Average> averages_around(const lbm::Fluid<T>& fluid, const std::vect
       const Int3 g = domain.wrapped(map.box.lower + y);
       const lbm::BlockPlace there = domain.block_at(g);
       if (there.rank == rank)
-        mean.add(fluid.moments(there.index - domain.first_block(rank), g - there.box.lower), force);
+        mean.add(fluid.moments(domain.local_index(there, rank), g - there.box.lower), force);
       else
         mean.add(*next_remote++, force);
     }

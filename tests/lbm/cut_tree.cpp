@@ -143,14 +143,18 @@ TEST(Domain, RanksHaveContiguousRunsOfBlocks) {
   for (const int blocks : {1, 2, 7, 12, 64})
     for (int ranks = 1; ranks <= blocks; ++ranks) {
       const Domain domain(odd_cut({32, 32, 32}, blocks), {}, ranks);
-      EXPECT_EQ(domain.first_block(0), 0);
-      EXPECT_EQ(domain.first_block(ranks), blocks);
+      int next = 0;
       for (int rank = 0; rank < ranks; ++rank) {
         const auto mine = domain.blocks_of(rank);
         EXPECT_GE(int(mine.size()), blocks / ranks);
         EXPECT_LE(int(mine.size()), (blocks + ranks - 1) / ranks);
-        for (const BlockPlace& place : mine) EXPECT_EQ(domain.rank_of(place.index), rank);
+        for (const BlockPlace& place : mine) {
+          EXPECT_EQ(place.index, next++);
+          EXPECT_EQ(domain.rank_of(place.index), rank);
+          EXPECT_EQ(domain.local_index(place, rank), int(&place - mine.data()));
+        }
       }
+      EXPECT_EQ(next, blocks);
     }
   EXPECT_THROW(Domain(odd_cut({32, 32, 32}, 3), {}, 4), std::invalid_argument);
 }
@@ -175,6 +179,34 @@ TEST(Domain, NeighboursAreTheBlocksOfNeighbouringCells) {
           EXPECT_EQ(domain.neighbourhood(b), std::vector(expected.begin(), expected.end()));
         }
       }
+}
+
+/// A box of 24^3 finest cells: its middle is of level 0, the rest of level 1, but for a part that is not
+/// known.
+CutTree levelled() {
+  return CutTree({24, 24, 24}, {{0, 8, 1}, {0, 16, 5}, {1, 8, 1}, {1, 16, 3}, {2, 8, 1}, {2, 16, 1}},
+                 {{0, 1}, {0, 1}, {0, 1}, {1, 0}, {0, 1}, {1, 1}, {1, LeafKind::far}});
+}
+
+TEST(Domain, OfALevelHasTheBlocksOfItsLevel) {
+  const Domain coarse(levelled(), {}, 2, 1), fine(levelled(), {}, 2);
+  EXPECT_EQ(coarse.cells(), (Int3{12, 12, 12}));
+  EXPECT_EQ(coarse.blocks_of(0).size(), 4u);
+  EXPECT_EQ(coarse.blocks_of(1).size(), 1u);
+  ASSERT_EQ(fine.blocks_of(1).size(), 1u);
+  EXPECT_EQ(fine.blocks_of(0).size(), 0u);
+  const BlockPlace middle = fine.blocks_of(1)[0];
+  EXPECT_EQ(middle.box.lower, (Int3{8, 8, 8}));
+  EXPECT_EQ(fine.local_index(middle, 1), 0);
+  EXPECT_TRUE(fine.has({15, 8, 15}));
+  EXPECT_FALSE(fine.has({7, 8, 8}));
+  EXPECT_FALSE(coarse.has({4, 4, 4}));
+  EXPECT_EQ(fine.neighbourhood(middle.index), std::vector{middle.index});
+  int met = 0;
+  coarse.for_blocks_meeting(CellBox{{3, 3, 3}, {6, 6, 6}}, [&](const BlockPlace&) { ++met; });
+  EXPECT_EQ(met, 5);
+  EXPECT_THROW(CutTree({24, 24, 24}, {{0, 7, 1}}, {{0, 1}, {0, 0}}), std::invalid_argument);
+  EXPECT_THROW(CutTree({24, 24, 24}, {{0, 8, 1}}, {{0, 1}}), std::invalid_argument);
 }
 
 }  // namespace
