@@ -64,7 +64,8 @@ class FlowOf final : public Flow {
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
-  FluidFields& fields() override { return *fields_; }
+  int levels() const override { return 1; }
+  FluidFields& fields(int) override { return *fields_; }
   FlowAccount& account() override { return account_; }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {

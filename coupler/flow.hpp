@@ -25,9 +25,11 @@ enum class LinkSchedule { interleaved, sequential };
 class Flow {
  public:
   virtual ~Flow() = default;
-  virtual FluidFields& fields() = 0;
+  /// The lattices, of which 0 is the finest: a cell of each is 2^level of its cells wide.
+  virtual int levels() const = 0;
+  virtual FluidFields& fields(int level = 0) = 0;
   virtual FlowAccount& account() = 0;
-  const FluidFields& fields() const { return const_cast<Flow*>(this)->fields(); }
+  const FluidFields& fields(int level = 0) const { return const_cast<Flow*>(this)->fields(level); }
   const FlowAccount& account() const { return const_cast<Flow*>(this)->account(); }
 
   // ---- the passes of a step, in this order (Algorithm 2) ----

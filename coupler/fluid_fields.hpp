@@ -27,6 +27,7 @@ class FluidFields {
   virtual ~FluidFields() = default;
 
   const lbm::Domain& domain() const { return domain_; }
+  int level() const { return 0; }  // of the lattice; 0 is the finest
   const std::vector<BlockMap>& maps() const { return maps_; }  // of this rank's blocks
   int blocks() const { return int(maps_.size()); }
   const lbm::CellBox& block(int b) const { return maps_[b].box; }  // global cells
