@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "coupler/case/coarsening_spec.hpp"
 #include "coupler/flow.hpp"
 #include "lbm/stream_collide.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -25,9 +26,11 @@ struct CommonGuardStop : GuardStop {
   using GuardStop::GuardStop;
 };
 
-/// All of the fluid is looked at once in so many steps, about the price of two. In between the dense pass
-/// finds what is too fast, in lbm::WatchedPlanes::period steps at most.
-inline constexpr std::int64_t guard_interval = 100;
+/// All of the fluid is looked at once in so many steps, a multiple of those of the coarsest cells, about the
+/// price of two. In between the dense pass finds what is too fast, in lbm::WatchedPlanes::period steps at
+/// most.
+inline constexpr std::int64_t guard_interval = 96;
+static_assert(guard_interval % (1 << CoarseningSpec::most_levels) == 0);
 /// Above this speed (cells a step) the scheme's error is of the order of the flow itself: what a look finds.
 inline constexpr double highest_speed = 0.4;
 

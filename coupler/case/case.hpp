@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/coarsening_spec.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/name_table.hpp"
 #include "coupler/case/output_spec.hpp"
@@ -22,8 +23,8 @@
 #include "coupler/case/units.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
-#include "rigid/bodies/world.hpp"
 #include "rigid/bodies/walls.hpp"
+#include "rigid/bodies/world.hpp"
 #include "rigid/response/contact_resolver.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 
@@ -164,6 +165,7 @@ struct Case {
   double volume() const { return 1. * cells[0] * cells[1] * cells[2]; }  // in cells
 
   std::optional<FluidSpec> fluid;
+  std::optional<CoarseningSpec> coarsening;  // none: every cell is finest
   CouplingSpec coupling;
   ContactSpec contacts;
   rigid::Vec3 gravity = rigid::Vec3::Zero();

@@ -151,6 +151,7 @@ constexpr std::tuple top_keys{
     HandKey{"domain", "table", "", required, "a table [domain] with size and boundary"},
     HandKey{"run", "table", "", required, "a table [run] with steps or time"},
     HandKey{"fluid", "table", "", "none", "without it the run is dry: bodies alone"},
+    HandKey{"coarsening", "table", "", "none", "where cells of the fluid may be coarser"},
     HandKey{"gravity", "table", "", "0", "what acts on the bodies"},
     HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled"},
     HandKey{"contacts", "table", "", "defaults", "how bodies collide"},
@@ -174,6 +175,7 @@ void read_sections(TableReader reader, Case& setup) {
   read_walls(reader, setup);
   read_shapes(reader, setup);
   read_bodies(reader, setup);
+  read_coarsening(reader, setup);
   read_output(reader, setup);
   add_masks(setup);
   choose_collision(setup);
@@ -192,8 +194,9 @@ std::string unit_on_page(Dimension d) {
 
 std::vector<KeySection> case_keys() {
   std::vector<KeySection> all = {section_of("", top_keys)};
-  for (const auto sections : {domain_sections, fluid_sections, contact_sections, wall_sections,
-                              shape_sections, body_sections, output_sections, quantity_sections})
+  for (const auto sections :
+       {domain_sections, fluid_sections, coarsening_sections, contact_sections, wall_sections, shape_sections,
+        body_sections, output_sections, quantity_sections})
     for (KeySection& section : sections()) all.push_back(std::move(section));
   return all;
 }

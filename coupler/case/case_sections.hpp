@@ -53,6 +53,10 @@ std::vector<std::string> hollow_names();
 std::vector<KeySection> body_sections();
 void read_bodies(TableReader& root, Case&);  // [[bodies]], [[fill]], [[outflow]]
 
+// coarsening.cpp
+std::vector<KeySection> coarsening_sections();
+void read_coarsening(TableReader& root, Case&);  // [coarsening]; after the bodies, whose sizes it asks for
+
 // output.cpp, quantities.cpp
 std::vector<KeySection> output_sections(), quantity_sections();
 void read_output(TableReader& root, Case&);      // [run], [output]
@@ -102,10 +106,11 @@ void find_fluid_faults(const Case&, Findings&);    // relaxation time, viscosity
 void find_contact_faults(const Case&, Findings&);  // coefficients, margin, lubrication, sleep
 void find_run_faults(const Case&, Findings&);      // length, what becomes steady, output of what is not there
 void find_density_faults(const Case&, Findings&);  // of fluid and bodies, and slips of units in them
-void find_quantity_faults(const Case&, Findings&);  // what the case has not, or the run is too short for
-void find_wall_faults(const Case&, Findings&);      // room, periodic borders, speed
-void find_body_faults(const Case&, Findings&);      // sizes, backend, room in fills
-void find_turnover_faults(const Case&, Findings&);  // bodies that come and go
-void find_driving_faults(const Case&, Findings&);   // gravity, body force, and the speeds that come of them
+void find_quantity_faults(const Case&, Findings&);    // what the case has not, or the run is too short for
+void find_wall_faults(const Case&, Findings&);        // room, periodic borders, speed
+void find_body_faults(const Case&, Findings&);        // sizes, backend, room in fills
+void find_turnover_faults(const Case&, Findings&);    // bodies that come and go
+void find_driving_faults(const Case&, Findings&);     // gravity, body force, and the speeds that come of them
+void find_coarsening_faults(const Case&, Findings&);  // sizes and intervals that coarser cells do not divide
 
 }  // namespace silt::coupler

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

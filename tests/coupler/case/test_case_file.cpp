@@ -294,6 +294,23 @@ TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
   EXPECT_GE(count, 9);
 }
 
+TEST(CaseFile, CellsAreFinestHalfTheLargestBodyAwayUnlessACaseSaysOtherwise) {
+  CaseText c;
+  c.rest =
+      "[coarsening]\nlevels = 2\nfine_sides = [\"z-low\"]\n[[coarsening.fine]]\nbox = [[0, 0, 0], [8, 8, "
+      "8]]\n";
+  EXPECT_EQ(c.read().coarsening->distance, 8);
+  EXPECT_EQ(c.read({"coarsening.distance=10.5"}).coarsening->distance, 10.5);
+  c.shapes = shape_of("ball", "sphere", "radius = 12.5");
+  const CoarseningSpec spec = *c.read().coarsening;
+  EXPECT_EQ(spec.distance, 13);
+  EXPECT_EQ(spec.fine_sides, (std::array{false, false, false, false, true, false}));
+  EXPECT_EQ(spec.fine[0].box.upper, rigid::Vec3(8, 8, 8));
+  c = si_case();
+  c.rest = "[coarsening]\nlevels = 1\ndistance = 0.01\n";
+  EXPECT_NEAR(c.read().coarsening->distance, 10, 1e-12);
+}
+
 TEST(DerivedTable, GivesBothSystemsOfUnits) {
   CaseText c = si_case();
   c.rest = "[gravity]\nacceleration = [0, 0, -9.81]\n";

@@ -113,6 +113,7 @@ zzz = 1
 units = { system = "si", zzz = 1 }
 domain = { zzz = 1, boundary = { zzz = 1, x = [{ type = "moving", zzz = 1 }, { type = "pressure-outlet", zzz = 1 }] } }
 fluid = { zzz = 1, initial = { type = "uniform", zzz = 1 } }
+coarsening = { zzz = 1, fine = [{ zzz = 1 }] }
 gravity = { zzz = 1 }
 coupling = { zzz = 1 }
 contacts = { zzz = 1 }
