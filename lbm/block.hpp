@@ -34,6 +34,10 @@ struct CellBox {  // cells lower <= x < lower + size
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
 };
 
+inline CellBox grown(CellBox box, int by) {
+  return {box.lower - Int3{by, by, by}, box.size + Int3{2 * by, 2 * by, 2 * by}};
+}
+
 /// Calls visit(cell) for every cell with low <= cell < high, x fastest.
 template <class Visit>
 void for_cells(Int3 low, Int3 high, Visit&& visit) {

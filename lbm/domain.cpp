@@ -75,19 +75,22 @@ double Domain::wall_velocity_along(Int3 walls, int j) const {
   return cu;
 }
 
-std::vector<int> Domain::neighbourhood(int b) const {
-  const CellBox box = block(b).box;
+std::vector<int> Domain::blocks_meeting(const CellBox& box) const {
   std::array<CellRun, 3> runs;
   for (int d = 0; d < 3; ++d) {
-    const int n = cells()[d], low = box.lower[d] - 1, high = box.lower[d] + box.size[d];
+    const int n = cells()[d], low = box.lower[d], end = low + box.size[d];
     if (periodic(d))
-      runs[d] = {low < 0 ? n - 1 : low, std::min(box.size[d] + 2, n)};
+      runs[d] = {((low % n) + n) % n, std::min(box.size[d], n)};
     else
-      runs[d] = {std::max(low, 0), std::min(high, n - 1) - std::max(low, 0) + 1};
+      runs[d] = {std::max(low, 0), std::min(end, n) - std::max(low, 0)};
   }
   std::set<int> found;
   for_blocks_meeting(runs, [&](const BlockPlace& place) { found.insert(place.index); });
   return {found.begin(), found.end()};
+}
+
+std::vector<int> Domain::neighbourhood(int b) const {
+  return blocks_meeting(grown(block(b).box, 1));
 }
 
 std::vector<int> Domain::neighbourhood_of_rank(int rank) const {

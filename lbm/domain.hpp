@@ -77,6 +77,9 @@ class Domain {
   void for_blocks_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>
   void for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const;
+  /// The blocks of the level that meet a box, which may reach beyond the domain (sorted, each once): also
+  /// through periods.
+  std::vector<int> blocks_meeting(const CellBox&) const;
   /// The blocks that share a face, edge or corner, or a part of one, with block b, b itself included (sorted,
   /// each once).
   std::vector<int> neighbourhood(int b) const;

@@ -5,50 +5,12 @@
 #include <tuple>
 
 #include "cpu/prefetch.hpp"
+#include "lbm/ghost_home.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
 namespace {
-
-enum class HomeKind { slot, bounce, outlet };
-
-struct Home {
-  HomeKind kind;
-  Int3 cell;  // global
-  int direction;
-  int axis = -1;  // of the wall, for bounce and outlet
-  bool upper = false;
-};
-
-/// The home of the population that left along j into the ghost cell g (global, unwrapped).
-Home home_of(const Domain& domain, Int3 g, int j) {
-  Int3 cell = g, direction = c[j];
-  Home pressure{HomeKind::slot, {}, 0};
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (cell[d] >= 0 && cell[d] < domain.cells()[d])) continue;
-    const bool upper = cell[d] >= domain.cells()[d];
-    switch (domain.side(d, upper).kind) {
-      case SideKind::bounce:
-        return {HomeKind::bounce, g - c[j], opposite(j), d, upper};
-      case SideKind::pressure:
-        pressure = {HomeKind::outlet, g - c[j], opposite(j), d, upper};
-        break;
-      case SideKind::periodic:  // has been left out
-        break;
-      case SideKind::free_slip:  // the mirror image of cell and direction
-        cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
-        direction[d] = -direction[d];
-    }
-  }
-  if (pressure.kind == HomeKind::outlet) return pressure;
-  return {HomeKind::slot, domain.wrapped(cell), direction_of(direction)};
-}
-
-/// What moving walls add to what left along j and meets these sides.
-double wall_addend(const Domain& domain, Int3 sides, int j) {
-  return -6 * w(j) * domain.wall_velocity_along(sides, j);
-}
 
 enum class RowEndKind { lists, round, wall };
 
@@ -107,7 +69,7 @@ struct Halo<T>::Builder {
   std::span<const PassOrder> orders;
   std::map<std::tuple<int, int, int, int, int>, Wall> walls = {};  // by block, sides met, direction
   std::map<std::tuple<int, int, bool>, Outlet> outlets = {};
-  BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block
+  BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
   const BlockPlace& block_at(Int3 cell) {
     if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
     return home_block;
@@ -131,6 +93,7 @@ struct Halo<T>::Builder {
       return;
     }
     const BlockPlace& home_place = block_at(home.cell);
+    if (!domain.is_of_level(home_place)) return;  // it crosses a border (level_border.hpp)
     const int there = domain.local_index(home_place, rank);
     const Int3 cell = home.cell - home_place.box.lower;
     if (here >= 0 && there >= 0)

@@ -40,6 +40,7 @@ struct PairsAcross<T>::Builder {
     const int i = opposite(j), axis = PlacesAcross::axis_of(x, i, place.box.size);
     if (!domain.inside(behind)) return;
     if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
+    if (!domain.is_of_level(behind_block)) return;
     const int here = domain.local_index(place, pairs.rank_),
               there = domain.local_index(behind_block, pairs.rank_);
     if (here < 0 && there < 0) return;

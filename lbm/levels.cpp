@@ -1,0 +1,44 @@
+#include "lbm/levels.hpp"
+
+namespace silt::lbm {
+
+CollisionSpec coarser(CollisionSpec spec, int levels) {
+  const double factor = 1 << levels;
+  spec.relaxation_time = 0.5 + (spec.relaxation_time - 0.5) / factor;
+  for (double& f : spec.force) f *= factor;
+  return spec;
+}
+
+template <class T>
+Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest) {
+  const Domain& domain = finest.domain();
+  borders_.reserve(coarser_levels);
+  for (int level = 1; level <= coarser_levels; ++level) {
+    coarser_.push_back(
+        std::make_unique<Fluid<T>>(Domain(domain.tree(), domain.sides(), domain.ranks(), level),
+                                   coarser(finest.spec(), level), finest.comm()));
+    borders_.emplace_back(fluid(level - 1), fluid(level));
+  }
+}
+
+template <class T>
+void Levels<T>::begin_step() {
+  for (int level = count() - 1; level > 0; --level) {
+    if (finest_.passes() % (1 << level) != 0) continue;
+    borders_[level - 1].before_coarse_pass();
+    fluid(level).stream_collide();
+    fluid(level).exchange();
+    borders_[level - 1].after_coarse_pass();
+    end_pass(level);
+  }
+}
+
+template <class T>
+void Levels<T>::end_pass(int level) {
+  if (level < count() - 1) borders_[level].after_fine_pass();
+}
+
+template class Levels<float>;
+template class Levels<double>;
+
+}  // namespace silt::lbm

@@ -1,0 +1,40 @@
+#pragma once
+// Coarser cells around the finest: a fluid each level, whose cells are twice as wide and whose steps take
+// twice as long as those of the next finer one, and the borders between them.
+#include <memory>
+#include <vector>
+
+#include "lbm/fluid.hpp"
+#include "lbm/level_border.hpp"
+
+namespace silt::lbm {
+
+/// The same fluid on a lattice so many levels coarser: velocities and pressures keep their numbers.
+CollisionSpec coarser(CollisionSpec, int levels);
+
+template <class T>
+class Levels {
+ public:
+  /// The finest fluid, whose tree of cuts has leaves of so many coarser levels; all begin at rest. Refers to
+  /// it.
+  Levels(Fluid<T>& finest, int coarser_levels);
+
+  int count() const { return int(coarser_.size()) + 1; }
+  Fluid<T>& fluid(int level) { return level == 0 ? finest_ : *coarser_[level - 1]; }
+  const Fluid<T>& fluid(int level) const { return level == 0 ? finest_ : *coarser_[level - 1]; }
+
+  /// Call before the pass of the finest fluid. A level whose step begins now collides, coarser levels first:
+  /// what it sends the next finer one is then there for the two steps that this one takes meanwhile.
+  void begin_step();
+  /// Call after the exchange of the finest fluid.
+  void end_step() { end_pass(0); }
+
+ private:
+  void end_pass(int level);
+
+  Fluid<T>& finest_;
+  std::vector<std::unique_ptr<Fluid<T>>> coarser_;
+  std::vector<LevelBorder<T>> borders_;  // between a level and the next
+};
+
+}  // namespace silt::lbm
