@@ -14,6 +14,7 @@
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/levels.hpp"
 #include "lbm/pairs_across.hpp"
 
 namespace silt::coupler {
@@ -52,24 +53,27 @@ class FlowOf final : public Flow {
       : coupling_(scene.coupling),
         world_(exchange.world()),
         fluid_(domain, collision_of(*scene.fluid), comm),
+        levels_(fluid_, scene.coarsening ? scene.coarsening->levels : 0),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks())),
         account_(*fields_, comm, coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)),
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
+    for (int level = 1; level < levels_.count(); ++level)
+      coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
-  int levels() const override { return 1; }
-  FluidFields& fields(int) override { return *fields_; }
+  int levels() const override { return levels_.count(); }
+  FluidFields& fields(int level) override { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
   FlowAccount& account() override { return account_; }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
-    fields_->changed();
+    cells_changed();
     renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
@@ -81,8 +85,9 @@ class FlowOf final : public Flow {
   }
   void stream_collide(StepClock& clock) override {
     const double correction = account_.begin_pass();
-    fields_->changed();
-    if (account_.corrects_mass()) fluid_.set_mass_correction(correction);
+    cells_changed();
+    if (account_.corrects_mass()) levels_.set_mass_correction(correction);
+    levels_.begin_step();
     if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return fluid_.stream_collide();
     fluid_.begin_pass();
     for (int b = 0; b < int(links_.size()); ++b)
@@ -95,10 +100,11 @@ class FlowOf final : public Flow {
   }
   void communicate() override {
     fluid_.exchange();
+    levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
   }
   void evaluate_forces(rigid::BodySet& bodies) override {
-    fields_->changed();
+    cells_changed();
     if (schedule_ == LinkSchedule::sequential)
       for (int b = 0; b < int(links_.size()); ++b) apply_inner(b, links_[b].all_inner());
     account_.end_step(forces_.finish(fluid_, links_, bodies));
@@ -108,27 +114,38 @@ class FlowOf final : public Flow {
 
   void resume(const MassCorrectionState& state) override {
     account_.set_mass_correction(state);
-    fluid_.set_passes(state.steps);
+    levels_.set_passes(state.steps);
     resumed_ = true;
   }
   void take_over(const Flow& other) override {
     const auto& from = static_cast<const FlowOf&>(other);
-    lbm::move_populations(from.fluid_, fluid_);
+    lbm::move_populations(from.levels_, levels_);
     account_.take_over(from.account_);
-    fluid_.set_passes(from.fluid_.passes());
+    levels_.set_passes(from.fluid_.passes());
     resumed_ = true;
   }
   void start(rigid::BodySet& bodies) override {
     map_(bodies);
     rebuild_links(bodies);
     account_.set_mapping(counts_);
-    fields_->changed();
+    cells_changed();
     if (resumed_) return;
     forces_.start(map_.blocks(), bodies);
     account_.recount();
   }
 
  private:
+  /// A lattice without bodies.
+  struct CoarserFields {
+    MapBodies map;
+    std::unique_ptr<FluidFields> fields;
+    CoarserFields(lbm::Fluid<T>& fluid, const rigid::World& world)
+        : map(fluid.domain(), world, boxes(fluid), 0), fields(make_fields<T>(fluid, map.blocks())) {}
+  };
+
+  void cells_changed() {
+    for (int level = 0; level < levels(); ++level) fields(level).changed();
+  }
   void apply_inner(int b, GroupRange groups) {
     forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, schedule_ == LinkSchedule::interleaved);
   }
@@ -201,9 +218,11 @@ class FlowOf final : public Flow {
 
   CouplingSpec coupling_;
   const rigid::World& world_;
-  lbm::Fluid<T> fluid_;
+  lbm::Fluid<T> fluid_;    // of the finest cells
+  lbm::Levels<T> levels_;  // all
   MapBodies map_;
   std::unique_ptr<FluidFields> fields_;
+  std::vector<std::unique_ptr<CoarserFields>> coarser_;
   FlowAccount account_;
   std::vector<BlockLinks<T>> links_;
   MeshDistances meshes_{map_.meshes()};

@@ -38,6 +38,16 @@ inline CellBox grown(CellBox box, int by) {
   return {box.lower - Int3{by, by, by}, box.size + Int3{2 * by, 2 * by, 2 * by}};
 }
 
+/// The cells that both have.
+inline CellBox overlap(const CellBox& a, const CellBox& b) {
+  CellBox both;
+  for (int d = 0; d < 3; ++d) {
+    both.lower[d] = std::max(a.lower[d], b.lower[d]);
+    both.size[d] = std::max(0, std::min(a.lower[d] + a.size[d], b.lower[d] + b.size[d]) - both.lower[d]);
+  }
+  return both;
+}
+
 /// Calls visit(cell) for every cell with low <= cell < high, x fastest.
 template <class Visit>
 void for_cells(Int3 low, Int3 high, Visit&& visit) {

@@ -60,6 +60,10 @@ class Domain {
   bool is_of_level(const BlockPlace& block) const {
     return tree_.kinds().empty() || tree_.kinds()[block.index].level == level_;
   }
+  /// Whether this rank knows which cells a leaf has.
+  bool is_known(const BlockPlace& block) const {
+    return tree_.kinds().empty() || tree_.kinds()[block.index].level != LeafKind::far;
+  }
   bool has(Int3 cell) const { return is_of_level(block_at(cell)); }
   int rank_at(Int3 cell) const { return rank_of(tree_.leaf_at(refined(cell)).index); }
   /// The image of a cell that lies in the domain along the periodic axes.
@@ -75,6 +79,9 @@ class Domain {
   /// axis; more than once if runs go on at the beginning of an axis.
   template <class Visit>
   void for_blocks_meeting(const CellBox&, Visit&& visit) const;
+  /// The same for leaves of any level, and parts that are not known.
+  template <class Visit>
+  void for_leaves_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>
   void for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const;
   /// The blocks of the level that meet a box, which may reach beyond the domain (sorted, each once): also
@@ -102,9 +109,15 @@ class Domain {
 };
 
 template <class Visit>
+void Domain::for_leaves_meeting(const CellBox& box, Visit&& visit) const {
+  tree_.for_leaves_meeting({refined(box.lower), refined(box.size)},
+                           [&](const CutTree::Leaf& leaf) { visit(placed(leaf)); });
+}
+
+template <class Visit>
 void Domain::for_blocks_meeting(const CellBox& box, Visit&& visit) const {
-  tree_.for_leaves_meeting({refined(box.lower), refined(box.size)}, [&](const CutTree::Leaf& leaf) {
-    if (const BlockPlace place = placed(leaf); is_of_level(place)) visit(place);
+  for_leaves_meeting(box, [&](const BlockPlace& place) {
+    if (is_of_level(place)) visit(place);
   });
 }
 

@@ -23,6 +23,10 @@ class Levels {
   Fluid<T>& fluid(int level) { return level == 0 ? finest_ : *coarser_[level - 1]; }
   const Fluid<T>& fluid(int level) const { return level == 0 ? finest_ : *coarser_[level - 1]; }
 
+  /// Each is told by a finest step, as Fluid is.
+  void set_mass_correction(double density_per_cell);
+  void set_passes(std::int64_t done);
+
   /// Call before the pass of the finest fluid. A level whose step begins now collides, coarser levels first:
   /// what it sends the next finer one is then there for the two steps that this one takes meanwhile.
   void begin_step();
@@ -36,5 +40,10 @@ class Levels {
   std::vector<std::unique_ptr<Fluid<T>>> coarser_;
   std::vector<LevelBorder<T>> borders_;  // between a level and the next
 };
+
+/// Collective, between steps of the coarsest: gives the cells of `to` what those of `from` hold, two cuts of
+/// one domain. Cells may be of another level there, by one.
+template <class T>
+void move_populations(const Levels<T>& from, Levels<T>& to);
 
 }  // namespace silt::lbm

@@ -8,39 +8,35 @@ namespace silt::lbm {
 
 namespace {
 
-CellBox overlap(const CellBox& a, const CellBox& b) {
-  CellBox both;
-  for (int d = 0; d < 3; ++d) {
-    both.lower[d] = std::max(a.lower[d], b.lower[d]);
-    both.size[d] = std::min(a.lower[d] + a.size[d], b.lower[d] + b.size[d]) - both.lower[d];
-  }
-  return both;
-}
-
-/// Calls visit(block, rank, box) for the cells that a local block of one cut shares with a block of a rank in
-/// the other, in an order that both ends of a message find.
+/// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of ranks in the other,
+/// in an order that both ends of a message find, however either cuts them. A part of the other that is not
+/// known has cells of the same levels.
 template <class T, class Visit>
 void for_shared_cells(const Fluid<T>& here, const Domain& there, Visit&& visit) {
-  struct Shared {
+  struct Row {
     int block, rank;
-    CellBox box;
+    Int3 first;
+    int cells;
   };
-  std::vector<Shared> list;
-  for (int b = 0; b < int(here.blocks().size()); ++b)
-    there.for_blocks_meeting(here.blocks()[b].box(), [&](const BlockPlace& place) {
-      list.push_back({b, place.rank, overlap(here.blocks()[b].box(), place.box)});
+  std::vector<Row> rows;
+  for (int b = 0; b < int(here.blocks().size()); ++b) {
+    const CellBox& box = here.blocks()[b].box();
+    there.for_leaves_meeting(box, [&](const BlockPlace& place) {
+      if (!there.is_of_level(place) && there.is_known(place)) return;
+      const CellBox both = overlap(box, place.box);
+      for_cells(both.lower, both.lower + Int3{1, both.size.y, both.size.z}, [&](Int3 x) {
+        rows.push_back({b, place.rank, x, both.size.x});
+      });
     });
-  std::sort(list.begin(), list.end(), [](const Shared& a, const Shared& b) {
-    const Int3 p = a.box.lower, q = b.box.lower;
-    return std::tie(p.z, p.y, p.x) < std::tie(q.z, q.y, q.x);
+  }
+  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+    return std::tie(a.first.z, a.first.y, a.first.x) < std::tie(b.first.z, b.first.y, b.first.x);
   });
-  for (const Shared& part : list) {
-    const Block<T>& block = here.blocks()[part.block];
-    const Int3 first = part.box.lower - block.box().lower;
-    for (int z = 0; z < part.box.size.z; ++z)
-      for (int y = 0; y < part.box.size.y; ++y)
-        visit(part.rank, SlotRun{std::uint32_t(part.block), std::uint32_t(block.cell(first + Int3{0, y, z})),
-                                 1, std::uint32_t(part.box.size.x)});
+  for (const Row& row : rows) {
+    const Block<T>& block = here.blocks()[row.block];
+    visit(row.rank,
+          SlotRun{std::uint32_t(row.block), std::uint32_t(block.cell(row.first - block.box().lower)), 1,
+                  std::uint32_t(row.cells)});
   }
 }
 

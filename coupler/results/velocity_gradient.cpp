@@ -35,15 +35,6 @@ std::vector<lbm::BlockPlace> blocks_near(const lbm::Domain& domain, const CellBo
   return places;
 }
 
-CellBox overlap(const CellBox& a, const CellBox& b) {
-  CellBox part;
-  for (int d = 0; d < 3; ++d) {
-    part.lower[d] = std::max(a.lower[d], b.lower[d]);
-    part.size[d] = std::max(0, std::min(a.lower[d] + a.size[d], b.lower[d] + b.size[d]) - part.lower[d]);
-  }
-  return part;
-}
-
 }  // namespace
 
 CellVelocities::CellVelocities(const FluidFields& fields, MPI_Comm comm, Int3 lower, Int3 upper)

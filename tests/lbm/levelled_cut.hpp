@@ -15,13 +15,19 @@ namespace silt::lbm::testing {
 class LevelledCut {
  public:
   using LevelOf = std::function<int(Int3)>;
-  LevelledCut(Int3 cells, int tile, LevelOf level, int ranks = 1, int longest = 1 << 30)
-      : tile_(tile), longest_(longest), ranks_(ranks), level_(std::move(level)), cells_(cells) {
+  LevelledCut(Int3 cells, int tile, LevelOf level, int ranks = 1, int longest = 1 << 30, LevelOf rank_at = {})
+      : tile_(tile),
+        longest_(longest),
+        ranks_(ranks),
+        level_(std::move(level)),
+        rank_(std::move(rank_at)),
+        cells_(cells) {
     cut({{}, cells});
   }
   CutTree tree() const { return CutTree(cells_, nodes_, kinds_); }
 
  private:
+  int kind_of(Int3 x) const { return level_(x) + (rank_ ? 100 * rank_(x) : 0); }
   std::vector<int> layer(const CellBox& box, int d, int at) const {
     std::vector<int> levels;
     CellBox one = box;
@@ -30,7 +36,7 @@ class LevelledCut {
               {(one.size.x + tile_ - 1) / tile_, (one.size.y + tile_ - 1) / tile_,
                (one.size.z + tile_ - 1) / tile_},
               [&](Int3 t) {
-                levels.push_back(level_(one.lower + Int3{t.x * tile_, t.y * tile_, t.z * tile_}));
+                levels.push_back(kind_of(one.lower + Int3{t.x * tile_, t.y * tile_, t.z * tile_}));
               });
     return levels;
   }
@@ -49,7 +55,7 @@ class LevelledCut {
   int cut(const CellBox& box) {
     const std::optional<Cut> where = plane(box);
     if (!where) {
-      kinds_.push_back({int(kinds_.size()) % ranks_, level_(box.lower)});
+      kinds_.push_back({rank_ ? rank_(box.lower) : int(kinds_.size()) % ranks_, level_(box.lower)});
       return 1;
     }
     const std::size_t node = nodes_.size();
@@ -64,7 +70,7 @@ class LevelledCut {
   }
 
   int tile_, longest_, ranks_;
-  LevelOf level_;
+  LevelOf level_, rank_;
   Int3 cells_;
   std::vector<Cut> nodes_;
   std::vector<LeafKind> kinds_;
