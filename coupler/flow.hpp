@@ -32,6 +32,12 @@ class Flow {
   const FluidFields& fields(int level = 0) const { return const_cast<Flow*>(this)->fields(level); }
   const FlowAccount& account() const { return const_cast<Flow*>(this)->account(); }
 
+  /// Calls visit(fields) for each level, the finest first.
+  template <class Visit>
+  void for_levels(Visit&& visit) const {
+    for (int level = 0; level < levels(); ++level) visit(fields(level));
+  }
+
   // ---- the passes of a step, in this order (Algorithm 2) ----
   /// Object mapping: puts bodies that moved further than the tolerance onto the lattice at their present
   /// poses, rebuilds links where something changed and refills uncovered cells. Renews the mapping pose of

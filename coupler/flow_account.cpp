@@ -4,7 +4,18 @@ namespace silt::coupler {
 
 FlowTotals FlowAccount::totals() const {
   settle();
-  return fields_.sums().over_ranks(comm_);
+  FlowSums all = levels_.front()->sums();
+  for (std::size_t l = 1; l < levels_.size(); ++l) all.add(levels_[l]->sums());
+  return all.over_ranks(comm_);
+}
+
+FluidMass FlowAccount::mass() const {
+  FluidMass all;
+  for (const FluidFields* fields : levels_) {
+    const FluidMass mass = fields->mass();
+    all.cells += mass.cells, all.mass += mass.mass;
+  }
+  return all;
 }
 
 const MassCorrectionState& FlowAccount::mass_correction() const {
@@ -19,7 +30,7 @@ double FlowAccount::begin_pass() {
 
 void FlowAccount::recount() {
   if (!corrects_mass_) return;
-  const auto all = parallel::sum_over_ranks(comm_, StepSums::Recount(fields_.mass()));
+  const auto all = parallel::sum_over_ranks(comm_, StepSums::Recount(mass()));
   correction_.recount(all.mass());
 }
 
@@ -29,7 +40,7 @@ void FlowAccount::end_step(const LinkOutcome& links) {
   brought_.add(links.debts_begun);
   const MassCorrection::Gain gain = correction_.take_gain(links.mass_gain);
   StepSums mine{links.out_of_range != LinkOutcome::nobody, gain.cells, gain.link_mass, gain.cell_mass, {}};
-  if (corrects_mass_ && correction_.recount_is_due()) mine.recount = fields_.mass();
+  if (corrects_mass_ && correction_.recount_is_due()) mine.recount = mass();
   sums_.start(comm_, mine);
 }
 

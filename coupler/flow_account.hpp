@@ -23,8 +23,9 @@ struct MappingCounts {
 
 class FlowAccount {
  public:
-  FlowAccount(const FluidFields& fields, MPI_Comm comm, bool corrects_mass)
-      : fields_(fields), comm_(comm), corrects_mass_(corrects_mass) {}
+  /// Of the fields of all levels, to which it refers.
+  FlowAccount(std::vector<const FluidFields*> levels, MPI_Comm comm, bool corrects_mass)
+      : levels_(std::move(levels)), comm_(comm), corrects_mass_(corrects_mass) {}
 
   // ---- asked between steps ----
   /// Collective; ForceOutOfRange, on every rank alike, if a body's sums were out of range in the last step.
@@ -77,8 +78,9 @@ class FlowAccount {
     } recount;
   };
   void settle() const;
+  FluidMass mass() const;
 
-  const FluidFields& fields_;
+  std::vector<const FluidFields*> levels_;
   MPI_Comm comm_;
   bool corrects_mass_;
   MappingCounts mapping_;

@@ -33,11 +33,24 @@ void FlowSums::add(Int3 g, const lbm::Moments& m, const std::array<double, 3>& u
 }
 
 void FlowSums::add(int cells, const lbm::CellTotals& t) {
-  count_ += std::uint64_t(cells);
-  mass_ += t.mass;
-  for (int d = 0; d < 3; ++d) momentum_[d] += t.momentum[d];
-  energy_ += t.energy, energy_rest_ += t.energy_rest;
+  const auto of_finest = [volume = std::int64_t{1} << 3 * level_](rigid::FixedSum x) { return x * volume; };
+  count_ += std::uint64_t(cells) << 3 * level_;
+  forces_ += std::uint64_t(cells) << 4 * level_;
+  mass_ += of_finest(t.mass);
+  for (int d = 0; d < 3; ++d) momentum_[d] += of_finest(t.momentum[d]);
+  energy_ += of_finest(t.energy), energy_rest_ += of_finest(t.energy_rest);
   max_excess_ = std::max(max_excess_, t.most_deviation);
+}
+
+void FlowSums::add(const FlowSums& other) {
+  count_ += other.count_, forces_ += other.forces_;
+  mass_ += other.mass_;
+  for (int d = 0; d < 3; ++d) momentum_[d] += other.momentum_[d];
+  energy_ += other.energy_, energy_rest_ += other.energy_rest_;
+  max_excess_ = std::max(max_excess_, other.max_excess_);
+  speed_squared_.see(other.speed_squared_.value, other.speed_squared_.cell);
+  deficit_.see(other.deficit_.value, other.deficit_.cell);
+  first_bad_ = std::min(first_bad_, other.first_bad_);
 }
 
 void FlowSums::see(Int3 g, const lbm::CellTotals& t) {
@@ -48,11 +61,11 @@ void FlowSums::see(Int3 g, const lbm::CellTotals& t) {
 FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   using lbm::CellTotals;
   struct Sums {
-    std::uint64_t cells;
+    std::uint64_t cells, forces;
     parallel::WideSum mass, momentum[3], energy, energy_rest;
   };
   const Sums sums = parallel::sum_over_ranks(
-      comm, Sums{count_, mass_, {momentum_[0], momentum_[1], momentum_[2]}, energy_, energy_rest_});
+      comm, Sums{count_, forces_, mass_, {momentum_[0], momentum_[1], momentum_[2]}, energy_, energy_rest_});
   const auto in_all = [](const parallel::WideSum& sum, double quantum) {
     return double(sum.value()) * quantum;
   };
@@ -61,7 +74,7 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   deficit.over_ranks(comm);
   const auto bad = std::int64_t(parallel::least_over_ranks(comm, std::uint64_t(first_bad_)));
   FlowTotals t;
-  t.fluid_cells = sums.cells;
+  t.fluid_cells = sums.cells, t.forces = sums.forces;
   t.mass_deviation = in_all(sums.mass, lbm::mass_quantum);
   for (int d = 0; d < 3; ++d) t.momentum[d] = in_all(sums.momentum[d], CellTotals::momentum_quantum);
   t.energy = in_all(sums.energy, CellTotals::energy_quantum) +
@@ -82,7 +95,8 @@ void FlowSums::Extreme::over_ranks(MPI_Comm comm) {
 
 lbm::Int3 FlowSums::cell_at(std::int64_t index) const {
   if (index == none) return {};
-  return {int(index % cells_.x), int(index / cells_.x % cells_.y), int(index / cells_.x / cells_.y)};
+  const std::int64_t x = cells_.x << level_, y = cells_.y << level_;
+  return {int(index % x), int(index / x % y), int(index / x / y)};
 }
 
 namespace {
@@ -150,7 +164,7 @@ class BlockSums {
 
 template <class T>
 FlowSums flow_sums(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps) {
-  FlowSums sums(fluid.domain().cells());
+  FlowSums sums(fluid.domain().cells(), fluid.domain().level());
   for (int b = 0; b < int(maps.size()); ++b) BlockSums<T>(fluid, b, sums).add(maps[b]);
   return sums;
 }

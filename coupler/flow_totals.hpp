@@ -19,16 +19,17 @@ namespace silt::coupler {
 
 struct BlockMap;
 
-/// Over the fluid cells of all ranks; lattice units. Sums are in fixed point, so they are the same on any
-/// number of ranks.
+/// Over the fluid cells of all ranks and levels, a coarse one being as many as finest ones fill it; units of
+/// the finest lattice. Sums are in fixed point, so they are the same on any number of ranks.
 struct FlowTotals {
   std::uint64_t fluid_cells = 0;
+  std::uint64_t forces = 0;          // on a finest cell in its step, that those on all cells in theirs are
   double mass_deviation = 0;         // sum of density deviations
   std::array<double, 3> momentum{};  // sum of c g (no half force)
   double energy = 0;                 // kinetic, of density 1
   double max_speed = 0, min_density = 0, max_density = 0;
   bool finite = true;  // false: some value is not a number (global cell in bad_cell)
-  // global; of several the first
+  // global, of the finest lattice; of several the first
   lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{};
 };
 
@@ -36,19 +37,21 @@ struct FlowTotals {
 /// would end at 2^23 lattice units, the momentum of 300^3 cells.
 class FlowSums {
  public:
-  /// `cells` are those of the domain.
-  explicit FlowSums(lbm::Int3 cells) : cells_(cells) {}
+  /// `cells` are those of the domain on a level.
+  explicit FlowSums(lbm::Int3 cells, int level = 0) : cells_(cells), level_(level) {}
   void add(lbm::Int3 global_cell, const lbm::Moments&, const std::array<double, 3>& velocity);
   /// Adds many that are sound, but for where the fastest and the thinnest are: that is to be seen.
   void add(int cells, const lbm::CellTotals&);
   void see(lbm::Int3 global_cell, const lbm::CellTotals& of_the_cell);
+  /// Adds those of another level of the same domain.
+  void add(const FlowSums&);
   /// Collective.
   FlowTotals over_ranks(MPI_Comm) const;
 
  private:
   static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
   static constexpr double lowest = -std::numeric_limits<double>::max();
-  /// The largest of something and the first global cell, by its index, that has it.
+  /// The largest of something and the first global cell, by its index in the finest lattice, that has it.
   struct Extreme {
     double value;
     std::int64_t cell = none;
@@ -59,12 +62,13 @@ class FlowSums {
     void over_ranks(MPI_Comm);
   };
   std::int64_t index_of(lbm::Int3 cell) const {
-    return (std::int64_t(cell.z) * cells_.y + cell.y) * cells_.x + cell.x;
+    return ((((std::int64_t(cell.z) * cells_.y << level_) + cell.y) * cells_.x << level_) + cell.x) << level_;
   }
   lbm::Int3 cell_at(std::int64_t index) const;
 
   lbm::Int3 cells_;
-  std::uint64_t count_ = 0;
+  int level_;
+  std::uint64_t count_ = 0, forces_ = 0;
   rigid::FixedSum mass_ = 0, momentum_[3] = {}, energy_ = 0, energy_rest_ = 0;
   Extreme speed_squared_{-1}, deficit_{lowest};  // deficit and excess of the density
   double max_excess_ = lowest;

@@ -29,7 +29,7 @@ template <class T>
 class FieldsOf final : public FluidFields {
  public:
   FieldsOf(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps)
-      : FluidFields(fluid.domain(), fluid.spec().force, maps), fluid_(fluid) {}
+      : FluidFields(fluid.domain(), fluid.spec(), maps), fluid_(fluid) {}
 
   void moments(int b, const lbm::CellBox& box, lbm::MomentArrays& moments) const override {
     fluid_.moments(b, box, moments);
@@ -41,7 +41,7 @@ class FieldsOf final : public FluidFields {
     for (const auto& found : fluid_.fast_cells()) {
       if (!is_fluid(found.block, found.cell)) continue;
       const double speed = std::isnan(found.speed) ? std::numeric_limits<double>::infinity() : found.speed;
-      const Fast here{block(found.block).lower + found.cell, speed};
+      const Fast here{finest(block(found.block).lower + found.cell), speed};
       if (!first || order(here) < order(*first)) first = here;
     }
     return first;
@@ -49,8 +49,8 @@ class FieldsOf final : public FluidFields {
   FluidMass mass() const override {
     FluidMass all;
     for_each_fluid_cell(*this, [&](Int3, const lbm::Moments& m) {
-      ++all.cells;
-      all.mass += std::llrint(m.density_deviation / lbm::mass_quantum);
+      all.cells += std::uint64_t(volume());
+      all.mass += volume() * rigid::FixedSum(std::llrint(m.density_deviation / lbm::mass_quantum));
     });
     return all;
   }
@@ -61,8 +61,9 @@ class FieldsOf final : public FluidFields {
       const Int3 g = block(b).lower + x;
       struct {
         std::int64_t cell;
-        T g[20];  // one spare: no padding bytes in either precision
+        T g[20];  // one is spare, so that neither precision has padding bytes
       } record{(std::int64_t(g.z) * n.y + g.y) * n.x + g.x, {}};
+      record.g[lbm::directions] = T(level());
       for (int i = 0; i < lbm::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
       sum += XXH3_64bits(&record, sizeof record);
     });
@@ -90,7 +91,7 @@ class FieldsOf final : public FluidFields {
       const Int3 c = lbm::c[i];
       if (c[axis] != outward || reversing_axis(domain(), block(b).lower + x + c) != axis) continue;
       const double out = fluid_.leaving(b, x, i), back = fluid_.arriving(b, x, lbm::opposite(i));
-      const std::int64_t exchanged = std::llrint((out + back) / lbm::link_quantum);
+      const std::int64_t exchanged = std::llrint((out + back) / lbm::link_quantum) * width() * width();
       for (int d = 0; d < 3; ++d) sums[d] += c[d] * exchanged;
     }
   }

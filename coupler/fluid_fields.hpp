@@ -1,6 +1,6 @@
 #pragma once
-// The fields of the fluid on this rank, read and written by boxes of cells, whatever the precision of its
-// populations, and which cells are fluid.
+// The fields of the fluid of one level on this rank, read and written by boxes of cells, whatever the
+// precision of its populations, and which cells are fluid.
 #include <array>
 #include <memory>
 #include <optional>
@@ -9,6 +9,7 @@
 
 #include "coupler/flow_totals.hpp"
 #include "coupler/mapping/solid_map.hpp"
+#include "lbm/collision_model.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/moments.hpp"
 
@@ -16,7 +17,7 @@ namespace silt::coupler {
 
 struct Case;
 
-/// The fluid cells of a rank and their mass in quanta.
+/// The fluid cells of a rank and their mass in quanta, a coarse cell being as many as finest ones fill it.
 struct FluidMass {
   std::uint64_t cells = 0;
   rigid::FixedSum mass = 0;
@@ -27,16 +28,25 @@ class FluidFields {
   virtual ~FluidFields() = default;
 
   const lbm::Domain& domain() const { return domain_; }
-  int level() const { return 0; }  // of the lattice; 0 is the finest
   const std::vector<BlockMap>& maps() const { return maps_; }  // of this rank's blocks
   int blocks() const { return int(maps_.size()); }
   const lbm::CellBox& block(int b) const { return maps_[b].box; }  // global cells
   const CellBits& solid(int b) const { return maps_[b].solid; }
   bool is_fluid(int b, lbm::Int3 local_cell) const { return !solid(b).test(local_cell); }
+  const lbm::CollisionSpec& spec() const { return spec_; }  // in units of the level
+
+  // ---- a cell of this level in units of the finest lattice, 0; a step takes as long as a cell is wide ----
+  int level() const { return domain_.level(); }
+  int width() const { return 1 << level(); }
+  std::int64_t volume() const { return std::int64_t{1} << 3 * level(); }
+  lbm::Int3 finest(lbm::Int3 cell) const { return {cell.x * width(), cell.y * width(), cell.z * width()}; }
+  rigid::Vec3 centre(lbm::Int3 cell) const {
+    return width() * rigid::Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5);
+  }
 
   // ---- cells of a box of a block's local cells, x fastest; of solid ones they mean nothing ----
   virtual void moments(int b, const lbm::CellBox&, lbm::MomentArrays&) const = 0;
-  std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, body_force_); }
+  std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, spec_.force); }
   /// Population i arriving at the cells, whatever the parity; exact in double for either precision.
   virtual void read(int b, const lbm::CellBox&, int i, double* g) const = 0;
   void write(int b, const lbm::CellBox& box, int i, const double* g) {
@@ -46,7 +56,7 @@ class FluidFields {
 
   // ---- all fluid cells ----
   struct Fast {
-    lbm::Int3 cell;  // global
+    lbm::Int3 cell;  // global, of the finest lattice
     double speed;    // infinite for what is not a number
   };
   /// Returns the fastest of this rank's fluid cells that the last pass found to be faster than
@@ -57,18 +67,19 @@ class FluidFields {
     if (!sums_) sums_ = count();
     return *sums_;
   }
-  /// Returns the sum of their velocities.
+  /// Returns the sum of the velocities of the cells of all levels; asked of the finest.
   rigid::Vec3 velocity_sum(const FlowTotals& t) const {
     return rigid::Vec3(t.momentum.data()) +
-           0.5 * static_cast<double>(t.fluid_cells) * rigid::Vec3(body_force_.data());
+           0.5 * static_cast<double>(t.forces) * rigid::Vec3(spec_.force.data());
   }
   /// Takes several times as long as the sums: each cell is counted in double precision.
   virtual FluidMass mass() const = 0;
-  /// Returns the wrapping sum of XXH3 of global cell index and arriving populations.
+  /// Returns the wrapping sum of XXH3 of level, global cell index and arriving populations.
   virtual std::uint64_t hash() const = 0;
   /// Returns this rank's share of the force of the fluid on a side of the domain in the last step, in
   /// lbm::link_quantum, by momentum exchange: the sum of c (f out + f back) over its links across the upper
-  /// or lower side of an axis (README.md, equation 1). It is 0 where that is not a wall.
+  /// or lower side of an axis (README.md, equation 1), in units of the finest lattice. It is 0 where that is
+  /// not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
   virtual std::size_t bytes() const = 0;  // of the populations
 
@@ -76,16 +87,15 @@ class FluidFields {
   void changed() { sums_.reset(); }
 
  protected:
-  FluidFields(const lbm::Domain& domain, const std::array<double, 3>& body_force,
-              const std::vector<BlockMap>& maps)
-      : domain_(domain), body_force_(body_force), maps_(maps) {}
+  FluidFields(const lbm::Domain& domain, const lbm::CollisionSpec& spec, const std::vector<BlockMap>& maps)
+      : domain_(domain), spec_(spec), maps_(maps) {}
 
  private:
   virtual void set(int b, const lbm::CellBox&, int i, const double* g) = 0;
   virtual FlowSums count() const = 0;
 
   const lbm::Domain& domain_;
-  std::array<double, 3> body_force_;
+  const lbm::CollisionSpec& spec_;
   const std::vector<BlockMap>& maps_;
   mutable std::optional<FlowSums> sums_;
 };
@@ -94,7 +104,7 @@ class FluidFields {
 template <class T>
 std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>&, const std::vector<BlockMap>&);
 
-/// Calls visit(global cell, moments) for every fluid cell, x fastest.
+/// Calls visit(global cell of the level, moments) for every fluid cell, x fastest.
 template <class Visit>
 void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
   for (int b = 0; b < fields.blocks(); ++b) {
@@ -106,7 +116,7 @@ void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
   }
 }
 
-/// Puts the fluid of a case into its initial state, `fluid.initial`; the flow must be fresh, at rest
+/// Puts the fluid of a level of a case into its initial state, `fluid.initial`; it must be fresh, at rest
 /// (initial_flow.cpp).
 void set_initial_flow(const Case&, FluidFields&);
 

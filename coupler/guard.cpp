@@ -172,10 +172,15 @@ std::optional<FluidFault> fault_of(const Case& setup, const FlowTotals& totals) 
   return {};
 }
 
-bool holds(const FluidFields& fields, lbm::Int3 cell) {
-  for (int b = 0; b < fields.blocks(); ++b)
-    if (fields.block(b).contains(cell)) return true;
-  return false;
+/// Whether this rank has a cell of the finest lattice, or a coarse one where it would be.
+bool holds(const Flow& flow, lbm::Int3 cell) {
+  bool found = false;
+  flow.for_levels([&](const FluidFields& fields) {
+    const int w = fields.width();
+    for (int b = 0; b < fields.blocks(); ++b)
+      found |= fields.block(b).contains({cell.x / w, cell.y / w, cell.z / w});
+  });
+  return found;
 }
 
 }  // namespace
@@ -183,9 +188,8 @@ bool holds(const FluidFields& fields, lbm::Int3 cell) {
 void check_flow(const Scene& scene, const FlowTotals& totals, std::int64_t step) {
   const std::optional<FluidFault> fault = fault_of(scene.setup, totals);
   if (!fault) return;
-  const std::string here = holds(scene.flow->fields(), fault->cell)
-                               ? fluid_text(scene, fault->cell, fault->what, totals.max_speed)
-                               : "";
+  const std::string here =
+      holds(*scene.flow, fault->cell) ? fluid_text(scene, fault->cell, fault->what, totals.max_speed) : "";
   throw CommonGuardStop(fmt::format("step {}: {}", step, parallel::text_of_first(scene.comm, here)));
 }
 

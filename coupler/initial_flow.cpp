@@ -139,8 +139,8 @@ void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
 template <class Shape>
 void set(const Case& scene, FluidFields& fields) {
   const Shape shape(scene);
-  const double tau = scene.fluid->relaxation_time;
-  const auto local = [&](lbm::Int3 cell) { return at(shape, {cell.x + 0.5, cell.y + 0.5, cell.z + 0.5}); };
+  const double tau = fields.spec().relaxation_time;
+  const auto local = [&](lbm::Int3 cell) { return at(shape, fields.centre(cell)); };
   change_populations(fields, local, [&](int i, double, const Local& l) {
     return lbm::equilibrium(i, l.density_deviation, l.velocity.data());
   });
@@ -149,15 +149,17 @@ void set(const Case& scene, FluidFields& fields) {
     const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
                           2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
                           (l.xx + l.yy + l.zz) / 3;
-    return i == 0 ? g : g - 3 * tau * lbm::w(i) * strain;
+    return i == 0 ? g : g - 3 * tau * lbm::w(i) * strain * fields.width();
   });
 }
 
-/// Adds a velocity to every cell, a function of where it is: each component uniform between -noise and noise.
+/// Adds a velocity to every cell, a function of its first finest cell: each component uniform between -noise
+/// and noise.
 void add_noise(const Case& scene, FluidFields& fields) {
   const double noise = scene.fluid->initial.noise;
   const auto velocity = [&](lbm::Int3 cell) {
-    const auto place = (std::uint64_t(cell.z) * scene.cells[1] + cell.y) * scene.cells[0] + cell.x;
+    const auto [x, y, z] = fields.finest(cell);
+    const auto place = (std::uint64_t(z) * scene.cells[1] + y) * scene.cells[0] + x;
     return rigid::Vec3(noise * (2 * CounterRandom(mixed(place)).point() - rigid::Vec3::Ones()));
   };
   change_populations(fields, velocity, [&](int i, double g, const rigid::Vec3& u) {

@@ -54,7 +54,8 @@ Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
 
 void Simulation::start_fresh() {
   if (scene_.flow) {
-    set_initial_flow(setup(), scene_.flow->fields());
+    for (int level = 0; level < scene_.flow->levels(); ++level)
+      set_initial_flow(setup(), scene_.flow->fields(level));
     scene_.flow->start(scene_.bodies);
   }
   initial_ = balance();
@@ -120,7 +121,9 @@ void Simulation::watch() {
   if (!fluid && !scene_.anything_moves) return;
   tell_faults();
   if (fluid)
-    if (const auto fast = scene_.flow->fields().too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
+    scene_.flow->for_levels([&](const FluidFields& fields) {
+      if (const auto fast = fields.too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
+    });
   faults_.see_outside(scene_, step_);
   const bool looks_at_energy = scene_.anything_moves && step_ % energy_interval == 0 &&
                                faults_.see_energy(scene_, turnover_.energy_brought(), step_);

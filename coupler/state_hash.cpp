@@ -35,7 +35,9 @@ std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
 }
 
 std::uint64_t state_hash(MPI_Comm comm, const Flow* flow, const rigid::BodySet& bodies) {
-  return parallel::sum_over_ranks(comm, hash_bodies(bodies) + (flow ? flow->fields().hash() : 0));
+  std::uint64_t sum = hash_bodies(bodies);
+  if (flow) flow->for_levels([&](const FluidFields& fields) { sum += fields.hash(); });
+  return parallel::sum_over_ranks(comm, sum);
 }
 
 std::string hex(std::uint64_t x) {

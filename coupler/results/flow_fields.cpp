@@ -149,10 +149,9 @@ class Fields {
                       units_.scale(dimension::pressure), 0,
                       [](const lbm::Moments& m) { return m.density_deviation / 3; });
       case Field::shear_rate:
-        return scalar("shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
-                      0, [this, fluid = *simulation_.setup().fluid](const lbm::Moments& m) {
-                        return std::sqrt(2 * strain_rate_squared(fields_, m, fluid));
-                      });
+        return scalar(
+            "shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity), 0,
+            [this](const lbm::Moments& m) { return std::sqrt(2 * strain_rate_squared(fields_, m)); });
       case Field::body_id:
         return body_id();
       case Field::vorticity:

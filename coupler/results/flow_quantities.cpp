@@ -29,28 +29,39 @@ double superficial_velocity(const Simulation& simulation, int axis, double frame
          (double(n[0]) * n[1] * n[2]);
 }
 
+/// Calls visit(fields of its level, cell, moments) for every fluid cell of all levels.
+template <class Visit>
+void for_each_fluid_cell(const Flow& flow, Visit&& visit) {
+  flow.for_levels([&](const FluidFields& fields) {
+    coupler::for_each_fluid_cell(fields,
+                                 [&](lbm::Int3 cell, const lbm::Moments& m) { visit(fields, cell, m); });
+  });
+}
+
 /// Sums over the fluid of |u - exact|^2, |exact|^2, and u . exact(0), |exact(0)|^2.
 struct VortexSums {
   FixedSum error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
 };
 
 VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
-  const FluidFields& fields = simulation.scene().flow->fields();
   const double t = static_cast<double>(simulation.steps_done());
   VortexSums mine;
-  for_each_fluid_cell(fields, [&](lbm::Int3 x, const lbm::Moments& m) {
-    const auto u = fields.velocity(m);
-    const auto now = exact.velocity(x.x + 0.5, x.y + 0.5, t), begin = exact.velocity(x.x + 0.5, x.y + 0.5, 0);
-    double error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
-    for (int d = 0; d < 3; ++d) {
-      error2 += (u[d] - now[d]) * (u[d] - now[d]);
-      exact2 += now[d] * now[d];
-      projection += u[d] * begin[d];
-      projection0 += begin[d] * begin[d];
-    }
-    mine.error2 += to_fixed(error2), mine.exact2 += to_fixed(exact2);
-    mine.projection += to_fixed(projection), mine.projection0 += to_fixed(projection0);
-  });
+  for_each_fluid_cell(
+      *simulation.scene().flow, [&](const FluidFields& fields, lbm::Int3 cell, const lbm::Moments& m) {
+        const auto u = fields.velocity(m);
+        const rigid::Vec3 x = fields.centre(cell);
+        const auto now = exact.velocity(x[0], x[1], t), begin = exact.velocity(x[0], x[1], 0);
+        double error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
+        for (int d = 0; d < 3; ++d) {
+          error2 += (u[d] - now[d]) * (u[d] - now[d]);
+          exact2 += now[d] * now[d];
+          projection += u[d] * begin[d];
+          projection0 += begin[d] * begin[d];
+        }
+        const auto add = [&](FixedSum& sum, double x) { sum += fields.volume() * to_fixed(x); };
+        add(mine.error2, error2), add(mine.exact2, exact2);
+        add(mine.projection, projection), add(mine.projection0, projection0);
+      });
   return parallel::sum_over_ranks(simulation.scene().comm, mine);
 }
 
@@ -86,17 +97,17 @@ double kinetic_energy(const Simulation& simulation) {
 }
 
 double dissipation(const Simulation& simulation) {
-  const FluidFields& fields = simulation.scene().flow->fields();
-  const FluidSpec& fluid = *simulation.setup().fluid;
   struct {
     FixedSum squares = 0, cells = 0;
   } mine;
-  for_each_fluid_cell(fields, [&](lbm::Int3, const lbm::Moments& m) {
-    mine.squares += to_fixed(strain_rate_squared(fields, m, fluid));
-    mine.cells += to_fixed(1);
-  });
+  for_each_fluid_cell(*simulation.scene().flow,
+                      [&](const FluidFields& fields, lbm::Int3, const lbm::Moments& m) {
+                        mine.squares += fields.volume() * to_fixed(strain_rate_squared(fields, m));
+                        mine.cells += fields.volume() * to_fixed(1);
+                      });
   const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
-  return all.cells > 0 ? 2 * fluid.kinematic_viscosity * from_fixed(all.squares) / from_fixed(all.cells)
+  return all.cells > 0 ? 2 * simulation.setup().fluid->kinematic_viscosity * from_fixed(all.squares) /
+                             from_fixed(all.cells)
                        : no_value;
 }
 
@@ -107,15 +118,14 @@ double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q)
 }
 
 double profile_error(const Simulation& simulation, const QuantitySpec& q) {
-  const FluidFields& fields = simulation.scene().flow->fields();
   const auto exact = exact_profile(simulation.setup(), q.profile);
   double error = 0;
-  for_each_fluid_cell(fields, [&](lbm::Int3 x, const lbm::Moments& m) {
-    const auto u = fields.velocity(m);
-    const double e =
-        (rigid::Vec3(u[0], u[1], u[2]) - exact.velocity({x.x + 0.5, x.y + 0.5, x.z + 0.5})).norm();
-    if (!(e <= error)) error = e;  // a NaN stays
-  });
+  for_each_fluid_cell(
+      *simulation.scene().flow, [&](const FluidFields& fields, lbm::Int3 cell, const lbm::Moments& m) {
+        const auto u = fields.velocity(m);
+        const double e = (rigid::Vec3(u[0], u[1], u[2]) - exact.velocity(fields.centre(cell))).norm();
+        if (!(e <= error)) error = e;  // a NaN stays
+      });
   return parallel::max_over_ranks(simulation.scene().comm, error) / exact.largest;
 }
 

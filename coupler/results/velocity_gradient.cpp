@@ -153,9 +153,9 @@ Vec3 vorticity(VelocitiesAround& velocities, Int3 cell) {
   return {y[2] - z[1], z[0] - x[2], x[1] - y[0]};
 }
 
-double strain_rate_squared(const FluidFields& fields, const lbm::Moments& m, const FluidSpec& fluid) {
+double strain_rate_squared(const FluidFields& fields, const lbm::Moments& m) {
   constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-  const rigid::Vec3& force = fluid.body_force;
+  const auto& [tau, magic, model, force, smagorinsky] = fields.spec();
   const auto u = fields.velocity(m);
   double squares = 0;
   for (int k = 0; k < 6; ++k) {
@@ -165,7 +165,7 @@ double strain_rate_squared(const FluidFields& fields, const lbm::Moments& m, con
     if (a == b) flux -= m.density_deviation / 3;
     squares += (a == b ? 1 : 2) * flux * flux;
   }
-  return squares * 9 / (4 * fluid.relaxation_time * fluid.relaxation_time);
+  return squares * 9 / (4 * tau * tau) / (fields.width() * fields.width());
 }
 
 }  // namespace silt::coupler

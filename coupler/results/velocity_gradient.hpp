@@ -78,7 +78,8 @@ class VelocitiesAround {
 rigid::Vec3 vorticity(VelocitiesAround&, lbm::Int3 cell);
 
 /// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]
-/// (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1).
-double strain_rate_squared(const FluidFields&, const lbm::Moments&, const FluidSpec&);
+/// (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1), in units of the finest
+/// lattice.
+double strain_rate_squared(const FluidFields&, const lbm::Moments&);
 
 }  // namespace silt::coupler

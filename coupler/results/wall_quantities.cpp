@@ -41,8 +41,10 @@ double area_of(const Case& setup, int axis) {
 
 /// Adds the force of fluid and bodies on a side of the domain, +1 or -1 times.
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
-  const auto fluid = simulation.scene().flow->fields().side_force(side / 2, side % 2 != 0);
-  for (int d = 0; d < 3; ++d) force[d].add(sign * fluid[d], lbm::link_quantum);
+  simulation.scene().flow->for_levels([&](const FluidFields& fields) {
+    const auto fluid = fields.side_force(side / 2, side % 2 != 0);
+    for (int d = 0; d < 3; ++d) force[d].add(sign * fluid[d], lbm::link_quantum);
+  });
   for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
   });

@@ -1,0 +1,109 @@
+#pragma once
+// The fluid of several levels that no step moves, over a tree of cuts made by hand: for tests of what looks
+// at its cells.
+#include <memory>
+#include <vector>
+
+#include "coupler/case/case.hpp"
+#include "coupler/flow.hpp"
+#include "coupler/mapping/solid_map.hpp"
+#include "coupler/simulation.hpp"
+#include "lbm/fluid.hpp"
+#include "parallel/collectives.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+
+class LevelledFlow final : public Flow {
+ public:
+  LevelledFlow(const Case& scene, const lbm::CutTree& tree, int levels, MPI_Comm comm) {
+    for (int level = 0; level < levels; ++level)
+      levels_.push_back(std::make_unique<Level>(scene, tree, level, comm));
+    std::vector<const FluidFields*> fields;
+    for (const auto& level : levels_) fields.push_back(level->fields.get());
+    account_ = std::make_unique<FlowAccount>(fields, comm, false);
+  }
+
+  int levels() const override { return int(levels_.size()); }
+  using Flow::fields;
+  FluidFields& fields(int level = 0) override { return *levels_[level]->fields; }
+  FlowAccount& account() override { return *account_; }
+  void set_solid(int level, int block, lbm::Int3 cell) { levels_[level]->maps[block].solid.set(cell); }
+
+  void map_bodies(rigid::BodySet&, const BodyChanges&) override {}
+  void stream_collide(StepClock&) override {}
+  void communicate() override {}
+  void evaluate_forces(rigid::BodySet&) override {}
+  void set_schedule(LinkSchedule) override {}
+  void resume(const MassCorrectionState&) override {}
+  void take_over(const Flow&) override {}
+  void start(rigid::BodySet&) override {}
+
+ private:
+  struct Level {
+    lbm::Fluid<double> fluid;
+    std::vector<BlockMap> maps;
+    std::unique_ptr<FluidFields> fields;
+
+    Level(const Case& scene, const lbm::CutTree& tree, int level, MPI_Comm comm)
+        : fluid(domain_of(scene, tree, level, comm), spec_of(*scene.fluid, level), comm) {
+      for (const auto& block : fluid.blocks()) {
+        BlockMap& map = maps.emplace_back();
+        map.box = block.box();
+        map.solid = CellBits(map.box.size);
+      }
+      fields = make_fields<double>(fluid, maps);
+    }
+    static lbm::Domain domain_of(const Case& scene, const lbm::CutTree& tree, int level, MPI_Comm comm) {
+      return {tree, make_domain(scene, 1).sides(), parallel::ranks_of(comm), level};
+    }
+    static lbm::CollisionSpec spec_of(const FluidSpec& fluid, int level) {
+      const double width = 1 << level;
+      lbm::CollisionSpec spec{0.5 + (fluid.relaxation_time - 0.5) / width};
+      for (int d = 0; d < 3; ++d) spec.force[d] = width * fluid.body_force[d];
+      return spec;
+    }
+  };
+  std::vector<std::unique_ptr<Level>> levels_;
+  std::unique_ptr<FlowAccount> account_;
+};
+
+/// A box of 24 x 16 x 8 cells: of level 2 up to x = 8, of level 1 up to 16, of level 0 beyond; in eight
+/// columns along x, which up to eight ranks share.
+inline lbm::CutTree three_levels(int ranks) {
+  std::vector<lbm::Cut> nodes;
+  std::vector<lbm::LeafKind> kinds;
+  const auto column = [&] {
+    nodes.push_back({0, 8, 1}), nodes.push_back({0, 16, 1});
+    for (const int level : {2, 1, 0}) kinds.push_back({int(kinds.size() / 3) * ranks / 8, level});
+  };
+  const auto layer = [&] {
+    nodes.push_back({1, 8, 6}), nodes.push_back({1, 4, 3});
+    column(), column();
+    nodes.push_back({1, 12, 3});
+    column(), column();
+  };
+  nodes.push_back({2, 4, 12});
+  layer(), layer();
+  return {{24, 16, 8}, std::move(nodes), std::move(kinds)};
+}
+
+/// The scene of that box: fluid alone, in double precision.
+inline CaseText levelled_case(const std::string& fluid = "relaxation_time = 0.8\n") {
+  CaseText c;
+  c.domain = domain_of({24, 16, 8});
+  c.fluid = "[fluid]\nprecision = \"double\"\n" + fluid;
+  c.shapes = c.bodies = "";
+  return c;
+}
+
+/// Puts it in the place of a simulation's fluid.
+inline LevelledFlow& put_levels(Simulation& s) {
+  Scene& scene = s.scene();
+  auto flow = std::make_unique<LevelledFlow>(scene.setup, three_levels(scene.ranks), 3, scene.comm);
+  LevelledFlow& put = *flow;
+  scene.flow = std::move(flow);
+  return put;
+}
+
+}  // namespace silt::coupler::testing

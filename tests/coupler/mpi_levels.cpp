@@ -1,0 +1,128 @@
+// What looks at the fluid between steps sees the cells of all levels: totals, the hash, where a run begins,
+// and quantities.
+#include <gtest/gtest.h>
+#include <mpi.h>
+
+#include <cmath>
+
+#include "coupler/guard.hpp"
+#include "coupler/results/velocity_gradient.hpp"
+#include "coupler/state_hash.hpp"
+#include "tests/coupler/levelled_flow.hpp"
+#include "tests/coupler/single_cells.hpp"
+#include "tests/world.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+constexpr int finest_cells = 24 * 16 * 8, of_each_level = finest_cells / 3;
+
+/// Gives each cell the equilibrium of what of(fields, global cell) returns: density deviation and velocity.
+template <class Of>
+void set_cells(LevelledFlow& flow, Of&& of) {
+  for (int level = 0; level < flow.levels(); ++level) {
+    FluidFields& fields = flow.fields(level);
+    for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 cell) {
+      const auto [density, u] = of(fields, cell);
+      for (int i = 0; i < lbm::directions; ++i)
+        set_arriving(fields, b, x, i, lbm::equilibrium(i, density, u.data()));
+    });
+  }
+}
+struct Local {
+  double density_deviation;
+  rigid::Vec3 velocity;
+};
+
+/// A third of the box each is of every level; the values are whole numbers of quanta, so that sums are exact.
+TEST(Levels, TotalsCountCellsByTheirVolume) {
+  Simulation s = levelled_case("relaxation_time = 0.8\nbody_force = [0.0625, 0, 0]\n").start(MPI_COMM_WORLD);
+  LevelledFlow& flow = put_levels(s);
+  const auto density = [](int level) { return 0.125 * (1 + level); };
+  set_cells(flow, [&](const FluidFields& fields, lbm::Int3) {
+    return Local{density(fields.level()), {0.25, 0, -0.125}};
+  });
+  const FlowTotals totals = flow.account().totals();
+  EXPECT_EQ(totals.fluid_cells, std::uint64_t(finest_cells));
+  EXPECT_NEAR(totals.mass_deviation, of_each_level * (0.125 + 0.25 + 0.375), 1e-9);
+  EXPECT_NEAR(totals.momentum[0], 0.25 * finest_cells, 1e-9);
+  EXPECT_NEAR(totals.momentum[2], -0.125 * finest_cells, 1e-9);
+  EXPECT_EQ(totals.forces, std::uint64_t(of_each_level * (1 + 2 + 4)));
+  EXPECT_NEAR(flow.fields().velocity_sum(totals)[0],
+              0.25 * finest_cells + 0.5 * 0.0625 * of_each_level * (1 + 2 + 4), 1e-9);
+  EXPECT_EQ(totals.max_density, 1.375);
+  EXPECT_EQ(totals.min_density, 1.125);
+  FluidMass mine;
+  flow.for_levels([&](const FluidFields& fields) {
+    const FluidMass mass = fields.mass();
+    mine.cells += mass.cells, mine.mass += mass.mass;
+  });
+  EXPECT_EQ(tests::sum_over_ranks(double(mine.cells)), finest_cells);
+  EXPECT_NEAR(tests::sum_over_ranks(double(mine.mass) * lbm::mass_quantum), totals.mass_deviation, 1e-9);
+}
+
+TEST(Levels, ACellAtFaultIsNamedInFinestCells) {
+  Simulation s = levelled_case().start(MPI_COMM_WORLD);
+  LevelledFlow& flow = put_levels(s);
+  set_cells(flow, [](const FluidFields& fields, lbm::Int3 cell) {
+    const bool fast = fields.level() == 1 && (cell == lbm::Int3{5, 6, 3} || cell == lbm::Int3{6, 6, 3});
+    return Local{fields.level() == 2 && cell == lbm::Int3{1, 2, 1} ? -0.5 : 0, {fast ? 0.5 : 0, 0, 0}};
+  });
+  const FlowTotals totals = flow.account().totals();
+  EXPECT_EQ(totals.fastest_cell, (lbm::Int3{10, 12, 6}));
+  EXPECT_EQ(totals.thinnest_cell, (lbm::Int3{4, 8, 4}));
+  try {
+    s.look_at_flow();
+    ADD_FAILURE() << "it is too fast";
+  } catch (const CommonGuardStop& stop) {
+    EXPECT_NE(std::string(stop.what()).find("the fluid at cell [10, 12, 6], moves 0.5"), std::string::npos)
+        << stop.what();
+  }
+}
+
+TEST(Levels, HashIsTheSameOnAnyRanksAndKnowsTheLevel) {
+  const auto hash_of = [](MPI_Comm comm, int changed_level) {
+    Simulation s = levelled_case().start(comm);
+    LevelledFlow& flow = put_levels(s);
+    set_cells(flow, [&](const FluidFields& fields, lbm::Int3 cell) {
+      const bool changed = fields.level() == changed_level && cell.y == 1 && cell.z == 0;
+      return Local{changed ? 1e-3 : 0, {1e-3 * cell.x, 0, 1e-3 * fields.level()}};
+    });
+    return s.hash();
+  };
+  const std::uint64_t everywhere = hash_of(MPI_COMM_WORLD, -1);
+  EXPECT_EQ(everywhere, tests::alone([&] { return hash_of(MPI_COMM_SELF, -1); }));
+  for (int level = 0; level < 3; ++level) EXPECT_NE(hash_of(MPI_COMM_WORLD, level), everywhere) << level;
+  const Case scene = levelled_case().read();
+  LevelledFlow fine(scene, lbm::CutTree({8, 8, 8}), 1, MPI_COMM_SELF),
+      coarse(scene, {{16, 16, 16}, {}, {{0, 1}}}, 2, MPI_COMM_SELF);
+  EXPECT_NE(fine.fields(0).hash(), coarse.fields(1).hash()) << "cells alike but for their width";
+}
+
+/// Taylor and Green's vortex: the velocity of every cell is that at its centre, and so is the stress, from
+/// which the dissipation follows; the quadratic functions sum to the same on all levels but for the waves'
+/// sampling, which is exact for whole periods.
+TEST(Levels, AFlowBeginsAtTheCentresOfCells) {
+  Simulation s =
+      levelled_case(
+          "relaxation_time = 0.8\ninitial = { type = \"vortex\", velocity = [0.01, 0, 0], swirl = 0.02, "
+          "radius = 4 }\n")
+          .start(MPI_COMM_WORLD);
+  LevelledFlow& flow = put_levels(s);
+  for (int level = 0; level < 3; ++level) set_initial_flow(s.setup(), flow.fields(level));
+  flow.for_levels([&](const FluidFields& fields) {
+    for_each_fluid_cell(fields, [&](lbm::Int3 cell, const lbm::Moments& m) {
+      const double w = fields.width(), x = w * (cell.x + 0.5) - 12, y = w * (cell.y + 0.5) - 8;
+      const double turn = 0.02 / 4 * std::exp(0.5 - (x * x + y * y) / 32);
+      const auto u = fields.velocity(m);
+      EXPECT_NEAR(u[0], 0.01 - turn * y, 1e-12);
+      EXPECT_NEAR(u[1], turn * x, 1e-12);
+      EXPECT_NEAR(m.density_deviation, -1.5 * 16 * turn * turn, 1e-12);
+      const double xx = x * y * turn / 16, xy = 0.5 * (y * y - x * x) * turn / 16;
+      EXPECT_NEAR(strain_rate_squared(fields, m), 2 * (xx * xx + xy * xy), 1e-12);
+    });
+  });
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
