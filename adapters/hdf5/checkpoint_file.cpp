@@ -1,6 +1,7 @@
 #include "adapters/hdf5/checkpoint_file.hpp"
 
 #include <map>
+#include <numeric>
 
 #include "adapters/hdf5/body_tables.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
@@ -38,7 +39,34 @@ struct CheckpointWriter::State {
       file.close();
     });
   }
+  template <class Pack, class Write>
+  void add_components(const std::string& name, Storage, const hdf5::Shape&, int components, Pack&&, Write&&);
 };
+
+/// Adds a dataset of this shape and writes it a component after the other: pack(q, checksum) returns what
+/// this rank has and adds to the checksum; write(file, place of the component, packed) is collective.
+template <class Pack, class Write>
+void CheckpointWriter::State::add_components(const std::string& name, Storage storage,
+                                             const hdf5::Shape& shape, int components, Pack&& pack,
+                                             Write&& write) {
+  std::uint64_t bytes = H5Tget_size(hdf5::type_of(storage)), place = 0, mine = 0;
+  for (const hsize_t n : shape) bytes *= n;
+  parallel::on_rank_0(comm, [&] {
+    File file = open_to_add(bytes);
+    place = file.place_of(file.create_dataset(name, hdf5::type_of(storage), shape));
+    file.close();
+  });
+  parallel::broadcast(comm, place);
+  std::optional<RawFile> file;
+  parallel::together(comm, [&] { file.emplace(part(), RawFile::to_write); });
+  for (int q = 0; q < components; ++q) {
+    std::vector<std::byte> packed;
+    parallel::together(comm, [&] { packed = pack(q, mine); });
+    write(*file, place + bytes / components * q, std::move(packed));
+  }
+  parallel::together(comm, [&] { file->close(); });
+  checksums[name] = parallel::sum_over_ranks(comm, mine);
+}
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path,
                                    const Provenance& provenance) {
@@ -98,32 +126,42 @@ std::uint64_t box_checksum(const CellBox& box, std::array<int, 3> n, int q, std:
 void CheckpointWriter::cells(const std::string& name, Storage storage, std::array<int, 3> n, int components,
                              const std::vector<CellBox>& boxes,
                              const std::function<void(int, std::size_t, void*)>& fill) {
-  const MPI_Comm comm = state_->comm;
-  const std::string full = "/cells/" + name;
   const std::size_t value = H5Tget_size(hdf5::type_of(storage));
-  const std::uint64_t bytes = std::uint64_t(n[0]) * n[1] * n[2] * value;  // of a component
-  std::uint64_t place = 0, mine = 0;
-  parallel::on_rank_0(comm, [&] {
-    File file = state_->open_to_add(components * bytes);
-    place = file.place_of(file.create_dataset(full, hdf5::type_of(storage), shape_of(n, components)));
-    file.close();
-  });
-  parallel::broadcast(comm, place);
-  const SlabExchange slabs(comm, n, boxes);
-  std::optional<RawFile> file;
-  parallel::together(comm, [&] { file.emplace(state_->part(), RawFile::to_write); });
-  for (int q = 0; q < components; ++q) {
-    std::vector<std::byte> packed;
-    parallel::together(comm, [&] {
-      packed = slabs.pack(value, [&](std::size_t box, void* out) {
-        fill(q, box, out);
-        mine += box_checksum(boxes[box], n, q, value, out);
-      });
+  const SlabExchange slabs(state_->comm, n, boxes);
+  const auto pack = [&](int q, std::uint64_t& checksum) {
+    return slabs.pack(value, [&](std::size_t box, void* out) {
+      fill(q, box, out);
+      checksum += box_checksum(boxes[box], n, q, value, out);
     });
-    slabs.write(*file, place + q * bytes, value, std::move(packed));
-  }
-  parallel::together(comm, [&] { file->close(); });
-  state_->checksums[full] = parallel::sum_over_ranks(comm, mine);
+  };
+  const auto write = [&](RawFile& file, std::uint64_t place, std::vector<std::byte> packed) {
+    slabs.write(file, place, value, std::move(packed));
+  };
+  state_->add_components("/cells/" + name, storage, shape_of(n, components), components, pack, write);
+}
+
+void CheckpointWriter::list(const std::string& name, Storage storage, std::array<int, 3> tiles,
+                            int components, const CellBox& box, std::span<const std::uint32_t> counts,
+                            const std::function<void(int, void*)>& fill) {
+  const std::size_t value = H5Tget_size(hdf5::type_of(storage));
+  const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles, box, counts);
+  const hdf5::SliceExchange slices(state_->comm, runs.total, runs.mine);
+  const auto pack = [&](int q, std::uint64_t& checksum) {
+    std::vector<std::byte> packed(std::accumulate(counts.begin(), counts.end(), std::size_t{0}) * value);
+    fill(q, packed.data());
+    const std::byte* from = packed.data();
+    for (const auto& [first, length] : runs.mine) {
+      checksum += hdf5::run_checksum(value, from, length, q * runs.total + first);
+      from += length * value;
+    }
+    return packed;
+  };
+  const auto write = [&](RawFile& file, std::uint64_t place, std::vector<std::byte> packed) {
+    const auto slice = slices.to_slice(value, std::move(packed));
+    parallel::together(state_->comm, [&] { file.write(place + slices.slice_begin() * value, slice); });
+  };
+  state_->add_components("/cells/" + name, storage, {hsize_t(components), runs.total}, components, pack,
+                         write);
 }
 
 void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const rigid::HolderColumn> holder) {
@@ -168,6 +206,21 @@ struct CheckpointReader::State {
   hdf5::Path path;
   std::optional<File> file;  // each rank reads what is small by itself
 
+  /// Opens the values of a dataset, which must be stored so, after look().
+  template <class Look>
+  hdf5::Place open_cells(const CheckpointReader& reader, const std::string& name, Storage storage,
+                         std::optional<RawFile>& raw, Look&& look) const {
+    const std::string full = "/cells/" + name;
+    hdf5::Place place;
+    parallel::together(comm, [&] {
+      look();
+      place = file->place(full);
+      if (H5Tequal(file->type(file->dataset(full)), hdf5::type_of(storage)) <= 0)
+        reader.refuse(full + " was stored in another precision than asked for");
+      raw.emplace(path, RawFile::to_read);
+    });
+    return place;
+  }
   /// What read(file, its group) gives, on every rank alike; errors say which checkpoint to use.
   template <class Read>
   auto advised(const char* group, Read&& read) const {
@@ -242,19 +295,13 @@ int CheckpointReader::components(const std::string& name) const {
 
 void CheckpointReader::cells(const std::string& name, Storage storage, const std::vector<CellBox>& boxes,
                              const std::function<void(int, std::size_t, const void*)>& take) const {
-  const std::string full = "/cells/" + name;
   const MPI_Comm comm = state_->comm;
   std::array<int, 3> cells{};
   int n = 0;
-  hdf5::Place place;
   std::optional<RawFile> raw;
-  parallel::together(comm, [&] {
+  const hdf5::Place place = state_->open_cells(*this, name, storage, raw, [&] {
     cells = lattice(name);
     n = components(name);
-    place = state_->file->place(full);
-    if (H5Tequal(state_->file->type(state_->file->dataset(full)), hdf5::type_of(storage)) <= 0)
-      refuse(full + " was stored in another precision than asked for");
-    raw.emplace(state_->path, RawFile::to_read);
   });
   const SlabExchange slabs(comm, cells, boxes);
   for (int q = 0; q < n; ++q) {
@@ -264,6 +311,33 @@ void CheckpointReader::cells(const std::string& name, Storage storage, const std
       slabs.unpack(packed, place.value_bytes, [&](std::size_t box, const void* in) { take(q, box, in); });
     });
   }
+}
+
+void CheckpointReader::list(const std::string& name, Storage storage, std::array<int, 3> tiles,
+                            int components, const CellBox& box, std::span<const std::uint32_t> counts,
+                            const std::function<void(int, const void*)>& take) const {
+  const MPI_Comm comm = state_->comm;
+  const hdf5::TileRuns runs = hdf5::runs_of_tiles(comm, tiles, box, counts);
+  std::optional<RawFile> raw;
+  const hdf5::Place place = state_->open_cells(*this, name, storage, raw, [&] {
+    if (state_->file->shape(state_->file->dataset("/cells/" + name)) !=
+        hdf5::Shape{hsize_t(components), runs.total})
+      refuse("/cells/" + name + " has another shape than its levels say");
+  });
+  const hdf5::SliceExchange slices(comm, runs.total, runs.mine);
+  for (int q = 0; q < components; ++q) {
+    std::vector<std::byte> slice;
+    parallel::together(comm, [&] {
+      slice = raw->read(place.at + (q * runs.total + slices.slice_begin()) * place.value_bytes,
+                        slices.slice_size() * place.value_bytes);
+    });
+    const auto packed = slices.from_slice(place.value_bytes, slice);
+    parallel::together(comm, [&] { take(q, packed.data()); });
+  }
+}
+
+bool CheckpointReader::has_cells(const std::string& name) const {
+  return state_->file->exists("/cells/" + name);
 }
 
 CheckpointReader::Bodies CheckpointReader::bodies(std::span<const rigid::HolderColumn> holder) const {

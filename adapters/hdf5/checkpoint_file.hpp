@@ -2,7 +2,7 @@
 // A checkpoint: everything a run needs to go on, to the bit, on any number of ranks:
 //   /              format, format_version, complete
 //   /state         the caller's named numbers and texts
-//   /cells/NAME    [z][y][x] or [q][z][y][x] of float, double or bytes, with a checksum
+//   /cells/NAME    [z][y][x] or [q][z][y][x] of float, double or bytes, or a list [q][entry], with a checksum
 //   /bodies/...    the columns of BodyRecord, sorted by id, and those of its HolderState; impulse_count
 //   /impulses/...  the columns of StoredImpulse, body after body
 //   /provenance
@@ -83,6 +83,12 @@ class CheckpointWriter {
              const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, void* out)>& fill);
 
+  /// Writes a list of cells, `components` populations each, by tiles of a lattice in the order z, y, x. This
+  /// rank's tiles are a box and have so many entries each. fill(q, out) writes population q of all of them,
+  /// tile after tile; it is called for one q after the other.
+  void list(const std::string& name, Storage, std::array<int, 3> tiles, int components, const CellBox& box,
+            std::span<const std::uint32_t> counts, const std::function<void(int q, void* out)>& fill);
+
   /// Writes the bodies of all ranks and their stored impulses; of their holder state what the columns name.
   /// Each rank sorts and writes a slice of them, a column at a time.
   void bodies(const OwnedRows&, std::span<const rigid::HolderColumn> = {});
@@ -125,6 +131,12 @@ class CheckpointReader {
   /// CheckpointWriter::cells. It must be stored so.
   void cells(const std::string& name, Storage, const std::vector<CellBox>& boxes,
              const std::function<void(int q, std::size_t box, const void* in)>& take) const;
+
+  /// Reads a list, mirroring CheckpointWriter::list. It must be stored so, with as many entries in all.
+  void list(const std::string& name, Storage, std::array<int, 3> tiles, int components, const CellBox& box,
+            std::span<const std::uint32_t> counts,
+            const std::function<void(int q, const void* in)>& take) const;
+  bool has_cells(const std::string& name) const;
 
   struct Bodies {
     std::uint64_t first_body = 0, first_impulse = 0;  // rows of /bodies and /impulses

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <new>
 #include <optional>
+#include <span>
 
 #include "adapters/hdf5/file.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
@@ -22,44 +23,94 @@ using hdf5::Handle;
 using hdf5::Path;
 using hdf5::SlabExchange;
 
-std::string dataset_name(const FieldQuantity& q) {
-  return "/VTKHDF/PointData/" + q.name;
-}
+constexpr std::uint64_t box_bytes = 6 * sizeof(std::int32_t);
+
+/// The datasets of one group: the quantities of the cells of these boxes. The cells have this shape, in
+/// chunks where they are packed.
+struct Group {
+  std::string name;
+  const std::vector<CellBox>& boxes;
+  const std::vector<FieldQuantity>& quantities;
+  hdf5::Shape shape, chunk;
+  int width = 0;  // of the cells of a level of several
+  std::uint64_t boxes_of_all = 0;
+
+  std::string dataset(const FieldQuantity& q) const { return name + q.name; }
+  /// How many cells are stored: whole chunks.
+  std::uint64_t cells() const {
+    std::uint64_t n = 1;
+    for (std::size_t d = 0; d < shape.size(); ++d)
+      n *= chunk.empty() ? shape[d] : (shape[d] + chunk[d] - 1) / chunk[d] * chunk[d];
+    return n;
+  }
+};
 
 std::size_t cell_bytes(const FieldQuantity& q) {
   return q.components * H5Tget_size(hdf5::type_of(q.storage));
 }
 
-/// How many rows of a plane share a packed chunk; its last one is stored as large as the others. All
-/// quantities have the same.
-int rows_of_a_chunk(const FieldSnapshot& snapshot) {
-  constexpr std::size_t chunk_bytes = 1 << 20;  // at most
-  std::size_t row_bytes = 1;
-  for (const FieldQuantity& q : snapshot.quantities)
-    row_bytes = std::max(row_bytes, snapshot.grid.cells[0] * cell_bytes(q));
-  const int rows = snapshot.grid.cells[1];
-  const int most = int(std::clamp<std::size_t>(chunk_bytes / row_bytes, 1, rows)),
-            chunks = (rows + most - 1) / most;
-  return (rows + chunks - 1) / chunks;
+/// How many pieces of so many cells share a packed chunk of at most a megabyte; its last one is stored as
+/// large as the others. All quantities have the same.
+hsize_t pieces_of_a_chunk(const std::vector<FieldQuantity>& quantities, hsize_t cells, hsize_t pieces) {
+  hsize_t bytes = 1;
+  for (const FieldQuantity& q : quantities) bytes = std::max<hsize_t>(bytes, cells * cell_bytes(q));
+  const hsize_t most = std::clamp<hsize_t>((1 << 20) / bytes, 1, pieces), chunks = (pieces + most - 1) / most;
+  return (pieces + chunks - 1) / chunks;
 }
 
-/// Writes where the image lies and what it is of.
-void write_head(File& file, const FieldSnapshot& snapshot, const Provenance& provenance) {
-  const ImageGrid& grid = snapshot.grid;
-  const Handle image = file.group("/VTKHDF"), root = file.group("/");
-  const std::int64_t version[2] = {1, 0};
-  std::int64_t extent[6] = {};
-  std::array<double, 3> origin;
-  for (int d = 0; d < 3; ++d) {
-    extent[2 * d + 1] = grid.cells[d] - 1;
-    origin[d] = grid.origin[d] + 0.5 * grid.spacing[d];
+Group image_group(const FieldSnapshot& snapshot, const std::vector<CellBox>& boxes) {
+  const auto& [x, y, z] = snapshot.grid.cells;
+  Group image{"/VTKHDF/PointData/", boxes, snapshot.quantities, {hsize_t(z), hsize_t(y), hsize_t(x)}, {}};
+  if (snapshot.compression > 0) image.chunk = {1, pieces_of_a_chunk(image.quantities, x, y), hsize_t(x)};
+  return image;
+}
+
+/// Those levels of which any rank has a cell, in VTK's order, which begins with the coarsest. Collective.
+std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& levels, int compression) {
+  std::vector<Group> groups;
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+    struct {
+      std::uint64_t cells = 0, boxes;
+    } sums{0, level->boxes.size()};
+    for (const CellBox& box : level->boxes) sums.cells += box.cells();
+    sums = parallel::sum_over_ranks(comm, sums);
+    if (sums.cells == 0) continue;
+    Group& group = groups.emplace_back(Group{"/VTKHDF/Level" + std::to_string(groups.size()) + "/CellData/",
+                                             level->boxes,
+                                             level->quantities,
+                                             {sums.cells},
+                                             {},
+                                             level->width,
+                                             sums.boxes});
+    if (compression > 0) group.chunk = {pieces_of_a_chunk(group.quantities, 1, sums.cells)};
   }
-  file.attribute(image, "Version", H5T_NATIVE_INT64, {2}, version);
-  file.attribute(image, "Type", std::string("ImageData"));
-  file.attribute(image, "WholeExtent", H5T_NATIVE_INT64, {6}, extent);
-  file.numbers(image, "Origin", origin);
-  file.numbers(image, "Spacing", grid.spacing);
-  file.numbers(image, "Direction", std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+  return groups;
+}
+
+/// Writes where the lattice lies and what it is of.
+void write_head(File& file, const FieldSnapshot& snapshot, const std::vector<Group>& groups,
+                const Provenance& provenance) {
+  const ImageGrid& grid = snapshot.grid;
+  const Handle vtk = file.group("/VTKHDF"), root = file.group("/");
+  const std::int64_t version[2] = {1, 0};
+  file.attribute(vtk, "Version", H5T_NATIVE_INT64, {2}, version);
+  if (groups[0].width > 0) {
+    file.attribute(vtk, "Type", std::string("OverlappingAMR"));
+    file.attribute(vtk, "GridDescription", std::string("XYZ"));
+    file.numbers(vtk, "Origin", grid.origin);
+  } else {
+    std::int64_t extent[6] = {};
+    std::array<double, 3> origin;
+    for (int d = 0; d < 3; ++d) {
+      extent[2 * d + 1] = grid.cells[d] - 1;
+      origin[d] = grid.origin[d] + 0.5 * grid.spacing[d];
+    }
+    file.attribute(vtk, "Type", std::string("ImageData"));
+    file.attribute(vtk, "WholeExtent", H5T_NATIVE_INT64, {6}, extent);
+    file.numbers(vtk, "Origin", origin);
+    file.numbers(vtk, "Spacing", grid.spacing);
+    file.numbers(vtk, "Direction", std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+  }
   file.number(root, "time", snapshot.time);
   file.number(root, "step", snapshot.step);
   file.attribute(root, "time_unit", grid.time_unit);
@@ -67,40 +118,58 @@ void write_head(File& file, const FieldSnapshot& snapshot, const Provenance& pro
   file.write_provenance(provenance);
 }
 
+/// Makes the groups of a level but for its CellData's datasets; returns where the list of its boxes begins.
+std::uint64_t create_level(File& file, const FieldSnapshot& snapshot, const Group& level) {
+  const std::string name = level.name.substr(0, level.name.rfind("CellData"));
+  std::array<double, 3> spacing = snapshot.grid.spacing;
+  for (double& width : spacing) width *= level.width;
+  file.numbers(file.create_group(name), "Spacing", spacing);
+  for (const char* data : {"CellData", "PointData", "FieldData"}) file.create_group(name + data);
+  return file.place_of(file.create_dataset(name + "AMRBox", H5T_NATIVE_INT32, {level.boxes_of_all, 6}));
+}
+
 /// Creates the file with everything but the values. Returns where in it those of each quantity begin, unless
-/// they are packed. Only rank 0 calls it.
+/// they are packed; of a level before them where the list of its boxes does. Only rank 0 calls it.
 std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& snapshot,
-                                       const Provenance& provenance) {
+                                       const std::vector<Group>& groups, const Provenance& provenance) {
   File file = File::create(path, hdf5::Format::classic);
   std::vector<std::uint64_t> places;
   file.create_group("/VTKHDF");
-  file.create_group("/VTKHDF/PointData");
-  const auto& [x, y, z] = snapshot.grid.cells;
-  for (const FieldQuantity& q : snapshot.quantities) {
-    hdf5::Shape shape{hsize_t(z), hsize_t(y), hsize_t(x)}, chunk;
-    if (q.components > 1) shape.push_back(q.components);
-    if (snapshot.compression > 0) chunk = shape, chunk[0] = 1, chunk[1] = rows_of_a_chunk(snapshot);
-    const Handle data = file.create_dataset(dataset_name(q), hdf5::type_of(q.storage), shape,
-                                            {chunk, false, snapshot.compression});
-    file.attribute(data, "unit", q.unit);
-    places.push_back(chunk.empty() ? file.place_of(data) : 0);
+  for (const Group& group : groups) {
+    if (group.width > 0)
+      places.push_back(create_level(file, snapshot, group));
+    else
+      file.create_group(group.name);
+    for (const FieldQuantity& q : group.quantities) {
+      hdf5::Shape shape = group.shape, chunk = group.chunk;
+      if (q.components > 1) shape.push_back(q.components);
+      if (q.components > 1 && !chunk.empty()) chunk.push_back(q.components);
+      const Handle data = file.create_dataset(group.dataset(q), hdf5::type_of(q.storage), shape,
+                                              {chunk, false, snapshot.compression});
+      file.attribute(data, "unit", q.unit);
+      places.push_back(chunk.empty() ? file.place_of(data) : 0);
+    }
   }
-  write_head(file, snapshot, provenance);
+  write_head(file, snapshot, groups, provenance);
   file.close();
   return places;
 }
 
-std::uint64_t expected_size(const FieldSnapshot& snapshot, const Provenance& provenance) {
-  const auto& [x, y, z] = snapshot.grid.cells;
-  const std::uint64_t cells = std::uint64_t(x) * y * z;
+std::uint64_t expected_size(const std::vector<Group>& groups, const Provenance& provenance) {
   std::uint64_t bytes = provenance.case_text.size() + 4096;
-  for (const FieldQuantity& q : snapshot.quantities) {
-    bytes += cells * cell_bytes(q);
-    if (snapshot.compression == 0) continue;  // else packing may gain nothing
-    const int of_a_chunk = rows_of_a_chunk(snapshot), chunks = (y + of_a_chunk - 1) / of_a_chunk;
-    bytes += std::uint64_t(z) * (chunks * of_a_chunk - y) * x * cell_bytes(q) + hdf5::metadata_room;
+  for (const Group& group : groups) {
+    bytes += group.boxes_of_all * box_bytes;
+    for (const FieldQuantity& q : group.quantities)
+      bytes += group.cells() * cell_bytes(q) + (group.chunk.empty() ? 0 : hdf5::metadata_room);
   }
   return bytes;
+}
+
+SlabExchange exchange_of(MPI_Comm comm, const Group& group) {
+  const hsize_t grain = group.chunk.empty() ? 1 : group.chunk[group.width > 0 ? 0 : 1];
+  if (group.width > 0) return SlabExchange(comm, group.boxes, grain);
+  const auto& n = group.shape;
+  return SlabExchange(comm, {int(n[2]), int(n[1]), int(n[0])}, group.boxes, int(grain));
 }
 
 /// Some planes at a time: what is narrowed is still in cache.
@@ -126,17 +195,36 @@ std::vector<std::byte> values_here(const SlabExchange& slabs, const FieldQuantit
   });
 }
 
-void write_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
-                  const FieldSnapshot& snapshot, std::vector<std::uint64_t> places) {
-  parallel::broadcast(comm, std::span(places));
-  const SlabExchange slabs(comm, snapshot.grid.cells, boxes);
+/// The boxes of the ranks one after the other, as VTK has them: from the first cell to the last, axis by
+/// axis.
+void write_boxes(MPI_Comm comm, hdf5::RawFile& file, const std::vector<CellBox>& boxes, std::uint64_t place) {
+  const std::uint64_t first = parallel::sum_of_ranks_before(comm, std::uint64_t(boxes.size()));
+  parallel::together(comm, [&] {
+    std::vector<std::int32_t> numbers;
+    for (const CellBox& box : boxes)
+      for (int d = 0; d < 3; ++d) numbers.insert(numbers.end(), {box.lower[d], box.upper[d] - 1});
+    const auto bytes = std::as_bytes(std::span(numbers));
+    file.write(place + first * box_bytes, {bytes.begin(), bytes.end()});
+  });
+}
+
+void write_values(MPI_Comm comm, const Path& path, const std::vector<Group>& groups,
+                  const std::vector<std::uint64_t>& places) {
   std::optional<hdf5::RawFile> file;
   parallel::together(comm, [&] { file.emplace(path, hdf5::RawFile::to_write); });
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const FieldQuantity& q = snapshot.quantities[k];
-    std::vector<std::byte> values;
-    parallel::together(comm, [&] { values = values_here(slabs, q); });
-    slabs.write(*file, places[k], cell_bytes(q), std::move(values));
+  auto place = places.begin();
+  for (const Group& group : groups) {
+    if (group.width > 0) write_boxes(comm, *file, group.boxes, *place++);
+    if (!group.chunk.empty()) {
+      place += std::ptrdiff_t(group.quantities.size());
+      continue;
+    }
+    const SlabExchange slabs = exchange_of(comm, group);
+    for (const FieldQuantity& q : group.quantities) {
+      std::vector<std::byte> values;
+      parallel::together(comm, [&] { values = values_here(slabs, q); });
+      slabs.write(*file, *place++, cell_bytes(q), std::move(values));
+    }
   }
   parallel::together(comm, [&] { file->close(); });
 }
@@ -160,39 +248,36 @@ std::vector<std::byte> packed_chunk(std::span<const std::byte> values, std::size
 
 /// Each rank packs the chunks of its slab, and rank 0 writes them: HDF5's own way for several ranks leaves
 /// all of them waiting where one fails.
-void write_packed_values(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
-                         const FieldSnapshot& snapshot) {
-  const hsize_t chunk_rows = rows_of_a_chunk(snapshot), rows = snapshot.grid.cells[1];
-  const SlabExchange slabs(comm, snapshot.grid.cells, boxes, int(chunk_rows));
-  std::optional<File> file;
-  parallel::on_rank_0(comm, [&] { file.emplace(File::open(path, true)); });
-  for (const FieldQuantity& q : snapshot.quantities) {
+void write_packed_values(MPI_Comm comm, std::optional<File>& file, const Group& group, int level) {
+  const SlabExchange slabs = exchange_of(comm, group);
+  std::size_t chunk_cells = 1;
+  for (const hsize_t cells : group.chunk) chunk_cells *= cells;
+  for (const FieldQuantity& q : group.quantities) {
     std::vector<std::byte> slab;
     std::vector<std::vector<std::byte>> chunks;
     parallel::together(comm, [&] { slab = values_here(slabs, q); });
     slab = slabs.slab(cell_bytes(q), std::move(slab));
-    const std::size_t chunk_bytes = chunk_rows * snapshot.grid.cells[0] * cell_bytes(q);
+    const std::size_t chunk_bytes = chunk_cells * cell_bytes(q);
     Handle dataset;
     parallel::together(comm, [&] {
       for (std::size_t first = 0; first < slab.size(); first += chunk_bytes)
-        chunks.push_back(packed_chunk(std::span(slab).subspan(first, chunk_bytes),
-                                      cell_bytes(q) / q.components, snapshot.compression));
+        chunks.push_back(
+            packed_chunk(std::span(slab).subspan(first, chunk_bytes), cell_bytes(q) / q.components, level));
       std::vector<std::byte>().swap(slab);
-      if (file) dataset = file->dataset(dataset_name(q));
+      if (file) dataset = file->dataset(group.dataset(q));
     });
-    hsize_t at[4] = {};  // of the chunk that comes next, plane by plane
+    hsize_t at[4] = {};  // of the chunk that comes next, the last axis first
     hdf5::hand_to_rank_0(
         slabs.comm(), chunks, compressBound(chunk_bytes), [&](std::span<const std::byte> chunk) {
           file->check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, at, chunk.size(), chunk.data()),
                       "cannot write (is the disk full?)");
-          at[1] += chunk_rows;
-          if (at[1] >= rows) at[1] = 0, ++at[0];
+          for (std::size_t d = group.chunk.size(); d-- > 0;) {
+            at[d] += group.chunk[d];
+            if (at[d] < group.shape[d] || d == 0) break;
+            at[d] = 0;
+          }
         });
   }
-  parallel::on_rank_0(comm, [&] {
-    file->close();
-    hdf5::sync_to_disk(path);
-  });
 }
 
 // ---- the list of times ----
@@ -240,27 +325,47 @@ void update_series(const Path& field_path, double time) {
   std::filesystem::rename(part, path);
 }
 
-}  // namespace
-
-void write_fields(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
+void write_groups(MPI_Comm comm, const Path& path, const std::vector<Group>& groups,
                   const FieldSnapshot& snapshot, const Provenance& provenance) {
   const int rank = parallel::rank_of(comm);
   hdf5::TemporaryFile part(path.string() + ".part", rank == 0);
-  std::vector<std::uint64_t> places(snapshot.quantities.size());
+  std::size_t datasets = 0;
+  for (const Group& group : groups) datasets += group.quantities.size() + (group.width > 0);
+  std::vector<std::uint64_t> places(datasets);
+  const bool packed = snapshot.compression > 0;
   parallel::on_rank_0(comm, [&] {
-    hdf5::reserve(part.path(), expected_size(snapshot, provenance));
-    places = create_file(part.path(), snapshot, provenance);
-    hdf5::reserve(part.path(), snapshot.compression > 0 ? expected_size(snapshot, provenance)
-                                                        : std::filesystem::file_size(part.path()));
+    hdf5::reserve(part.path(), expected_size(groups, provenance));
+    places = create_file(part.path(), snapshot, groups, provenance);
+    hdf5::reserve(part.path(),
+                  packed ? expected_size(groups, provenance) : std::filesystem::file_size(part.path()));
   });
-  if (snapshot.compression > 0)
-    write_packed_values(comm, part.path(), boxes, snapshot);
-  else
-    write_values(comm, part.path(), boxes, snapshot, std::move(places));
+  parallel::broadcast(comm, std::span(places));
+  write_values(comm, part.path(), groups, places);
+  if (packed) {
+    std::optional<File> file;
+    parallel::on_rank_0(comm, [&] { file.emplace(File::open(part.path(), true)); });
+    for (const Group& group : groups) write_packed_values(comm, file, group, snapshot.compression);
+    parallel::on_rank_0(comm, [&] {
+      file->close();
+      hdf5::sync_to_disk(part.path());
+    });
+  }
   parallel::on_rank_0(comm, [&] {
     part.rename_to(path);
     update_series(path, snapshot.time);
   });
+}
+
+}  // namespace
+
+void write_fields(MPI_Comm comm, const Path& path, const std::vector<CellBox>& boxes,
+                  const FieldSnapshot& snapshot, const Provenance& provenance) {
+  write_groups(comm, path, {image_group(snapshot, boxes)}, snapshot, provenance);
+}
+
+void write_fields(MPI_Comm comm, const Path& path, const std::vector<FieldLevel>& levels,
+                  const FieldSnapshot& snapshot, const Provenance& provenance) {
+  write_groups(comm, path, level_groups(comm, levels, snapshot.compression), snapshot, provenance);
 }
 
 }  // namespace silt::adapters

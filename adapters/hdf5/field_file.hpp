@@ -1,5 +1,6 @@
 #pragma once
-// Fields as VTKHDF 1.0 image data, one file a time (ParaView, vtkHDFReader, h5py): at cell centres.
+// Fields as VTKHDF 1.0, one file a time (ParaView, vtkHDFReader, h5py): image data at cell centres; where
+// cells have several widths, overlapping AMR of those of each.
 #include <mpi.h>
 
 #include <array>
@@ -40,6 +41,14 @@ struct FieldSnapshot {
   int compression = 0;  // level of gzip, to 9, after a shuffle of bytes; 0: none
 };
 
+/// FieldLevel is the cells of one of several widths; their boxes count from the grid's origin in cells of
+/// this width. No two levels have cells at the same place.
+struct FieldLevel {
+  int width;  // in cells of the grid
+  std::vector<CellBox> boxes;
+  std::vector<FieldQuantity> quantities;
+};
+
 /// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
 /// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are
 /// zero. Also keeps NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
@@ -47,6 +56,10 @@ struct FieldSnapshot {
 /// only when it is whole. Throws std::runtime_error on every rank, naming the file and the reason (a full
 /// disk, a missing folder).
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<CellBox>& boxes,
+                  const FieldSnapshot&, const Provenance&);
+/// Writes levels instead, the finest first: all but the quantities of the snapshot. Levels without a cell on
+/// any rank are left out: VTK's reader of them fails. Boxes lie in the file as the ranks have them.
+void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<FieldLevel>& levels,
                   const FieldSnapshot&, const Provenance&);
 
 }  // namespace silt::adapters

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <tuple>
 
+#include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::adapters::hdf5 {
@@ -21,6 +23,16 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<
   });
   const std::uint64_t row = lattice_[0];
   slices_.emplace(comm, row * plane_rows_ * lattice_[2], mine, row * group_rows);
+}
+
+SlabExchange::SlabExchange(MPI_Comm comm, std::vector<CellBox> boxes, std::uint64_t group_cells)
+    : comm_(comm), boxes_(std::move(boxes)) {
+  for (const CellBox& box : boxes_) cells_ += box.cells();
+  const std::uint64_t first = parallel::sum_of_ranks_before(comm, std::uint64_t(cells_)),
+                      all = parallel::sum_over_ranks(comm, std::uint64_t(cells_));
+  std::vector<SliceExchange::Run> mine;
+  if (cells_ > 0) mine.push_back({first, cells_});
+  slices_.emplace(comm, (all + group_cells - 1) / group_cells * group_cells, mine, group_cells);
 }
 
 void SlabExchange::list_rows() {
@@ -52,14 +64,18 @@ std::vector<SliceExchange::Run> SlabExchange::runs() const {
 
 std::vector<std::byte> SlabExchange::pack(std::size_t element,
                                           const std::function<void(std::size_t, void*)>& fill) const {
-  std::vector<std::vector<std::byte>> of_box(boxes_.size());
-  for (std::size_t b = 0; b < boxes_.size(); ++b) {
-    of_box[b].resize(boxes_[b].cells() * element);
-    if (!of_box[b].empty()) fill(b, of_box[b].data());
-  }
-  if (boxes_.size() == 1) return std::move(of_box[0]);
   std::vector<std::byte> packed(cells_ * element);
   std::byte* out = packed.data();
+  std::vector<std::vector<std::byte>> of_box(boxes_.size());
+  const bool in_order = boxes_.size() == 1 || rows_.empty();
+  for (std::size_t b = 0; b < boxes_.size(); ++b) {
+    const std::size_t bytes = boxes_[b].cells() * element;
+    if (bytes == 0) continue;
+    if (!in_order) of_box[b].resize(bytes);
+    fill(b, in_order ? out : of_box[b].data());
+    if (in_order) out += bytes;
+  }
+  if (in_order) return packed;
   for (const Row& row : rows_) {
     std::memcpy(out, of_box[row.box].data() + row.offset * element, row.length * element);
     out += row.length * element;
@@ -92,7 +108,28 @@ std::vector<std::byte> SlabExchange::read(const RawFile& file, std::uint64_t pla
   parallel::together(comm_, [&] {
     slab = file.read(place + slices_->slice_begin() * element, slices_->slice_size() * element);
   });
-  return slices_->from_slice(element, slab);
+  return from_slab(element, slab);
+}
+
+TileRuns runs_of_tiles(MPI_Comm comm, std::array<int, 3> tiles, const CellBox& box,
+                       std::span<const std::uint32_t> counts) {
+  const SlabExchange slabs(comm, tiles, {box});
+  const auto bytes = std::as_bytes(counts);
+  const auto slab = slabs.slab(sizeof(std::uint32_t), {bytes.begin(), bytes.end()});
+  std::vector<std::uint32_t> counts_here(slab.size() / sizeof(std::uint32_t));
+  std::memcpy(counts_here.data(), slab.data(), slab.size());
+  const std::uint64_t sum = std::accumulate(counts_here.begin(), counts_here.end(), std::uint64_t{0});
+  TileRuns runs{parallel::sum_over_ranks(comm, sum), {}};
+  std::uint64_t first = parallel::sum_of_ranks_before(comm, sum);
+  std::vector<std::byte> firsts(counts_here.size() * sizeof first);
+  for (std::size_t tile = 0; tile < counts_here.size(); first += counts_here[tile++])
+    std::memcpy(&firsts[tile * sizeof first], &first, sizeof first);
+  firsts = slabs.from_slab(sizeof first, firsts);
+  for (std::size_t tile = 0; tile < counts.size(); ++tile) {
+    std::memcpy(&first, &firsts[tile * sizeof first], sizeof first);
+    if (counts[tile] > 0) append_run(runs.mine, {first, counts[tile]});
+  }
+  return runs;
 }
 
 }  // namespace silt::adapters::hdf5

@@ -1,6 +1,6 @@
 #pragma once
-// Private to adapters/hdf5: this rank's boxes of an array of cells [z][y][x], which may have several numbers
-// a cell.
+// Private to adapters/hdf5: this rank's boxes of an array of cells [z][y][x], or of a list of the cells of
+// all boxes, which may have several numbers a cell.
 //
 // Blocks are scattered over the file in short rows. So the ranks first swap rows such that each holds a slab
 // of whole rows of the lattice, one after the other, and then each writes or reads its slab in one piece:
@@ -9,6 +9,7 @@
 //   ranks
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "adapters/hdf5/disk.hpp"
@@ -23,11 +24,14 @@ class SlabExchange {
   /// rows of a plane; zeros fill the last group of a plane. Throws on every rank if any has a box outside the
   /// lattice.
   SlabExchange(MPI_Comm, std::array<int, 3> cells, std::vector<CellBox> boxes, int group_rows = 1);
+  /// The same of a list: the boxes of the ranks one after the other, in slabs of whole groups of cells.
+  SlabExchange(MPI_Comm, std::vector<CellBox> boxes, std::uint64_t group_cells);
 
   const std::vector<CellBox>& boxes() const { return boxes_; }
 
   /// Packs this rank's cells (local): calls fill(box, buffer) for every box that is not empty, a box's cells
-  /// with x fastest, and returns all cells by z, y, x. `element` is the number of bytes a cell.
+  /// with x fastest, and returns all cells by z, y, x (of a list, box after box). `element` is the number of
+  /// bytes a cell.
   std::vector<std::byte> pack(std::size_t element, const std::function<void(std::size_t, void*)>& fill) const;
   /// Reverses pack (local): hands each box its cells.
   void unpack(const std::vector<std::byte>& packed, std::size_t element,
@@ -37,6 +41,10 @@ class SlabExchange {
   /// cell. Collective.
   std::vector<std::byte> slab(std::size_t element, std::vector<std::byte> packed) const {
     return slices_->to_slice(element, std::move(packed));
+  }
+  /// Reverses slab.
+  std::vector<std::byte> from_slab(std::size_t element, const std::vector<std::byte>& slab) const {
+    return slices_->from_slice(element, slab);
   }
   /// Returns the communicator of the exchange.
   MPI_Comm comm() const { return slices_->comm(); }
@@ -56,12 +64,22 @@ class SlabExchange {
   std::vector<SliceExchange::Run> runs() const;
 
   MPI_Comm comm_;
-  std::array<int, 3> lattice_;
-  int plane_rows_;  // of a plane with its last group filled up
+  std::array<int, 3> lattice_{};
+  int plane_rows_ = 0;  // of a plane with its last group filled up
   std::vector<CellBox> boxes_;
-  std::vector<Row> rows_;  // by z, y, x
+  std::vector<Row> rows_;  // by z, y, x; none of a list
   std::size_t cells_ = 0;
   std::optional<SliceExchange> slices_;
 };
+
+/// Where the entries of this rank's tiles lie in a list of those of all tiles, by z, y, x of the tile.
+struct TileRuns {
+  std::uint64_t total = 0;  // entries of all tiles
+  std::vector<SliceExchange::Run> mine;
+};
+
+/// Collective. The tiles of a lattice are shared by the ranks as boxes; `counts` are of those of this rank's.
+TileRuns runs_of_tiles(MPI_Comm, std::array<int, 3> tiles, const CellBox& box,
+                       std::span<const std::uint32_t> counts);
 
 }  // namespace silt::adapters::hdf5

@@ -100,6 +100,19 @@ TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
   EXPECT_TRUE(rank() != 0 || std::filesystem::is_empty(scratch.path()));
 }
 
+/// Cells of three widths: those below z = 8 are two wide, above they are one wide, and none is four wide.
+void write_levels(MPI_Comm comm, const std::filesystem::path& path, int compression) {
+  std::vector<CellBox> fine = blocks_of(rank(), ranks(), {12, 8, 21}, {4, 8, 5}),
+                       coarse = blocks_of(rank(), ranks(), {6, 4, 4}, {3, 3, 4}, false, true);
+  std::erase_if(fine, [](CellBox& box) {
+    box.lower[2] = std::max(box.lower[2], 8);
+    return box.cells() == 0;
+  });
+  adapters::write_fields(
+      comm, path, {{1, fine, quantities(fine)}, {2, coarse, quantities(coarse)}, {4, {}, quantities({})}},
+      {grid, {}, 1.5, 100, compression}, provenance);
+}
+
 // The writer for reads_in_vtk.py, which sets the variable.
 const Act write_fields("write_fields", [] {
   const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
@@ -107,6 +120,8 @@ const Act write_fields("write_fields", [] {
     const auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, step == 0, true);
     write(MPI_COMM_WORLD, adapters::step_path(folder, "fields", step, ".hdf"), boxes, 0.01 * step);
   }
+  for (const int compression : {0, 4})
+    write_levels(MPI_COMM_WORLD, folder / ("levels" + std::to_string(compression) + ".hdf"), compression);
 });
 
 }  // namespace

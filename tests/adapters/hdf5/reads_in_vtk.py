@@ -51,6 +51,29 @@ def check_in_h5py(path):
         assert f["provenance/case_text"][()] == b'title = "a title"\n'
 
 
+def check_levels(path):
+    """The coarsest level that has cells is the first; values lie box after box."""
+    with h5py.File(path, "r") as f:
+        head = f["VTKHDF"].attrs
+        assert (head["Type"], head["GridDescription"], list(head["Origin"]), list(head["Version"])) == (b"OverlappingAMR", b"XYZ", [-1, 0, 2], [1, 0])
+        assert sorted(f["VTKHDF"]) == ["Level0", "Level1"]
+        for name, spacing, cells in (("Level0", 1, (6, 4, 4)), ("Level1", 0.5, (12, 8, 21))):
+            level, found, begin = f["VTKHDF"][name], np.zeros(cells[::-1], int), 0
+            assert sorted(level) == ["AMRBox", "CellData", "FieldData", "PointData"] and list(level.attrs["Spacing"]) == [spacing] * 3
+            for box in level["AMRBox"][()]:
+                (x0, x1), (y0, y1), (z0, z1) = box.reshape(3, 2)
+                z, y, x = np.meshgrid(np.arange(z0, z1 + 1), np.arange(y0, y1 + 1), np.arange(x0, x1 + 1), indexing="ij")
+                end = begin + x.size
+                assert (level["CellData/mark"][begin:end] == ((x + 3 * y + 7 * z) % 256).ravel()).all()
+                for c in range(3):
+                    wanted = (0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * c).astype("f4")
+                    assert (level["CellData/velocity"][begin:end, c] == wanted.ravel()).all()
+                found[z, y, x] += 1
+                begin = end
+            assert begin == len(level["CellData/density"]) and (found[8 if name == "Level1" else 0:] == 1).all() and found.max() == 1
+            assert level["CellData/velocity"].attrs["unit"] == b"m/s"
+
+
 for ranks in (1, 4):
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["mpirun", "--oversubscribe", "-np", str(ranks), sys.argv[1], "--act", "write_fields"], check=True, stdout=subprocess.DEVNULL, timeout=120,
@@ -58,6 +81,8 @@ for ranks in (1, 4):
         with open(folder + "/fields.hdf.series") as f:
             series = json.load(f)["files"]
         assert [entry["time"] for entry in series] == [0, 0.5]
+        for compression in (0, 4):
+            check_levels(f"{folder}/levels{compression}.hdf")
         for entry in series:
             check_in_vtk(f"{folder}/{entry['name']}")
             check_in_h5py(f"{folder}/{entry['name']}")
