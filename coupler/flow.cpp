@@ -56,12 +56,14 @@ class FlowOf final : public Flow {
         levels_(fluid_, scene.coarsening ? scene.coarsening->levels : 0),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks())),
-        account_({fields_.get()}, comm, coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)),
+        account_(*fields_, comm, coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)),
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
-    for (int level = 1; level < levels_.count(); ++level)
+    for (int level = 1; level < levels_.count(); ++level) {
       coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
+      account_.add_level(*coarser_.back()->fields);
+    }
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);

@@ -23,9 +23,9 @@ struct MappingCounts {
 
 class FlowAccount {
  public:
-  /// Of the fields of all levels, to which it refers.
-  FlowAccount(std::vector<const FluidFields*> levels, MPI_Comm comm, bool corrects_mass)
-      : levels_(std::move(levels)), comm_(comm), corrects_mass_(corrects_mass) {}
+  FlowAccount(const FluidFields& finest, MPI_Comm comm, bool corrects_mass)
+      : levels_{&finest}, comm_(comm), corrects_mass_(corrects_mass) {}
+  void add_level(const FluidFields& coarser) { levels_.push_back(&coarser); }
 
   // ---- asked between steps ----
   /// Collective; ForceOutOfRange, on every rank alike, if a body's sums were out of range in the last step.

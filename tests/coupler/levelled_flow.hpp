@@ -19,9 +19,8 @@ class LevelledFlow final : public Flow {
   LevelledFlow(const Case& scene, const lbm::CutTree& tree, int levels, MPI_Comm comm) {
     for (int level = 0; level < levels; ++level)
       levels_.push_back(std::make_unique<Level>(scene, tree, level, comm));
-    std::vector<const FluidFields*> fields;
-    for (const auto& level : levels_) fields.push_back(level->fields.get());
-    account_ = std::make_unique<FlowAccount>(fields, comm, false);
+    account_ = std::make_unique<FlowAccount>(fields(), comm, false);
+    for (int level = 1; level < levels; ++level) account_->add_level(fields(level));
   }
 
   int levels() const override { return int(levels_.size()); }
