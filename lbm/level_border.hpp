@@ -5,6 +5,9 @@
 // one. Those whose way enters a fine cell are what arrives there; a fine population that leaves the fine
 // cells goes on as a packet; and a coarse cell receives the mean of the packets that end in it. So no packet
 // is lost or counted twice, and mass and momentum are conserved.
+//
+// The lists are made for rows of coarse cells whose surroundings are the same leaves of the tree of cuts, so
+// that what one cell of a row does the next does too, two fine cells further on (level_border_lists.cpp).
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -29,57 +32,55 @@ class LevelBorder {
 
  private:
   struct Builder;
-  /// Elements of arrays, for the n-th of a row of cells first + n step. Arrays are numbered block *
-  /// directions + i.
-  template <int count>
-  struct Places {
-    std::array<std::int32_t, count> first, step{};
-    std::int32_t of(int k, std::uint32_t n) const { return first[k] + std::int32_t(n) * step[k]; }
-  };
-  /// The change of coarse populations from the middle of a cell to a packet in its corner at (1, 1, 1), along
-  /// each axis: factor (values[plus] - values[minus]).
-  struct Packet {  // of each coarse cell of a row, into a fine one
-    std::uint32_t array;
-    std::uint8_t sub_step, corner;  // corner: bit d for the upper half along axis d
-    T addend;                       // by walls that it met
-    bool operator==(const Packet&) const = default;
+  /// Elements of an array of a table, one for each coarse cell of a row. Tables have the arrays of all
+  /// directions of the blocks of a fluid, block * directions + i; of the coarse one those of what left, then
+  /// of what arrives; then what was fetched from other ranks.
+  struct Row {
+    std::uint32_t array = 0;
+    std::int32_t first = 0, step = 0;
   };
   /// Coarse populations of one direction that left a row of cells.
   struct Explosion {
-    enum { value, before, plus, minus = plus + 3, target = minus + 3, places = target + 8 };
-    Places<places> at;  // in coarse_values_; in `before` of it; of each packet in its array
     std::uint32_t length;
-    std::array<T, 3> slope;
-    bool in_time;
+    Row value;
+    std::array<Row, 3> above, below;  // beside it along each axis; itself where no coarse cell is
+    std::array<T, 3> slope;           // times their difference: the change to a packet's place
+    std::int32_t before;     // in coarse_before_, what had arrived in the first cell; -1: does not count
+    struct Packet {          // into a fine cell
+      int sub_step, corner;  // corner: bit d for the upper half along axis d
+      Row to;
+      T addend;  // by walls that it met, and the force
+    };
     std::vector<Packet> packets;
   };
   /// What arrives along one direction in a row of coarse cells.
   struct Coalescence {
-    enum { target, packet, places = packet + 8 };
-    Places<places> at;  // in the array; in fine_values_
-    std::uint32_t length, array;
-    int packets;  // of fine cells
-    T addend;     // of walls, to their mean
+    std::uint32_t length;
+    Row to;
+    std::vector<Row> packets[2];  // of fine cells, by sub-step
+    std::uint32_t sum;            // in sums_, of the first sub-step's
+    T addend;
     struct Taken {
-      std::int32_t plus, minus;
+      Row above, below;
       T factor;
     };
     std::vector<Taken>
-        taken;  // by packets that entered fine cells, beyond the value in the middle of the cell
+        taken;  // by packets that entered fine cells, beyond the value in the middle of their cell
   };
-  /// A packet that passed between two fine cells.
+  /// Packets that pass between two fine cells.
   struct Passing {
-    std::uint32_t array;
-    std::int32_t target, value;
+    std::uint32_t length;
+    Row from, to;
+    std::uint32_t kept;  // in sums_
     T addend;
   };
 
   void explode(int sub_step);
-  void coalesce();
+  void coalesce(int sub_step);
 
   Fluid<T>&fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
-  std::vector<T> coarse_before_, coarse_values_, fine_values_;  // fetched
+  std::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], sums_;
   std::vector<Explosion> explosions_;
   std::vector<Coalescence> coalescences_;
   std::vector<Passing> passing_;

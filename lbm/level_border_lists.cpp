@@ -4,7 +4,6 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <tuple>
 
 #include "lbm/ghost_home.hpp"
 #include "lbm/level_border.hpp"
@@ -14,18 +13,11 @@ namespace silt::lbm {
 
 namespace of_border {
 
-/// A population that left a cell, or what an outlet returned to one; of fine ones in which fine step.
-struct Population {
-  int sub_step, direction;
-  Int3 cell;
-  bool returned = false;
-  auto order() const { return std::tie(returned, sub_step, direction, cell.z, cell.y, cell.x); }
-  bool operator<(const Population& other) const { return order() < other.order(); }
-};
-using Populations = std::set<Population>;
-
 constexpr Int3 corner(int k) {
   return {k & 1, k >> 1 & 1, k >> 2 & 1};
+}
+constexpr Int3 halved(Int3 x) {
+  return {x.x >> 1, x.y >> 1, x.z >> 1};
 }
 
 /// A population on its way from fine cell to fine cell.
@@ -37,13 +29,6 @@ struct Flight {
   bool by_outlet = false;  // it met one
 };
 
-/// Half of what the force adds in a fine cell to what leaves it along j. What leaves a fine cell at rest has
-/// that much more than what a coarse cell would have sent, what arrives in it lacks as much; and a packet
-/// that passes a place without a collision lacks twice as much.
-double by_force(const CollisionSpec& fine, int j) {
-  return 1.5 * w(j) * (c[j].x * fine.force[0] + c[j].y * fine.force[1] + c[j].z * fine.force[2]);
-}
-
 Flight one_step(const Domain& fine, Flight p) {
   const Int3 g = p.cell + c[p.direction];
   const Home home = home_of(fine, g, p.direction);
@@ -53,45 +38,31 @@ Flight one_step(const Domain& fine, Flight p) {
   return p;
 }
 
-/// Which levels cells have, asked for cells that lie near one another.
-class LevelOf {
+/// Where it came from: every way can be gone back, walls and images included.
+Flight step_back(const Domain& fine, Flight p) {
+  p.direction = opposite(p.direction);
+  p = one_step(fine, p);
+  p.direction = opposite(p.direction);
+  return p;
+}
+
+/// The leaves of cells, asked for cells that lie near one another.
+class Leaves {
  public:
-  explicit LevelOf(const Domain& fine) : fine_(fine) {}
-  const BlockPlace& block_at(Int3 fine_cell) {
-    if (!last_.box.contains(fine_cell)) last_ = fine_.block_at(fine_cell);
-    return last_;
+  explicit Leaves(const Domain& domain) : domain_(domain) {}
+  const BlockPlace& at(Int3 cell) {
+    for (const BlockPlace& place : recent_)
+      if (place.box.contains(cell)) return place;
+    next_ = (next_ + 1) % recent_.size();
+    return recent_[next_] = domain_.block_at(cell);
   }
-  int operator()(Int3 fine_cell) { return fine_.tree().kinds()[block_at(fine_cell).index].level; }
+  int level(Int3 cell) { return domain_.tree().kinds()[at(cell).index].level; }
 
  private:
-  const Domain& fine_;
-  BlockPlace last_{-1, {}, -1};
+  const Domain& domain_;
+  std::array<BlockPlace, 8> recent_{};
+  std::size_t next_ = 0;
 };
-
-/// The blocks of a domain that lie near the blocks of a rank in one of two, in an order on which ranks agree.
-std::vector<int> blocks_near(const Domain& of, const Domain& fine, const Domain& coarse, int rank) {
-  std::set<int> near;
-  const auto add = [&](const CellBox& box) {
-    for (const int b : of.blocks_meeting(box)) near.insert(b);
-  };
-  for (const BlockPlace& mine : fine.blocks_of(rank)) {
-    const CellBox around = grown(mine.box, 4);
-    if (of.level() == fine.level())
-      add(around);
-    else
-      add(grown({{around.lower.x >> 1, around.lower.y >> 1, around.lower.z >> 1},
-                 {around.size.x / 2 + 1, around.size.y / 2 + 1, around.size.z / 2 + 1}},
-                0));
-  }
-  for (const BlockPlace& mine : coarse.blocks_of(rank)) {
-    const CellBox around = grown(mine.box, 2);
-    if (of.level() == coarse.level())
-      add(around);
-    else
-      add({around.lower + around.lower, around.size + around.size});
-  }
-  return {near.begin(), near.end()};
-}
 
 }  // namespace of_border
 using namespace of_border;
@@ -101,291 +72,311 @@ struct LevelBorder<T>::Builder {
   LevelBorder& border;
   const Domain &fine, &coarse;
   int rank;
-  LevelOf level_of{fine};
+  Leaves leaves{fine}, coarse_leaves{coarse};
 
-  /// What ranks need of what others, or they themselves, have: by who needs and who has it, as far as this
-  /// rank is one of them.
-  using Needs = std::map<std::pair<int, int>, Populations>;
-  Needs coarse_left = {}, before = {}, fine_left[2] = {};
+  /// The row of coarse cells at hand: so many from x on along an axis.
+  Int3 x{};
+  int axis = 0;
+  std::uint32_t length = 0;
 
-  struct Source {  // a coarse population of which packets enter fine cells here, or are taken from a cell
-                   // here
-    Population left;
-    std::array<std::optional<Int3>, 3> plus, minus;  // coarse cells beside it
-    bool in_time;
-    struct Entry {
-      int sub_step, corner;
-      Flight to;
-    };
-    std::vector<Entry> entries;  // into blocks of this rank
-  };
-  std::vector<Source> sources = {};
-  struct Arrival {
-    std::vector<Population> packets;
-    double addend = 0;
-    int entered = 0, by_outlet = 0;  // packets: into fine cells, and fine ones that came back from an outlet
-    std::vector<std::pair<Source, Int3>> taken;  // and the sum of the corners of what entered
-  };
-  std::map<std::tuple<int, int, int, int, int>, Arrival> arrivals = {};  // by block, direction, z, y, x
-  struct Between {
-    Population left;
+  struct Entry {
+    int sub_step, corner;
     Flight to;
   };
-  std::vector<Between> passing = {};
+  std::uint32_t coarse_next = 0, fine_next[2] = {}, sums = 0;
 
-  static void need(Needs& needs, int who, int from, const Population& what, int rank) {
-    if (who == rank || from == rank) needs[{who, from}].insert(what);
+  /// Half of what the force adds in a fine cell to what leaves it along j. What leaves a fine cell at rest
+  /// has that much more than what a coarse cell would have sent, what arrives in it lacks as much; and a
+  /// packet that passes a place without a collision lacks twice as much.
+  double by_force(int j) const {
+    const auto& force = border.fine_.spec().force;
+    return 1.5 * w(j) * (c[j].x * force[0] + c[j].y * force[1] + c[j].z * force[2]);
+  }
+  bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
+  bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
+
+  // ---- rows of arrays ----
+  /// Populations of cells of this rank, from the first one on; coarse cells are as many apart as those of the
+  /// row.
+  Row own_row(const Fluid<T>& fluid, Leaves& of, Int3 cell, int direction) const {
+    const BlockPlace& place = of.at(cell);
+    const int b = fluid.domain().local_index(place, rank);
+    const Block<T>& block = fluid.blocks()[b];
+    const int stride = int(axis == 0 ? 1 : block.row_stride());
+    return {std::uint32_t(b * directions + direction), std::int32_t(block.cell(cell - place.box.lower)),
+            fluid.domain().level() == coarse.level() ? stride : 2 * stride};
+  }
+  SlotRun run_of(const Row& row) const { return {row.array, std::uint32_t(row.first), row.step, length}; }
+  /// The row from which a rank reads what another, or itself, has; lists the message.
+  Row fetched(SlotExchange<T>& slots, const Fluid<T>& fluid, Leaves& of, int user, Int3 cell, int direction,
+              std::uint32_t& next, std::uint32_t table, bool returned = false) {
+    const int owner = of.at(cell).rank;
+    Row row;
+    if (owner == rank) {
+      row = own_row(fluid, of, cell, direction);
+      if (returned) row.array += std::uint32_t(fluid.blocks().size() * directions);
+    }
+    if (owner == user) return row;
+    if (owner == rank) slots.sent(user).add(run_of(row));
+    if (user != rank) return {};
+    slots.received(owner).add({0, next, 1, length});
+    next += length;
+    return {table, std::int32_t(next - length), 1};
+  }
+  Row coarse_row(int user, Int3 cell, int direction, bool returned = false) {
+    return fetched(border.coarse_left_, border.coarse_, coarse_leaves, user, cell, direction, coarse_next,
+                   std::uint32_t(2 * border.coarse_.blocks().size() * directions), returned);
+  }
+  Row fine_row(int user, Int3 cell, int direction, int sub_step) {
+    return fetched(border.fine_left_[sub_step], border.fine_, leaves, user, cell, direction,
+                   fine_next[sub_step], std::uint32_t(border.fine_.blocks().size() * directions));
   }
 
-  double by_force(int j) const { return of_border::by_force(border.fine_.spec(), j); }
-  bool is_fine(Int3 cell) { return level_of(cell) == fine.level(); }
-  bool is_known(Int3 cell) { return level_of(cell) != LeafKind::far; }
-  Arrival& arrival(const BlockPlace& place, Int3 coarse_cell, int j) {
-    const Int3 x = coarse_cell - place.box.lower;
-    return arrivals[{coarse.local_index(place, rank), j, x.z, x.y, x.x}];
-  }
-
-  /// Follows the packets of what left the coarse cell x along j.
-  void follow_coarse(const BlockPlace& place, Int3 x, int j) {
-    Source source{{0, j, x}, {}, {}, false, {}};
-    int entered[2] = {};
-    Int3 corners{};
-    bool turned = false;
+  // ---- ways of packets ----
+  /// The packets of what left the coarse cell y along j that enter fine cells.
+  std::vector<Entry> entries_of(Int3 y, int j) {
+    std::vector<Entry> entries;
     for (int k = 0; k < 8; ++k) {
-      Flight packet{x + x + corner(k), j, 0, -by_force(j)};
+      Flight packet{y + y + corner(k), j, 0, -by_force(j)};
       for (int sub_step = 0; sub_step < 2; ++sub_step) {
         if (sub_step == 1) packet.by_force += 2 * by_force(packet.direction);
         packet = one_step(fine, packet);
-        if (!is_known(packet.cell)) return;
         if (!is_fine(packet.cell)) continue;
-        source.entries.push_back({sub_step, k, packet});
-        ++entered[sub_step], turned |= packet.by_outlet;
-        corners = corners + corner(k) + corner(k) - Int3{1, 1, 1};
+        entries.push_back({sub_step, k, packet});
         break;
       }
     }
-    if (source.entries.empty()) return;
-    source.in_time = entered[0] == 4 && entered[1] == 4 && !turned;
-    for (int d = 0; d < 3; ++d)
-      for (const int side : {-1, 1}) {
-        Int3 beside = x;
-        beside[d] += side;
-        beside = coarse.wrapped(beside);
-        if (!coarse.inside(beside) || !coarse.has(beside)) continue;
-        (side > 0 ? source.plus : source.minus)[d] = beside;
-      }
-    std::set<int> users;
-    for (const auto& entry : source.entries) users.insert(level_of.block_at(entry.to.cell).rank);
-    if (users.contains(rank)) sources.push_back(source);
-    const Home home = home_of(coarse, x + c[j], j);
-    const BlockPlace& home_place = level_of.block_at(home.cell + home.cell);
-    if (fine.tree().kinds()[home_place.index].level == coarse.level()) {
-      users.insert(home_place.rank);
-      if (home_place.rank == rank) {
-        Arrival& there = arrival(coarse.block(home_place.index), home.cell, home.direction);
-        there.entered += entered[0] + entered[1];
-        there.taken.push_back({source, corners});
-      }
-    }
-    for (const int user : users) {
-      need(coarse_left, user, place.rank, source.left, rank);
-      if (source.in_time) need(before, user, place.rank, source.left, rank);
-      if (turned) need(coarse_left, user, place.rank, {0, opposite(j), x, true}, rank);
-      for (const auto& side : {source.plus, source.minus})
-        for (const auto& beside : side)
-          if (beside) need(coarse_left, user, coarse.rank_at(*beside), {0, j, *beside}, rank);
-    }
+    return entries;
+  }
+  /// Rows above and below a coarse cell y along axis d, of what left along j; and what to multiply their
+  /// difference with for the change of a fourth of a cell.
+  struct Slope {
+    Row above, below;
+    T factor;
+  };
+  Slope slope(int user, Int3 y, int j, int d) {
+    Int3 up = y, down = y;
+    ++up[d], --down[d];
+    up = coarse.wrapped(up), down = coarse.wrapped(down);
+    const auto has = [&](Int3 cell) {
+      return coarse.inside(cell) && coarse.is_of_level(coarse_leaves.at(cell));
+    };
+    const bool above = has(up), below = has(down);
+    if (!above) up = y;
+    if (!below) down = y;
+    return {coarse_row(user, up, j), coarse_row(user, down, j),
+            T(above && below   ? 1. / 8
+              : above || below ? 1. / 4
+                               : 0)};
   }
 
-  /// Follows what leaves the fine cell x along j, in either step.
-  void follow_fine(const BlockPlace& place, Int3 x, int j) {
-    const Flight once = one_step(fine, {x, j});
-    if (level_of(once.cell) != coarse.level()) return;
-    Flight twice = one_step(fine, once);
-    twice.by_force = 2 * by_force(once.direction);
-    if (!is_known(twice.cell)) return;
-    for (int sub_step = 0; sub_step < 2; ++sub_step) {
-      const Population left{sub_step, j, x};
-      const Flight& end = sub_step == 0 ? twice : once;
-      const BlockPlace there = level_of.block_at(end.cell);
-      need(fine_left[sub_step], there.rank, place.rank, left, rank);
-      if (there.rank != rank) continue;
-      if (is_fine(end.cell)) {
-        passing.push_back({left, end});
-        continue;
-      }
-      const Int3 cell{end.cell.x >> 1, end.cell.y >> 1, end.cell.z >> 1};
-      Arrival& here = arrival(coarse.block(there.index), cell, end.direction);
-      if (end.by_outlet) {
-        ++here.by_outlet;
-      } else {
-        here.packets.push_back(left);
-        here.addend += (end.addend + end.by_force - by_force(end.direction)) / 8;
-      }
-    }
-  }
+  void add_explosion(int j);
+  void add_coalescence(int j);
+  void add_passing(int j);
 
-  /// Lists what is fetched, in order; returns where it lies.
-  static std::map<Population, std::int32_t> list(const Needs& needs, SlotExchange<T>& slots,
-                                                 const Fluid<T>& fluid, int rank, std::int32_t first = 0) {
-    std::map<Population, std::int32_t> all;
-    for (const auto& [ends, populations] : needs)
-      if (ends.first == rank)
-        for (const Population& p : populations) all[p] = 0;
-    std::int32_t next = first;
-    for (auto& [p, at] : all) at = next++;
-    const Domain& domain = fluid.domain();
-    for (const auto& [ends, populations] : needs)
-      for (const Population& p : populations) {
-        SlotRun from{0, 0}, to{0, 0};
-        if (ends.first == rank) to.first = std::uint32_t(all.at(p));
-        if (ends.second == rank) {
-          const BlockPlace place = domain.block_at(p.cell);
-          const auto& blocks = fluid.blocks();
-          const int b = domain.local_index(place, rank);
-          from.array =
-              std::uint32_t((p.returned ? blocks.size() : 0) * directions + b * directions + p.direction);
-          from.first = std::uint32_t(blocks[b].cell(p.cell - place.box.lower));
-        }
-        if (ends.first == ends.second)
-          slots.copied().add(from, to);
-        else if (ends.first == rank)
-          slots.received(ends.second).add(to);
-        else
-          slots.sent(ends.first).add(from);
-      }
-    return all;
-  }
-
+  // ---- rows of coarse cells ----
+  /// The levels around a cell: whether a fine one is among them, and how many cells from it on, along the
+  /// axis at hand, have the same leaves around them.
+  struct Surroundings {
+    bool any_fine = false;
+    int alike = 1 << 30;
+  };
+  Surroundings around(Int3 cell);
+  void add_rows(const CellBox&);
   void build();
-  void add_explosion(const Source&);
-  void add_coalescence(int block, int j, Int3 cell, const Arrival&);
-  std::map<Population, std::int32_t> of_coarse = {}, of_before = {}, of_fine[2] = {};
 };
 
-namespace {
+template <class T>
+void LevelBorder<T>::Builder::add_explosion(int j) {
+  const std::vector<Entry> entries = entries_of(x, j);
+  if (entries.empty()) return;
+  int in_step[2] = {};
+  bool by_outlet = false;
+  std::set<int> users;
+  for (const Entry& entry : entries) {
+    ++in_step[entry.sub_step], by_outlet |= entry.to.by_outlet;
+    users.insert(leaves.at(entry.to.cell).rank);
+  }
+  const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
+  for (const int user : users) {
+    Explosion one{length, coarse_row(user, x, j), {}, {}, {}, -1, {}}, returned = one;
+    for (int d = 0; d < 3; ++d) {
+      const Slope s = slope(user, x, j, d);
+      one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
+    }
+    if (by_outlet) returned.value = coarse_row(user, x, opposite(j), true);
+    returned.above = returned.below = {returned.value, returned.value, returned.value};
+    if (in_time) {
+      const int owner = coarse_leaves.at(x).rank;
+      const SlotRun to{0, std::uint32_t(border.coarse_before_.size()), 1, length};
+      const SlotRun from =
+          owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
+      if (owner == rank && user == rank) border.before_.copied().add(from, to);
+      if (owner == rank && user != rank) border.before_.sent(user).add(from);
+      if (owner != rank && user == rank) border.before_.received(owner).add(to);
+      one.before = std::int32_t(to.first);
+    }
+    if (user != rank) continue;
+    if (in_time) border.coarse_before_.resize(border.coarse_before_.size() + length);
+    for (const Entry& entry : entries) {
+      if (leaves.at(entry.to.cell).rank != rank) continue;
+      const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
+      (entry.to.by_outlet ? returned : one)
+          .packets.push_back({entry.sub_step, entry.corner,
+                              own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend)});
+    }
+    if (!one.packets.empty()) border.explosions_.push_back(std::move(one));
+    if (!returned.packets.empty()) border.explosions_.push_back(std::move(returned));
+  }
+}
 
-/// Adds one to rows: as the next of the last row, if all places go on as they did.
-template <class Row, class Alike>
-void add_to_rows(std::vector<Row>& rows, Row one, Alike&& alike) {
-  if (!rows.empty() && alike(rows.back(), one)) {
-    Row& row = rows.back();
-    auto step = one.at.first;
-    for (std::size_t k = 0; k < step.size(); ++k) step[k] -= row.at.of(int(k), row.length - 1);
-    if (row.length == 1 || step == row.at.step) {
-      row.at.step = step;
-      ++row.length;
+template <class T>
+void LevelBorder<T>::Builder::add_coalescence(int j) {
+  struct Left {
+    int sub_step;
+    Flight from;
+  };
+  std::vector<Left> packets;
+  int by_outlet = 0;
+  double addend = 0;
+  for (int k = 0; k < 8; ++k) {
+    Flight packet = step_back(fine, {x + x + corner(k), j});
+    int sub_step = 1;
+    if (is_coarse(packet.cell)) {
+      packet.by_force = 2 * by_force(packet.direction);
+      packet = step_back(fine, packet);
+      sub_step = 0;
+    }
+    if (!is_fine(packet.cell)) continue;
+    if (packet.by_outlet) {
+      ++by_outlet;
+      continue;
+    }
+    packets.push_back({sub_step, packet});
+    addend += (packet.addend + packet.by_force - by_force(j)) / 8;
+  }
+  if (packets.empty()) return;
+  const int user = coarse_leaves.at(x).rank;
+  const Home back = home_of(coarse, x + c[opposite(j)], opposite(j));
+  const int from_direction = opposite(back.direction);
+  const bool from_coarse = coarse.is_of_level(coarse_leaves.at(back.cell));
+  const std::vector<Entry> entered =
+      from_coarse ? entries_of(back.cell, from_direction) : std::vector<Entry>{};
+  if (packets.size() + by_outlet != (from_coarse ? entered.size() : 8))
+    throw std::logic_error("packets are lost or made at a border between levels");
+
+  if (from_coarse && length > 1) {  // what is beside the other cell may differ along the row
+    const auto [first, whole] = std::pair(x, length);
+    for (length = 1; x[axis] < first[axis] + int(whole); ++x[axis]) add_coalescence(j);
+    x = first, length = whole;
+    return;
+  }
+  Coalescence one{length, {}, {}, sums, T(addend), {}};
+  for (const Left& left : packets)
+    one.packets[left.sub_step].push_back(fine_row(user, left.from.cell, left.from.direction, left.sub_step));
+  Int3 corners{};
+  for (const Entry& entry : entered)
+    corners = corners + corner(entry.corner) + corner(entry.corner) - Int3{1, 1, 1};
+  for (int d = 0; d < 3; ++d) {
+    if (corners[d] == 0) continue;
+    const Slope s = slope(user, back.cell, from_direction, d);
+    one.taken.push_back({s.above, s.below, T(corners[d]) * s.factor});
+  }
+  if (user != rank) return;
+  one.to = own_row(border.coarse_, coarse_leaves, x, j);
+  sums += length;
+  border.coalescences_.push_back(std::move(one));
+}
+
+/// What left a fine cell in the first step, is in the coarse cell between them, and enters a fine one in the
+/// second.
+template <class T>
+void LevelBorder<T>::Builder::add_passing(int j) {
+  for (int k = 0; k < 8; ++k) {
+    const Flight middle{x + x + corner(k), j};
+    const Flight from = step_back(fine, middle);
+    if (!is_fine(from.cell)) continue;
+    const Flight to = one_step(fine, middle);
+    if (!is_fine(to.cell)) continue;
+    const int user = leaves.at(to.cell).rank;
+    Passing one{length,
+                fine_row(user, from.cell, from.direction, 0),
+                {},
+                sums,
+                T(from.addend + to.addend + 2 * by_force(j))};
+    if (user != rank) continue;
+    one.to = own_row(border.fine_, leaves, to.cell, to.direction);
+    sums += length;
+    border.passing_.push_back(one);
+  }
+}
+
+template <class T>
+auto LevelBorder<T>::Builder::around(Int3 cell) -> Surroundings {
+  Surroundings s;
+  for_cells(cell - Int3{1, 1, 1}, cell + Int3{2, 2, 2}, [&](Int3 y) {
+    const Int3 image = coarse.wrapped(y);
+    if (!coarse.inside(image)) {
+      if (y[axis] != cell[axis]) s.alike = 1;  // at the end of the domain
       return;
     }
-  }
-  rows.push_back(std::move(one));
+    const BlockPlace& place = coarse_leaves.at(image);
+    s.any_fine |= fine.is_of_level(place);
+    s.alike = std::min(s.alike, place.box.lower[axis] + place.box.size[axis] - image[axis]);
+  });
+  return s;
 }
 
-}  // namespace
-
+/// Rows of the cells of a box, some of which may have fine cells beside them.
 template <class T>
-void LevelBorder<T>::Builder::add_explosion(const Source& source) {
-  const auto place_of = [&](Int3 cell) { return of_coarse.at({0, source.left.direction, cell}); };
-  Explosion one{};
-  one.length = 1;
-  one.in_time = source.in_time;
-  auto& at = one.at.first;
-  at[Explosion::value] = place_of(source.left.cell);
-  if (source.in_time) at[Explosion::before] = of_before.at(source.left);
-  for (int d = 0; d < 3; ++d) {
-    const auto &plus = source.plus[d], &minus = source.minus[d];
-    at[Explosion::plus + d] = plus ? place_of(*plus) : at[Explosion::value];
-    at[Explosion::minus + d] = minus ? place_of(*minus) : at[Explosion::value];
-    one.slope[d] = plus && minus ? T(1. / 8) : plus || minus ? T(1. / 4) : T(0);
-  }
-  Explosion from_outlet = one;
-  for (const auto& entry : source.entries) {
-    const BlockPlace& place = level_of.block_at(entry.to.cell);
-    const int b = fine.local_index(place, rank);
-    if (b < 0) continue;
-    Explosion& its = entry.to.by_outlet ? from_outlet : one;
-    const std::size_t k = its.packets.size();
-    const double addend = entry.to.addend + (source.in_time ? 0 : entry.to.by_force);
-    its.packets.push_back({std::uint32_t(b * directions + entry.to.direction), std::uint8_t(entry.sub_step),
-                           std::uint8_t(entry.corner), T(addend)});
-    its.at.first[Explosion::target + k] =
-        std::int32_t(border.fine_.blocks()[b].cell(entry.to.cell - place.box.lower));
-  }
-  const auto alike = [](const Explosion& a, const Explosion& b) {
-    return a.slope == b.slope && a.in_time == b.in_time && a.packets == b.packets;
-  };
-  if (!from_outlet.packets.empty()) {
-    from_outlet.slope = {};
-    from_outlet.at.first[Explosion::value] =
-        of_coarse.at({0, opposite(source.left.direction), source.left.cell, true});
-    add_to_rows(border.explosions_, from_outlet, alike);
-  }
-  if (!one.packets.empty()) add_to_rows(border.explosions_, one, alike);
-}
-
-template <class T>
-void LevelBorder<T>::Builder::add_coalescence(int block, int j, Int3 cell, const Arrival& arrival) {
-  if (int(arrival.packets.size()) + arrival.by_outlet != (arrival.entered ? arrival.entered : 8))
-    throw std::logic_error("packets are lost or made at a border between levels");
-  Coalescence one{};
-  one.length = 1;
-  one.array = std::uint32_t(block * directions + j);
-  one.packets = int(arrival.packets.size());
-  one.addend = T(arrival.addend);
-  one.at.first[Coalescence::target] = std::int32_t(border.coarse_.blocks()[block].cell(cell));
-  std::vector<Population> packets = arrival.packets;
-  std::sort(packets.begin(), packets.end());
-  for (int k = 0; k < one.packets; ++k)
-    one.at.first[Coalescence::packet + k] = of_fine[packets[k].sub_step].at(packets[k]);
-  for (const auto& [source, corners] : arrival.taken)
-    for (int d = 0; d < 3; ++d) {
-      if (corners[d] == 0 || (!source.plus[d] && !source.minus[d])) continue;
-      const auto place_of = [&](const std::optional<Int3>& beside) {
-        return of_coarse.at({0, source.left.direction, beside ? *beside : source.left.cell});
-      };
-      const T slope = source.plus[d] && source.minus[d] ? T(1. / 8) : T(1. / 4);
-      one.taken.push_back({place_of(source.plus[d]), place_of(source.minus[d]), T(corners[d]) * slope});
+void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
+  axis = box.size.x > 1 ? 0 : 1;
+  const Int3 end = box.lower + box.size;
+  Int3 ends = end;
+  ends[axis] = box.lower[axis] + 1;
+  for_cells(box.lower, ends, [&](Int3 first) {
+    for (x = first; x[axis] < end[axis]; x[axis] += int(length)) {
+      const Surroundings s = around(x);
+      length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
+      if (!s.any_fine) continue;
+      for (int j = 1; j < directions; ++j) {
+        add_explosion(j);
+        add_coalescence(j);
+        add_passing(j);
+      }
     }
-  const auto alike = [](const Coalescence& a, const Coalescence& b) {
-    return a.array == b.array && a.packets == 8 && b.packets == 8 && a.addend == b.addend;
-  };
-  add_to_rows(border.coalescences_, one, alike);
+  });
 }
 
 template <class T>
 void LevelBorder<T>::Builder::build() {
-  for (const int b : blocks_near(coarse, fine, coarse, rank)) {
-    const BlockPlace place = coarse.block(b);
-    const CellBox around = grown({place.box.lower + place.box.lower, place.box.size + place.box.size}, 2);
-    if (fine.blocks_meeting(around).empty()) continue;
-    for_ghost_slots(place.box.size,
-                    [&](Int3 g, int j) { follow_coarse(place, place.box.lower + g - c[j], j); });
+  std::set<int> near;  // blocks whose cells may have to do with this rank's, in an order on which ranks agree
+  const auto add_near = [&](const CellBox& box) {
+    for (const int b : coarse.blocks_meeting(grown(box, 2))) near.insert(b);
+  };
+  for (const BlockPlace& mine : coarse.blocks_of(rank)) add_near(mine.box);
+  for (const BlockPlace& mine : fine.blocks_of(rank))
+    add_near({halved(mine.box.lower), halved(mine.box.size)});
+  for (const int b : near) {
+    const CellBox box = coarse.block(b).box;  // its outermost cells, face by face
+    const CellBox inner = grown(box, -1);
+    const Int3 high = box.lower + box.size - Int3{1, 1, 1}, n = box.size, m = inner.size;
+    const CellBox faces[] = {{box.lower, {n.x, n.y, 1}},
+                             {{box.lower.x, box.lower.y, high.z}, {n.x, n.y, n.z > 1 ? 1 : 0}},
+                             {{box.lower.x, box.lower.y, inner.lower.z}, {n.x, 1, m.z}},
+                             {{box.lower.x, high.y, inner.lower.z}, {n.x, n.y > 1 ? 1 : 0, m.z}},
+                             {{box.lower.x, inner.lower.y, inner.lower.z}, {1, m.y, m.z}},
+                             {{high.x, inner.lower.y, inner.lower.z}, {n.x > 1 ? 1 : 0, m.y, m.z}}};
+    for (const CellBox& face : faces) {
+      if (face.size.x <= 0 || face.size.y <= 0 || face.size.z <= 0) continue;
+      const CellBox around = grown(face, 1);
+      if (!fine.blocks_meeting({around.lower + around.lower, around.size + around.size}).empty())
+        add_rows(face);
+    }
   }
-  for (const int b : blocks_near(fine, fine, coarse, rank)) {
-    const BlockPlace place = fine.block(b);
-    for_ghost_slots(place.box.size,
-                    [&](Int3 g, int j) { follow_fine(place, place.box.lower + g - c[j], j); });
-  }
-  of_coarse = list(coarse_left, border.coarse_left_, border.coarse_, rank);
-  of_before = list(before, border.before_, border.coarse_, rank);
-  for (int s = 0; s < 2; ++s)
-    of_fine[s] = list(fine_left[s], border.fine_left_[s], border.fine_, rank,
-                      s == 0 ? 0 : std::int32_t(of_fine[0].size()));
-  border.coarse_values_.resize(of_coarse.size());
-  border.coarse_before_.resize(of_before.size());
-  border.fine_values_.resize(of_fine[0].size() + of_fine[1].size());
-  for (const Source& source : sources) add_explosion(source);
-  for (const auto& [key, arrival] : arrivals) {
-    const auto& [block, j, z, y, x] = key;
-    add_coalescence(block, j, {x, y, z}, arrival);
-  }
-  for (const Between& p : passing) {
-    const BlockPlace& place = level_of.block_at(p.to.cell);
-    const int b = fine.local_index(place, rank);
-    border.passing_.push_back({std::uint32_t(b * directions + p.to.direction),
-                               std::int32_t(border.fine_.blocks()[b].cell(p.to.cell - place.box.lower)),
-                               of_fine[0].at(p.left), T(p.to.addend + p.to.by_force)});
-  }
+  border.coarse_fetched_.resize(coarse_next);
+  for (int s = 0; s < 2; ++s) border.fine_fetched_[s].resize(fine_next[s]);
+  border.sums_.resize(sums);
 }
 
 template <class T>
