@@ -1,0 +1,132 @@
+#include "coupler/regions/level_views.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "coupler/exchange/holders.hpp"
+#include "lbm/equal_cut.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+using lbm::CellBox;
+using lbm::CutTree;
+using lbm::Int3;
+using lbm::LevelCut;
+
+namespace {
+
+int coarsest_tile(const Case& setup) {
+  return FineBoxes::tile(setup.coarsening->levels - 1);
+}
+
+rigid::BoundingBox bounds(const CellBox& box) {
+  const rigid::Vec3 lower(box.lower.x, box.lower.y, box.lower.z), size(box.size.x, box.size.y, box.size.z);
+  return {lower, lower + size};
+}
+
+/// The domain of one leaf a rank; only what is periodic counts.
+lbm::Domain domain_of(const Case& setup, const CutTree& parts) {
+  std::array<lbm::SideCondition, 6> sides;
+  for (int side = 0; side < 6; ++side)
+    sides[side].kind = setup.periodic(side / 2) ? lbm::SideKind::periodic : lbm::SideKind::bounce;
+  return {parts, sides, parts.leaves()};
+}
+
+/// The other ranks whose parts are no further than so many cells from a part, sorted.
+std::vector<int> ranks_within(int cells, const lbm::Domain& domain, const CellBox& part, int rank) {
+  std::vector<int> ranks;
+  Holders(domain, cells + 0.5).ranks_of(bounds(part), ranks);
+  std::erase(ranks, rank);
+  return ranks;
+}
+
+double largest_radius(const rigid::World& world) {
+  double largest = 0;
+  for (const double radius : world.bounding_radii)
+    if (std::isfinite(radius)) largest = std::max(largest, radius);
+  return largest;
+}
+
+}  // namespace
+
+Int3 tiles_of(const Case& setup) {
+  Int3 tiles;
+  for (int d = 0; d < 3; ++d) tiles[d] = std::max(1, setup.cells[d] / coarsest_tile(setup));
+  return tiles;
+}
+
+CutTree of_cells(const CutTree& of_tiles, const Case& setup) {
+  std::vector<lbm::Cut> nodes(of_tiles.nodes().begin(), of_tiles.nodes().end());
+  for (lbm::Cut& cut : nodes) cut.position *= coarsest_tile(setup);
+  return {{setup.cells[0], setup.cells[1], setup.cells[2]}, std::move(nodes)};
+}
+
+CutTree cut_for_levels(const Case& setup, int ranks) {
+  try {
+    return of_cells(lbm::equal_cut(tiles_of(setup), ranks), setup);
+  } catch (const std::invalid_argument&) {
+    throw std::invalid_argument(
+        fmt::format("the domain of {} x {} x {} cells cannot be cut into {} parts of at least {} cells an "
+                    "edge, four of the "
+                    "coarsest; use fewer ranks, or fewer coarsening.levels",
+                    setup.cells[0], setup.cells[1], setup.cells[2], ranks, 2 * coarsest_tile(setup)));
+  }
+}
+
+LevelViews::LevelViews(const Case& setup, CutTree parts, const rigid::World& world, MPI_Comm comm)
+    : setup_(setup), fine_(setup), world_(world), parts_(std::move(parts)), messages_(comm) {
+  rank_ = parallel::rank_of(comm);
+  part_ = parts_.leaf(rank_).box;
+  const lbm::Domain domain = domain_of(setup, parts_);
+  beside_ = ranks_within(coarsest_tile(setup) - 1, domain, part_, rank_);
+  in_reach_ = ranks_within(int(std::ceil(largest_radius(world))) + fine_.reach(), domain, part_, rank_);
+  for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);
+}
+
+/// What decides the levels of this rank's part.
+std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) {
+  std::vector<lbm::LevelBox> boxes;
+  fine_.add_named(boxes);
+  for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
+    if (bodies.id[row] >= rigid::first_tube_id)
+      fine_.add_wall(world_.shapes[bodies.shape[row]], bodies.pose(row), part_, boxes);
+  for (const int rank : in_reach_) messages_.to(rank);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const CellBox box = fine_.around(rigid::bounding_box(world_.shapes[bodies.shape[row]], bodies.pose(row)));
+    for (std::size_t k = 0; k < in_reach_.size(); ++k)
+      if (fine_.is_near(box, parts_in_reach_[k])) parallel::put(messages_.to(in_reach_[k]), box);
+    fine_.add(box, 0, boxes);
+  }
+  messages_.with_partners(in_reach_);
+  messages_.for_received<CellBox>([&](const CellBox& box, int) { fine_.add(box, 0, boxes); });
+  return boxes;
+}
+
+LevelCut LevelViews::told_by(const parallel::Bytes& bytes) const {
+  parallel::ByteReader reader(bytes);
+  LevelCut cut;
+  cut.levels.resize(reader.take<std::int32_t>());
+  cut.nodes.resize(cut.levels.size() - 1);
+  reader.take(std::span(cut.nodes));
+  reader.take(std::span(cut.levels));
+  return cut;
+}
+
+CutTree LevelViews::view(const rigid::BodySet& bodies) {
+  std::map<int, LevelCut> cuts;
+  const LevelCut& mine = cuts[rank_] = level_cut(part_, boxes_here(bodies), setup_.coarsening->levels);
+  for (const int rank : beside_) {
+    parallel::Bytes& to = messages_.to(rank);
+    parallel::put(to, std::int32_t(mine.levels.size()));
+    parallel::put(to, std::span(mine.nodes));
+    parallel::put(to, std::span(mine.levels));
+  }
+  messages_.with_partners(beside_);
+  for (const parallel::Messages::Message& m : messages_.received()) cuts[m.rank] = told_by(m.bytes);
+  return view_of(parts_, cuts);
+}
+
+}  // namespace silt::coupler

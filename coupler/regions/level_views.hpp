@@ -1,0 +1,45 @@
+#pragma once
+// How a rank sees the levels of cells: those of its own part of the domain and of the parts beside it. Each
+// rank cuts its part by what the bodies of all ranks near it ask for, and tells the ranks beside it.
+#include <mpi.h>
+
+#include "coupler/regions/fine_boxes.hpp"
+#include "parallel/messages.hpp"
+
+namespace silt::coupler {
+
+/// Returns a tree of one leaf a rank whose planes lie where faces of the coarsest border may.
+/// std::invalid_argument if there are too many ranks.
+lbm::CutTree cut_for_levels(const Case&, int ranks);
+/// Returns a tree of that box of tiles, two of the coarsest cells each, as one of cells.
+lbm::CutTree of_cells(const lbm::CutTree& of_tiles, const Case&);
+/// Returns the domain in such tiles; of an axis with half a tile over the last one is longer.
+lbm::Int3 tiles_of(const Case&);
+
+class LevelViews {
+ public:
+  /// Collective. Parts: as cut_for_levels. Keeps references to the case and the world.
+  LevelViews(const Case&, lbm::CutTree parts, const rigid::World&, MPI_Comm);
+
+  /// Collective: the view that follows from where bodies and walls are. The leaves of a part that is not
+  /// beside this rank's are far.
+  lbm::CutTree view(const rigid::BodySet&);
+  /// The other ranks whose parts are beside this one, sorted: they agree.
+  const std::vector<int>& beside() const { return beside_; }
+
+ private:
+  std::vector<lbm::LevelBox> boxes_here(const rigid::BodySet&);
+  lbm::LevelCut told_by(const parallel::Bytes&) const;
+
+  const Case& setup_;
+  FineBoxes fine_;
+  const rigid::World& world_;
+  lbm::CutTree parts_;
+  lbm::CellBox part_;
+  int rank_;
+  std::vector<int> beside_, in_reach_;  // in_reach_: whose bodies may have a say here
+  std::vector<lbm::CellBox> parts_in_reach_;
+  parallel::Messages messages_;
+};
+
+}  // namespace silt::coupler
