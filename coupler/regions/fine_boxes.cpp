@@ -102,9 +102,8 @@ void FineBoxes::add(CellBox box, int level, std::vector<LevelBox>& boxes) const 
     }
     for (const CellBox& piece : pieces)
       if (piece.cells() > 0) boxes.push_back({piece, level});
-    const int more = growth(spec_, level + 1);
-    const Int3 all{more, more, more};
-    box = rounded(box.lower - all, box.lower + box.size + all, tile(level + 1));
+    const CellBox next = lbm::grown(box, growth(spec_, level + 1));
+    box = rounded(next.lower, next.lower + next.size, tile(level + 1));
   }
 }
 

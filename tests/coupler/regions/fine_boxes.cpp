@@ -75,7 +75,9 @@ TEST(FineBoxes, BodiesAreAmongFinestCells) {
           const Vec3 arm = nearest_image(Vec3(x.x + 0.5, x.y + 0.5, x.z + 0.5) - pose.position, extent);
           const double distance = rigid::signed_distance(scene.world.shapes[scene.bodies.shape[row]],
                                                          pose.orientation.conjugate() * arm);
-          if (distance < 6) EXPECT_EQ(field.at(x), 0) << x.x << ' ' << x.y << ' ' << x.z;
+          if (distance < 6) {
+            EXPECT_EQ(field.at(x), 0) << x.x << ' ' << x.y << ' ' << x.z;
+          }
         }
       });
       EXPECT_GT(field.count(levels), 0);
@@ -129,8 +131,10 @@ TEST(FineBoxes, CurvedWallsAreAmongFinestCells) {
   lbm::for_cells({}, tree.cells(), [&](Int3 x) {
     const double radius = std::sqrt(std::pow(x.x + 0.5 - 48, 2) + std::pow(x.y + 0.5 - 48, 2));
     near += std::abs(radius - 44) < 6;
-    if (std::abs(radius - 44) < 6) EXPECT_EQ(field.at(x), 0);
-    if (radius < 44 - 6 - 2 * 4 * std::sqrt(3.)) EXPECT_EQ(field.at(x), 1);
+    if (std::abs(radius - 44) < 6)
+      EXPECT_EQ(field.at(x), 0);
+    else if (radius < 44 - 6 - 2 * 4 * std::sqrt(3.))
+      EXPECT_EQ(field.at(x), 1);
   });
   EXPECT_LT(field.count(0), 2 * near);
   EXPECT_LT(tree.leaves(), 200);
