@@ -13,6 +13,7 @@
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
+#include "coupler/regions/level_views.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/levels.hpp"
 #include "lbm/pairs_across.hpp"
@@ -267,6 +268,7 @@ lbm::Domain make_domain(const Case& scene, int ranks) {
   std::optional<Int3> blocks;
   if (scene.block_cells)
     blocks = Int3{(*scene.block_cells)[0], (*scene.block_cells)[1], (*scene.block_cells)[2]};
+  if (scene.coarsening) return lbm::Domain(cut_for_levels(scene, ranks), sides, ranks);
   return lbm::Domain({scene.cells[0], scene.cells[1], scene.cells[2]}, sides, blocks, ranks);
 }
 

@@ -247,6 +247,15 @@ std::string energy_text(const Case& setup, const EnergyGain& e, std::int64_t sin
       contact_remedy(setup));
 }
 
+std::string border_text(const Case& setup, rigid::BodyId id, std::int64_t step) {
+  const CoarseningSpec& spec = *setup.coarsening;
+  return fmt::format(
+      "step {}: {} has come within {} cells of coarser ones, where its links would read them; raise "
+      "coarsening.distance (now {} cells{}), or {}",
+      step, body_name(setup, id), least_margin(setup), shown(spec.distance),
+      in_case_units(setup, spec.distance, dimension::length, "m"), slower_remedy(setup));
+}
+
 std::string overflow_text(const Case& setup, const std::string& what, std::int64_t step,
                           std::optional<int> rank) {
   return fmt::format("step {}: a force is out of range{} ({}); {}", step,

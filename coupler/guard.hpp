@@ -58,6 +58,9 @@ struct EnergyGain {
 };
 std::string energy_text(const Case&, const EnergyGain&, std::int64_t since, std::int64_t step);
 
+/// Returns the text for a body that came too near to coarser cells.
+std::string border_text(const Case&, rigid::BodyId, std::int64_t step);
+
 /// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step,
                           std::optional<int> rank = {});

@@ -1,6 +1,7 @@
 #include "coupler/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
@@ -13,6 +14,7 @@
 #include "coupler/placement/place_bodies.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -107,7 +109,13 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved)
         world, *contacts.backend, *contacts.resolver, *exchange,
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
-  if (setup.fluid) flow = make_flow(setup, domain, comm, *exchange);
+  if (setup.coarsening) level_views_ = std::make_unique<LevelViews>(setup, domain.tree(), world, comm);
+  if (setup.fluid) flow = make_flow(setup, flow_domain(), comm, *exchange);
+}
+
+/// The blocks of the flow: of cells of several levels, or those of the domain.
+lbm::Domain Scene::flow_domain() {
+  return level_views_ ? lbm::Domain(level_views_->view(bodies), domain.sides(), ranks) : domain;
 }
 
 void Scene::move_walls(std::int64_t step) {
@@ -120,7 +128,7 @@ void Scene::move_walls(std::int64_t step) {
 }
 
 bool Scene::may_be_cut_anew() const {
-  return ranks > 1 && !setup.block_cells;
+  return ranks > 1 && !setup.block_cells && !setup.coarsening;
 }
 
 /// From the cut by size alone to one for the work that the bodies will make, where that is clearly better.
@@ -138,11 +146,37 @@ void Scene::cut_for_bodies() {
 void Scene::cut_anew(const lbm::CutTree& tree) {
   domain = lbm::Domain(tree, domain.sides(), ranks);
   exchange->cut_anew(bodies);
-  if (!flow) return;
-  auto moved = make_flow(setup, domain, comm, *exchange);
+  if (flow) renew_flow(domain);
+}
+
+void Scene::renew_flow(const lbm::Domain& blocks) {
+  auto moved = make_flow(setup, blocks, comm, *exchange);
   moved->take_over(*flow);
   flow = std::move(moved);
   flow->start(bodies);
+}
+
+/// A body of this rank that is nearer to coarser cells than it may ever be.
+std::optional<rigid::BodyId> Scene::body_at_border() const {
+  const double margin = least_margin(setup);
+  const lbm::Domain& coarser = flow->fields(1).domain();
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const rigid::BoundingBox box = rigid::bounding_box(world.shapes[bodies.shape[row]], bodies.pose(row));
+    lbm::CellBox cells;
+    for (int d = 0; d < 3; ++d) {
+      cells.lower[d] = int(std::floor((box.lower[d] - margin) / 2));
+      cells.size[d] = int(std::ceil((box.upper[d] + margin) / 2)) - cells.lower[d];
+    }
+    if (!coarser.blocks_meeting(cells).empty()) return bodies.id[row];
+  }
+  return {};
+}
+
+bool Scene::regrid() {
+  const lbm::Domain blocks = flow_domain();
+  if (blocks.tree() == flow->fields().domain().tree()) return false;
+  renew_flow(blocks);
+  return true;
 }
 
 void Scene::take_saved_bodies(const SavedBodies& saved) {

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "coupler/load_balance.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/placement/start_positions.hpp"
+#include "coupler/regions/level_views.hpp"
 #include "rigid/rigid_step.hpp"
 
 namespace silt::coupler {
@@ -65,6 +67,12 @@ class Scene {
   /// ones.
   void cut_anew(const lbm::CutTree&);
 
+  /// Between steps of the coarsest cells, once the flow has started: goes over to the levels of cells that
+  /// follow from where bodies and walls are now. Ranks that see no change do nothing. Returns whether this
+  /// one did.
+  bool regrid();
+  std::optional<rigid::BodyId> body_at_border() const;
+
   /// Makes a row that of a body which a case places: wrapped into the domain, at rest on the lattice.
   void set_placed(std::size_t row, rigid::BodyId, const BodySpec&, const CentredShape&);
 
@@ -82,12 +90,15 @@ class Scene {
   void take_placed_bodies(const std::vector<CentredShape>&);
   void count_bodies();
   void cut_for_bodies();
+  lbm::Domain flow_domain();
+  void renew_flow(const lbm::Domain&);
 
   struct MovingWall {
     std::size_t number;  // in the case
     WallMapping mapping;
   };
   std::vector<MovingWall> moving_walls_;
+  std::unique_ptr<LevelViews> level_views_;  // null: no [coarsening]
 };
 
 }  // namespace silt::coupler

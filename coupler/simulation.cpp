@@ -163,6 +163,13 @@ void Simulation::balance_work() {
   effort_.balance.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+/// Before a step too.
+void Simulation::regrid() {
+  if (!setup().coarsening || step_ == 0 || step_ % regrid_interval != 0) return;
+  if (const auto id = scene_.body_at_border()) throw GuardStop(border_text(setup(), *id, step_));
+  if (scene_.regrid()) coupled_step_.renew(scene_.parts());
+}
+
 BalanceRecord Simulation::balance_record() const {
   BalanceRecord record = effort_.balance;
   record.at_start = scene_.at_start.evenness;
@@ -172,6 +179,7 @@ BalanceRecord Simulation::balance_record() const {
 void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
   balance_work();
+  regrid();
   const BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
   const parallel::Traffic before = parallel::traffic();
   parallel::begin_step_of_traffic();

@@ -128,6 +128,7 @@ class Simulation : private rigid::StepObserver {
   void contact_impulse(rigid::BodySet&, std::size_t row, const rigid::Vec3& impulse,
                        const rigid::Vec3& angular_impulse) override;
   void balance_work();
+  void regrid();
   void count(const rigid::RigidStepReport&);
   void watch();
   void tell_faults();

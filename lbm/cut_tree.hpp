@@ -21,6 +21,7 @@ namespace silt::lbm {
 /// A plane across an axis: cells below `position` along it are of the lower part.
 struct Cut {
   std::int32_t axis, position, lower_leaves;
+  bool operator==(const Cut&) const = default;
 };
 
 struct LeafKind {
@@ -49,6 +50,9 @@ class CutTree {
   std::span<const Cut> nodes() const { return *nodes_; }
   /// Those of the leaves; empty: they have none.
   std::span<const LeafKind> kinds() const { return *kinds_; }
+  bool operator==(const CutTree& other) const {
+    return cells_ == other.cells_ && *nodes_ == *other.nodes_ && *kinds_ == *other.kinds_;
+  }
   Leaf leaf(int index) const;
   /// The leaf of a cell inside the box.
   Leaf leaf_at(Int3 cell) const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cpu/prefetch.hpp"
+
 namespace silt::lbm {
 
 namespace {
@@ -56,7 +58,10 @@ template <class T, class Row, class F>
   else if (step == 2)
     for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[2 * n]);
   else
-    for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[n * step]);
+    for (std::ptrdiff_t n = 0; n < count; ++n) {
+      prefetch_to_write(first + (n + 12) * step);
+      f(n, first[n * step]);
+    }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 // Where cells may be coarser: the table [coarsening] of a case. Cells of level l are 2^l finest cells wide.
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "rigid/shapes/bounding_box.hpp"
@@ -8,6 +9,9 @@
 namespace silt::coupler {
 
 struct Case;
+
+/// Cells are refined and coarsened before steps that are multiples of this, and at no other time.
+inline constexpr std::int64_t regrid_interval = 16;
 
 /// A box in which no cell is of a higher level.
 struct FineBox {
@@ -17,6 +21,7 @@ struct FineBox {
 
 struct CoarseningSpec {
   static constexpr int most_levels = 4;
+  static_assert(regrid_interval % (1 << most_levels) == 0);
   int levels = 1;       // besides the finest, 0
   double distance = 0;  // cells: from bodies, curved walls and fine sides up to which cells are finest
   std::array<bool, 6> fine_sides{};  // by Side

@@ -113,6 +113,8 @@ void FineBoxes::add_named(std::vector<LevelBox>& boxes) const {
     (side % 2 ? face.lower : face.upper)[side / 2] = side % 2 ? cells_[side / 2] : 0;
     if (spec_.fine_sides[side]) add(around(face), 0, boxes);
   }
+  for (const FillSpec& fill : setup_.fills)
+    if (fill.every > 0) add(around(fill.box), 0, boxes);
   for (const auto& [box, level] : spec_.fine)
     add(rounded(floor_of(box.lower), ceil_of(box.upper), tile(level)), level, boxes);
 }

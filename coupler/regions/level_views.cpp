@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/holders.hpp"
 #include "lbm/equal_cut.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -81,7 +82,7 @@ LevelViews::LevelViews(const Case& setup, CutTree parts, const rigid::World& wor
   rank_ = parallel::rank_of(comm);
   part_ = parts_.leaf(rank_).box;
   const lbm::Domain domain = domain_of(setup, parts_);
-  beside_ = ranks_within(coarsest_tile(setup) - 1, domain, part_, rank_);
+  beside_ = ranks_within(2 * coarsest_tile(setup), domain, part_, rank_);
   in_reach_ = ranks_within(int(std::ceil(largest_radius(world))) + fine_.reach(), domain, part_, rank_);
   for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);
 }
@@ -94,11 +95,16 @@ std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) 
     if (bodies.id[row] >= rigid::first_tube_id)
       fine_.add_wall(world_.shapes[bodies.shape[row]], bodies.pose(row), part_, boxes);
   for (const int rank : in_reach_) messages_.to(rank);
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const CellBox box = fine_.around(rigid::bounding_box(world_.shapes[bodies.shape[row]], bodies.pose(row)));
+  const auto add = [&](std::size_t row, const rigid::Pose& pose) {
+    const CellBox box = fine_.around(rigid::bounding_box(world_.shapes[bodies.shape[row]], pose));
     for (std::size_t k = 0; k < in_reach_.size(); ++k)
       if (fine_.is_near(box, parts_in_reach_[k])) parallel::put(messages_.to(in_reach_[k]), box);
     fine_.add(box, 0, boxes);
+  };
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const rigid::Pose pose = bodies.pose(row), mapped = mapping_pose(bodies, row);
+    add(row, pose);
+    if ((mapped.position - pose.position).norm() > least_margin(setup_)) add(row, mapped);  // it was moved
   }
   messages_.with_partners(in_reach_);
   messages_.for_received<CellBox>([&](const CellBox& box, int) { fine_.add(box, 0, boxes); });
