@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "cpu/prefetch.hpp"
-
 namespace silt::lbm {
 
 namespace {
@@ -47,7 +45,7 @@ void in_parts(std::uint32_t length, F&& f) {
   for (std::uint32_t begin = 0; begin < length; begin += most) f(begin, std::min(most, length - begin));
 }
 
-/// Calls f(n, value) for elements of a row.
+/// Calls f(n, element) for elements of a row.
 template <class T, class Row, class F>
 [[gnu::always_inline]] inline void for_row(T* const* table, const Row& row, std::uint32_t begin,
                                            std::uint32_t count, F&& f) {
@@ -55,13 +53,19 @@ template <class T, class Row, class F>
   const std::ptrdiff_t step = row.step;
   if (step == 1)
     for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[n]);
-  else if (step == 2)
-    for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[2 * n]);
   else
-    for (std::ptrdiff_t n = 0; n < count; ++n) {
-      prefetch_to_write(first + (n + 12) * step);
-      f(n, first[n * step]);
-    }
+    for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[n * step]);
+}
+/// Calls f(n, element, the next one), which are pairs beside one another if the row is along x.
+template <class T, class Row, class F>
+[[gnu::always_inline]] inline void for_pairs(T* const* table, const Row& row, std::uint32_t begin,
+                                             std::uint32_t count, F&& f) {
+  T* const first = table[row.array] + row.first + std::ptrdiff_t(begin) * row.step;
+  const std::ptrdiff_t step = row.step;
+  if (step == 2)
+    for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[2 * n], first[2 * n + 1]);
+  else
+    for (std::ptrdiff_t n = 0; n < count; ++n) f(n, first[n * step], first[n * step + 1]);
 }
 
 }  // namespace
@@ -107,9 +111,15 @@ void LevelBorder<T>::explode(int sub_step) {
         if (packet.sub_step != sub_step) continue;
         const auto sign = [&](int d) { return packet.corner >> d & 1 ? T(1) : T(-1); };
         const T x = sign(0), y = sign(1), z = sign(2), addend = packet.addend;
-        for_row(arrays.data(), packet.to, begin, count, [&](auto n, T& to) {
-          to = value[n] + (x * change[0][n] + y * change[1][n] + z * change[2][n]) + addend;
-        });
+        const auto middle = [&](auto n) { return value[n] + (y * change[1][n] + z * change[2][n]) + addend; };
+        if (packet.paired)
+          for_pairs(arrays.data(), packet.to, begin, count, [&](auto n, T& low, T& high) {
+            const T between = middle(n);
+            low = between - change[0][n], high = between + change[0][n];
+          });
+        else
+          for_row(arrays.data(), packet.to, begin, count,
+                  [&](auto n, T& to) { to = middle(n) + x * change[0][n]; });
       }
     });
   if (sub_step == 1)
@@ -127,11 +137,15 @@ void LevelBorder<T>::coalesce(int sub_step) {
   for (const Coalescence& c : coalescences_)
     in_parts(c.length, [&](std::uint32_t begin, std::uint32_t count) {
       T* const sum = sums_.data() + c.sum + begin;
-      const auto add = [&](auto n, T v) { sum[n] += v; };
       if (sub_step == 0) std::fill_n(sum, count, T(0));
-      for (const Row& packet : c.packets[sub_step]) for_row(table.data(), packet, begin, count, add);
+      for (const auto& packets : c.packets[sub_step])
+        if (packets.paired)
+          for_pairs(table.data(), packets.from, begin, count,
+                    [&](auto n, T low, T high) { sum[n] = sum[n] + low + high; });
+        else
+          for_row(table.data(), packets.from, begin, count, [&](auto n, T v) { sum[n] += v; });
       if (sub_step == 0) return;
-      const int from_coarse = 8 - int(c.packets[0].size() + c.packets[1].size());
+      const int from_coarse = 8 - c.count;
       if (from_coarse > 0)
         for_row(arrays.data(), c.to, begin, count, [&](auto n, T v) { sum[n] += from_coarse * v; });
       for (const auto& taken : c.taken) {

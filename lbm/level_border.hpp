@@ -49,7 +49,8 @@ class LevelBorder {
     struct Packet {          // into a fine cell
       int sub_step, corner;  // corner: bit d for the upper half along axis d
       Row to;
-      T addend;  // by walls that it met, and the force
+      T addend;             // by walls that it met, and the force
+      bool paired = false;  // the next element is for the other corner along x
     };
     std::vector<Packet> packets;
   };
@@ -57,8 +58,13 @@ class LevelBorder {
   struct Coalescence {
     std::uint32_t length;
     Row to;
-    std::vector<Row> packets[2];  // of fine cells, by sub-step
-    std::uint32_t sum;            // in sums_, of the first sub-step's
+    struct Packets {  // of fine cells
+      Row from;
+      bool paired = false;  // the next element is one more
+    };
+    std::vector<Packets> packets[2];  // by sub-step
+    int count;                        // of all
+    std::uint32_t sum;                // in sums_, of the first sub-step's
     T addend;
     struct Taken {
       Row above, below;

@@ -170,6 +170,25 @@ struct LevelBorder<T>::Builder {
                                : 0)};
   }
 
+  static bool goes_on(const Row& row, const Row& next) {
+    return row.array == next.array && row.first + 1 == next.first && row.step == next.step;
+  }
+  static void add_packet(std::vector<typename Explosion::Packet>& packets,
+                         const typename Explosion::Packet& one) {
+    if (!packets.empty() && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
+        one.corner != packets.back().corner && one.sub_step == packets.back().sub_step &&
+        one.addend == packets.back().addend && goes_on(packets.back().to, one.to))
+      packets.back().paired = true;
+    else
+      packets.push_back(one);
+  }
+  static void add_packet(std::vector<typename Coalescence::Packets>& packets, const Row& one) {
+    if (!packets.empty() && !packets.back().paired && goes_on(packets.back().from, one))
+      packets.back().paired = true;
+    else
+      packets.push_back({one});
+  }
+
   void add_explosion(int j);
   void add_coalescence(int j);
   void add_passing(int j);
@@ -178,8 +197,18 @@ struct LevelBorder<T>::Builder {
   /// The levels around a cell: whether a fine one is among them, and how many cells from it on, along the
   /// axis at hand, have the same leaves around them.
   struct Surroundings {
-    bool any_fine = false;
+    bool any_fine = false, any_outside = false;
+    bool fine[3][3][3] = {};  // by z, y, x
     int alike = 1 << 30;
+    /// Whether what moves along j may meet fine cells.
+    bool may_meet(int j) const {
+      bool found = any_outside;
+      for (int k = 1; k < 8; ++k) {
+        const Int3 v = corner(k);
+        found |= fine[1 + v.z * c[j].z][1 + v.y * c[j].y][1 + v.x * c[j].x];
+      }
+      return found;
+    }
   };
   Surroundings around(Int3 cell);
   void add_rows(const CellBox&);
@@ -221,9 +250,9 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
     for (const Entry& entry : entries) {
       if (leaves.at(entry.to.cell).rank != rank) continue;
       const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
-      (entry.to.by_outlet ? returned : one)
-          .packets.push_back({entry.sub_step, entry.corner,
-                              own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend)});
+      add_packet((entry.to.by_outlet ? returned : one).packets,
+                 {entry.sub_step, entry.corner,
+                  own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend)});
     }
     if (!one.packets.empty()) border.explosions_.push_back(std::move(one));
     if (!returned.packets.empty()) border.explosions_.push_back(std::move(returned));
@@ -271,9 +300,10 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
     x = first, length = whole;
     return;
   }
-  Coalescence one{length, {}, {}, sums, T(addend), {}};
+  Coalescence one{length, {}, {}, int(packets.size()), sums, T(addend), {}};
   for (const Left& left : packets)
-    one.packets[left.sub_step].push_back(fine_row(user, left.from.cell, left.from.direction, left.sub_step));
+    add_packet(one.packets[left.sub_step],
+               fine_row(user, left.from.cell, left.from.direction, left.sub_step));
   Int3 corners{};
   for (const Entry& entry : entered)
     corners = corners + corner(entry.corner) + corner(entry.corner) - Int3{1, 1, 1};
@@ -317,11 +347,15 @@ auto LevelBorder<T>::Builder::around(Int3 cell) -> Surroundings {
   for_cells(cell - Int3{1, 1, 1}, cell + Int3{2, 2, 2}, [&](Int3 y) {
     const Int3 image = coarse.wrapped(y);
     if (!coarse.inside(image)) {
+      s.any_outside = true;
       if (y[axis] != cell[axis]) s.alike = 1;  // at the end of the domain
       return;
     }
     const BlockPlace& place = coarse_leaves.at(image);
-    s.any_fine |= fine.is_of_level(place);
+    const bool is_fine = fine.is_of_level(place);
+    const Int3 v = y - cell;
+    s.fine[1 + v.z][1 + v.y][1 + v.x] = is_fine;
+    s.any_fine |= is_fine;
     s.alike = std::min(s.alike, place.box.lower[axis] + place.box.size[axis] - image[axis]);
   });
   return s;
@@ -340,9 +374,10 @@ void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
       length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
       if (!s.any_fine) continue;
       for (int j = 1; j < directions; ++j) {
-        add_explosion(j);
-        add_coalescence(j);
-        add_passing(j);
+        const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
+        if (enters) add_explosion(j);
+        if (comes) add_coalescence(j);
+        if (enters && comes) add_passing(j);
       }
     }
   });
