@@ -99,6 +99,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved)
   move_walls(0);
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
   exchange->synchronise(bodies);
+  look_at_levels();
   if (may_be_cut_anew()) cut_for_bodies();
   if (anything_moves) {
     contacts.backend = adapters::make_backend(setup.contacts.backend);
@@ -109,13 +110,14 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved)
         world, *contacts.backend, *contacts.resolver, *exchange,
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
-  if (setup.coarsening) level_views_ = std::make_unique<LevelViews>(setup, domain.tree(), world, comm);
-  if (setup.fluid) flow = make_flow(setup, flow_domain(), comm, *exchange);
+  if (setup.fluid) flow = make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange);
 }
 
-/// The blocks of the flow: of cells of several levels, or those of the domain.
-lbm::Domain Scene::flow_domain() {
-  return level_views_ ? lbm::Domain(level_views_->view(bodies), domain.sides(), ranks) : domain;
+/// The levels of cells that follow from where bodies and walls are.
+void Scene::look_at_levels() {
+  if (!setup.coarsening) return;
+  if (!level_views_) level_views_ = std::make_unique<LevelViews>(setup, domain.tree(), world, comm);
+  level_view_ = lbm::Domain(level_views_->view(bodies), domain.sides(), ranks);
 }
 
 void Scene::move_walls(std::int64_t step) {
@@ -128,7 +130,7 @@ void Scene::move_walls(std::int64_t step) {
 }
 
 bool Scene::may_be_cut_anew() const {
-  return ranks > 1 && !setup.block_cells && !setup.coarsening;
+  return ranks > 1 && !setup.block_cells;
 }
 
 /// From the cut by size alone to one for the work that the bodies will make, where that is clearly better.
@@ -139,18 +141,23 @@ void Scene::cut_for_bodies() {
   evenness.before = evenness.after = cuts.present.largest_over_mean();
   if (cuts.present.largest_over_mean() - cuts.better.largest_over_mean() <= clearly) return;
   evenness.after = cuts.better.largest_over_mean();
-  domain = lbm::Domain(cuts.better.tree, domain.sides(), ranks);
+  take_cut(cuts.better.tree);
+}
+
+void Scene::take_cut(const lbm::CutTree& tree) {
+  domain = lbm::Domain(tree, domain.sides(), ranks);
   exchange->cut_anew(bodies);
+  level_views_.reset();
+  look_at_levels();
 }
 
 void Scene::cut_anew(const lbm::CutTree& tree) {
-  domain = lbm::Domain(tree, domain.sides(), ranks);
-  exchange->cut_anew(bodies);
-  if (flow) renew_flow(domain);
+  take_cut(tree);
+  if (flow) renew_flow();
 }
 
-void Scene::renew_flow(const lbm::Domain& blocks) {
-  auto moved = make_flow(setup, blocks, comm, *exchange);
+void Scene::renew_flow() {
+  auto moved = make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange);
   moved->take_over(*flow);
   flow = std::move(moved);
   flow->start(bodies);
@@ -173,9 +180,9 @@ std::optional<rigid::BodyId> Scene::body_at_border() const {
 }
 
 bool Scene::regrid() {
-  const lbm::Domain blocks = flow_domain();
-  if (blocks.tree() == flow->fields().domain().tree()) return false;
-  renew_flow(blocks);
+  look_at_levels();
+  if (level_view_->tree() == flow->fields().domain().tree()) return false;
+  renew_flow();
   return true;
 }
 

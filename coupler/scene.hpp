@@ -71,6 +71,8 @@ class Scene {
   /// follow from where bodies and walls are now. Ranks that see no change do nothing. Returns whether this
   /// one did.
   bool regrid();
+  /// Which levels the cells have that this rank knows of; needs [coarsening].
+  const lbm::Domain& level_view() const { return *level_view_; }
   std::optional<rigid::BodyId> body_at_border() const;
 
   /// Makes a row that of a body which a case places: wrapped into the domain, at rest on the lattice.
@@ -90,8 +92,9 @@ class Scene {
   void take_placed_bodies(const std::vector<CentredShape>&);
   void count_bodies();
   void cut_for_bodies();
-  lbm::Domain flow_domain();
-  void renew_flow(const lbm::Domain&);
+  void take_cut(const lbm::CutTree&);
+  void look_at_levels();
+  void renew_flow();
 
   struct MovingWall {
     std::size_t number;  // in the case
@@ -99,6 +102,7 @@ class Scene {
   };
   std::vector<MovingWall> moving_walls_;
   std::unique_ptr<LevelViews> level_views_;  // null: no [coarsening]
+  std::optional<lbm::Domain> level_view_;
 };
 
 }  // namespace silt::coupler

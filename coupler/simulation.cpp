@@ -143,6 +143,11 @@ void Simulation::settle() {
 }
 
 void Simulation::cut_anew(const lbm::CutTree& tree) {
+  if (setup().coarsening && step_ % regrid_interval != 0)
+    throw std::invalid_argument(fmt::format(
+        "a domain with [coarsening] can be cut anew only after a multiple of {} steps, not after {}",
+        regrid_interval, step_));
+  if (setup().coarsening) regrid();
   guarded([&] { scene_.cut_anew(tree); });
   coupled_step_.renew(scene_.parts());
 }
@@ -178,8 +183,8 @@ BalanceRecord Simulation::balance_record() const {
 
 void Simulation::step() {
   const auto begin = std::chrono::steady_clock::now();
-  balance_work();
   regrid();
+  balance_work();
   const BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
   const parallel::Traffic before = parallel::traffic();
   parallel::begin_step_of_traffic();

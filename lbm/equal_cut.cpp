@@ -18,8 +18,8 @@ std::int64_t fitting(Int3 size, int edge) {
   return fitting(size.x, edge) * fitting(size.y, edge) * fitting(size.z, edge);
 }
 
-int least_edge(Int3 size, int leaves) {
-  for (int edge = 8; edge >= 2; --edge)
+int least_edge(Int3 size, int leaves, int edge = usual_edge) {
+  for (; edge >= 2; --edge)
     if (fitting(size, edge) >= leaves) return edge;
   throw std::invalid_argument("the domain of " + std::to_string(size.x) + " x " + std::to_string(size.y) +
                               " x " + std::to_string(size.z) + " cells cannot be cut into " +
@@ -80,8 +80,8 @@ CutRoom::Range CutRoom::along(int axis, Int3 size) const {
   return {layers(lower_leaves) * edge, size[axis] - layers(upper_leaves) * edge};
 }
 
-CutRoom room_to_cut(Int3 size, int leaves) {
-  const int edge = least_edge(size, leaves);
+CutRoom room_to_cut(Int3 size, int leaves, int edge) {
+  edge = least_edge(size, leaves, edge);
   for (int lower = leaves / 2; lower >= 1; --lower) {
     const CutRoom room{lower, leaves - lower, edge};
     for (int d = 0; d < 3; ++d)

@@ -18,9 +18,11 @@ struct CutRoom {
   Range along(int axis, Int3 size) const;
 };
 
-/// Half of the leaves below and half above, or as near to that as there is room: for leaves of at least 8
-/// cells an edge if so many of them fit, else of as many cells as do. std::invalid_argument for fewer than 2.
-CutRoom room_to_cut(Int3 size, int leaves);
+/// Half of the leaves below and half above, or as near to that as there is room: for leaves of at least so
+/// many cells an edge if so many of them fit, else of as many cells as do. std::invalid_argument for fewer
+/// than 2.
+inline constexpr int usual_edge = 8;
+CutRoom room_to_cut(Int3 size, int leaves, int edge = usual_edge);
 
 /// How much a cut across an axis costs, per cell of its face: across x double, as short rows are slow.
 double cost_of_face(int axis);

@@ -56,6 +56,7 @@ struct Part {
   CellBox box;
   std::int64_t work_of_a_cell;
   std::vector<WorkItem> items;
+  int edge = lbm::usual_edge;  // of a rank's part, if there is room
 
   std::int64_t work() const {
     std::int64_t sum = work_of_a_cell * box.cells();
@@ -106,7 +107,7 @@ CutPlane Part::best_plane(const lbm::CutRoom& room, std::vector<std::uint64_t> l
 /// Returns the parts below and above a plane, without items that have no work there.
 std::pair<Part, Part> Part::divided(const CutPlane& plane) const {
   const int axis = plane.axis, at = box.lower[axis] + plane.below;
-  Part lower{box, work_of_a_cell, {}}, upper = lower;
+  Part lower{box, work_of_a_cell, {}, edge}, upper = lower;
   lower.box.size[axis] = plane.below;
   upper.box.lower[axis] = at, upper.box.size[axis] -= plane.below;
   for (const WorkItem& item : items) {
@@ -146,7 +147,7 @@ class Bisection {
 
  private:
   void cut(int ranks) {
-    const lbm::CutRoom room = lbm::room_to_cut(part_.box.size, ranks);
+    const lbm::CutRoom room = lbm::room_to_cut(part_.box.size, ranks, part_.edge);
     std::vector<std::uint64_t> layers = part_.work_of_layers();
     parallel::sum_over_ranks(group_, std::span(layers));
     const CutPlane plane = part_.best_plane(room, std::move(layers));
@@ -191,9 +192,9 @@ WeightedCut with_work(MPI_Comm comm, lbm::CutTree tree, std::int64_t mine) {
 
 }  // namespace
 
-WeightedCut weighted_cut(MPI_Comm comm, Int3 cells, std::int64_t work_of_a_cell,
-                         std::vector<WorkItem> items) {
-  Bisection bisection(comm, {{{}, cells}, work_of_a_cell, std::move(items)});
+WeightedCut weighted_cut(MPI_Comm comm, Int3 cells, std::int64_t work_of_a_cell, std::vector<WorkItem> items,
+                         int edge) {
+  Bisection bisection(comm, {{{}, cells}, work_of_a_cell, std::move(items), edge});
   bisection.go();
   const int ranks = parallel::ranks_of(comm);
   std::vector<lbm::Cut> nodes(ranks - 1);

@@ -19,10 +19,6 @@ using lbm::LevelCut;
 
 namespace {
 
-int coarsest_tile(const Case& setup) {
-  return FineBoxes::tile(setup.coarsening->levels - 1);
-}
-
 rigid::BoundingBox bounds(const CellBox& box) {
   const rigid::Vec3 lower(box.lower.x, box.lower.y, box.lower.z), size(box.size.x, box.size.y, box.size.z);
   return {lower, lower + size};
@@ -53,6 +49,10 @@ double largest_radius(const rigid::World& world) {
 
 }  // namespace
 
+int coarsest_tile(const Case& setup) {
+  return FineBoxes::tile(setup.coarsening->levels - 1);
+}
+
 Int3 tiles_of(const Case& setup) {
   Int3 tiles;
   for (int d = 0; d < 3; ++d) tiles[d] = std::max(1, setup.cells[d] / coarsest_tile(setup));
@@ -63,6 +63,12 @@ CutTree of_cells(const CutTree& of_tiles, const Case& setup) {
   std::vector<lbm::Cut> nodes(of_tiles.nodes().begin(), of_tiles.nodes().end());
   for (lbm::Cut& cut : nodes) cut.position *= coarsest_tile(setup);
   return {{setup.cells[0], setup.cells[1], setup.cells[2]}, std::move(nodes)};
+}
+
+CutTree of_tiles(const CutTree& of_cells, const Case& setup) {
+  std::vector<lbm::Cut> nodes(of_cells.nodes().begin(), of_cells.nodes().end());
+  for (lbm::Cut& cut : nodes) cut.position /= coarsest_tile(setup);
+  return {tiles_of(setup), std::move(nodes)};
 }
 
 CutTree cut_for_levels(const Case& setup, int ranks) {

@@ -11,10 +11,13 @@ namespace silt::coupler {
 /// Returns a tree of one leaf a rank whose planes lie where faces of the coarsest border may.
 /// std::invalid_argument if there are too many ranks.
 lbm::CutTree cut_for_levels(const Case&, int ranks);
-/// Returns a tree of that box of tiles, two of the coarsest cells each, as one of cells.
-lbm::CutTree of_cells(const lbm::CutTree& of_tiles, const Case&);
-/// Returns the domain in such tiles; of an axis with half a tile over the last one is longer.
+/// The cells of the domain, of which the ranks' parts are whole tiles: so many finest cells an edge, two of
+/// the coarsest. Of an axis with half a tile over the last one is longer.
+int coarsest_tile(const Case&);
 lbm::Int3 tiles_of(const Case&);
+/// Returns a tree of that box of tiles as one of cells, and the other way.
+lbm::CutTree of_cells(const lbm::CutTree& of_tiles, const Case&);
+lbm::CutTree of_tiles(const lbm::CutTree& of_cells, const Case&);
 
 class LevelViews {
  public:
